@@ -1,0 +1,3 @@
+//! The `lemons` command.
+
+fn main() {}
