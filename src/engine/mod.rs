@@ -1,5 +1,34 @@
 //! Pure mechanics: no files, no FMI, no unsafe code.
+//!
+//! A [`World`] owns a [`Scene`] (bodies, walls, laws: immutable), a drive and a [`State`] (poses, twists,
+//! springs) and advances them by one communication step at a time. Inside, a mechanical step predicts,
+//! evaluates the contact forces once, and corrects; bodies that can touch nothing are moved by the closed
+//! form. SI units throughout; angles in radians, counter-clockwise positive.
 
+pub mod contact_law;
+mod contacts;
+mod free_flight;
+mod ids;
+mod mechanical_step;
+mod neighbours;
+mod overlap;
+mod pairs;
+mod scene;
+mod shortlist;
+mod state;
 mod vec2;
+mod world;
 
+pub use contact_law::Regime;
+pub use contacts::{BodyContacts, Contact, ContactReport, Pair, Work};
+pub use free_flight::{BodyFlight, FreeFlight};
+pub use ids::{BodyId, CornerId, DiskId, FaceId, WallId};
+pub use overlap::{Meeting, Overlap};
+pub use scene::{
+    Body, BodySpec, Corner, Disk, DiskSpec, Face, LawTable, PairLaw, Scene, SceneError, WallSpec,
+    shown_orientation,
+};
+pub use shortlist::Shortlisting;
+pub use state::{DiskSpring, FacePart, FaceSpring, Pose, State, Twist, Wrench};
 pub use vec2::{Rotation, Vec2, vec2};
+pub use world::{AdvanceError, World, step_count};

@@ -1,0 +1,347 @@
+//! Every contact at one instant: overlap, relative motion, spring -> forces.
+
+use super::contact_law::{Reaction, react};
+use super::overlap::{Meeting, Overlap, books_contact, meet, nearest_on_face};
+use super::pairs::{Pairs, Spring};
+use super::{BodyId, DiskId, FaceId, FacePart, PairLaw, Pose, Regime, Rotation, Scene, Twist, Vec2, Wrench};
+
+/// Where the disks are, from the poses of their bodies.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Placement {
+    /// \[m\] from the centre of mass to the disk's centre.
+    pub arm: Vec<Vec2>,
+    /// \[m\] the disk's centre.
+    pub centre: Vec<Vec2>,
+}
+
+impl Placement {
+    pub fn new(scene: &Scene) -> Placement {
+        Placement { arm: vec![Vec2::ZERO; scene.disks.len()], centre: vec![Vec2::ZERO; scene.disks.len()] }
+    }
+
+    /// Puts a body's disks where its pose says.
+    #[inline]
+    pub fn place(&mut self, scene: &Scene, body: usize, pose: Pose) {
+        let turn = Rotation::by(pose.orientation);
+        for disk in scene.bodies[body].disks.clone() {
+            let arm = scene.disks[disk].offset.rotated(turn);
+            self.arm[disk] = arm;
+            self.centre[disk] = pose.position + arm;
+        }
+    }
+}
+
+/// What an evaluation does to the springs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Stretch {
+    /// Takes them as they are.
+    Hold,
+    /// Lets each advance once, over the mechanical step \[s\].
+    Over(f64),
+}
+
+/// Work done, for tests and benchmarks: counts, never times.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Work {
+    /// Mechanical steps.
+    pub steps: u64,
+    /// Pairs looked at.
+    pub pairs: u64,
+    /// Pairs found touching.
+    pub contacts: u64,
+    /// Contacts found sliding.
+    pub sliding: u64,
+    /// Pairs whose centres coincided: no normal, no force.
+    pub coincident: u64,
+    /// Neighbour lists made.
+    pub rebuilds: u64,
+    /// Bodies moved by the closed form over a whole communication step.
+    pub shortlisted: u64,
+}
+
+/// A touching pair.
+struct Touch {
+    overlap: Overlap,
+    part: FacePart,
+    /// \[m\] from the receiver's centre of mass to the contact point.
+    arm: Vec2,
+    /// \[m\] from the other's centre of mass to the contact point.
+    other_arm: Vec2,
+    slip_speed: f64,
+    reaction: Reaction,
+}
+
+enum Finding {
+    Apart,
+    Coincident,
+    Touching(Touch),
+}
+
+/// The instant at which contacts are looked at.
+pub(super) struct Instant<'a> {
+    pub scene: &'a Scene,
+    pub placement: &'a Placement,
+    /// Of the same instant as the placement.
+    pub twists: &'a [Twist],
+}
+
+impl Instant<'_> {
+    /// \[m/s\] of the body's point at an arm from its centre of mass.
+    #[inline]
+    fn velocity_at(&self, body: BodyId, arm: Vec2) -> Vec2 {
+        let twist = &self.twists[body.index()];
+        twist.velocity + arm.perp() * twist.angular_velocity
+    }
+
+    #[inline]
+    fn disks(&self, first: DiskId, second: DiskId, spring: &Spring, stretch: Stretch) -> Finding {
+        let (i, j) = (first.index(), second.index());
+        let (disk, other) = (&self.scene.disks[i], &self.scene.disks[j]);
+        let between = self.placement.centre[i] - self.placement.centre[j];
+        let overlap = match meet(between, disk.radius + other.radius) {
+            Meeting::Apart => return Finding::Apart,
+            Meeting::Coincident => return Finding::Coincident,
+            Meeting::Touching(overlap) => overlap,
+        };
+        let arm = self.placement.arm[i] + overlap.contact_point(disk.radius);
+        let other_arm = self.placement.arm[j] - overlap.contact_point(other.radius);
+        let velocity = self.velocity_at(disk.body, arm) - self.velocity_at(other.body, other_arm);
+        let law = self.scene.law(disk.material, other.material);
+        Finding::Touching(touch(law, overlap, FacePart::Inside, arm, other_arm, velocity, spring, stretch))
+    }
+
+    #[inline]
+    fn face(&self, disk: DiskId, face: FaceId, spring: &Spring, stretch: Stretch) -> Finding {
+        let i = disk.index();
+        let (disk, wall) = (&self.scene.disks[i], &self.scene.faces[face.index()]);
+        let centre = self.placement.centre[i];
+        let (nearest, part) = nearest_on_face(wall, centre);
+        let meeting = meet(centre - nearest, disk.radius);
+        if meeting == Meeting::Apart || !books_contact(self.scene, face.index(), part, centre) {
+            return Finding::Apart;
+        }
+        let Meeting::Touching(overlap) = meeting else { return Finding::Coincident };
+        let arm = self.placement.arm[i] + overlap.contact_point(disk.radius);
+        let velocity = self.velocity_at(disk.body, arm);
+        let law = self.scene.law(disk.material, wall.material);
+        Finding::Touching(touch(law, overlap, part, arm, Vec2::ZERO, velocity, spring, stretch))
+    }
+
+    /// Sums the contact wrenches on every body and lets the springs advance as `stretch` says.
+    ///
+    /// Each force is computed once and given to the two bodies with opposite signs: Newton's third law
+    /// to the last bit.
+    pub fn evaluate(&self, pairs: &mut Pairs, stretch: Stretch, wrenches: &mut [Wrench], work: &mut Work) {
+        work.pairs += (pairs.disks.len() + pairs.faces.len()) as u64;
+        let disks = &mut pairs.disks;
+        for ((&first, &second), spring) in disks.first.iter().zip(&disks.second).zip(&mut disks.spring) {
+            let finding = self.disks(first, second, spring, stretch);
+            let Some(touch) = settle(finding, spring, stretch, work) else { continue };
+            let force = touch.force();
+            let receiver = &mut wrenches[self.scene.body_of(first).index()];
+            receiver.force += force;
+            receiver.torque += touch.arm.cross(force);
+            let giver = &mut wrenches[self.scene.body_of(second).index()];
+            giver.force -= force;
+            giver.torque -= touch.other_arm.cross(force);
+        }
+        let faces = &mut pairs.faces;
+        for ((&disk, &face), spring) in faces.first.iter().zip(&faces.second).zip(&mut faces.spring) {
+            let finding = self.face(disk, face, spring, stretch);
+            let Some(touch) = settle(finding, spring, stretch, work) else { continue };
+            let force = touch.force();
+            let receiver = &mut wrenches[self.scene.body_of(disk).index()];
+            receiver.force += force;
+            receiver.torque += touch.arm.cross(force);
+        }
+    }
+
+    /// The contacts as they are now; changes nothing.
+    pub fn report(&self, pairs: &Pairs) -> ContactReport {
+        let mut report = ContactReport::empty(self.scene.bodies.len());
+        let mut touching_bodies = Vec::new();
+        for k in 0..pairs.disks.len() {
+            let (first, second) = (pairs.disks.first[k], pairs.disks.second[k]);
+            let finding = self.disks(first, second, &pairs.disks.spring[k], Stretch::Hold);
+            if let Finding::Touching(touch) = finding {
+                let bodies = [self.scene.body_of(first), self.scene.body_of(second)];
+                touching_bodies.push(bodies);
+                for body in bodies {
+                    report.bodies[body.index()].agent_contacts += 1;
+                    report.bodies[body.index()].squeeze += touch.reaction.normal.abs();
+                }
+                report.agent_contacts += 1;
+                report.add(Pair::Disks { first, second }, &touch);
+            }
+        }
+        for k in 0..pairs.faces.len() {
+            let (disk, face) = (pairs.faces.first[k], pairs.faces.second[k]);
+            let finding = self.face(disk, face, &pairs.faces.spring[k], Stretch::Hold);
+            if let Finding::Touching(touch) = finding {
+                let body = &mut report.bodies[self.scene.body_of(disk).index()];
+                body.wall_contacts += 1;
+                body.squeeze += touch.reaction.normal.abs();
+                report.wall_contacts += 1;
+                report.add(Pair::Face { disk, face, part: touch.part }, &touch);
+            }
+        }
+        touching_bodies.sort_unstable();
+        touching_bodies.dedup();
+        for bodies in touching_bodies {
+            for body in bodies {
+                report.bodies[body.index()].touching_bodies += 1;
+            }
+        }
+        report
+    }
+}
+
+impl Touch {
+    /// \[N\] on the receiver.
+    #[inline]
+    fn force(&self) -> Vec2 {
+        let normal = self.overlap.normal;
+        normal * self.reaction.normal + normal.perp() * self.reaction.tangential
+    }
+}
+
+/// The law at a contact; `velocity` \[m/s\] of the receiver relative to the other at the contact point.
+#[inline]
+#[allow(clippy::too_many_arguments)] // one call from disks, one from faces: a struct would only rename them
+fn touch(
+    law: &PairLaw,
+    overlap: Overlap,
+    part: FacePart,
+    arm: Vec2,
+    other_arm: Vec2,
+    velocity: Vec2,
+    spring: &Spring,
+    stretch: Stretch,
+) -> Touch {
+    let slip_speed = velocity.dot(overlap.normal.perp());
+    let elongation = match stretch {
+        // Passing to another part of a wall begins another contact.
+        _ if spring.touching != Some(part) => 0.0,
+        Stretch::Hold => spring.elongation,
+        // The trapezoid of ds/dt = v_t keeps the second order of the integrator.
+        Stretch::Over(dt) => spring.elongation + 0.5 * dt * (spring.slip_speed + slip_speed),
+    };
+    let reaction = react(law, overlap.depth, velocity.dot(overlap.normal), slip_speed, elongation);
+    Touch { overlap, part, arm, other_arm, slip_speed, reaction }
+}
+
+/// Writes what was found into the pair's spring.
+#[inline]
+fn settle(finding: Finding, spring: &mut Spring, stretch: Stretch, work: &mut Work) -> Option<Touch> {
+    match finding {
+        Finding::Apart => {
+            *spring = Spring::RELAXED;
+            None
+        }
+        Finding::Coincident => {
+            work.coincident += 1;
+            *spring = Spring::RELAXED;
+            None
+        }
+        Finding::Touching(touch) => {
+            work.contacts += 1;
+            work.sliding += u64::from(touch.reaction.regime == Regime::Sliding);
+            let elongation = match stretch {
+                Stretch::Hold if spring.touching == Some(touch.part) => spring.elongation,
+                Stretch::Hold => 0.0,
+                Stretch::Over(_) => touch.reaction.elongation,
+            };
+            *spring = Spring { elongation, slip_speed: touch.slip_speed, touching: Some(touch.part) };
+            Some(touch)
+        }
+    }
+}
+
+/// Who touches whom.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pair {
+    /// Two disks of different bodies.
+    Disks {
+        /// The receiver, of the lower-numbered body.
+        first: DiskId,
+        /// The other.
+        second: DiskId,
+    },
+    /// A disk and a face.
+    Face {
+        /// The receiver.
+        disk: DiskId,
+        /// The face.
+        face: FaceId,
+        /// Where on the face.
+        part: FacePart,
+    },
+}
+
+/// One contact, with the forces on the receiver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Who touches whom.
+    pub pair: Pair,
+    /// \[m\] overlap h.
+    pub depth: f64,
+    /// Towards the receiver.
+    pub normal: Vec2,
+    /// \[N\] along the normal; negative where it pulls.
+    pub normal_force: f64,
+    /// \[N\] along the tangent `normal.perp()`.
+    pub tangential_force: f64,
+    /// \[m\] of the tangential spring, along the tangent.
+    pub elongation: f64,
+    /// Whether the slider holds.
+    pub regime: Regime,
+}
+
+/// What the contacts do to one body.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BodyContacts {
+    /// Disk–disk contacts.
+    pub agent_contacts: u32,
+    /// Disk–face contacts.
+    pub wall_contacts: u32,
+    /// Different bodies that touch this one.
+    pub touching_bodies: u32,
+    /// \[N\] sum of |F_n| over its contacts.
+    pub squeeze: f64,
+}
+
+/// Every contact at one instant.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ContactReport {
+    /// Disk pairs ascending, then disk–face pairs ascending.
+    pub contacts: Vec<Contact>,
+    /// One for each body.
+    pub bodies: Vec<BodyContacts>,
+    /// Disk–disk contacts, each pair once.
+    pub agent_contacts: u32,
+    /// Disk–face contacts.
+    pub wall_contacts: u32,
+}
+
+impl ContactReport {
+    fn empty(bodies: usize) -> ContactReport {
+        ContactReport { bodies: vec![BodyContacts::default(); bodies], ..ContactReport::default() }
+    }
+
+    fn add(&mut self, pair: Pair, touch: &Touch) {
+        self.contacts.push(Contact {
+            pair,
+            depth: touch.overlap.depth,
+            normal: touch.overlap.normal,
+            normal_force: touch.reaction.normal,
+            tangential_force: touch.reaction.tangential,
+            elongation: touch.reaction.elongation,
+            regime: touch.reaction.regime,
+        });
+    }
+
+    /// \[m\] the deepest overlap; zero without contacts.
+    pub fn largest_overlap(&self) -> f64 {
+        self.contacts.iter().map(|contact| contact.depth).fold(0.0, f64::max)
+    }
+}

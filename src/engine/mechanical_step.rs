@@ -1,0 +1,249 @@
+//! The mechanical step: predict, evaluate, correct.
+//!
+//! Velocity Verlet written as half kick by the contacts, free flight, half kick. The flight is the
+//! closed form of constant drive and relaxation, so a body that touches nothing moves exactly and the
+//! step is plain velocity Verlet where there is neither drive nor relaxation. Contact forces are taken
+//! once per step, from positions and *predicted* velocities of the same instant (Vyas, Ottino, Lueptow,
+//! Umbanhowar, Comput. Phys. Commun. 310 (2025) 109524), which keeps second order for forces that
+//! depend on velocity.
+
+use super::contacts::{Instant, Placement, Stretch};
+use super::free_flight::BodyFlight;
+use super::neighbours::{Circle, SKIN, for_each_near_pair, list_pairs};
+use super::pairs::Pairs;
+use super::shortlist::{Activity, Shortlist};
+use super::{BodyId, FaceId, Pose, Scene, State, Twist, Work, Wrench};
+
+/// Arrays that a communication step works in; what they hold between two steps is never used.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Scratch {
+    pub placement: Placement,
+    pub pairs: Pairs,
+    /// Who moves by mechanical steps, ascending.
+    active: Vec<usize>,
+    flights: Vec<BodyFlight>,
+    predicted: Vec<Twist>,
+    wrenches: Vec<Wrench>,
+    /// By the contacts, at the present instant.
+    accelerations: Vec<Wrench>,
+    /// When the pairs were listed.
+    listed_at: Vec<Pose>,
+}
+
+impl Scratch {
+    pub fn new(scene: &Scene) -> Scratch {
+        let bodies = scene.bodies.len();
+        Scratch {
+            placement: Placement::new(scene),
+            predicted: vec![Twist::default(); bodies],
+            wrenches: vec![Wrench::default(); bodies],
+            accelerations: vec![Wrench::default(); bodies],
+            listed_at: vec![Pose::default(); bodies],
+            ..Scratch::default()
+        }
+    }
+}
+
+/// What the drive does to each body, per mass and inertia.
+pub(super) fn drive_accelerations(scene: &Scene, drive: &[Wrench]) -> Vec<Wrench> {
+    scene
+        .bodies
+        .iter()
+        .zip(drive)
+        .map(|(body, drive)| Wrench {
+            force: drive.force * (1.0 / body.mass),
+            torque: drive.torque / body.inertia,
+        })
+        .collect()
+}
+
+/// One communication step under way.
+pub(super) struct CommunicationStep<'a> {
+    pub scene: &'a Scene,
+    /// By the drive, constant over the step.
+    pub accelerations: &'a [Wrench],
+    pub shortlist: Shortlist,
+    pub scratch: &'a mut Scratch,
+    pub work: &'a mut Work,
+    /// \[s\] the mechanical step.
+    pub dt: f64,
+}
+
+impl CommunicationStep<'_> {
+    /// Moves the state over `steps` mechanical steps.
+    pub fn run(mut self, state: &mut State, steps: u64) {
+        self.begin(state);
+        if !self.scratch.active.is_empty() {
+            for step in 1..=steps {
+                self.predict(state);
+                self.keep_neighbours(state, step);
+                self.evaluate();
+                self.correct(state);
+            }
+        }
+        self.end(state, steps);
+    }
+
+    /// Lists the active bodies and evaluates the contact forces of the first instant.
+    fn begin(&mut self, state: &mut State) {
+        let scratch = &mut *self.scratch;
+        let bodies = &self.scene.bodies;
+        scratch.active =
+            (0..bodies.len()).filter(|&b| self.shortlist.activity[b] == Activity::Active).collect();
+        scratch.flights = bodies.iter().map(|body| BodyFlight::over(body, self.dt)).collect();
+        scratch.pairs.load(state);
+        scratch.predicted.copy_from_slice(&state.twists);
+        scratch.accelerations.fill(Wrench::default());
+        for &b in &scratch.active {
+            scratch.placement.place(self.scene, b, state.poses[b]);
+        }
+        self.list_neighbours(state, 0);
+        self.evaluate_with(Stretch::Hold);
+    }
+
+    /// Half kick, free flight; the velocity a second half kick would give is the predicted one.
+    fn predict(&mut self, state: &mut State) {
+        let half = 0.5 * self.dt;
+        let scratch = &mut *self.scratch;
+        for &b in &scratch.active {
+            let kick = scratch.accelerations[b];
+            let kicked = kicked(state.twists[b], kick, half);
+            let (pose, twist) = scratch.flights[b].fly(state.poses[b], kicked, self.accelerations[b]);
+            state.poses[b] = pose;
+            state.twists[b] = twist;
+            scratch.predicted[b] = self::kicked(twist, kick, half);
+            scratch.placement.place(self.scene, b, pose);
+        }
+    }
+
+    /// Lists the pairs anew if a disk may have moved further than half the skin since the last time.
+    fn keep_neighbours(&mut self, state: &mut State, step: u64) {
+        let moved_too_far = self.scratch.active.iter().any(|&b| {
+            let (now, then) = (&state.poses[b], &self.scratch.listed_at[b]);
+            let by_turning = self.scene.bodies[b].reach * (now.orientation - then.orientation).abs();
+            let left = 0.5 * SKIN - by_turning;
+            // Negated so that a pose that is not a number counts as moved.
+            !(left > 0.0 && (now.position - then.position).norm_squared() < left * left)
+        });
+        if moved_too_far {
+            self.list_neighbours(state, step);
+        }
+    }
+
+    /// Lists the pairs of the active bodies, after taking in every free body that one of them nears.
+    fn list_neighbours(&mut self, state: &mut State, step: u64) {
+        self.work.rebuilds += 1;
+        let mut circles: Vec<Circle> = self.shortlist.swept.clone();
+        for &b in &self.scratch.active {
+            circles[b] = self.circle_now(state, b);
+        }
+        let mut near_bodies = Vec::new();
+        loop {
+            near_bodies.clear();
+            let mut promoted = Vec::new();
+            for_each_near_pair(&circles, SKIN, |a, b| {
+                match (self.shortlist.activity[a], self.shortlist.activity[b]) {
+                    (Activity::Active, Activity::Active) => {
+                        near_bodies.push((BodyId::from(a), BodyId::from(b)));
+                    }
+                    (Activity::Active, Activity::Free) => promoted.push(b),
+                    (Activity::Free, Activity::Active) => promoted.push(a),
+                    (Activity::Free, Activity::Free) => {}
+                }
+            });
+            if promoted.is_empty() {
+                break;
+            }
+            promoted.sort_unstable();
+            promoted.dedup();
+            for b in promoted {
+                self.take_in(state, b, step);
+                circles[b] = self.circle_now(state, b);
+            }
+        }
+        let mut near_faces = Vec::new();
+        for &b in &self.scratch.active {
+            self.scratch.listed_at[b] = state.poses[b];
+            for face in 0..self.scene.faces.len() {
+                if circles[b].nears_face(self.scene, face, SKIN) {
+                    near_faces.push((BodyId::from(b), FaceId::from(face)));
+                }
+            }
+        }
+        let Scratch { placement, pairs, .. } = &mut *self.scratch;
+        list_pairs(self.scene, placement, &near_bodies, &near_faces, pairs);
+    }
+
+    fn circle_now(&self, state: &State, b: usize) -> Circle {
+        Circle { centre: state.poses[b].position, radius: self.scene.bodies[b].bounding_radius }
+    }
+
+    /// A free body becomes active: it stands where the closed form puts it at this instant.
+    fn take_in(&mut self, state: &mut State, b: usize, step: u64) {
+        let scratch = &mut *self.scratch;
+        if step > 0 {
+            let flight = BodyFlight::over(&self.scene.bodies[b], step as f64 * self.dt);
+            (state.poses[b], state.twists[b]) =
+                flight.fly(state.poses[b], state.twists[b], self.accelerations[b]);
+        }
+        self.shortlist.activity[b] = Activity::Active;
+        let at = scratch.active.partition_point(|&other| other < b);
+        scratch.active.insert(at, b);
+        scratch.predicted[b] = state.twists[b];
+        scratch.accelerations[b] = Wrench::default();
+        scratch.placement.place(self.scene, b, state.poses[b]);
+    }
+
+    fn evaluate(&mut self) {
+        self.work.steps += 1;
+        self.evaluate_with(Stretch::Over(self.dt));
+    }
+
+    /// The contact forces at the present positions and predicted velocities, per mass and inertia.
+    fn evaluate_with(&mut self, stretch: Stretch) {
+        let Scratch { placement, pairs, predicted, wrenches, active, accelerations, .. } = &mut *self.scratch;
+        for &b in active.iter() {
+            wrenches[b] = Wrench::default();
+        }
+        let instant = Instant { scene: self.scene, placement, twists: predicted };
+        instant.evaluate(pairs, stretch, wrenches, self.work);
+        for &b in active.iter() {
+            let body = &self.scene.bodies[b];
+            accelerations[b] = Wrench {
+                force: wrenches[b].force * (1.0 / body.mass),
+                torque: wrenches[b].torque / body.inertia,
+            };
+        }
+    }
+
+    /// The second half kick, by the forces of the new instant.
+    fn correct(&mut self, state: &mut State) {
+        for &b in &self.scratch.active {
+            state.twists[b] = kicked(state.twists[b], self.scratch.accelerations[b], 0.5 * self.dt);
+        }
+    }
+
+    /// Free bodies fly the whole step at once; the touching pairs' springs go into the state.
+    fn end(&mut self, state: &mut State, steps: u64) {
+        let duration = steps as f64 * self.dt;
+        for (b, body) in self.scene.bodies.iter().enumerate() {
+            if self.shortlist.activity[b] == Activity::Free {
+                self.work.shortlisted += 1;
+                let flight = BodyFlight::over(body, duration);
+                (state.poses[b], state.twists[b]) =
+                    flight.fly(state.poses[b], state.twists[b], self.accelerations[b]);
+                self.scratch.placement.place(self.scene, b, state.poses[b]);
+            }
+        }
+        self.scratch.pairs.store(state);
+        state.steps += steps;
+    }
+}
+
+#[inline]
+fn kicked(twist: Twist, acceleration: Wrench, duration: f64) -> Twist {
+    Twist {
+        velocity: twist.velocity + acceleration.force * duration,
+        angular_velocity: twist.angular_velocity + acceleration.torque * duration,
+    }
+}

@@ -1,0 +1,371 @@
+//! What does not change while time runs: bodies, disks, walls and the laws between materials.
+
+use super::{BodyId, CornerId, DiskId, FaceId, Rotation, Vec2, WallId, vec2};
+use std::ops::Range;
+use thiserror::Error;
+
+/// What a body is made of, as it is handed to [`Scene::new`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodySpec {
+    /// \[kg\] positive.
+    pub mass: f64,
+    /// \[kg.m2\] moment of inertia about the centre of mass, positive.
+    pub inertia: f64,
+    /// \[1/s\] relaxation rate of the velocity, 1/t_transl ≥ 0.
+    pub translation_rate: f64,
+    /// \[1/s\] relaxation rate of the angular velocity, 1/t_rot ≥ 0.
+    pub rotation_rate: f64,
+    /// At least one, from the left shoulder to the right one.
+    pub disks: Vec<DiskSpec>,
+}
+
+/// A disk of a [`BodySpec`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct DiskSpec {
+    /// \[m\] positive.
+    pub radius: f64,
+    /// \[m\] from the centre of mass, at the orientation that the disks themselves show.
+    pub position: Vec2,
+    /// Place in the table of laws.
+    pub material: usize,
+}
+
+/// A wall, as it is handed to [`Scene::new`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct WallSpec {
+    /// Place in the table of laws.
+    pub material: usize,
+    /// \[m\] at least two; closed when the first stands again at the end.
+    pub corners: Vec<Vec2>,
+}
+
+/// The damped springs and the slider between two materials.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairLaw {
+    /// \[N/m\] k_n, positive.
+    pub normal_stiffness: f64,
+    /// \[N/m\] k_t, positive.
+    pub tangential_stiffness: f64,
+    /// \[kg/s\] γ_n ≥ 0.
+    pub normal_damping: f64,
+    /// \[kg/s\] γ_t ≥ 0.
+    pub tangential_damping: f64,
+    /// \[1\] μ ≥ 0.
+    pub friction: f64,
+}
+
+/// The law of every pair of materials; `None` where nobody said one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LawTable {
+    materials: usize,
+    laws: Vec<Option<PairLaw>>,
+}
+
+impl LawTable {
+    /// No law yet for any pair of so many materials.
+    pub fn new(materials: usize) -> LawTable {
+        LawTable { materials, laws: vec![None; materials * materials] }
+    }
+
+    /// Sets the law of two materials, in either order.
+    pub fn set(&mut self, first: usize, second: usize, law: PairLaw) {
+        self.laws[first * self.materials + second] = Some(law);
+        self.laws[second * self.materials + first] = Some(law);
+    }
+
+    /// The law of two materials.
+    pub fn get(&self, first: usize, second: usize) -> Option<PairLaw> {
+        self.laws[first * self.materials + second]
+    }
+}
+
+/// A rigid body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// \[kg\]
+    pub mass: f64,
+    /// \[kg.m2\]
+    pub inertia: f64,
+    /// \[1/s\]
+    pub translation_rate: f64,
+    /// \[1/s\]
+    pub rotation_rate: f64,
+    /// Its disks, as places in [`Scene::disks`].
+    pub disks: Range<usize>,
+    /// \[m\] radius of the circle about the centre of mass that holds every disk.
+    pub bounding_radius: f64,
+    /// \[m\] distance of the farthest disk's centre from the centre of mass.
+    pub reach: f64,
+}
+
+/// A disk of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Disk {
+    /// Whose it is.
+    pub body: BodyId,
+    /// \[m\]
+    pub radius: f64,
+    /// \[m\] from the centre of mass when the body's orientation is zero.
+    pub offset: Vec2,
+    /// Place in the table of laws.
+    pub material: usize,
+}
+
+/// One straight piece of a wall, solid from both sides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Face {
+    /// Whose it is.
+    pub wall: WallId,
+    /// Place in the table of laws.
+    pub material: usize,
+    /// \[m\]
+    pub start: Vec2,
+    /// \[m\]
+    pub end: Vec2,
+    /// The corner at the start.
+    pub start_corner: CornerId,
+    /// The corner at the end.
+    pub end_corner: CornerId,
+}
+
+/// A point where faces of one wall meet, or where a wall ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Corner {
+    /// \[m\]
+    pub position: Vec2,
+    /// The faces that meet here, ascending; contacts with the corner are booked on the first.
+    pub faces: Vec<FaceId>,
+}
+
+/// Bodies, walls and laws: immutable after load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// In the order of the agents.
+    pub bodies: Vec<Body>,
+    /// Grouped by body.
+    pub disks: Vec<Disk>,
+    /// Grouped by wall.
+    pub faces: Vec<Face>,
+    /// First face of each wall.
+    pub wall_faces: Vec<Range<usize>>,
+    /// Of all walls.
+    pub corners: Vec<Corner>,
+    laws: Vec<PairLaw>,
+    materials: usize,
+}
+
+/// Why a scene cannot be built.
+#[derive(Debug, Error, PartialEq)]
+pub enum SceneError {
+    /// Two materials can touch and nobody said how.
+    #[error("materials {first} and {second} can touch but have no law")]
+    MissingLaw {
+        /// Place of the first material.
+        first: usize,
+        /// Place of the second material.
+        second: usize,
+    },
+    /// More disks or faces than an index can hold.
+    #[error("too many {0}")]
+    TooMany(&'static str),
+}
+
+/// The orientation \[rad\] that the disks themselves show: the normal to the line from the first to
+/// the last (paper, fig. 6c); zero when the two coincide.
+pub fn shown_orientation(first: Vec2, last: Vec2) -> f64 {
+    let line = last - first;
+    if line == Vec2::ZERO { 0.0 } else { libm::atan2(line.x, -line.y) }
+}
+
+impl Scene {
+    /// Builds the scene.
+    ///
+    /// # Errors
+    /// A pair of materials that can touch has no law.
+    pub fn new(bodies: &[BodySpec], walls: &[WallSpec], laws: &LawTable) -> Result<Scene, SceneError> {
+        let mut scene = Scene {
+            bodies: Vec::with_capacity(bodies.len()),
+            disks: Vec::with_capacity(bodies.iter().map(|body| body.disks.len()).sum()),
+            faces: Vec::new(),
+            wall_faces: Vec::with_capacity(walls.len()),
+            corners: Vec::new(),
+            laws: Vec::new(),
+            materials: laws.materials,
+        };
+        for spec in bodies {
+            scene.add_body(spec);
+        }
+        for spec in walls {
+            scene.add_wall(spec);
+        }
+        if scene.disks.len() > u32::MAX as usize || scene.faces.len() > u32::MAX as usize {
+            return Err(SceneError::TooMany("disks or faces"));
+        }
+        check_laws(bodies, walls, laws)?;
+        // Pairs that cannot touch never reach the law; any value serves.
+        let never = PairLaw {
+            normal_stiffness: f64::NAN,
+            tangential_stiffness: f64::NAN,
+            normal_damping: f64::NAN,
+            tangential_damping: f64::NAN,
+            friction: f64::NAN,
+        };
+        scene.laws = laws.laws.iter().map(|law| law.unwrap_or(never)).collect();
+        Ok(scene)
+    }
+
+    fn add_body(&mut self, spec: &BodySpec) {
+        let body = BodyId::from(self.bodies.len());
+        let first = self.disks.len();
+        let shown = match (spec.disks.first(), spec.disks.last()) {
+            (Some(left), Some(right)) => shown_orientation(left.position, right.position),
+            _ => 0.0,
+        };
+        let back = Rotation::by(-shown);
+        self.disks.extend(spec.disks.iter().map(|disk| Disk {
+            body,
+            radius: disk.radius,
+            offset: disk.position.rotated(back),
+            material: disk.material,
+        }));
+        let disks = first..self.disks.len();
+        let own = &self.disks[disks.clone()];
+        self.bodies.push(Body {
+            mass: spec.mass,
+            inertia: spec.inertia,
+            translation_rate: spec.translation_rate,
+            rotation_rate: spec.rotation_rate,
+            bounding_radius: own.iter().map(|disk| disk.offset.norm() + disk.radius).fold(0.0, f64::max),
+            reach: own.iter().map(|disk| disk.offset.norm()).fold(0.0, f64::max),
+            disks,
+        });
+    }
+
+    fn add_wall(&mut self, spec: &WallSpec) {
+        let wall = WallId::from(self.wall_faces.len());
+        let first_face = self.faces.len();
+        let first_corner = self.corners.len();
+        let mut known = std::collections::HashMap::new();
+        for ends in spec.corners.windows(2) {
+            let face = FaceId::from(self.faces.len());
+            let mut corner = |position: Vec2| {
+                // + 0.0 makes −0 and 0 one key.
+                let key = ((position.x + 0.0).to_bits(), (position.y + 0.0).to_bits());
+                let at = *known.entry(key).or_insert_with(|| {
+                    self.corners.push(Corner { position, faces: Vec::new() });
+                    self.corners.len() - 1
+                });
+                self.corners[at].faces.push(face);
+                CornerId::from(at)
+            };
+            let (start_corner, end_corner) = (corner(ends[0]), corner(ends[1]));
+            self.faces.push(Face {
+                wall,
+                material: spec.material,
+                start: ends[0],
+                end: ends[1],
+                start_corner,
+                end_corner,
+            });
+        }
+        debug_assert!(self.corners[first_corner..].iter().all(|corner| corner.faces.is_sorted()));
+        self.wall_faces.push(first_face..self.faces.len());
+    }
+
+    /// The law of two materials.
+    #[inline]
+    pub fn law(&self, first: usize, second: usize) -> &PairLaw {
+        &self.laws[first * self.materials + second]
+    }
+
+    /// The body that carries a disk.
+    #[inline]
+    pub fn body_of(&self, disk: DiskId) -> BodyId {
+        self.disks[disk.index()].body
+    }
+
+    /// Smallest box around all walls, as lowest and highest corner \[m\]; `None` without walls.
+    pub fn walls_box(&self) -> Option<(Vec2, Vec2)> {
+        let first = self.corners.first()?.position;
+        Some(self.corners.iter().fold((first, first), |(low, high), corner| {
+            let at = corner.position;
+            (vec2(low.x.min(at.x), low.y.min(at.y)), vec2(high.x.max(at.x), high.y.max(at.y)))
+        }))
+    }
+}
+
+fn check_laws(bodies: &[BodySpec], walls: &[WallSpec], laws: &LawTable) -> Result<(), SceneError> {
+    /// Which bodies carry a material: enough to know whether two different ones do.
+    #[derive(Clone, Copy, PartialEq)]
+    enum Carriers {
+        None,
+        One(usize),
+        Many,
+    }
+    let mut carriers = vec![Carriers::None; laws.materials];
+    for (body, spec) in bodies.iter().enumerate() {
+        for disk in &spec.disks {
+            let seen = &mut carriers[disk.material];
+            *seen = match *seen {
+                Carriers::None => Carriers::One(body),
+                Carriers::One(same) if same == body => Carriers::One(body),
+                _ => Carriers::Many,
+            };
+        }
+    }
+    let mut on_walls = vec![false; laws.materials];
+    for wall in walls {
+        on_walls[wall.material] = true;
+    }
+    for first in 0..laws.materials {
+        for second in first..laws.materials {
+            let (a, b) = (carriers[first], carriers[second]);
+            let bodies_touch = a != Carriers::None
+                && b != Carriers::None
+                && !matches!((a, b), (Carriers::One(x), Carriers::One(y)) if x == y);
+            let wall_touches =
+                (a != Carriers::None && on_walls[second]) || (b != Carriers::None && on_walls[first]);
+            if (bodies_touch || wall_touches) && laws.get(first, second).is_none() {
+                return Err(SceneError::MissingLaw { first, second });
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaze_is_normal_to_the_shoulders() {
+        // Left shoulder at +y, right shoulder at −y: gaze along +x.
+        assert_eq!(shown_orientation(vec2(0.0, 0.2), vec2(0.0, -0.2)), 0.0);
+        // Left at −x, right at +x: gaze along +y.
+        let quarter = shown_orientation(vec2(-0.2, 0.0), vec2(0.2, 0.0));
+        assert!((quarter - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        assert_eq!(shown_orientation(vec2(0.1, 0.1), vec2(0.1, 0.1)), 0.0);
+    }
+
+    #[test]
+    fn closed_wall_shares_its_first_corner() {
+        let corners = vec![vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(-0.0, 0.0)];
+        let scene = Scene::new(&[], &[WallSpec { material: 0, corners }], &LawTable::new(1)).unwrap();
+        assert_eq!(scene.corners.len(), 3);
+        assert_eq!(scene.corners[0].faces, vec![FaceId(0), FaceId(2)]);
+    }
+
+    #[test]
+    fn a_missing_law_is_named() {
+        let body = |material| BodySpec {
+            mass: 1.0,
+            inertia: 1.0,
+            translation_rate: 0.0,
+            rotation_rate: 0.0,
+            disks: vec![DiskSpec { radius: 0.1, position: Vec2::ZERO, material }],
+        };
+        let error = Scene::new(&[body(0), body(1)], &[], &LawTable::new(2)).unwrap_err();
+        assert_eq!(error, SceneError::MissingLaw { first: 0, second: 1 });
+        assert!(Scene::new(&[body(0)], &[], &LawTable::new(2)).is_ok());
+    }
+}

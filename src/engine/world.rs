@@ -1,0 +1,203 @@
+//! The world: owns scene, drive and state, and advances them.
+
+use super::contacts::{ContactReport, Instant, Stretch};
+use super::mechanical_step::{CommunicationStep, Scratch, drive_accelerations};
+use super::neighbours::{Circle, SKIN, for_each_near_pair, list_pairs};
+use super::shortlist::Shortlist;
+use super::{BodyId, FaceId, Scene, Shortlisting, State, Work, Wrench};
+use thiserror::Error;
+
+/// More mechanical steps than this in one communication step are refused: they would never end.
+const MOST_STEPS: f64 = 1e12;
+
+/// How far H / TimeStepMechanical may exceed an integer and still be it: communication steps come with
+/// rounding errors from other people's arithmetic.
+const STEP_COUNT_TOLERANCE: f64 = 1e-9;
+
+/// Why a step was refused or failed; the world is as it was before.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum AdvanceError {
+    /// The communication step is not a positive finite number.
+    #[error("a communication step of {0:?} s: must be positive and finite")]
+    Duration(f64),
+    /// The communication step holds absurdly many mechanical steps.
+    #[error(
+        "a communication step of {duration:?} s at a mechanical step of {mechanical_step:?} s takes too many steps"
+    )]
+    TooManySteps {
+        /// \[s\]
+        duration: f64,
+        /// \[s\]
+        mechanical_step: f64,
+    },
+    /// The motion of a body is no longer a finite number: the mechanical step is too long, or forces are absurd.
+    #[error("the motion of body {} is no longer finite: is the mechanical step short enough?", body.0)]
+    NotFinite {
+        /// Which.
+        body: BodyId,
+    },
+}
+
+/// The number of mechanical steps in a communication step: the smallest n with
+/// `duration / n ≤ mechanical_step` up to rounding.
+///
+/// # Errors
+/// A duration that is not positive and finite, or absurdly many steps.
+pub fn step_count(duration: f64, mechanical_step: f64) -> Result<u64, AdvanceError> {
+    if !(duration > 0.0 && duration.is_finite()) {
+        return Err(AdvanceError::Duration(duration));
+    }
+    let ratio = duration / mechanical_step;
+    if !(ratio <= MOST_STEPS) {
+        return Err(AdvanceError::TooManySteps { duration, mechanical_step });
+    }
+    let nearest = libm::round(ratio);
+    let steps = if ratio - nearest <= STEP_COUNT_TOLERANCE * nearest { nearest } else { libm::ceil(ratio) };
+    Ok(steps.max(1.0) as u64)
+}
+
+/// Scene, drive and state; advanced by [`World::advance`].
+#[derive(Debug, Clone)]
+pub struct World {
+    scene: Scene,
+    state: State,
+    /// F_p and M_p of each body, held over a communication step.
+    pub drive: Vec<Wrench>,
+    /// \[s\] positive; the longest mechanical step.
+    pub mechanical_step: f64,
+    /// Whether bodies that can touch nothing are moved by the closed form.
+    pub shortlisting: Shortlisting,
+    contacts: ContactReport,
+    work: Work,
+    scratch: Scratch,
+}
+
+impl World {
+    /// A world at a state, without drive.
+    ///
+    /// The state has one pose and one twist for each body; springs of pairs that do not touch are dropped.
+    pub fn new(scene: Scene, state: State, mechanical_step: f64) -> World {
+        assert_eq!(state.poses.len(), scene.bodies.len(), "one pose for each body");
+        assert_eq!(state.twists.len(), scene.bodies.len(), "one twist for each body");
+        let mut world = World {
+            drive: vec![Wrench::default(); scene.bodies.len()],
+            scratch: Scratch::new(&scene),
+            mechanical_step,
+            shortlisting: Shortlisting::On,
+            contacts: ContactReport::default(),
+            work: Work::default(),
+            state: State::default(),
+            scene,
+        };
+        world.restore(state);
+        world
+    }
+
+    /// Bodies, walls and laws.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Poses, twists and springs.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The contacts at the present state.
+    pub fn contacts(&self) -> &ContactReport {
+        &self.contacts
+    }
+
+    /// Work done since the world was made.
+    pub fn work(&self) -> &Work {
+        &self.work
+    }
+
+    /// Puts the world into a state of the same scene; run on, it gives the same bits as the world that
+    /// the state was taken from.
+    pub fn restore(&mut self, mut state: State) {
+        let scratch = &mut self.scratch;
+        let scene = &self.scene;
+        scratch.pairs.load(&state);
+        let circles: Vec<Circle> = state
+            .poses
+            .iter()
+            .enumerate()
+            .map(|(b, pose)| {
+                scratch.placement.place(scene, b, *pose);
+                Circle { centre: pose.position, radius: scene.bodies[b].bounding_radius }
+            })
+            .collect();
+        let mut near_bodies = Vec::new();
+        for_each_near_pair(&circles, SKIN, |a, b| near_bodies.push((BodyId::from(a), BodyId::from(b))));
+        let mut near_faces = Vec::new();
+        for (b, circle) in circles.iter().enumerate() {
+            near_faces.extend(
+                (0..scene.faces.len())
+                    .filter(|&face| circle.nears_face(scene, face, SKIN))
+                    .map(|face| (BodyId::from(b), FaceId::from(face))),
+            );
+        }
+        list_pairs(scene, &scratch.placement, &near_bodies, &near_faces, &mut scratch.pairs);
+        let instant = Instant { scene, placement: &scratch.placement, twists: &state.twists };
+        let mut unused = vec![Wrench::default(); scene.bodies.len()];
+        // Finds out which pairs touch.
+        instant.evaluate(&mut scratch.pairs, Stretch::Hold, &mut unused, &mut Work::default());
+        self.contacts = instant.report(&scratch.pairs);
+        scratch.pairs.store(&mut state);
+        self.state = state;
+    }
+
+    /// Advances by one communication step of a duration H \[s\], in mechanical steps of equal length.
+    ///
+    /// # Errors
+    /// [`AdvanceError`]; nothing has changed then.
+    pub fn advance(&mut self, duration: f64) -> Result<(), AdvanceError> {
+        let steps = step_count(duration, self.mechanical_step)?;
+        let accelerations = drive_accelerations(&self.scene, &self.drive);
+        let mut state = self.state.clone();
+        let shortlist = Shortlist::decide(&self.scene, &state, &accelerations, duration, self.shortlisting);
+        CommunicationStep {
+            scene: &self.scene,
+            accelerations: &accelerations,
+            shortlist,
+            scratch: &mut self.scratch,
+            work: &mut self.work,
+            dt: duration / steps as f64,
+        }
+        .run(&mut state, steps);
+        let finite = |b: &usize| {
+            let (pose, twist) = (&state.poses[*b], &state.twists[*b]);
+            pose.position.is_finite()
+                && pose.orientation.is_finite()
+                && twist.velocity.is_finite()
+                && twist.angular_velocity.is_finite()
+        };
+        if let Some(b) = (0..state.poses.len()).find(|b| !finite(b)) {
+            return Err(AdvanceError::NotFinite { body: BodyId::from(b) });
+        }
+        let instant =
+            Instant { scene: &self.scene, placement: &self.scratch.placement, twists: &state.twists };
+        self.contacts = instant.report(&self.scratch.pairs);
+        self.state = state;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn step_counts_are_integers() {
+        assert_eq!(step_count(0.02, 1e-5), Ok(2000));
+        assert_eq!(step_count(0.099_999_999_999_999_98, 1e-5), Ok(10_000));
+        assert_eq!(step_count(0.100_000_000_000_000_03, 1e-5), Ok(10_000));
+        assert_eq!(step_count(0.1, 0.03), Ok(4));
+        assert_eq!(step_count(1e-7, 1e-5), Ok(1));
+        assert!(step_count(0.0, 1e-5).is_err());
+        assert!(step_count(-0.1, 1e-5).is_err());
+        assert!(step_count(f64::NAN, 1e-5).is_err());
+        assert!(step_count(1e300, 1e-5).is_err());
+    }
+}
