@@ -25,9 +25,9 @@ fn walker(speed: f64, wall_from: f64, wall_to: f64) -> World {
     world
 }
 
-fn assert_stops(mut world: World, duration: f64) {
-    let steps = (duration / 0.1).round() as u32;
-    for _ in 0..steps {
+/// The contact gives back nine tenths of the speed, so it takes some bounces to come to rest.
+fn assert_stops(mut world: World) {
+    for _ in 0..150 {
         world.advance(0.1).unwrap();
         assert!(world.state().poses[0].position.x < 2.0);
     }
@@ -39,7 +39,7 @@ fn assert_stops(mut world: World, duration: f64) {
 
 #[test]
 fn the_walker_stops() {
-    assert_stops(walker(1.0, -10.0, 10.0), 4.0);
+    assert_stops(walker(1.0, -10.0, 10.0));
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn at_twenty_metres_a_second_too() {
 
 #[test]
 fn at_a_wall_two_hundred_metres_long() {
-    assert_stops(walker(1.0, -100.0, 100.0), 4.0);
+    assert_stops(walker(1.0, -100.0, 100.0));
 }
 
 #[test]
