@@ -18,4 +18,10 @@
 //! - [`fmi2`]: the FMI 2.0 C functions
 
 pub mod engine;
+pub mod fmi2;
+pub mod model_description;
+pub mod pack;
+pub mod resources;
+pub mod slave;
 pub mod trial;
+pub mod variables;

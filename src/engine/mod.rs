@@ -15,6 +15,7 @@ mod overlap;
 mod pairs;
 mod scene;
 mod shortlist;
+mod springs;
 mod state;
 mod vec2;
 mod world;

@@ -1,0 +1,209 @@
+//! Documents to an engine world, and a world back to documents.
+
+use super::{
+    AgentDynamics, AgentInteraction, ContactForce, Interactions, Trial, WallInteraction, stiffness,
+};
+use crate::engine::{
+    BodySpec, Contact, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene, SceneError, State, Twist,
+    WallSpec, World, Wrench,
+};
+use std::collections::HashMap;
+use thiserror::Error;
+
+/// Why a Trial's documents make no world. A Trial as read from files always does; one whose numbers
+/// were edited may not.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum WorldError {
+    /// Two materials can touch, but their moduli give no stiffness or nobody said how they touch.
+    #[error(
+        "materials \"{first}\" and \"{second}\" can touch, but have no usable contact: k_n = {normal:?} N/m, \
+         k_t = {tangential:?} N/m (both must be positive; is E < 4 G, and is there a <Contact>?)"
+    )]
+    Contact {
+        /// Id of the first material.
+        first: String,
+        /// Id of the second material.
+        second: String,
+        /// \[N/m\]
+        normal: f64,
+        /// \[N/m\]
+        tangential: f64,
+    },
+    /// The engine's indices do not suffice.
+    #[error("{0}")]
+    Size(SceneError),
+}
+
+impl Trial {
+    /// Places of the materials by their Ids.
+    fn material_places(&self) -> HashMap<&str, usize> {
+        self.materials.intrinsic.iter().enumerate().map(|(m, material)| (material.id.as_str(), m)).collect()
+    }
+
+    fn laws(&self, places: &HashMap<&str, usize>) -> LawTable {
+        let intrinsic = &self.materials.intrinsic;
+        let mut laws = LawTable::new(intrinsic.len());
+        for contact in &self.materials.binary {
+            let (Some(&first), Some(&second)) = (places.get(&*contact.id1), places.get(&*contact.id2)) else {
+                continue;
+            };
+            let (normal_stiffness, tangential_stiffness) = stiffness(&intrinsic[first], &intrinsic[second]);
+            let usable = |k: f64| k > 0.0 && k.is_finite();
+            if usable(normal_stiffness) && usable(tangential_stiffness) {
+                laws.set(
+                    first,
+                    second,
+                    PairLaw {
+                        normal_stiffness,
+                        tangential_stiffness,
+                        normal_damping: contact.gamma_normal,
+                        tangential_damping: contact.gamma_tangential,
+                        friction: contact.kinetic_friction,
+                    },
+                );
+            }
+        }
+        laws
+    }
+
+    /// Bodies, walls and laws.
+    ///
+    /// # Errors
+    /// Materials that can touch have no usable contact.
+    pub fn scene(&self) -> Result<Scene, WorldError> {
+        let places = self.material_places();
+        // A Trial names only known materials; checked when it was read.
+        let place = |id: &str| places.get(id).copied().unwrap_or(0);
+        let bodies: Vec<BodySpec> = self
+            .agents
+            .iter()
+            .map(|agent| BodySpec {
+                mass: agent.mass,
+                inertia: agent.moment_of_inertia,
+                translation_rate: agent.floor_damping,
+                rotation_rate: agent.angular_damping,
+                disks: agent
+                    .shapes
+                    .iter()
+                    .map(|shape| DiskSpec {
+                        radius: shape.radius,
+                        position: shape.position,
+                        material: place(&shape.material_id),
+                    })
+                    .collect(),
+            })
+            .collect();
+        let walls: Vec<WallSpec> = self
+            .geometry
+            .walls
+            .iter()
+            .map(|wall| WallSpec { material: place(&wall.material_id), corners: wall.corners.clone() })
+            .collect();
+        Scene::new(&bodies, &walls, &self.laws(&places)).map_err(|error| match error {
+            SceneError::MissingLaw { first, second } => {
+                let (first, second) = (&self.materials.intrinsic[first], &self.materials.intrinsic[second]);
+                let (normal, tangential) = stiffness(first, second);
+                WorldError::Contact { first: first.id.clone(), second: second.id.clone(), normal, tangential }
+            }
+            other => WorldError::Size(other),
+        })
+    }
+
+    /// The state of `AgentDynamics.xml`, with the springs of `AgentInteractions.xml`.
+    pub fn state(&self, scene: &Scene) -> State {
+        let poses = self.dynamics.iter().map(|d| Pose { position: d.position, orientation: d.theta }).collect();
+        let twists = self.dynamics.iter().map(|d| Twist { velocity: d.velocity, angular_velocity: d.omega }).collect();
+        let mut state = State::new(poses, twists);
+        let disk = |agent: usize, shape: usize| DiskId::from(scene.bodies[agent].disks.start + shape);
+        state.disk_springs = self
+            .interactions
+            .agents
+            .iter()
+            .map(|i| {
+                let (first, second) = (disk(i.parent, i.parent_shape), disk(i.child, i.child_shape));
+                scene.disk_spring(first, second, i.force.elongation, &state.poses)
+            })
+            .collect();
+        state.disk_springs.sort_by_key(|spring| (spring.first, spring.second));
+        state.face_springs = self
+            .interactions
+            .walls
+            .iter()
+            .map(|i| {
+                let face = FaceId::from(scene.wall_faces[i.wall].start + i.corner);
+                scene.face_spring(disk(i.agent, i.shape), face, i.force.elongation, &state.poses)
+            })
+            .collect();
+        state.face_springs.sort_by_key(|spring| (spring.disk, spring.face));
+        state
+    }
+
+    /// `Fp` and `Mp` of `AgentDynamics.xml`.
+    pub fn drive(&self) -> Vec<Wrench> {
+        self.dynamics.iter().map(|d| Wrench { force: d.fp, torque: d.mp }).collect()
+    }
+
+    /// The engine's world at the start of this Trial.
+    ///
+    /// # Errors
+    /// Materials that can touch have no usable contact.
+    pub fn world(&self) -> Result<World, WorldError> {
+        let scene = self.scene()?;
+        let state = self.state(&scene);
+        let mut world = World::new(scene, state, self.parameters.time_step_mechanical);
+        world.drive = self.drive();
+        Ok(world)
+    }
+}
+
+/// What `AgentDynamics.xml` says of a world, drive included.
+pub fn dynamics_of(world: &World) -> Vec<AgentDynamics> {
+    let state = world.state();
+    let motions = state.poses.iter().zip(&state.twists).zip(&world.drive);
+    motions
+        .map(|((pose, twist), drive)| AgentDynamics {
+            position: pose.position,
+            velocity: twist.velocity,
+            theta: pose.orientation,
+            omega: twist.angular_velocity,
+            fp: drive.force,
+            mp: drive.torque,
+        })
+        .collect()
+}
+
+/// What `AgentInteractions.xml` says of a world: each pair once, the lower agent as parent.
+pub fn interactions_of(world: &World) -> Interactions {
+    let scene = world.scene();
+    let owner = |disk: DiskId| {
+        let body = scene.body_of(disk).index();
+        (body, disk.index() - scene.bodies[body].disks.start)
+    };
+    let mut interactions = Interactions::default();
+    for contact in &world.contacts().contacts {
+        let force = force_of(contact);
+        match contact.pair {
+            Pair::Disks { first, second } => {
+                let ((parent, parent_shape), (child, child_shape)) = (owner(first), owner(second));
+                let interaction = AgentInteraction { parent, child, parent_shape, child_shape, force };
+                interactions.agents.push(interaction);
+            }
+            Pair::Face { disk, face, .. } => {
+                let (agent, shape) = owner(disk);
+                let wall = scene.faces[face.index()].wall.index();
+                let corner = face.index() - scene.wall_faces[wall].start;
+                interactions.walls.push(WallInteraction { agent, shape, wall, corner, force });
+            }
+        }
+    }
+    interactions
+}
+
+fn force_of(contact: &Contact) -> ContactForce {
+    let tangent = contact.normal.perp();
+    ContactForce {
+        elongation: tangent * contact.elongation,
+        normal: contact.normal * contact.normal_force,
+        tangential: tangent * contact.tangential_force,
+    }
+}

@@ -1,0 +1,455 @@
+//! The one table of FMU variables: value reference, name, type, causality, unit, which quantity.
+//!
+//! A variable's value reference is its place in the table. Names follow the structured naming
+//! convention and are the XML formats' own words; `agent[i]` counts from 0 in the order of Agents.xml.
+
+use crate::trial::Trial;
+use uuid::Uuid;
+
+/// Which number of the model a variable is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Of one agent.
+    Agent(usize, AgentQuantity),
+    /// Of one material.
+    Material(usize, MaterialQuantity),
+    /// Of two materials.
+    Contact(usize, ContactQuantity),
+    /// Disk–disk contacts, each pair once.
+    AgentContacts,
+    /// Disk–face contacts.
+    WallContacts,
+    /// \[s\]
+    TimeStepMechanical,
+    /// Threads of this instance.
+    Threads,
+    /// Which packed Trial is loaded.
+    Trial,
+    /// Where XML output goes.
+    OutputDirectory,
+}
+
+/// A number of one agent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)] // the names of FMU.md
+pub enum AgentQuantity {
+    FpX,
+    FpY,
+    Mp,
+    PositionX,
+    PositionY,
+    Theta,
+    VelocityX,
+    VelocityY,
+    Omega,
+    AgentContacts,
+    WallContacts,
+    ContactingAgents,
+    NormalForce,
+    Mass,
+    MomentOfInertia,
+    FloorDamping,
+    AngularDamping,
+}
+
+/// A number of one material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum MaterialQuantity {
+    YoungModulus,
+    ShearModulus,
+}
+
+/// A number of two materials.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum ContactQuantity {
+    GammaNormal,
+    GammaTangential,
+    KineticFriction,
+}
+
+/// What a variable is to its importer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Input, continuous, held over a step; settable at any time.
+    Input,
+    /// Output whose start value can be set until initialization ends (`initial="exact"`).
+    Exact,
+    /// Output that the FMU computes (`initial="calculated"`).
+    Calculated,
+    /// Fixed parameter; settable until initialization ends.
+    Parameter,
+}
+
+/// An FMI type.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// `fmi2Real`, with its unit.
+    Real(Unit),
+    /// `fmi2Integer`
+    Integer,
+    /// `fmi2String`
+    String,
+}
+
+impl Kind {
+    /// The FMI name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Real(_) => "Real",
+            Kind::Integer => "Integer",
+            Kind::String => "String",
+        }
+    }
+}
+
+/// A unit, with the exponents of its base units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unit {
+    /// As importers show it.
+    pub name: &'static str,
+    /// Exponents of kg, m, s and rad.
+    pub base: [i32; 4],
+}
+
+impl Unit {
+    const fn new(name: &'static str, kg: i32, m: i32, s: i32, rad: i32) -> Unit {
+        Unit { name, base: [kg, m, s, rad] }
+    }
+}
+
+const NEWTON: Unit = Unit::new("N", 1, 1, -2, 0);
+const NEWTON_METRE: Unit = Unit::new("N.m", 1, 2, -2, 0);
+const METRE: Unit = Unit::new("m", 0, 1, 0, 0);
+const RADIAN: Unit = Unit::new("rad", 0, 0, 0, 1);
+const METRE_PER_SECOND: Unit = Unit::new("m/s", 0, 1, -1, 0);
+const RADIAN_PER_SECOND: Unit = Unit::new("rad/s", 0, 0, -1, 1);
+const SECOND: Unit = Unit::new("s", 0, 0, 1, 0);
+const NEWTON_PER_METRE: Unit = Unit::new("N/m", 1, 0, -2, 0);
+const KILOGRAM_PER_SECOND: Unit = Unit::new("kg/s", 1, 0, -1, 0);
+const KILOGRAM: Unit = Unit::new("kg", 1, 0, 0, 0);
+const KILOGRAM_METRE_SQUARED: Unit = Unit::new("kg.m2", 1, 2, 0, 0);
+const PER_SECOND: Unit = Unit::new("1/s", 0, 0, -1, 0);
+const ONE: Unit = Unit::new("1", 0, 0, 0, 0);
+
+/// Every unit of the table.
+pub const UNITS: [Unit; 13] = [
+    NEWTON,
+    NEWTON_METRE,
+    METRE,
+    RADIAN,
+    METRE_PER_SECOND,
+    RADIAN_PER_SECOND,
+    SECOND,
+    NEWTON_PER_METRE,
+    KILOGRAM_PER_SECOND,
+    KILOGRAM,
+    KILOGRAM_METRE_SQUARED,
+    PER_SECOND,
+    ONE,
+];
+
+/// The numbers that a quantity may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Domain {
+    /// Any finite number.
+    Finite,
+    /// Finite and ≥ 0.
+    NonNegative,
+    /// Finite and > 0.
+    Positive,
+}
+
+impl Domain {
+    /// Whether the number is in the domain; otherwise what it must be.
+    ///
+    /// # Errors
+    /// The words that complete "must be …".
+    pub fn check(self, value: f64) -> Result<(), &'static str> {
+        match self {
+            _ if !value.is_finite() => Err("finite"),
+            Domain::Positive if value <= 0.0 => Err("positive"),
+            Domain::NonNegative if value < 0.0 => Err("at least 0"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A row of the table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Structured name.
+    pub name: String,
+    /// Which number of the model.
+    pub quantity: Quantity,
+    /// FMI type.
+    pub kind: Kind,
+    /// Causality, variability and `initial` in one.
+    pub role: Role,
+    /// Numbers it may take.
+    pub domain: Domain,
+    /// For people.
+    pub description: String,
+}
+
+type AgentRow = (AgentQuantity, &'static str, Kind, Role, Domain, &'static str);
+
+const AGENT_ROWS: [AgentRow; 17] = {
+    use AgentQuantity::*;
+    use Domain::*;
+    use Role::*;
+    [
+        (FpX, "Fp.x", Kind::Real(NEWTON), Input, Finite, "propulsion force along x, held over a step"),
+        (FpY, "Fp.y", Kind::Real(NEWTON), Input, Finite, "propulsion force along y, held over a step"),
+        (Mp, "Mp", Kind::Real(NEWTON_METRE), Input, Finite, "propulsion torque, held over a step"),
+        (PositionX, "Position.x", Kind::Real(METRE), Exact, Finite, "x of the centre of mass"),
+        (PositionY, "Position.y", Kind::Real(METRE), Exact, Finite, "y of the centre of mass"),
+        (Theta, "Theta", Kind::Real(RADIAN), Exact, Finite, "orientation: angle from the x axis to the gaze"),
+        (VelocityX, "Velocity.x", Kind::Real(METRE_PER_SECOND), Exact, Finite, "velocity along x"),
+        (VelocityY, "Velocity.y", Kind::Real(METRE_PER_SECOND), Exact, Finite, "velocity along y"),
+        (Omega, "Omega", Kind::Real(RADIAN_PER_SECOND), Exact, Finite, "angular velocity"),
+        (AgentContacts, "AgentContacts", Kind::Integer, Calculated, Finite, "disk-disk contacts"),
+        (WallContacts, "WallContacts", Kind::Integer, Calculated, Finite, "disk-face contacts"),
+        (ContactingAgents, "ContactingAgents", Kind::Integer, Calculated, Finite, "different agents that touch it"),
+        (NormalForce, "NormalForce", Kind::Real(NEWTON), Calculated, Finite, "squeeze: sum of |Fn| over its contacts"),
+        (Mass, "Mass", Kind::Real(KILOGRAM), Parameter, Positive, "mass"),
+        (
+            MomentOfInertia,
+            "MomentOfInertia",
+            Kind::Real(KILOGRAM_METRE_SQUARED),
+            Parameter,
+            Positive,
+            "moment of inertia about the centre of mass",
+        ),
+        (
+            FloorDamping,
+            "FloorDamping",
+            Kind::Real(PER_SECOND),
+            Parameter,
+            NonNegative,
+            "relaxation rate of the velocity, 1/t_transl",
+        ),
+        (
+            AngularDamping,
+            "AngularDamping",
+            Kind::Real(PER_SECOND),
+            Parameter,
+            NonNegative,
+            "relaxation rate of the angular velocity, 1/t_rot",
+        ),
+    ]
+};
+
+const MATERIAL_ROWS: [(MaterialQuantity, &str, Unit, &str); 2] = [
+    (MaterialQuantity::YoungModulus, "YoungModulus", NEWTON_PER_METRE, "2D Young modulus"),
+    (MaterialQuantity::ShearModulus, "ShearModulus", NEWTON_PER_METRE, "2D shear modulus"),
+];
+
+const CONTACT_ROWS: [(ContactQuantity, &str, Unit, &str); 3] = [
+    (ContactQuantity::GammaNormal, "GammaNormal", KILOGRAM_PER_SECOND, "damping along the normal"),
+    (ContactQuantity::GammaTangential, "GammaTangential", KILOGRAM_PER_SECOND, "damping along the tangent"),
+    (ContactQuantity::KineticFriction, "KineticFriction", ONE, "Coulomb's coefficient"),
+];
+
+/// The variables of a Trial's FMU; a value reference is a place in it.
+pub fn table(trial: &Trial) -> Vec<Variable> {
+    let mut table = vec![
+        Variable {
+            name: "TimeStepMechanical".into(),
+            quantity: Quantity::TimeStepMechanical,
+            kind: Kind::Real(SECOND),
+            role: Role::Parameter,
+            domain: Domain::Positive,
+            description: "longest step of the integrator".into(),
+        },
+        Variable {
+            name: "Threads".into(),
+            quantity: Quantity::Threads,
+            kind: Kind::Integer,
+            role: Role::Parameter,
+            domain: Domain::Positive,
+            description: "threads this instance may use; results do not depend on it".into(),
+        },
+        Variable {
+            name: "Trial".into(),
+            quantity: Quantity::Trial,
+            kind: Kind::String,
+            role: Role::Parameter,
+            domain: Domain::Finite,
+            description: "which packed Trial to load".into(),
+        },
+        Variable {
+            name: "OutputDirectory".into(),
+            quantity: Quantity::OutputDirectory,
+            kind: Kind::String,
+            role: Role::Parameter,
+            domain: Domain::Finite,
+            description: "if not empty: XML files are written there after every step".into(),
+        },
+        Variable {
+            name: "AgentContacts".into(),
+            quantity: Quantity::AgentContacts,
+            kind: Kind::Integer,
+            role: Role::Calculated,
+            domain: Domain::Finite,
+            description: "disk-disk contacts of the crowd, each pair once".into(),
+        },
+        Variable {
+            name: "WallContacts".into(),
+            quantity: Quantity::WallContacts,
+            kind: Kind::Integer,
+            role: Role::Calculated,
+            domain: Domain::Finite,
+            description: "disk-face contacts of the crowd".into(),
+        },
+    ];
+    for (i, agent) in trial.agents.iter().enumerate() {
+        table.extend(AGENT_ROWS.iter().map(|&(quantity, name, kind, role, domain, description)| Variable {
+            name: format!("agent[{i}].{name}"),
+            quantity: Quantity::Agent(i, quantity),
+            kind,
+            role,
+            domain,
+            description: format!("agent Id {}: {description}", agent.id),
+        }));
+    }
+    for (m, material) in trial.materials.intrinsic.iter().enumerate() {
+        let id = quoted(&material.id);
+        table.extend(MATERIAL_ROWS.iter().map(|&(quantity, name, unit, description)| Variable {
+            name: format!("material.{id}.{name}"),
+            quantity: Quantity::Material(m, quantity),
+            kind: Kind::Real(unit),
+            role: Role::Parameter,
+            domain: Domain::Positive,
+            description: description.into(),
+        }));
+    }
+    for (c, contact) in trial.materials.binary.iter().enumerate() {
+        let (id1, id2) = (quoted(&contact.id1), quoted(&contact.id2));
+        table.extend(CONTACT_ROWS.iter().map(|&(quantity, name, unit, description)| Variable {
+            name: format!("contact.{id1}.{id2}.{name}"),
+            quantity: Quantity::Contact(c, quantity),
+            kind: Kind::Real(unit),
+            role: Role::Parameter,
+            domain: Domain::NonNegative,
+            description: description.into(),
+        }));
+    }
+    table
+}
+
+/// An Id as a part of a structured name: itself if it is a plain identifier, else a quoted name.
+///
+/// Quoted names hold only some ASCII characters; others stand as the percent escapes of their UTF-8
+/// bytes, and so does `%` itself, so that different Ids have different names.
+fn quoted(id: &str) -> String {
+    let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
+    let plain = id.starts_with(letter) && id.chars().all(|c| letter(c) || c.is_ascii_digit());
+    if plain {
+        return id.to_owned();
+    }
+    let mut name = String::from("'");
+    for byte in id.bytes() {
+        match byte {
+            b'\'' | b'"' | b'\\' => {
+                name.push('\\');
+                name.push(char::from(byte));
+            }
+            b'?' => name.push_str("\\?"),
+            b'%' => name.push_str("%25"),
+            b' '..=b'~' if byte != b'`' => name.push(char::from(byte)),
+            _ => name.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    name.push('\'');
+    name
+}
+
+/// The GUID of the interface: it changes with names, types and value references, and with nothing else.
+pub fn guid(table: &[Variable]) -> Uuid {
+    /// Makes interfaces of other programs with the same words another GUID.
+    const NAMESPACE: Uuid = Uuid::from_u128(0x6c65_6d6f_6e73_4d75_8f63_726f_7764_3031);
+    let mut text = String::new();
+    for (reference, variable) in table.iter().enumerate() {
+        text.push_str(&format!("{reference} {} {} {:?}\n", variable.name, variable.kind.name(), variable.role));
+    }
+    Uuid::new_v5(&NAMESPACE, text.as_bytes())
+}
+
+/// The place in a Trial's documents that holds a quantity; one match for reading and for writing.
+macro_rules! place {
+    ($trial:ident, $quantity:ident, $($borrow:tt)+) => {
+        match $quantity {
+            Quantity::TimeStepMechanical => $($borrow)+ $trial.parameters.time_step_mechanical,
+            Quantity::Agent(i, quantity) => {
+                let agent = $($borrow)+ $trial.agents[i];
+                let dynamics = $($borrow)+ $trial.dynamics[i];
+                match quantity {
+                    AgentQuantity::FpX => $($borrow)+ dynamics.fp.x,
+                    AgentQuantity::FpY => $($borrow)+ dynamics.fp.y,
+                    AgentQuantity::Mp => $($borrow)+ dynamics.mp,
+                    AgentQuantity::PositionX => $($borrow)+ dynamics.position.x,
+                    AgentQuantity::PositionY => $($borrow)+ dynamics.position.y,
+                    AgentQuantity::Theta => $($borrow)+ dynamics.theta,
+                    AgentQuantity::VelocityX => $($borrow)+ dynamics.velocity.x,
+                    AgentQuantity::VelocityY => $($borrow)+ dynamics.velocity.y,
+                    AgentQuantity::Omega => $($borrow)+ dynamics.omega,
+                    AgentQuantity::Mass => $($borrow)+ agent.mass,
+                    AgentQuantity::MomentOfInertia => $($borrow)+ agent.moment_of_inertia,
+                    AgentQuantity::FloorDamping => $($borrow)+ agent.floor_damping,
+                    AgentQuantity::AngularDamping => $($borrow)+ agent.angular_damping,
+                    AgentQuantity::AgentContacts
+                    | AgentQuantity::WallContacts
+                    | AgentQuantity::ContactingAgents
+                    | AgentQuantity::NormalForce => return None,
+                }
+            }
+            Quantity::Material(m, quantity) => {
+                let material = $($borrow)+ $trial.materials.intrinsic[m];
+                match quantity {
+                    MaterialQuantity::YoungModulus => $($borrow)+ material.young_modulus,
+                    MaterialQuantity::ShearModulus => $($borrow)+ material.shear_modulus,
+                }
+            }
+            Quantity::Contact(c, quantity) => {
+                let contact = $($borrow)+ $trial.materials.binary[c];
+                match quantity {
+                    ContactQuantity::GammaNormal => $($borrow)+ contact.gamma_normal,
+                    ContactQuantity::GammaTangential => $($borrow)+ contact.gamma_tangential,
+                    ContactQuantity::KineticFriction => $($borrow)+ contact.kinetic_friction,
+                }
+            }
+            Quantity::AgentContacts
+            | Quantity::WallContacts
+            | Quantity::Threads
+            | Quantity::Trial
+            | Quantity::OutputDirectory => return None,
+        }
+    };
+}
+
+/// The value that a Trial's documents give a quantity: its start value; `None` if it is computed or no Real.
+pub fn in_documents(trial: &Trial, quantity: Quantity) -> Option<f64> {
+    Some(*place!(trial, quantity, &))
+}
+
+/// Where a Trial's documents hold a quantity.
+pub fn in_documents_mut(trial: &mut Trial, quantity: Quantity) -> Option<&mut f64> {
+    Some(place!(trial, quantity, &mut))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_become_parts_of_structured_names() {
+        assert_eq!(quoted("human_naked"), "human_naked");
+        assert_eq!(quoted("0"), "'0'");
+        assert_eq!(quoted("two words"), "'two words'");
+        assert_eq!(quoted("it's"), "'it\\'s'");
+        assert_eq!(quoted("Glück"), "'Gl%C3%BCck'");
+        assert_ne!(quoted("ü"), quoted("%C3%BC"));
+    }
+}
