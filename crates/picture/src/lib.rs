@@ -1,1 +1,29 @@
-//! Pictures.
+//! Pictures of a scene: SVG, and PNG made from that same SVG.
+//!
+//! ```
+//! # use crowd_mechanics::trial::Trial;
+//! # use lemons_picture::{PictureError, Scene, Style};
+//! # fn picture(trial: &Trial) -> Result<Vec<u8>, PictureError> {
+//! let svg = lemons_picture::svg(&Scene::at_start(trial), &Style::default());
+//! lemons_picture::png(&svg, 800)
+//! # }
+//! ```
+//!
+//! The same input gives the same bytes on every machine: all text is drawn in strokes of our own, no
+//! font is looked for. The drawing itself is in metres, the y axis upwards, under one transform: the
+//! numbers in the SVG are those of the Trial.
+
+mod body;
+mod colour;
+mod draw;
+mod lettering;
+mod raster;
+mod scene;
+mod style;
+
+pub use body::body_area;
+pub use colour::{Colour, viridis};
+pub use draw::svg;
+pub use raster::{PictureError, png};
+pub use scene::{Pose, Scene, View};
+pub use style::{Fill, Style, Theme, Values, Visibility};

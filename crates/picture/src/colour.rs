@@ -1,0 +1,74 @@
+//! Colours and the colour map.
+
+use std::fmt;
+
+/// Red, green, blue (sRGB).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Colour(pub u8, pub u8, pub u8);
+
+impl Colour {
+    /// The blue of a body of no particular colour.
+    pub const BODY: Colour = Colour(0x8c, 0xb4, 0xde);
+    /// A body whose value is missing.
+    pub(crate) const MISSING: Colour = Colour(0xa8, 0xa8, 0xa8);
+
+    /// This colour at 0, the other at 1.
+    pub(crate) fn mixed(self, other: Colour, part: f64) -> Colour {
+        let mix =
+            |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
+        Colour(
+            mix(self.0, other.0),
+            mix(self.1, other.1),
+            mix(self.2, other.2),
+        )
+    }
+
+    /// Near-black or white, whichever is better seen on this colour.
+    pub(crate) fn contrast(self) -> Colour {
+        let luma =
+            0.299 * f64::from(self.0) + 0.587 * f64::from(self.1) + 0.114 * f64::from(self.2);
+        if luma > 120.0 {
+            Colour(0x11, 0x1a, 0x24)
+        } else {
+            Colour(0xff, 0xff, 0xff)
+        }
+    }
+}
+
+impl fmt::Display for Colour {
+    /// As in CSS, `#8cb4de`.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
+    }
+}
+
+/// *viridis* (S. van der Walt, N. Smith, public domain) at 16 equidistant places: even steps of
+/// lightness, told apart by colour-blind readers and in grey print.
+pub(crate) const VIRIDIS: [Colour; 16] = [
+    Colour(0x44, 0x01, 0x54),
+    Colour(0x48, 0x1a, 0x6c),
+    Colour(0x47, 0x2f, 0x7d),
+    Colour(0x41, 0x44, 0x87),
+    Colour(0x39, 0x56, 0x8c),
+    Colour(0x31, 0x68, 0x8e),
+    Colour(0x2a, 0x78, 0x8e),
+    Colour(0x23, 0x88, 0x8e),
+    Colour(0x1f, 0x98, 0x8b),
+    Colour(0x22, 0xa8, 0x84),
+    Colour(0x35, 0xb7, 0x79),
+    Colour(0x54, 0xc5, 0x68),
+    Colour(0x7a, 0xd1, 0x51),
+    Colour(0xa5, 0xdb, 0x36),
+    Colour(0xd2, 0xe2, 0x1b),
+    Colour(0xfd, 0xe7, 0x25),
+];
+
+/// The colour map: 0 is dark violet, 1 is yellow; beyond them their colour, grey for NaN.
+pub fn viridis(fraction: f64) -> Colour {
+    if fraction.is_nan() {
+        return Colour::MISSING;
+    }
+    let place = fraction.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
+    let below = (place as usize).min(VIRIDIS.len() - 2);
+    VIRIDIS[below].mixed(VIRIDIS[below + 1], place - below as f64)
+}

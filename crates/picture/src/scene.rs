@@ -1,0 +1,112 @@
+//! What is drawn.
+
+use crate::body::Body;
+use crowd_mechanics::engine::{Vec2, vec2};
+use crowd_mechanics::trial::Trial;
+
+/// \[m\] What lies further out than this is not drawn, like what is not finite: the digits and the
+/// rasteriser's single precision end there.
+const FARTHEST: f64 = 1e6;
+
+/// Where a body stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// \[m\] centre of mass.
+    pub position: Vec2,
+    /// \[rad\] direction of the gaze.
+    pub theta: f64,
+}
+
+impl Pose {
+    /// Whether a body can be drawn there.
+    pub(crate) fn drawable(&self) -> bool {
+        near(self.position) && self.theta.is_finite()
+    }
+}
+
+/// A rectangle of the plane, `low` its lower left corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// \[m\]
+    pub low: Vec2,
+    /// \[m\]
+    pub high: Vec2,
+}
+
+/// Walls, and bodies at given poses.
+///
+/// For a movie: one scene, [`Scene::view`] fixed at the first frame, and new `poses` for every frame.
+#[derive(Debug, Clone)]
+pub struct Scene<'a> {
+    /// Walls and shapes.
+    pub trial: &'a Trial,
+    /// One per agent, in the order of the agents. An agent without a finite pose is not drawn.
+    pub poses: Vec<Pose>,
+    /// The part of the plane shown; all walls and bodies when `None`.
+    pub view: Option<View>,
+    pub(crate) bodies: Vec<Body>,
+}
+
+impl<'a> Scene<'a> {
+    /// The agents of the Trial at these poses.
+    pub fn new(trial: &'a Trial, poses: Vec<Pose>) -> Scene<'a> {
+        Scene {
+            trial,
+            poses,
+            view: None,
+            bodies: trial.agents.iter().map(Body::new).collect(),
+        }
+    }
+
+    /// The Trial as its files have it.
+    pub fn at_start(trial: &'a Trial) -> Scene<'a> {
+        let poses = trial
+            .dynamics
+            .iter()
+            .map(|d| Pose {
+                position: d.position,
+                theta: d.theta,
+            })
+            .collect();
+        Scene::new(trial, poses)
+    }
+
+    /// The smallest rectangle around all walls and bodies; a metre about the origin when there are none.
+    pub fn extent(&self) -> View {
+        let mut low = vec2(f64::INFINITY, f64::INFINITY);
+        let mut high = -low;
+        let mut include = |p: Vec2, r: f64| {
+            low = vec2(low.x.min(p.x - r), low.y.min(p.y - r));
+            high = vec2(high.x.max(p.x + r), high.y.max(p.y + r));
+        };
+        for wall in &self.trial.geometry.walls {
+            wall.corners
+                .iter()
+                .filter(|c| near(**c))
+                .for_each(|c| include(*c, 0.0));
+        }
+        for (_, pose, body) in self.drawn() {
+            body.disks_at(pose)
+                .for_each(|(centre, radius)| include(centre, radius));
+        }
+        if !(low.is_finite() && high.is_finite()) {
+            return View {
+                low: vec2(-0.5, -0.5),
+                high: vec2(0.5, 0.5),
+            };
+        }
+        View { low, high }
+    }
+
+    /// The agents that can be drawn, with their place among the agents.
+    pub(crate) fn drawn(&self) -> impl Iterator<Item = (usize, &Pose, &Body)> {
+        let all = self.poses.iter().zip(&self.bodies).enumerate();
+        all.filter(|(_, (pose, body))| pose.drawable() && !body.disks.is_empty())
+            .map(|(k, (pose, body))| (k, pose, body))
+    }
+}
+
+/// Whether a point can be drawn.
+pub(crate) fn near(p: Vec2) -> bool {
+    p.x.abs() <= FARTHEST && p.y.abs() <= FARTHEST
+}
