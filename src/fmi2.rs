@@ -12,9 +12,9 @@
 #![allow(non_snake_case)] // FMI's own names
 #![allow(clippy::missing_safety_doc)] // said once, above
 
+use crate::model_description::LOG_CATEGORIES;
 use crate::resources::Resources;
 use crate::slave::{Function, Slave, SlaveError, Snapshot};
-use crate::model_description::LOG_CATEGORIES;
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -95,7 +95,10 @@ enum Refusal {
     Null(&'static str),
     NotUtf8(&'static str),
     Category(String),
-    BufferSize { given: usize, needed: usize },
+    BufferSize {
+        given: usize,
+        needed: usize,
+    },
     /// Answered, but there is nothing to tell.
     Discard(&'static str),
 }
@@ -181,7 +184,11 @@ unsafe fn array<'a, T>(pointer: *const T, length: usize, what: &'static str) -> 
 ///
 /// # Safety
 /// As [`array`], and nobody else uses it during the call.
-unsafe fn array_mut<'a, T>(pointer: *mut T, length: usize, what: &'static str) -> Result<&'a mut [T], Refusal> {
+unsafe fn array_mut<'a, T>(
+    pointer: *mut T,
+    length: usize,
+    what: &'static str,
+) -> Result<&'a mut [T], Refusal> {
     match (pointer.is_null(), length) {
         (_, 0) => Ok(&mut []),
         (true, _) => Err(Refusal::Null(what)),
@@ -242,10 +249,13 @@ pub unsafe extern "C" fn fmi2Instantiate(
             return Err(SlaveError::Unsupported("instanceName is empty").into());
         }
         if fmu_type != 1 {
-            return Err(SlaveError::Unsupported("fmuType: this is a co-simulation FMU, no model exchange").into());
+            return Err(
+                SlaveError::Unsupported("fmuType: this is a co-simulation FMU, no model exchange").into()
+            );
         }
         // SAFETY: NULL or texts of the importer's.
-        let (guid, uri) = unsafe { (text(guid, "fmuGUID")?, text(resource_location, "fmuResourceLocation")?) };
+        let (guid, uri) =
+            unsafe { (text(guid, "fmuGUID")?, text(resource_location, "fmuResourceLocation")?) };
         let resources = Resources::from_uri(uri).map_err(SlaveError::from)?;
         Ok::<_, Refusal>(Slave::new(resources, guid)?)
     }));
@@ -353,7 +363,8 @@ pub unsafe extern "C" fn fmi2GetReal(
 ) -> Status {
     call(instance, "fmi2GetReal", |component| {
         // SAFETY: as many elements as said.
-        let (references, values) = unsafe { (array(references, count, "vr")?, array_mut(values, count, "value")?) };
+        let (references, values) =
+            unsafe { (array(references, count, "vr")?, array_mut(values, count, "value")?) };
         Ok(component.slave.get_real(references, values)?)
     })
 }
@@ -368,7 +379,8 @@ pub unsafe extern "C" fn fmi2GetInteger(
 ) -> Status {
     call(instance, "fmi2GetInteger", |component| {
         // SAFETY: as many elements as said.
-        let (references, values) = unsafe { (array(references, count, "vr")?, array_mut(values, count, "value")?) };
+        let (references, values) =
+            unsafe { (array(references, count, "vr")?, array_mut(values, count, "value")?) };
         Ok(component.slave.get_integer(references, values)?)
     })
 }
@@ -397,7 +409,8 @@ pub unsafe extern "C" fn fmi2GetString(
 ) -> Status {
     call(instance, "fmi2GetString", |component| {
         // SAFETY: as many elements as said.
-        let (references, values) = unsafe { (array(references, count, "vr")?, array_mut(values, count, "value")?) };
+        let (references, values) =
+            unsafe { (array(references, count, "vr")?, array_mut(values, count, "value")?) };
         let texts = component.slave.get_string(references)?;
         component.strings = texts.into_iter().map(|text| CString::new(text).unwrap_or_default()).collect();
         for (value, text) in values.iter_mut().zip(&component.strings) {
@@ -417,7 +430,8 @@ pub unsafe extern "C" fn fmi2SetReal(
 ) -> Status {
     call(instance, "fmi2SetReal", |component| {
         // SAFETY: as many elements as said.
-        let (references, values) = unsafe { (array(references, count, "vr")?, array(values, count, "value")?) };
+        let (references, values) =
+            unsafe { (array(references, count, "vr")?, array(values, count, "value")?) };
         Ok(component.slave.set_real(references, values)?)
     })
 }
@@ -432,7 +446,8 @@ pub unsafe extern "C" fn fmi2SetInteger(
 ) -> Status {
     call(instance, "fmi2SetInteger", |component| {
         // SAFETY: as many elements as said.
-        let (references, values) = unsafe { (array(references, count, "vr")?, array(values, count, "value")?) };
+        let (references, values) =
+            unsafe { (array(references, count, "vr")?, array(values, count, "value")?) };
         Ok(component.slave.set_integer(references, values)?)
     })
 }
@@ -469,7 +484,8 @@ pub unsafe extern "C" fn fmi2SetString(
 ) -> Status {
     call(instance, "fmi2SetString", |component| {
         // SAFETY: as many elements as said.
-        let (references, values) = unsafe { (array(references, count, "vr")?, array(values, count, "value")?) };
+        let (references, values) =
+            unsafe { (array(references, count, "vr")?, array(values, count, "value")?) };
         // SAFETY: NULL or texts of the importer's.
         let texts = values.iter().map(|&value| unsafe { text(value, "a value") });
         let texts = texts.collect::<Result<Vec<&str>, Refusal>>()?;
@@ -667,7 +683,8 @@ fn status<T>(
         component.slave.check(Function::GetStatus)?;
         // SAFETY: NULL or the place of a value.
         let place = unsafe { value.as_mut() }.ok_or(Refusal::Null("value"))?;
-        *place = answer(&component.slave).ok_or(Refusal::Discard("fmi2DoStep never answers fmi2Pending here"))?;
+        *place =
+            answer(&component.slave).ok_or(Refusal::Discard("fmi2DoStep never answers fmi2Pending here"))?;
         Ok(())
     })
 }
@@ -686,13 +703,21 @@ pub unsafe extern "C" fn fmi2GetRealStatus(instance: *mut c_void, kind: c_int, v
 
 /// `fmi2GetIntegerStatus`
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetIntegerStatus(instance: *mut c_void, _kind: c_int, value: *mut c_int) -> Status {
+pub unsafe extern "C" fn fmi2GetIntegerStatus(
+    instance: *mut c_void,
+    _kind: c_int,
+    value: *mut c_int,
+) -> Status {
     status(instance, "fmi2GetIntegerStatus", value, |_| None)
 }
 
 /// `fmi2GetBooleanStatus`
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBooleanStatus(instance: *mut c_void, kind: c_int, value: *mut c_int) -> Status {
+pub unsafe extern "C" fn fmi2GetBooleanStatus(
+    instance: *mut c_void,
+    kind: c_int,
+    value: *mut c_int,
+) -> Status {
     status(instance, "fmi2GetBooleanStatus", value, |_| (kind == TERMINATED).then_some(0))
 }
 

@@ -51,7 +51,10 @@ fn write(out: &mut Out, trial: &Trial, naming: Naming) -> io::Result<()> {
             ("fmiVersion", "2.0"),
             ("modelName", MODEL_NAME),
             ("guid", &guid(&table).braced().to_string()),
-            ("description", "contact mechanics of a dense crowd: rigid bodies of disks, damped springs, Coulomb friction, walls"),
+            (
+                "description",
+                "contact mechanics of a dense crowd: rigid bodies of disks, damped springs, Coulomb friction, walls",
+            ),
             ("version", env!("CARGO_PKG_VERSION")),
             ("license", "MIT OR Apache-2.0"),
             ("generationTool", concat!("LEMONS-FMU ", env!("CARGO_PKG_VERSION"))),
@@ -73,7 +76,9 @@ fn write(out: &mut Out, trial: &Trial, naming: Naming) -> io::Result<()> {
             ("canSerializeFMUstate", "true"),
         ];
         out.write_event(Event::Empty(element("CoSimulation", &co_simulation)))?;
-        nest(out, element("UnitDefinitions", &[]), |out| UNITS.iter().try_for_each(|unit| write_unit(out, unit)))?;
+        nest(out, element("UnitDefinitions", &[]), |out| {
+            UNITS.iter().try_for_each(|unit| write_unit(out, unit))
+        })?;
         nest(out, element("LogCategories", &[]), |out| {
             LOG_CATEGORIES.iter().try_for_each(|(name, description)| {
                 let category = [("name", *name), ("description", *description)];
@@ -88,9 +93,10 @@ fn write(out: &mut Out, trial: &Trial, naming: Naming) -> io::Result<()> {
         let experiment = experiment.each_ref().map(|(name, value)| (*name, value.as_str()));
         out.write_event(Event::Empty(element("DefaultExperiment", &experiment)))?;
         nest(out, element("ModelVariables", &[]), |out| {
-            table.iter().enumerate().try_for_each(|(reference, variable)| {
-                write_variable(out, trial, reference, variable)
-            })
+            table
+                .iter()
+                .enumerate()
+                .try_for_each(|(reference, variable)| write_variable(out, trial, reference, variable))
         })?;
         nest(out, element("ModelStructure", &[]), |out| {
             // Held inputs do not reach the outputs at a communication point: no dependencies.
@@ -108,8 +114,12 @@ fn element<'a>(name: &'a str, attributes: &[(&str, &str)]) -> BytesStart<'a> {
     element
 }
 
-fn nest(out: &mut Out, start: BytesStart, content: impl FnOnce(&mut Out) -> io::Result<()>) -> io::Result<()> {
-    let end = BytesEnd::new(String::from_utf8_lossy(start.name().as_ref()).into_owned());
+fn nest(
+    out: &mut Out,
+    start: BytesStart,
+    content: impl FnOnce(&mut Out) -> io::Result<()>,
+) -> io::Result<()> {
+    let end = BytesEnd::new(start.name().as_ref().to_owned());
     out.write_event(Event::Start(start))?;
     content(out)?;
     out.write_event(Event::End(end))
@@ -178,7 +188,12 @@ fn start(trial: &Trial, variable: &Variable) -> Option<String> {
     }
 }
 
-fn write_unknowns(out: &mut Out, name: &str, table: &[Variable], wanted: impl Fn(Role) -> bool) -> io::Result<()> {
+fn write_unknowns(
+    out: &mut Out,
+    name: &str,
+    table: &[Variable],
+    wanted: impl Fn(Role) -> bool,
+) -> io::Result<()> {
     nest(out, element(name, &[]), |out| {
         let unknowns = table.iter().enumerate().filter(|(_, variable)| wanted(variable.role));
         unknowns.into_iter().try_for_each(|(place, _)| {

@@ -131,7 +131,9 @@ fn names_in(directory: &Path) -> Result<Vec<String>, ResourcesError> {
                 })
                 .collect();
         }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound || error.kind() == std::io::ErrorKind::NotADirectory => {}
+        Err(error)
+            if error.kind() == std::io::ErrorKind::NotFound
+                || error.kind() == std::io::ErrorKind::NotADirectory => {}
         Err(source) => return Err(ResourcesError::Read { path: list, source }),
     }
     let Ok(entries) = std::fs::read_dir(directory) else { return Ok(Vec::new()) };

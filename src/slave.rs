@@ -65,7 +65,9 @@ pub fn allowed(function: Function) -> &'static [Phase] {
         Function::SetupExperiment | Function::EnterInitializationMode => &[Instantiated],
         Function::ExitInitializationMode => &[Initialization],
         Function::Terminate | Function::DoStep => &[StepComplete],
-        Function::Get | Function::GetDirectionalDerivative => &[Initialization, StepComplete, Terminated, Error],
+        Function::Get | Function::GetDirectionalDerivative => {
+            &[Initialization, StepComplete, Terminated, Error]
+        }
         Function::Set | Function::SetRealInputDerivatives => &[Instantiated, Initialization, StepComplete],
         Function::GetRealOutputDerivatives => &[StepComplete, Terminated, Error],
         // A synchronous slave is never in the middle of a step.
@@ -80,7 +82,9 @@ pub fn allowed(function: Function) -> &'static [Phase] {
 pub enum SlaveError {
     #[error("not allowed in the state {phase:?}")]
     NotAllowed { phase: Phase },
-    #[error("the GUID {given:?} is not this FMU's {expected:?}: modelDescription.xml and resources do not belong together")]
+    #[error(
+        "the GUID {given:?} is not this FMU's {expected:?}: modelDescription.xml and resources do not belong together"
+    )]
     Guid { given: String, expected: String },
     #[error(transparent)]
     Resources(#[from] ResourcesError),
@@ -151,6 +155,8 @@ pub struct Slave {
     guid: Uuid,
     /// As packed: what `fmi2Reset` and another choice of Trial start from.
     packed: Arc<Trial>,
+    /// Of `packed`.
+    fingerprint: u128,
     /// With the settings of this instance.
     trial: Trial,
     settings: Settings,
@@ -185,6 +191,7 @@ impl Slave {
             table,
             guid,
             trial: packed.clone(),
+            fingerprint: packed.fingerprint().as_u128(),
             packed: Arc::new(packed),
             settings: Settings::new(),
             threads: 1,
@@ -280,6 +287,7 @@ impl Slave {
         self.check(Function::Reset)?;
         if self.packed.name != self.resources.first() {
             self.packed = Arc::new(self.resources.load(self.resources.first())?.0);
+            self.fingerprint = self.packed.fingerprint().as_u128();
         }
         self.trial = (*self.packed).clone();
         self.settings.clear();
@@ -298,7 +306,12 @@ impl Slave {
         Ok(self.world.as_mut().expect("made above"))
     }
 
-    fn variable(&self, reference: u32, matches: fn(Kind) -> bool, kind: &'static str) -> Result<&Variable, SlaveError> {
+    fn variable(
+        &self,
+        reference: u32,
+        matches: fn(Kind) -> bool,
+        kind: &'static str,
+    ) -> Result<&Variable, SlaveError> {
         self.table
             .get(reference as usize)
             .filter(|variable| matches(variable.kind))
@@ -360,7 +373,9 @@ impl Slave {
             Quantity::WallContacts => f64::from(contacts.wall_contacts),
             Quantity::Agent(i, AgentQuantity::AgentContacts) => f64::from(contacts.bodies[i].agent_contacts),
             Quantity::Agent(i, AgentQuantity::WallContacts) => f64::from(contacts.bodies[i].wall_contacts),
-            Quantity::Agent(i, AgentQuantity::ContactingAgents) => f64::from(contacts.bodies[i].touching_bodies),
+            Quantity::Agent(i, AgentQuantity::ContactingAgents) => {
+                f64::from(contacts.bodies[i].touching_bodies)
+            }
             Quantity::Agent(i, AgentQuantity::NormalForce) => contacts.bodies[i].squeeze,
             Quantity::Threads => f64::from(self.threads),
             _ => return Err(SlaveError::Unsupported("this quantity is not a number")),
@@ -496,6 +511,7 @@ impl Slave {
             return Err(SlaveError::OtherModel(format!("Trial {name:?} has other variables than this FMU")));
         }
         self.trial = edited(&packed, &self.settings, &self.table);
+        self.fingerprint = packed.fingerprint().as_u128();
         self.packed = Arc::new(packed);
         self.warnings.extend(warnings);
         self.world = None;
@@ -515,7 +531,7 @@ impl Slave {
         }
         // Masters add up their own times; half a step off is another communication point.
         let tolerance = (1e-5 * from.abs().max(step)).min(0.5 * step);
-        if !((from - self.time).abs() <= tolerance) {
+        if (from - self.time).abs() > tolerance || from.is_nan() {
             return Err(SlaveError::CommunicationPoint { given: from, expected: self.time });
         }
         if let Some(stop) = self.stop_time.filter(|stop| from + step > stop + 1e-5 * step) {
@@ -560,7 +576,7 @@ impl Slave {
         self.check(Function::State)?;
         Ok(Snapshot {
             trial: self.packed.name.clone(),
-            fingerprint: self.packed.fingerprint().as_u128(),
+            fingerprint: self.fingerprint,
             settings: self.settings.clone(),
             threads: self.threads,
             output_directory: self.output_directory.clone(),
@@ -581,12 +597,14 @@ impl Slave {
     /// Wrong phase, a snapshot of another model; then nothing has changed.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SlaveError> {
         self.check(Function::State)?;
-        let packed = if snapshot.trial == self.packed.name {
-            self.packed.clone()
+        let (packed, fingerprint) = if snapshot.trial == self.packed.name {
+            (self.packed.clone(), self.fingerprint)
         } else {
-            Arc::new(self.resources.load(&snapshot.trial)?.0)
+            let packed = self.resources.load(&snapshot.trial)?.0;
+            let fingerprint = packed.fingerprint().as_u128();
+            (Arc::new(packed), fingerprint)
         };
-        if packed.fingerprint().as_u128() != snapshot.fingerprint {
+        if fingerprint != snapshot.fingerprint {
             let message = format!("Trial {:?} is not what it was when the state was saved", snapshot.trial);
             return Err(SlaveError::OtherModel(message));
         }
@@ -605,12 +623,13 @@ impl Slave {
                 Some(world)
             }
         };
-        (self.packed, self.trial, self.world) = (packed, trial, world);
+        (self.packed, self.fingerprint, self.trial, self.world) = (packed, fingerprint, trial, world);
         self.settings.clone_from(&snapshot.settings);
         self.threads = snapshot.threads;
         self.output_directory.clone_from(&snapshot.output_directory);
         self.phase = snapshot.phase;
-        (self.time, self.start_time, self.stop_time) = (snapshot.time, snapshot.start_time, snapshot.stop_time);
+        (self.time, self.start_time, self.stop_time) =
+            (snapshot.time, snapshot.start_time, snapshot.stop_time);
         Ok(())
     }
 
@@ -657,7 +676,8 @@ impl Slave {
         if take(end, 4)? != crc32fast::hash(&bytes[..end]).to_le_bytes() {
             return Err(SlaveError::Snapshot("its checksum is wrong"));
         }
-        postcard::from_bytes(&bytes[HEADER..end]).map_err(|_| SlaveError::Snapshot("its content is malformed"))
+        postcard::from_bytes(&bytes[HEADER..end])
+            .map_err(|_| SlaveError::Snapshot("its content is malformed"))
     }
 }
 

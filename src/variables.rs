@@ -211,8 +211,22 @@ const AGENT_ROWS: [AgentRow; 17] = {
         (Omega, "Omega", Kind::Real(RADIAN_PER_SECOND), Exact, Finite, "angular velocity"),
         (AgentContacts, "AgentContacts", Kind::Integer, Calculated, Finite, "disk-disk contacts"),
         (WallContacts, "WallContacts", Kind::Integer, Calculated, Finite, "disk-face contacts"),
-        (ContactingAgents, "ContactingAgents", Kind::Integer, Calculated, Finite, "different agents that touch it"),
-        (NormalForce, "NormalForce", Kind::Real(NEWTON), Calculated, Finite, "squeeze: sum of |Fn| over its contacts"),
+        (
+            ContactingAgents,
+            "ContactingAgents",
+            Kind::Integer,
+            Calculated,
+            Finite,
+            "different agents that touch it",
+        ),
+        (
+            NormalForce,
+            "NormalForce",
+            Kind::Real(NEWTON),
+            Calculated,
+            Finite,
+            "squeeze: sum of |Fn| over its contacts",
+        ),
         (Mass, "Mass", Kind::Real(KILOGRAM), Parameter, Positive, "mass"),
         (
             MomentOfInertia,
@@ -372,7 +386,12 @@ pub fn guid(table: &[Variable]) -> Uuid {
     const NAMESPACE: Uuid = Uuid::from_u128(0x6c65_6d6f_6e73_4d75_8f63_726f_7764_3031);
     let mut text = String::new();
     for (reference, variable) in table.iter().enumerate() {
-        text.push_str(&format!("{reference} {} {} {:?}\n", variable.name, variable.kind.name(), variable.role));
+        text.push_str(&format!(
+            "{reference} {} {} {:?}\n",
+            variable.name,
+            variable.kind.name(),
+            variable.role
+        ));
     }
     Uuid::new_v5(&NAMESPACE, text.as_bytes())
 }

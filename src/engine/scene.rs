@@ -155,7 +155,7 @@ pub struct Scene {
 }
 
 /// Why a scene cannot be built.
-#[derive(Debug, Error, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum SceneError {
     /// Two materials can touch and nobody said how.
     #[error("materials {first} and {second} can touch but have no law")]

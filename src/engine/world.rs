@@ -48,7 +48,7 @@ pub fn step_count(duration: f64, mechanical_step: f64) -> Result<u64, AdvanceErr
         return Err(AdvanceError::Duration(duration));
     }
     let ratio = duration / mechanical_step;
-    if !(ratio <= MOST_STEPS) {
+    if ratio > MOST_STEPS || ratio.is_nan() {
         return Err(AdvanceError::TooManySteps { duration, mechanical_step });
     }
     let nearest = libm::round(ratio);

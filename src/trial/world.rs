@@ -1,14 +1,13 @@
 //! Documents to an engine world, and a world back to documents.
 
-use super::{
-    AgentDynamics, AgentInteraction, ContactForce, Interactions, Trial, WallInteraction, stiffness,
-};
+use super::{AgentDynamics, AgentInteraction, ContactForce, Interactions, Trial, WallInteraction, stiffness};
 use crate::engine::{
-    BodySpec, Contact, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene, SceneError, State, Twist,
-    WallSpec, World, Wrench,
+    BodySpec, Contact, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene, SceneError, State,
+    Twist, WallSpec, World, Wrench,
 };
 use std::collections::HashMap;
 use thiserror::Error;
+use uuid::Uuid;
 
 /// Why a Trial's documents make no world. A Trial as read from files always does; one whose numbers
 /// were edited may not.
@@ -111,8 +110,10 @@ impl Trial {
 
     /// The state of `AgentDynamics.xml`, with the springs of `AgentInteractions.xml`.
     pub fn state(&self, scene: &Scene) -> State {
-        let poses = self.dynamics.iter().map(|d| Pose { position: d.position, orientation: d.theta }).collect();
-        let twists = self.dynamics.iter().map(|d| Twist { velocity: d.velocity, angular_velocity: d.omega }).collect();
+        let poses =
+            self.dynamics.iter().map(|d| Pose { position: d.position, orientation: d.theta }).collect();
+        let twists =
+            self.dynamics.iter().map(|d| Twist { velocity: d.velocity, angular_velocity: d.omega }).collect();
         let mut state = State::new(poses, twists);
         let disk = |agent: usize, shape: usize| DiskId::from(scene.bodies[agent].disks.start + shape);
         state.disk_springs = self
@@ -141,6 +142,13 @@ impl Trial {
     /// `Fp` and `Mp` of `AgentDynamics.xml`.
     pub fn drive(&self) -> Vec<Wrench> {
         self.dynamics.iter().map(|d| Wrench { force: d.fp, torque: d.mp }).collect()
+    }
+
+    /// Tells one Trial from another by its content: what a saved state is checked against.
+    pub fn fingerprint(&self) -> Uuid {
+        let content = (&self.parameters, &self.materials, &self.geometry);
+        let agents = (&self.agents, &self.dynamics, &self.interactions);
+        Uuid::new_v5(&Uuid::NAMESPACE_OID, format!("{content:?}{agents:?}").as_bytes())
     }
 
     /// The engine's world at the start of this Trial.

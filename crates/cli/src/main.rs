@@ -1,3 +1,72 @@
-//! The `lemons` command.
+//! The `lemons` command: checks, packs and runs Trials.
+//!
+//! Exit codes: 0 done; 1 something failed (a file, a run); 2 the command line is wrong; 3 a Trial has errors.
 
-fn main() {}
+mod check;
+mod drive;
+mod info;
+mod master;
+mod pack;
+mod results;
+mod run;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Contact mechanics of dense crowds: Trials, FMUs, runs.
+///
+/// Exit codes: 0 done; 1 something failed; 2 the command line is wrong; 3 a Trial has errors.
+#[derive(Parser)]
+#[command(name = "lemons", version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a Trial directory or an FMU and write the trajectories
+    Run(run::Arguments),
+    /// Say all that is wrong with Trial directories
+    Check(check::Arguments),
+    /// Make an FMU of one or more Trial directories
+    Pack(pack::Arguments),
+    /// List the variables of an FMU
+    Info(info::Arguments),
+}
+
+/// A Trial has errors; they have been printed.
+#[derive(Debug)]
+pub struct TrialHasErrors;
+
+impl std::fmt::Display for TrialHasErrors {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("the Trial has errors")
+    }
+}
+
+impl std::error::Error for TrialHasErrors {}
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::check(&arguments),
+        Command::Pack(arguments) => pack::pack(&arguments),
+        Command::Info(arguments) => info::info(&arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<TrialHasErrors>() => ExitCode::from(3),
+        // Somebody closed the pipe (`lemons info … | head`): they have what they wanted.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("lemons: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let io = error.downcast_ref::<std::io::Error>();
+    io.is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
+}

@@ -47,19 +47,12 @@ struct Arc {
 impl Body {
     pub fn new(agent: &Agent) -> Body {
         let back = Rotation::by(-own_orientation(agent));
-        let drawable = agent
-            .shapes
-            .iter()
-            .filter(|s| near(s.position) && near(vec2(s.radius, 0.0)) && s.radius > 0.0);
-        let disks: Vec<_> = drawable
-            .map(|s| (s.position.rotated(back), s.radius))
-            .collect();
+        let drawable =
+            agent.shapes.iter().filter(|s| near(s.position) && near(vec2(s.radius, 0.0)) && s.radius > 0.0);
+        let disks: Vec<_> = drawable.map(|s| (s.position.rotated(back), s.radius)).collect();
 
         let inside = disks.iter().any(|(c, r)| c.norm() < *r);
-        let largest = disks
-            .iter()
-            .copied()
-            .fold((Vec2::ZERO, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+        let largest = disks.iter().copied().fold((Vec2::ZERO, 0.0), |a, b| if b.1 > a.1 { b } else { a });
         let middle = if inside { Vec2::ZERO } else { largest.0 };
         let ahead = |(c, r): &(Vec2, f64)| {
             let aside = middle.y - c.y;
@@ -79,9 +72,7 @@ impl Body {
     /// \[m\] centre and radius of each disk, in the world.
     pub fn disks_at(&self, pose: &Pose) -> impl Iterator<Item = (Vec2, f64)> {
         let (turn, at) = (Rotation::by(pose.theta), pose.position);
-        self.disks
-            .iter()
-            .map(move |(c, r)| (at + c.rotated(turn), *r))
+        self.disks.iter().map(move |(c, r)| (at + c.rotated(turn), *r))
     }
 }
 
@@ -118,8 +109,7 @@ fn union_outline(disks: &[(Vec2, f64)]) -> Vec<Arc> {
             let between = other - centre;
             let d = between.norm();
             let same = d == 0.0 && other_radius == radius;
-            if i == j || (same && i < j) || d >= radius + other_radius || d < radius - other_radius
-            {
+            if i == j || (same && i < j) || d >= radius + other_radius || d < radius - other_radius {
                 continue;
             }
             if d <= other_radius - radius {
@@ -130,12 +120,7 @@ fn union_outline(disks: &[(Vec2, f64)]) -> Vec<Arc> {
             covered.push((libm::atan2(between.y, between.x) - half, 2.0 * half));
         }
         let Some(&(begin, length)) = covered.first() else {
-            arcs.push(Arc {
-                centre,
-                radius,
-                from: -PI,
-                to: PI,
-            });
+            arcs.push(Arc { centre, radius, from: -PI, to: PI });
             continue;
         };
         // Angles from the end of the first covered piece on: one turn that no uncovered arc is cut by.
@@ -147,12 +132,7 @@ fn union_outline(disks: &[(Vec2, f64)]) -> Vec<Arc> {
         let mut reached = pieces.iter().map(|(b, l)| b + l - TAU).fold(0.0, f64::max);
         for (begin, length) in pieces {
             if begin - reached > SHORTEST_ARC {
-                arcs.push(Arc {
-                    centre,
-                    radius,
-                    from: origin + reached,
-                    to: origin + begin,
-                });
+                arcs.push(Arc { centre, radius, from: origin + reached, to: origin + begin });
             }
             reached = reached.max(begin + length);
         }
@@ -176,10 +156,7 @@ fn path(mut arcs: Vec<Arc>) -> String {
                 d.push(' ');
                 number(&mut d, arc.radius, TENTH_OF_MM);
                 d.push_str(" 0 01");
-                point(
-                    &mut d,
-                    arc.at(arc.from + (arc.to - arc.from) * (k as f64 / pieces)),
-                );
+                point(&mut d, arc.at(arc.from + (arc.to - arc.from) * (k as f64 / pieces)));
             }
             let end = arc.at(arc.to);
             let gap = |p: Vec2| (p - end).norm_squared();
@@ -228,14 +205,8 @@ mod tests {
 
     #[test]
     fn a_ring_of_disks_has_a_hole() {
-        let ring: Vec<_> = (0..12)
-            .map(|k| {
-                (
-                    vec2(1.0, 0.0).rotated(Rotation::by(f64::from(k) * TAU / 12.0)),
-                    0.3,
-                )
-            })
-            .collect();
+        let ring: Vec<_> =
+            (0..12).map(|k| (vec2(1.0, 0.0).rotated(Rotation::by(f64::from(k) * TAU / 12.0)), 0.3)).collect();
         assert_eq!(path(union_outline(&ring)).matches('M').count(), 2);
     }
 }

@@ -14,24 +14,14 @@ impl Colour {
 
     /// This colour at 0, the other at 1.
     pub(crate) fn mixed(self, other: Colour, part: f64) -> Colour {
-        let mix =
-            |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
-        Colour(
-            mix(self.0, other.0),
-            mix(self.1, other.1),
-            mix(self.2, other.2),
-        )
+        let mix = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
+        Colour(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
     }
 
     /// Near-black or white, whichever is better seen on this colour.
     pub(crate) fn contrast(self) -> Colour {
-        let luma =
-            0.299 * f64::from(self.0) + 0.587 * f64::from(self.1) + 0.114 * f64::from(self.2);
-        if luma > 120.0 {
-            Colour(0x11, 0x1a, 0x24)
-        } else {
-            Colour(0xff, 0xff, 0xff)
-        }
+        let luma = 0.299 * f64::from(self.0) + 0.587 * f64::from(self.1) + 0.114 * f64::from(self.2);
+        if luma > 120.0 { Colour(0x11, 0x1a, 0x24) } else { Colour(0xff, 0xff, 0xff) }
     }
 }
 

@@ -66,32 +66,18 @@ impl<'a> Colouring<'a> {
     fn new(scene: &Scene, fill: &'a Fill) -> Colouring<'a> {
         let (values, label, unit, range): (std::borrow::Cow<[f64]>, &str, &str, _) = match fill {
             Fill::Single(colour) => {
-                return Colouring {
-                    single: *colour,
-                    scale: None,
-                };
+                return Colouring { single: *colour, scale: None };
             }
-            Fill::BodyArea => (
-                scene.bodies.iter().map(|b| b.area).collect(),
-                "body area",
-                "m²",
-                None,
-            ),
-            Fill::Values(Values {
-                values,
-                label,
-                unit,
-                range,
-            }) => (values.as_slice().into(), label, unit, *range),
+            Fill::BodyArea => (scene.bodies.iter().map(|b| b.area).collect(), "body area", "m²", None),
+            Fill::Values(Values { values, label, unit, range }) => {
+                (values.as_slice().into(), label, unit, *range)
+            }
         };
         let finite = || values.iter().copied().filter(|v| v.is_finite());
-        let (low, high) = range
-            .filter(|(a, b)| a.is_finite() && b.is_finite() && a <= b)
-            .unwrap_or_else(|| {
-                let (low, high) = (
-                    finite().fold(f64::INFINITY, f64::min),
-                    finite().fold(f64::NEG_INFINITY, f64::max),
-                );
+        let (low, high) =
+            range.filter(|(a, b)| a.is_finite() && b.is_finite() && a <= b).unwrap_or_else(|| {
+                let (low, high) =
+                    (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
                 if low <= high { (low, high) } else { (0.0, 1.0) }
             });
         let title = match (label.is_empty(), unit.is_empty()) {
@@ -99,10 +85,7 @@ impl<'a> Colouring<'a> {
             (true, false) => unit.to_owned(),
             (false, false) => format!("{label} ({unit})"),
         };
-        Colouring {
-            single: Colour::MISSING,
-            scale: Some((values, title, low, high)),
-        }
+        Colouring { single: Colour::MISSING, scale: Some((values, title, low, high)) }
     }
 
     fn of(&self, agent: usize) -> Colour {
@@ -112,9 +95,7 @@ impl<'a> Colouring<'a> {
         match values.get(agent) {
             Some(value) if !value.is_finite() => Colour::MISSING,
             // Halved: the difference of two finite numbers may be infinite.
-            Some(value) if high > low => {
-                viridis((value / 2.0 - low / 2.0) / (high / 2.0 - low / 2.0))
-            }
+            Some(value) if high > low => viridis((value / 2.0 - low / 2.0) / (high / 2.0 - low / 2.0)),
             Some(_) => viridis(0.5),
             None => Colour::MISSING,
         }
@@ -138,45 +119,21 @@ struct Page {
 
 impl Page {
     fn new(scene: &Scene, style: &Style, header: bool, footer: f64) -> Page {
-        let width = if style.width.is_finite() {
-            style.width.clamp(32.0, 32_768.0)
-        } else {
-            NOMINAL_WIDTH
-        };
+        let width = if style.width.is_finite() { style.width.clamp(32.0, 32_768.0) } else { NOMINAL_WIDTH };
         let unit = width / NOMINAL_WIDTH;
-        let mut view = scene
-            .view
-            .filter(|v| near(v.low) && near(v.high))
-            .unwrap_or_else(|| scene.extent());
+        let mut view = scene.view.filter(|v| near(v.low) && near(v.high)).unwrap_or_else(|| scene.extent());
         let grow = |low: f64, high: f64| 0.5 * (SMALLEST_VIEW - (high - low)).max(0.0);
         let (dx, dy) = (grow(view.low.x, view.high.x), grow(view.low.y, view.high.y));
-        view = View {
-            low: view.low - vec2(dx, dy),
-            high: view.high + vec2(dx, dy),
-        };
+        view = View { low: view.low - vec2(dx, dy), high: view.high + vec2(dx, dy) };
         let size = view.high - view.low;
 
         let margin = MARGIN * unit;
         let room = width - 2.0 * margin;
         let scale = (room / size.x).min(TALLEST * room / size.y);
         let drawn = size * scale;
-        let top = margin
-            + if header {
-                (CAP_HEIGHT + BAND_GAP) * unit
-            } else {
-                0.0
-            };
+        let top = margin + if header { (CAP_HEIGHT + BAND_GAP) * unit } else { 0.0 };
         let height = (top + drawn.y + footer * unit + margin - 1e-6).ceil();
-        Page {
-            unit,
-            width,
-            height,
-            view,
-            scale,
-            left: 0.5 * (width - drawn.x),
-            top,
-            drawn,
-        }
+        Page { unit, width, height, view, scale, left: 0.5 * (width - drawn.x), top, drawn }
     }
 
     /// Whether a disk would be cut by the border.
@@ -219,18 +176,8 @@ pub fn svg(scene: &Scene, style: &Style) -> String {
     );
     world(&mut out, scene, style, &page, &palette, &colouring);
     if let Some(t) = time {
-        let place = Place {
-            x: page.left,
-            y: page.top - BAND_GAP * page.unit,
-            ..small(&page, Anchor::Start)
-        };
-        lettered(
-            &mut out,
-            "time",
-            &format!("t = {t:.2} s"),
-            place,
-            palette.ink,
-        );
+        let place = Place { x: page.left, y: page.top - BAND_GAP * page.unit, ..small(&page, Anchor::Start) };
+        lettered(&mut out, "time", &format!("t = {t:.2} s"), place, palette.ink);
     }
     if style.scale_bar.shown() {
         scale_bar(&mut out, &page, &palette);
@@ -251,60 +198,35 @@ fn world(
     palette: &Palette,
     colouring: &Colouring,
 ) {
-    let drawn: Vec<_> = scene
-        .drawn()
-        .filter(|(_, pose, body)| !page.misses(pose.position, body.reach))
-        .collect();
+    let drawn: Vec<_> =
+        scene.drawn().filter(|(_, pose, body)| !page.misses(pose.position, body.reach)).collect();
     let walls: Vec<Vec<Vec2>> = {
-        let finite = |corners: &[Vec2]| {
-            corners
-                .iter()
-                .copied()
-                .filter(|c| near(*c))
-                .collect::<Vec<_>>()
-        };
-        scene
-            .trial
-            .geometry
-            .walls
-            .iter()
-            .map(|w| finite(&w.corners))
-            .collect()
+        let finite = |corners: &[Vec2]| corners.iter().copied().filter(|c| near(*c)).collect::<Vec<_>>();
+        scene.trial.geometry.walls.iter().map(|w| finite(&w.corners)).collect()
     };
     // Only a view of the caller's choice can cut anything; a clip costs the rasteriser dear.
     let cut = scene.view.is_some()
-        && (drawn
-            .iter()
-            .any(|(_, pose, body)| page.cuts(pose.position, body.reach))
+        && (drawn.iter().any(|(_, pose, body)| page.cuts(pose.position, body.reach))
             || walls.iter().flatten().any(|c| page.cuts(*c, 0.0)));
     let (mut left, mut top) = (page.left, page.top);
     if cut {
         let border = 0.4 * MARGIN * page.unit;
-        let [x, y, w, h] = [
-            left - border,
-            top - border,
-            page.drawn.x + 2.0 * border,
-            page.drawn.y + 2.0 * border,
-        ]
-        .map(|v| text_of(v, PX));
+        let [x, y, w, h] =
+            [left - border, top - border, page.drawn.x + 2.0 * border, page.drawn.y + 2.0 * border]
+                .map(|v| text_of(v, PX));
         *out += &format!("<svg x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\">\n");
         (left, top) = (border, border);
     }
     let scale = page.scale;
-    let (x, y) = (
-        left - scale * page.view.low.x,
-        top + scale * page.view.high.y,
-    );
+    let (x, y) = (left - scale * page.view.low.x, top + scale * page.view.high.y);
     let [s, x, y] = [scale, x, y].map(|v| text_of(v, 6));
     *out += &format!(
         "<g transform=\"matrix({s} 0 0 -{s} {x} {y})\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n"
     );
 
     let stroke = text_of(WALL_STROKE * page.unit / scale, 6);
-    *out += &format!(
-        "<g class=\"walls\" fill=\"none\" stroke=\"{}\" stroke-width=\"{stroke}\">\n",
-        palette.wall
-    );
+    *out +=
+        &format!("<g class=\"walls\" fill=\"none\" stroke=\"{}\" stroke-width=\"{stroke}\">\n", palette.wall);
     walls.iter().for_each(|corners| wall(out, corners));
     *out += "</g>\n";
 
@@ -322,21 +244,12 @@ fn world(
         *out += "<g transform=\"translate(";
         point(out, pose.position);
         *out += ")rotate(";
-        number(
-            out,
-            pose.theta.rem_euclid(std::f64::consts::TAU).to_degrees(),
-            2,
-        );
+        number(out, pose.theta.rem_euclid(std::f64::consts::TAU).to_degrees(), 2);
         *out += ")\"";
         if fill != colouring.single {
             let _ = write!(out, " fill=\"{fill}\"");
         }
-        let _ = write!(
-            out,
-            "><title>{}</title><path d=\"{}\"/>",
-            escaped(id),
-            body.outline
-        );
+        let _ = write!(out, "><title>{}</title><path d=\"{}\"/>", escaped(id), body.outline);
         if style.orientation.shown() {
             mark(out, body, fill);
         }
@@ -364,11 +277,7 @@ fn wall(out: &mut String, corners: &[Vec2]) {
     let [first, .., last] = corners else { return };
     *out += "<path d=\"M";
     let closed = first == last && corners.len() > 3;
-    let drawn = if closed {
-        &corners[..corners.len() - 1]
-    } else {
-        corners
-    };
+    let drawn = if closed { &corners[..corners.len() - 1] } else { corners };
     for (k, corner) in drawn.iter().enumerate() {
         *out += if k == 0 { "" } else { "L" };
         point(out, *corner);
@@ -381,10 +290,7 @@ fn mark(out: &mut String, body: &Body, fill: Colour) {
     let at = |ahead: f64, aside: f64| body.middle + vec2(ahead, aside) * body.front;
     let colour = fill.mixed(fill.contrast(), 0.7);
     let _ = write!(out, "<path fill=\"{colour}\" stroke=\"none\" d=\"M");
-    for (k, p) in [at(0.88, 0.0), at(0.58, 0.23), at(0.58, -0.23)]
-        .into_iter()
-        .enumerate()
-    {
+    for (k, p) in [at(0.88, 0.0), at(0.58, 0.23), at(0.58, -0.23)].into_iter().enumerate() {
         *out += if k == 0 { "" } else { "L" };
         point(out, p);
     }
@@ -401,26 +307,11 @@ fn id_on(out: &mut String, id: &str, pose: &Pose, body: &Body, fill: Colour) {
     let (x, y) = (-(0.5 * lettering::width(id, grid)).round(), -0.5 * grid);
     let (anchor, up, decimals) = (Anchor::Start, Up::Positive, 1);
     let mut d = String::new();
-    lettering::strokes(
-        &mut d,
-        id,
-        Place {
-            x,
-            y,
-            cap_height: grid,
-            anchor,
-            up,
-            decimals,
-        },
-    );
+    lettering::strokes(&mut d, id, Place { x, y, cap_height: grid, anchor, up, decimals });
     *out += "<path transform=\"translate(";
     point(out, middle);
-    let _ = writeln!(
-        out,
-        ")scale({})\" stroke=\"{}\" d=\"{d}\"/>",
-        text_of(height / grid, 6),
-        fill.contrast()
-    );
+    let _ =
+        writeln!(out, ")scale({})\" stroke=\"{}\" d=\"{d}\"/>", text_of(height / grid, 6), fill.contrast());
 }
 
 fn scale_bar(out: &mut String, page: &Page, palette: &Palette) {
@@ -435,10 +326,7 @@ fn scale_bar(out: &mut String, page: &Page, palette: &Palette) {
         format!("{} mm", (metres * 1e4).round() / 10.0)
     };
     let cap = CAP_HEIGHT * page.unit;
-    let (y, x0) = (
-        page.height - MARGIN * page.unit - 0.5 * cap,
-        page.left.min(MARGIN * page.unit),
-    );
+    let (y, x0) = (page.height - MARGIN * page.unit - 0.5 * cap, page.left.min(MARGIN * page.unit));
     let (x1, tick) = (x0 + metres * page.scale, 0.42 * cap);
     let [ax, bx, up, mid, down] = [x0, x1, y - tick, y, y + tick].map(|v| text_of(v, PX));
     *out += &format!(
@@ -446,25 +334,16 @@ fn scale_bar(out: &mut String, page: &Page, palette: &Palette) {
         palette.ink,
         text_of(1.2 * page.unit, PX)
     );
-    let place = Place {
-        x: x1 + 0.9 * cap,
-        y: y + 0.5 * cap,
-        ..small(page, Anchor::Start)
-    };
+    let place = Place { x: x1 + 0.9 * cap, y: y + 0.5 * cap, ..small(page, Anchor::Start) };
     lettered(out, "scale", &label, place, palette.ink);
 }
 
 fn colour_bar(out: &mut String, page: &Page, palette: &Palette, title: &str, low: f64, high: f64) {
     let (cap, right) = (CAP_HEIGHT * page.unit, page.width - MARGIN * page.unit);
     let y = page.height - MARGIN * page.unit;
-    let numbers = if low == high {
-        [None, Some(short(high))]
-    } else {
-        [Some(short(low)), Some(short(high))]
-    };
+    let numbers = if low == high { [None, Some(short(high))] } else { [Some(short(low)), Some(short(high))] };
     let space = 0.8 * cap;
-    let length_of =
-        |t: &Option<String>| t.as_ref().map_or(0.0, |t| lettering::width(t, cap) + space);
+    let length_of = |t: &Option<String>| t.as_ref().map_or(0.0, |t| lettering::width(t, cap) + space);
     let bar = 0.3 * page.width;
     let x1 = right - length_of(&numbers[1]);
     let x0 = x1 - bar;
@@ -475,74 +354,29 @@ fn colour_bar(out: &mut String, page: &Page, palette: &Palette, title: &str, low
         *out += &format!("<stop offset=\"{offset}\" stop-color=\"{colour}\"/>");
     }
     *out += "</linearGradient>\n";
-    let fill = if low == high {
-        viridis(0.5).to_string()
-    } else {
-        "url(#viridis)".to_owned()
-    };
+    let fill = if low == high { viridis(0.5).to_string() } else { "url(#viridis)".to_owned() };
     let [x, top, w, h, r] = [x0, y - cap, bar, cap, 0.2 * cap].map(|v| text_of(v, PX));
-    *out += &format!(
-        "<rect x=\"{x}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" rx=\"{r}\" fill=\"{fill}\"/>\n"
-    );
+    *out +=
+        &format!("<rect x=\"{x}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" rx=\"{r}\" fill=\"{fill}\"/>\n");
     if let [Some(number), _] = &numbers {
-        lettered(
-            out,
-            "low",
-            number,
-            Place {
-                x: x0 - space,
-                y,
-                ..small(page, Anchor::End)
-            },
-            palette.ink,
-        );
+        lettered(out, "low", number, Place { x: x0 - space, y, ..small(page, Anchor::End) }, palette.ink);
     }
     if let [_, Some(number)] = &numbers {
-        lettered(
-            out,
-            "high",
-            number,
-            Place {
-                x: x1 + space,
-                y,
-                ..small(page, Anchor::Start)
-            },
-            palette.ink,
-        );
+        lettered(out, "high", number, Place { x: x1 + space, y, ..small(page, Anchor::Start) }, palette.ink);
     }
     // A title longer than the bar is centred on it while there is room, and shrinks after that.
     let length = lettering::width(title, cap);
     let room = page.width - 2.0 * MARGIN * page.unit;
     let shrink = (room / length.max(1e-9)).min(1.0);
     let x = (0.5 * (x0 + x1)).min(right - 0.5 * length * shrink);
-    let place = Place {
-        x,
-        y: y - 1.9 * cap,
-        ..small(page, Anchor::Middle)
-    };
-    lettered(
-        out,
-        "label",
-        title,
-        Place {
-            cap_height: cap * shrink,
-            ..place
-        },
-        palette.ink,
-    );
+    let place = Place { x, y: y - 1.9 * cap, ..small(page, Anchor::Middle) };
+    lettered(out, "label", title, Place { cap_height: cap * shrink, ..place }, palette.ink);
     *out += "</g>\n";
 }
 
 /// The one size of text beside the scene.
 fn small(page: &Page, anchor: Anchor) -> Place {
-    Place {
-        x: 0.0,
-        y: 0.0,
-        cap_height: CAP_HEIGHT * page.unit,
-        anchor,
-        up: Up::Negative,
-        decimals: PX,
-    }
+    Place { x: 0.0, y: 0.0, cap_height: CAP_HEIGHT * page.unit, anchor, up: Up::Negative, decimals: PX }
 }
 
 /// Text beside the scene; whoever cannot see the strokes reads the label.
@@ -563,11 +397,7 @@ fn round_below(limit: f64) -> f64 {
     for power in -6..8 {
         for digit in [1.0, 2.0, 5.0] {
             // A quotient of whole numbers: 0.2 is then 0.2 to the last bit.
-            let step = if power < 0 {
-                digit / 10f64.powi(-power)
-            } else {
-                digit * 10f64.powi(power)
-            };
+            let step = if power < 0 { digit / 10f64.powi(-power) } else { digit * 10f64.powi(power) };
             if step <= limit {
                 best = step;
             }
@@ -585,10 +415,9 @@ fn short(value: f64) -> String {
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     match exponent.parse::<i32>() {
         Ok(e @ -3..=4) => text_of(value, (2 - e).max(0) as usize),
-        _ if mantissa.contains('.') => format!(
-            "{}e{exponent}",
-            mantissa.trim_end_matches('0').trim_end_matches('.')
-        ),
+        _ if mantissa.contains('.') => {
+            format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
+        }
         _ => scientific,
     }
 }
@@ -623,11 +452,7 @@ pub(crate) fn pair(out: &mut String, (x, y): (f64, f64), decimals: usize) {
 fn text_of(value: f64, decimals: usize) -> String {
     let mut out = String::new();
     number(&mut out, value, decimals);
-    if out.starts_with('.') {
-        format!("0{out}")
-    } else {
-        out
-    }
+    if out.starts_with('.') { format!("0{out}") } else { out }
 }
 
 /// Text for XML: markup escaped, characters that XML 1.0 does not know replaced.

@@ -133,15 +133,8 @@ fn glyph(c: char) -> &'static str {
 }
 
 fn points(stroke: &str) -> Vec<(f64, f64)> {
-    let digits: Vec<f64> = stroke
-        .chars()
-        .filter_map(|c| c.to_digit(36))
-        .map(f64::from)
-        .collect();
-    digits
-        .chunks_exact(2)
-        .map(|p| (p[0], p[1] - BASE))
-        .collect()
+    let digits: Vec<f64> = stroke.chars().filter_map(|c| c.to_digit(36)).map(f64::from).collect();
+    digits.chunks_exact(2).map(|p| (p[0], p[1] - BASE)).collect()
 }
 
 /// In grid units. Digits are all of one width, so that a running clock stands still.
@@ -150,10 +143,7 @@ fn glyph_width(c: char) -> f64 {
         ' ' => SPACE,
         '0'..='9' => 8.0,
         '.' | ',' | ':' | '·' => 2.0,
-        _ => glyph(c)
-            .split(',')
-            .flat_map(points)
-            .fold(0.0, |w, p| f64::max(w, p.0)),
+        _ => glyph(c).split(',').flat_map(points).fold(0.0, |w, p| f64::max(w, p.0)),
     }
 }
 
@@ -180,14 +170,9 @@ pub(crate) fn strokes(d: &mut String, text: &str, place: Place) {
     for c in text.chars() {
         if c != ' ' {
             for stroke in glyph(c).split(',') {
-                spline(
-                    d,
-                    &points(stroke),
-                    stroke.starts_with('@'),
-                    |d, (px, py)| {
-                        pair(d, (x + unit * px, place.y + up * py), place.decimals);
-                    },
-                );
+                spline(d, &points(stroke), stroke.starts_with('@'), |d, (px, py)| {
+                    pair(d, (x + unit * px, place.y + up * py), place.decimals);
+                });
             }
         }
         x += (glyph_width(c) + GAP) * unit;
@@ -225,12 +210,7 @@ fn spline(d: &mut String, p: &[Point], closed: bool, put: impl Fn(&mut String, P
         d.push('L');
         put(d, middle(*first, *second));
     }
-    curve(
-        d,
-        &mut p[1..]
-            .windows(2)
-            .map(|pair| (pair[0], middle(pair[0], pair[1]))),
-    );
+    curve(d, &mut p[1..].windows(2).map(|pair| (pair[0], middle(pair[0], pair[1]))));
     d.push('L');
     put(d, *last);
 }

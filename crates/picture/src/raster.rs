@@ -29,21 +29,12 @@ pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
     let tree = usvg::Tree::from_str(svg, &usvg::Options::default())?;
     let scale = f64::from(width_px) / f64::from(tree.size().width());
     let height = (scale * f64::from(tree.size().height())).round().max(1.0);
-    let too_big = || PictureError::Size {
-        width: width_px,
-        height,
-    };
+    let too_big = || PictureError::Size { width: width_px, height };
     if f64::from(width_px) * height > MOST_PIXELS {
         return Err(too_big());
     }
     let mut pixels = tiny_skia::Pixmap::new(width_px, height as u32).ok_or_else(too_big)?;
     let stretch = height as f32 / tree.size().height();
-    resvg::render(
-        &tree,
-        tiny_skia::Transform::from_scale(scale as f32, stretch),
-        &mut pixels.as_mut(),
-    );
-    pixels
-        .encode_png()
-        .map_err(|e| PictureError::Png(e.to_string()))
+    resvg::render(&tree, tiny_skia::Transform::from_scale(scale as f32, stretch), &mut pixels.as_mut());
+    pixels.encode_png().map_err(|e| PictureError::Png(e.to_string()))
 }

@@ -50,24 +50,12 @@ pub struct Scene<'a> {
 impl<'a> Scene<'a> {
     /// The agents of the Trial at these poses.
     pub fn new(trial: &'a Trial, poses: Vec<Pose>) -> Scene<'a> {
-        Scene {
-            trial,
-            poses,
-            view: None,
-            bodies: trial.agents.iter().map(Body::new).collect(),
-        }
+        Scene { trial, poses, view: None, bodies: trial.agents.iter().map(Body::new).collect() }
     }
 
     /// The Trial as its files have it.
     pub fn at_start(trial: &'a Trial) -> Scene<'a> {
-        let poses = trial
-            .dynamics
-            .iter()
-            .map(|d| Pose {
-                position: d.position,
-                theta: d.theta,
-            })
-            .collect();
+        let poses = trial.dynamics.iter().map(|d| Pose { position: d.position, theta: d.theta }).collect();
         Scene::new(trial, poses)
     }
 
@@ -80,20 +68,13 @@ impl<'a> Scene<'a> {
             high = vec2(high.x.max(p.x + r), high.y.max(p.y + r));
         };
         for wall in &self.trial.geometry.walls {
-            wall.corners
-                .iter()
-                .filter(|c| near(**c))
-                .for_each(|c| include(*c, 0.0));
+            wall.corners.iter().filter(|c| near(**c)).for_each(|c| include(*c, 0.0));
         }
         for (_, pose, body) in self.drawn() {
-            body.disks_at(pose)
-                .for_each(|(centre, radius)| include(centre, radius));
+            body.disks_at(pose).for_each(|(centre, radius)| include(centre, radius));
         }
         if !(low.is_finite() && high.is_finite()) {
-            return View {
-                low: vec2(-0.5, -0.5),
-                high: vec2(0.5, 0.5),
-            };
+            return View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };
         }
         View { low, high }
     }

@@ -14,12 +14,7 @@ use std::time::Instant;
 /// Only bodies and walls: the page is then the view and its margin.
 fn plain() -> Style {
     let hidden = Visibility::Hidden;
-    Style {
-        orientation: hidden,
-        scale_bar: hidden,
-        colour_bar: hidden,
-        ..Style::default()
-    }
+    Style { orientation: hidden, scale_bar: hidden, colour_bar: hidden, ..Style::default() }
 }
 
 struct Pixels {
@@ -31,17 +26,11 @@ struct Pixels {
 impl Pixels {
     fn of(svg: &str, width: u32) -> Pixels {
         let bytes = png(svg, width).unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
-            .read_info()
-            .unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut bytes).unwrap();
         assert_eq!(info.color_type, png::ColorType::Rgba);
-        Pixels {
-            width: info.width as usize,
-            height: info.height as usize,
-            bytes,
-        }
+        Pixels { width: info.width as usize, height: info.height as usize, bytes }
     }
 
     fn at(&self, x: f64, y: f64) -> Colour {
@@ -51,13 +40,7 @@ impl Pixels {
 }
 
 fn box_of(low: f64, high: f64) -> Vec<Vec2> {
-    vec![
-        vec2(low, low),
-        vec2(high, low),
-        vec2(high, high),
-        vec2(low, high),
-        vec2(low, low),
-    ]
+    vec![vec2(low, low), vec2(high, low), vec2(high, high), vec2(low, high), vec2(low, low)]
 }
 
 /// `style.width` 428 and a 4 m view: 100 px per metre, the view's upper left corner at (14, 14) · 1.07.
@@ -71,26 +54,13 @@ fn on_page(pixels: &Pixels, p: Vec2) -> Colour {
 fn the_right_elements() {
     let wall = vec![vec2(3.0, 0.0), vec2(3.0, 1.0), vec2(4.0, 1.0)];
     let t = trial(
-        vec![
-            (pedestrian("0"), Vec2::ZERO, 0.0),
-            (pedestrian("<&\"\u{1}>"), vec2(1.0, 0.0), 1.0),
-        ],
+        vec![(pedestrian("0"), Vec2::ZERO, 0.0), (pedestrian("<&\"\u{1}>"), vec2(1.0, 0.0), 1.0)],
         vec![box_of(-2.0, 2.0), wall],
     );
-    let style = Style {
-        ids: Visibility::Shown,
-        time: Some(1.5),
-        fill: Fill::BodyArea,
-        ..Style::default()
-    };
+    let style = Style { ids: Visibility::Shown, time: Some(1.5), fill: Fill::BodyArea, ..Style::default() };
     let text = svg(&Scene::at_start(&t), &style);
     let document = roxmltree::Document::parse(&text).unwrap();
-    let group = |name: &str| {
-        document
-            .descendants()
-            .find(|n| n.attribute("class") == Some(name))
-            .unwrap()
-    };
+    let group = |name: &str| document.descendants().find(|n| n.attribute("class") == Some(name)).unwrap();
     let children = |name: &str| group(name).children().filter(|n| n.is_element()).count();
     assert_eq!(children("walls"), 2);
     assert_eq!(children("bodies"), 2);
@@ -98,19 +68,12 @@ fn the_right_elements() {
     assert!(text.contains("M-2-2L2-2L2 2L-2 2Z") && text.contains("M3 0L3 1L4 1\""));
     assert!(text.contains("<title>&lt;&amp;&quot;\u{fffd}&gt;</title>"));
     assert_eq!(group("time").attribute("aria-label"), Some("t = 1.50 s"));
-    assert_eq!(
-        group("label").attribute("aria-label"),
-        Some("body area (m²)")
-    );
+    assert_eq!(group("label").attribute("aria-label"), Some("body area (m²)"));
     assert_eq!(group("scale").attribute("aria-label"), Some("1 m"));
     assert_eq!(text, svg(&Scene::at_start(&t), &style));
     // One outline per body, in ten or so arcs, not five circles.
-    let outline = group("bodies")
-        .descendants()
-        .find(|n| n.has_tag_name("path"))
-        .unwrap()
-        .attribute("d")
-        .unwrap();
+    let outline =
+        group("bodies").descendants().find(|n| n.has_tag_name("path")).unwrap().attribute("d").unwrap();
     assert_eq!(outline.matches('M').count(), 1);
     png(&text, 400).unwrap();
 }
@@ -118,30 +81,14 @@ fn the_right_elements() {
 #[test]
 fn size_and_colours() {
     let (red, night) = (Colour(0xdd, 0x33, 0x22), Colour(0x12, 0x16, 0x1d));
-    let t = trial(
-        vec![(pedestrian("0"), vec2(1.0, 1.0), 0.0)],
-        vec![box_of(-2.0, 2.0)],
-    );
-    let style = Style {
-        width: 428.0,
-        fill: Fill::Single(red),
-        ..plain()
-    };
+    let t = trial(vec![(pedestrian("0"), vec2(1.0, 1.0), 0.0)], vec![box_of(-2.0, 2.0)]);
+    let style = Style { width: 428.0, fill: Fill::Single(red), ..plain() };
     let light = Pixels::of(&svg(&Scene::at_start(&t), &style), 428);
     assert_eq!((light.width, light.height), (428, 428));
     assert_eq!(on_page(&light, vec2(1.0, 1.0)), red);
     assert_eq!(on_page(&light, vec2(1.0, -1.0)), Colour(255, 255, 255));
     assert_eq!(on_page(&light, vec2(-2.0, 0.0)), Colour(0x2a, 0x30, 0x3a));
-    let dark = Pixels::of(
-        &svg(
-            &Scene::at_start(&t),
-            &Style {
-                theme: Theme::Dark,
-                ..style
-            },
-        ),
-        428,
-    );
+    let dark = Pixels::of(&svg(&Scene::at_start(&t), &Style { theme: Theme::Dark, ..style }), 428);
     assert_eq!(on_page(&dark, vec2(1.0, -1.0)), night);
     let wide = Pixels::of(&svg(&Scene::at_start(&t), &plain()), 1000);
     assert_eq!((wide.width, wide.height), (1000, 1000));
@@ -160,31 +107,12 @@ fn theta_turns_the_shoulders() {
             position: vec2(0.0, y).rotated(crowd_mechanics::engine::Rotation::by(own)),
         };
         let lopsided = agent("0", vec![disk(0.2, 1.0), disk(0.5, -1.0)]);
-        for (theta, left) in [
-            (0.0, vec2(0.0, 1.0)),
-            (FRAC_PI_2, vec2(-1.0, 0.0)),
-            (PI, vec2(0.0, -1.0)),
-        ] {
-            let t = trial(
-                vec![(lopsided.clone(), Vec2::ZERO, theta)],
-                vec![box_of(-2.0, 2.0)],
-            );
-            let picture = Pixels::of(
-                &svg(
-                    &Scene::at_start(&t),
-                    &Style {
-                        width: 428.0,
-                        ..plain()
-                    },
-                ),
-                428,
-            );
+        for (theta, left) in [(0.0, vec2(0.0, 1.0)), (FRAC_PI_2, vec2(-1.0, 0.0)), (PI, vec2(0.0, -1.0))] {
+            let t = trial(vec![(lopsided.clone(), Vec2::ZERO, theta)], vec![box_of(-2.0, 2.0)]);
+            let picture = Pixels::of(&svg(&Scene::at_start(&t), &Style { width: 428.0, ..plain() }), 428);
             let seen = |p: Vec2| on_page(&picture, p) == Colour::BODY;
             assert!(seen(left) && seen(-left));
-            assert!(
-                !seen(left * 1.35) && seen(-left * 1.35),
-                "own {own}, theta {theta}"
-            );
+            assert!(!seen(left * 1.35) && seen(-left * 1.35), "own {own}, theta {theta}");
         }
     }
 }
@@ -192,10 +120,7 @@ fn theta_turns_the_shoulders() {
 #[test]
 fn values_and_their_colours() {
     let at = |x: f64| (pedestrian("0"), vec2(x, 0.0), 0.0);
-    let t = trial(
-        vec![at(-1.5), at(-0.5), at(0.5), at(1.5)],
-        vec![box_of(-2.0, 2.0)],
-    );
+    let t = trial(vec![at(-1.5), at(-0.5), at(0.5), at(1.5)], vec![box_of(-2.0, 2.0)]);
     let values = Values {
         values: vec![0.0, f64::NAN, 10.0],
         label: "speed".into(),
@@ -203,129 +128,45 @@ fn values_and_their_colours() {
         range: Some((0.0, 10.0)),
     };
     let picture = Pixels::of(
-        &svg(
-            &Scene::at_start(&t),
-            &Style {
-                width: 428.0,
-                fill: Fill::Values(values),
-                ..plain()
-            },
-        ),
+        &svg(&Scene::at_start(&t), &Style { width: 428.0, fill: Fill::Values(values), ..plain() }),
         428,
     );
     assert_eq!(on_page(&picture, vec2(-1.5, 0.0)), viridis(0.0));
     assert_eq!(on_page(&picture, vec2(0.5, 0.0)), viridis(1.0));
-    assert_eq!(
-        on_page(&picture, vec2(-0.5, 0.0)),
-        on_page(&picture, vec2(1.5, 0.0))
-    );
+    assert_eq!(on_page(&picture, vec2(-0.5, 0.0)), on_page(&picture, vec2(1.5, 0.0)));
     assert_eq!(viridis(f64::NAN), on_page(&picture, vec2(1.5, 0.0)));
 }
 
 #[test]
 fn nothing_panics() {
-    let odd = [
-        f64::NAN,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        1e300,
-        -1e300,
-        f64::MAX,
-    ];
-    let people = |n: usize| {
-        (0..n)
-            .map(|k| (pedestrian(&k.to_string()), vec2(k as f64, 0.0), 0.0))
-            .collect::<Vec<_>>()
-    };
+    let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, f64::MAX];
+    let people =
+        |n: usize| (0..n).map(|k| (pedestrian(&k.to_string()), vec2(k as f64, 0.0), 0.0)).collect::<Vec<_>>();
     let render = |t: &Trial, poses: Vec<Pose>, style: &Style, view| {
         let mut scene = Scene::new(t, poses);
         scene.view = view;
         png(&svg(&scene, style), 64).unwrap();
     };
-    let full = Style {
-        ids: Visibility::Shown,
-        time: Some(0.0),
-        fill: Fill::BodyArea,
-        ..Style::default()
-    };
+    let full = Style { ids: Visibility::Shown, time: Some(0.0), fill: Fill::BodyArea, ..Style::default() };
     let t = trial(people(3), vec![]);
     for v in odd {
-        for pose in [
-            Pose {
-                position: vec2(v, 0.0),
-                theta: 0.0,
-            },
-            Pose {
-                position: Vec2::ZERO,
-                theta: v,
-            },
-        ] {
-            render(
-                &t,
-                vec![
-                    pose,
-                    Pose {
-                        position: Vec2::ZERO,
-                        theta: 0.0,
-                    },
-                ],
-                &full,
-                None,
-            );
+        for pose in [Pose { position: vec2(v, 0.0), theta: 0.0 }, Pose { position: Vec2::ZERO, theta: v }] {
+            render(&t, vec![pose, Pose { position: Vec2::ZERO, theta: 0.0 }], &full, None);
             render(&t, vec![pose; 9], &full, None);
         }
         render(
             &t,
             vec![],
-            &Style {
-                width: v,
-                time: Some(v),
-                ..full.clone()
-            },
-            Some(View {
-                low: vec2(v, v),
-                high: vec2(0.0, 1.0),
-            }),
+            &Style { width: v, time: Some(v), ..full.clone() },
+            Some(View { low: vec2(v, v), high: vec2(0.0, 1.0) }),
         );
-        render(
-            &t,
-            vec![],
-            &full,
-            Some(View {
-                low: vec2(1.0, 1.0),
-                high: vec2(-1.0, -1.0),
-            }),
-        );
-        for range in [
-            None,
-            Some((v, 1.0)),
-            Some((-1e308, 1e308)),
-            Some((2.0, 1.0)),
-        ] {
-            let values = Values {
-                values: vec![v, 1.0],
-                label: "é\u{0}".into(),
-                unit: "<".into(),
-                range,
-            };
+        render(&t, vec![], &full, Some(View { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }));
+        for range in [None, Some((v, 1.0)), Some((-1e308, 1e308)), Some((2.0, 1.0))] {
+            let values = Values { values: vec![v, 1.0], label: "é\u{0}".into(), unit: "<".into(), range };
             let scene = Scene::at_start(&t);
-            png(
-                &svg(
-                    &scene,
-                    &Style {
-                        fill: Fill::Values(values),
-                        ..full.clone()
-                    },
-                ),
-                64,
-            )
-            .unwrap();
+            png(&svg(&scene, &Style { fill: Fill::Values(values), ..full.clone() }), 64).unwrap();
         }
-        let shape = Shape {
-            radius: v,
-            material_id: String::new(),
-            position: vec2(v, v),
-        };
+        let shape = Shape { radius: v, material_id: String::new(), position: vec2(v, v) };
         let t = trial(
             vec![(agent("", vec![shape]), Vec2::ZERO, 0.0)],
             vec![vec![vec2(v, 0.0), Vec2::ZERO], vec![]],
@@ -340,16 +181,8 @@ fn nothing_panics() {
 
 #[test]
 fn what_leaves_a_fixed_view_is_cut() {
-    let t = trial(
-        (0..50)
-            .map(|k| (pedestrian("0"), vec2(f64::from(k), 0.0), 0.0))
-            .collect(),
-        vec![],
-    );
-    let view = Some(View {
-        low: vec2(-2.0, -2.0),
-        high: vec2(2.0, 2.0),
-    });
+    let t = trial((0..50).map(|k| (pedestrian("0"), vec2(f64::from(k), 0.0), 0.0)).collect(), vec![]);
+    let view = Some(View { low: vec2(-2.0, -2.0), high: vec2(2.0, 2.0) });
     let mut scene = Scene::at_start(&t);
     scene.view = view;
     let text = svg(&scene, &plain());
@@ -371,11 +204,7 @@ fn ten_thousand_agents() {
     let start = Instant::now();
     let text = svg(
         &Scene::at_start(&t),
-        &Style {
-            ids: Visibility::Shown,
-            fill: Fill::BodyArea,
-            ..Style::default()
-        },
+        &Style { ids: Visibility::Shown, fill: Fill::BodyArea, ..Style::default() },
     );
     eprintln!("{} bytes in {:?}", text.len(), start.elapsed());
     assert!(text.len() < 8_000_000, "{}", text.len());
@@ -389,15 +218,10 @@ fn the_areas_of_people() {
     let person = pedestrian("0");
     let covered = |x: i32, y: i32| {
         let p = vec2(f64::from(x) + 0.5, f64::from(y) + 0.5) * 1e-3;
-        person
-            .shapes
-            .iter()
-            .any(|s| (p - s.position).norm() < s.radius)
+        person.shapes.iter().any(|s| (p - s.position).norm() < s.radius)
     };
-    let count = (-300..300)
-        .flat_map(|x| (-300..300).map(move |y| (x, y)))
-        .filter(|&(x, y)| covered(x, y))
-        .count();
+    let count =
+        (-300..300).flat_map(|x| (-300..300).map(move |y| (x, y))).filter(|&(x, y)| covered(x, y)).count();
     let area = body_area(&person);
     assert!((area - 1e-6 * count as f64).abs() < 1e-4, "{area}");
 }
@@ -411,27 +235,15 @@ fn gallery() {
         std::fs::write(path.with_extension("svg"), &text).unwrap();
         std::fs::write(path.with_extension("png"), png(&text, width).unwrap()).unwrap();
     };
-    let dark = Style {
-        theme: Theme::Dark,
-        ..Style::default()
-    };
-    let alphabet =
-        " AaBbCcDdEeFfGgHhIiJjKkLlMm NnOoPpQqRrSsTtUuVvWwXxYyZz 0123456789 .,:·-+=_/()%°²³µθω é";
+    let dark = Style { theme: Theme::Dark, ..Style::default() };
+    let alphabet = " AaBbCcDdEeFfGgHhIiJjKkLlMm NnOoPpQqRrSsTtUuVvWwXxYyZz 0123456789 .,:·-+=_/()%°²³µθω é";
     let t = trial(vec![(pedestrian("17"), Vec2::ZERO, 0.9)], vec![]);
-    let values = Values {
-        values: vec![1.0],
-        label: alphabet.into(),
-        unit: "N/m".into(),
-        range: Some((0.0, 2.5)),
-    };
+    let values =
+        Values { values: vec![1.0], label: alphabet.into(), unit: "N/m".into(), range: Some((0.0, 2.5)) };
     show(
         "single",
         &Scene::at_start(&t),
-        &Style {
-            ids: Visibility::Shown,
-            fill: Fill::Values(values),
-            ..Style::default()
-        },
+        &Style { ids: Visibility::Shown, fill: Fill::Values(values), ..Style::default() },
         1200,
     );
     if let Some(t) = shared("push_wed/Trial") {
@@ -440,27 +252,15 @@ fn gallery() {
         show(
             "row-full",
             &scene,
-            &Style {
-                ids: Visibility::Shown,
-                time: Some(0.25),
-                fill: Fill::BodyArea,
-                ..dark.clone()
-            },
+            &Style { ids: Visibility::Shown, time: Some(0.25), fill: Fill::BodyArea, ..dark.clone() },
             1000,
         );
     }
     if let Some(t) = shared("crowds/dense_100") {
         let scene = Scene::at_start(&t);
         show("dense", &scene, &Style::default(), 400);
-        let speeds = (0..t.agents.len())
-            .map(|k| (k as f64 * 0.7).sin().abs())
-            .collect();
-        let values = Values {
-            values: speeds,
-            label: "speed".into(),
-            unit: "m/s".into(),
-            range: None,
-        };
+        let speeds = (0..t.agents.len()).map(|k| (k as f64 * 0.7).sin().abs()).collect();
+        let values = Values { values: speeds, label: "speed".into(), unit: "m/s".into(), range: None };
         show(
             "dense-full",
             &scene,
@@ -472,14 +272,6 @@ fn gallery() {
             },
             1000,
         );
-        show(
-            "dense-dark",
-            &scene,
-            &Style {
-                fill: Fill::Values(values),
-                ..dark
-            },
-            400,
-        );
+        show("dense-dark", &scene, &Style { fill: Fill::Values(values), ..dark }, 400);
     }
 }

@@ -58,14 +58,8 @@ pub fn trial(agents: Vec<(Agent, Vec2, f64)>, walls: Vec<Vec<Vec2>>) -> Trial {
             time_step: 0.05,
             time_step_mechanical: 2e-6,
         },
-        materials: Materials {
-            intrinsic: vec![],
-            binary: vec![],
-        },
-        geometry: Geometry {
-            dimensions: None,
-            walls: walls.into_iter().enumerate().map(wall).collect(),
-        },
+        materials: Materials { intrinsic: vec![], binary: vec![] },
+        geometry: Geometry { dimensions: None, walls: walls.into_iter().enumerate().map(wall).collect() },
         dynamics: agents.iter().map(dynamics).collect(),
         agents: agents.into_iter().map(|a| a.0).collect(),
         interactions: Interactions::default(),
@@ -75,9 +69,7 @@ pub fn trial(agents: Vec<(Agent, Vec2, f64)>, walls: Vec<Vec<Vec2>>) -> Trial {
 /// A Trial of the shared data; `None`, and a message, where the data are not there.
 #[allow(dead_code)]
 pub fn shared(name: &str) -> Option<Trial> {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data")
-        .join(name);
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
     let Ok(agents) = std::fs::read_to_string(directory.join("static/Agents.xml")) else {
         eprintln!("skipped: no {}", directory.display());
         return None;
@@ -92,10 +84,7 @@ pub fn shared(name: &str) -> Option<Trial> {
         vec2(x.trim().parse().unwrap(), y.trim().parse().unwrap())
     };
     let tagged = |n: roxmltree::Node<'_, '_>, t: &str| {
-        n.descendants()
-            .filter(|n| n.has_tag_name(t))
-            .map(|n| n.id())
-            .collect::<Vec<_>>()
+        n.descendants().filter(|n| n.has_tag_name(t)).map(|n| n.id()).collect::<Vec<_>>()
     };
     let shape = |n: roxmltree::Node| Shape {
         radius: real(n, "Radius"),
@@ -103,33 +92,17 @@ pub fn shared(name: &str) -> Option<Trial> {
         position: pair(n, "Position"),
     };
     let poses = tagged(dynamics.root(), "Kinematics");
-    let people = tagged(agents.root(), "Agent")
-        .into_iter()
-        .zip(poses)
-        .map(|(a, k)| {
-            let (a, k) = (agents.get_node(a).unwrap(), dynamics.get_node(k).unwrap());
-            let shapes = tagged(a, "Shape")
-                .into_iter()
-                .map(|s| shape(agents.get_node(s).unwrap()))
-                .collect();
-            (
-                agent(a.attribute("Id").unwrap(), shapes),
-                pair(k, "Position"),
-                real(k, "Theta"),
-            )
-        });
+    let people = tagged(agents.root(), "Agent").into_iter().zip(poses).map(|(a, k)| {
+        let (a, k) = (agents.get_node(a).unwrap(), dynamics.get_node(k).unwrap());
+        let shapes = tagged(a, "Shape").into_iter().map(|s| shape(agents.get_node(s).unwrap())).collect();
+        (agent(a.attribute("Id").unwrap(), shapes), pair(k, "Position"), real(k, "Theta"))
+    });
     let corners = |w| {
         tagged(geometry.get_node(w).unwrap(), "Corner")
             .into_iter()
             .map(|c| pair(geometry.get_node(c).unwrap(), "Coordinates"))
             .collect()
     };
-    let walls = tagged(geometry.root(), "Wall")
-        .into_iter()
-        .map(corners)
-        .collect();
-    Some(Trial {
-        name: name.into(),
-        ..trial(people.collect(), walls)
-    })
+    let walls = tagged(geometry.root(), "Wall").into_iter().map(corners).collect();
+    Some(Trial { name: name.into(), ..trial(people.collect(), walls) })
 }

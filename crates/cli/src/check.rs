@@ -1,0 +1,49 @@
+//! `lemons check`: all that is wrong with a Trial at once.
+
+use crate::TrialHasErrors;
+use anyhow::Result;
+use crowd_mechanics::trial::Trial;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Trial directories
+    #[arg(required = true, value_name = "TRIAL")]
+    trials: Vec<PathBuf>,
+}
+
+pub fn check(arguments: &Arguments) -> Result<()> {
+    let mut out = io::stdout().lock();
+    let mut broken = false;
+    for path in &arguments.trials {
+        match Trial::read(path) {
+            Ok((trial, warnings)) => {
+                write!(out, "{warnings}")?;
+                let parameters = &trial.parameters;
+                writeln!(
+                    out,
+                    "{}: {} agents, {} walls, TimeStep {:?} s, TimeStepMechanical {:?} s: {}",
+                    path.display(),
+                    trial.agents.len(),
+                    trial.geometry.walls.len(),
+                    parameters.time_step,
+                    parameters.time_step_mechanical,
+                    match warnings.iter().count() {
+                        0 => "no problem".to_owned(),
+                        1 => "1 warning".to_owned(),
+                        n => format!("{n} warnings"),
+                    }
+                )?;
+            }
+            Err(problems) => {
+                broken = true;
+                write!(out, "{problems}")?;
+                let errors = problems.errors().count();
+                let noun = if errors == 1 { "error" } else { "errors" };
+                writeln!(out, "{}: {errors} {noun}", path.display())?;
+            }
+        }
+    }
+    if broken { Err(TrialHasErrors.into()) } else { Ok(()) }
+}

@@ -1,0 +1,102 @@
+//! A drive file: who is pushed when, and how hard.
+
+use anyhow::{Context, Result, bail};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
+pub type Push = [f64; 3];
+
+/// Propulsion over time, from a CSV with the columns `t,agent,Fp.x,Fp.y,Mp`: for each agent (by Id)
+/// linearly interpolated between its rows, zero before the first and after the last.
+#[derive(Debug, Default)]
+pub struct Drive {
+    agents: HashMap<String, Vec<(f64, Push)>>,
+}
+
+impl Drive {
+    pub fn read(path: &Path) -> Result<Drive> {
+        Self::parse(path).with_context(|| format!("drive file {}", path.display()))
+    }
+
+    fn parse(path: &Path) -> Result<Drive> {
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_path(path)?;
+        let header = reader.headers()?.clone();
+        let column = |name: &str| {
+            let place = header.iter().position(|column| column.trim_start_matches('\u{feff}') == name);
+            place.with_context(|| format!("there is no column {name:?} (expected t,agent,Fp.x,Fp.y,Mp)"))
+        };
+        let (time, agent) = (column("t")?, column("agent")?);
+        let push = [column("Fp.x")?, column("Fp.y")?, column("Mp")?];
+        let mut drive = Drive::default();
+        for record in reader.records() {
+            let record = record?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let number = |place: usize| {
+                let text = &record[place];
+                match text.parse::<f64>() {
+                    Ok(value) if value.is_finite() => Ok(value),
+                    _ => bail!("line {line}: {}={text:?}: not a finite number", &header[place]),
+                }
+            };
+            let row = (number(time)?, [number(push[0])?, number(push[1])?, number(push[2])?]);
+            let rows = drive.agents.entry(record[agent].to_owned()).or_default();
+            if let Some(last) = rows.last().filter(|last| last.0 >= row.0) {
+                bail!("line {line}: t={} does not come after t={} of the same agent", row.0, last.0);
+            }
+            rows.push(row);
+        }
+        Ok(drive)
+    }
+
+    /// The agents that the file names.
+    pub fn agents(&self) -> impl Iterator<Item = &str> {
+        self.agents.keys().map(String::as_str)
+    }
+
+    /// What an agent that the file names is driven by at a time \[s\]; `None` for others.
+    pub fn at(&self, agent: &str, time: f64) -> Option<Push> {
+        let rows = self.agents.get(agent)?;
+        let after = rows.partition_point(|row| row.0 <= time);
+        let push = match (after.checked_sub(1).map(|before| rows[before]), rows.get(after)) {
+            (Some((t0, a)), Some((t1, b))) => {
+                let share = (time - t0) / (t1 - t0);
+                std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))
+            }
+            // The last row itself still counts.
+            (Some((t0, a)), None) if t0 == time => a,
+            _ => [0.0; 3],
+        };
+        Some(push)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drive(text: &str) -> Result<Drive> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), text).unwrap();
+        Drive::read(file.path())
+    }
+
+    #[test]
+    fn interpolates_inside_and_is_zero_outside() {
+        let drive = drive("t,agent,Fp.x,Fp.y,Mp\n1,a,0,0,0\n2,a,100,-50,2\n2,b,1,1,1\n").unwrap();
+        assert_eq!(drive.at("a", 0.5), Some([0.0; 3]));
+        assert_eq!(drive.at("a", 1.25), Some([25.0, -12.5, 0.5]));
+        assert_eq!(drive.at("a", 2.0), Some([100.0, -50.0, 2.0]));
+        assert_eq!(drive.at("a", 2.1), Some([0.0; 3]));
+        assert_eq!(drive.at("c", 1.5), None);
+    }
+
+    #[test]
+    fn says_line_and_value() {
+        let said = |text: &str| format!("{:#}", drive(text).unwrap_err());
+        assert!(said("t,agent,Fp.x,Mp\n").contains("no column \"Fp.y\""));
+        assert!(said("t,agent,Fp.x,Fp.y,Mp\n0,a,x,0,0\n").contains("line 2: Fp.x=\"x\""));
+        assert!(said("t,agent,Fp.x,Fp.y,Mp\n1,a,0,0,0\n1,a,0,0,0\n").contains("line 3"));
+    }
+}

@@ -1,0 +1,282 @@
+//! A Trial, or several with one interface, and binaries -> an `.fmu`.
+//!
+//! The same Trials and binaries give the same bytes: a packaged FMU can serve as a regression artifact.
+
+use crate::model_description::{MODEL_IDENTIFIER, Naming, model_description};
+use crate::resources::TRIALS_FILE;
+use crate::trial::{Problems, Trial};
+use crate::variables::{guid, table};
+use std::io::{Seek, Write};
+use std::path::{Component, Path, PathBuf};
+use thiserror::Error;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+/// A drive file in a Trial directory goes along, for masters that look for one.
+pub const DRIVE_FILE: &str = "drive.csv";
+
+/// Why nothing was packed.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum PackError {
+    #[error("nothing to pack: no Trial was given")]
+    NoTrial,
+    #[error("no binary was given: an FMU needs at least one")]
+    NoBinary,
+    #[error("the Trial {path} has errors:\n{problems}")]
+    Broken { path: PathBuf, problems: Problems },
+    #[error("{path} has no name that could be a directory's")]
+    Name { path: PathBuf },
+    #[error("two Trials are called {name:?}: the parameter Trial could not tell them apart")]
+    SameName { name: String },
+    #[error("Trial {other:?} does not fit into one FMU with {first:?}: {why}")]
+    OtherInterface { first: String, other: String, why: String },
+    #[error(
+        "{path}: Parameters.xml says {attribute}={value:?}, which lies outside the Trial directory and would not be packed"
+    )]
+    Outside { path: PathBuf, attribute: &'static str, value: String },
+    #[error("{0:?} is no FMI 2.0 platform (linux64, win64, darwin64, aarch64-linux, …)")]
+    Platform(String),
+    #[error("cannot read {path}: {source}")]
+    Read { path: PathBuf, source: std::io::Error },
+    #[error("cannot write {path}: {source}")]
+    Write { path: PathBuf, source: std::io::Error },
+    #[error("cannot write {path}: {source}")]
+    Zip { path: PathBuf, source: zip::result::ZipError },
+}
+
+/// A shared library for one platform.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Binary {
+    /// FMI's name: "linux64", "win64", "darwin64", …
+    pub platform: String,
+    /// The library.
+    pub path: PathBuf,
+}
+
+/// The extension of shared libraries on each FMI platform.
+const PLATFORMS: [(&str, &str); 9] = [
+    ("linux64", "so"),
+    ("linux32", "so"),
+    ("aarch64-linux", "so"),
+    ("x86_64-linux", "so"),
+    ("win64", "dll"),
+    ("win32", "dll"),
+    ("darwin64", "dylib"),
+    ("aarch64-darwin", "dylib"),
+    ("x86_64-darwin", "dylib"),
+];
+
+/// FMI's name of the platform that this program runs on, if it has one.
+pub fn host_platform() -> Option<&'static str> {
+    match (std::env::consts::OS, std::env::consts::ARCH) {
+        ("linux", "x86_64") => Some("linux64"),
+        ("linux", "aarch64") => Some("aarch64-linux"),
+        ("windows", "x86_64") => Some("win64"),
+        ("macos", "x86_64") => Some("darwin64"),
+        ("macos", "aarch64") => Some("aarch64-darwin"),
+        _ => None,
+    }
+}
+
+/// What goes into an FMU.
+#[derive(Debug, Clone, Default)]
+pub struct Package {
+    /// The first is the default.
+    pub trials: Vec<PathBuf>,
+    /// At least one.
+    pub binaries: Vec<Binary>,
+    /// `model.png`
+    pub picture: Option<Vec<u8>>,
+    /// Of the variables.
+    pub naming: Naming,
+}
+
+impl Package {
+    /// Writes the FMU; answers the Trials' warnings. Nothing is left half-written.
+    ///
+    /// # Errors
+    /// [`PackError`]; the file at `output` is as it was then.
+    pub fn write(&self, output: &Path) -> Result<Vec<String>, PackError> {
+        let (trials, warnings) = self.read_trials()?;
+        if trials.is_empty() {
+            return Err(PackError::NoTrial);
+        }
+        if self.binaries.is_empty() {
+            return Err(PackError::NoBinary);
+        }
+        let write_error = |source| PackError::Write { path: output.to_owned(), source };
+        let directory =
+            output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut file = tempfile::NamedTempFile::new_in(directory).map_err(write_error)?;
+        self.fill(&trials, &mut file, output)?;
+        make_readable(&file).map_err(write_error)?;
+        file.persist(output).map_err(|error| write_error(error.error))?;
+        Ok(warnings)
+    }
+
+    /// Writes the archive's content.
+    fn fill(&self, trials: &[Trial], file: impl Write + Seek, output: &Path) -> Result<(), PackError> {
+        let mut archive = Archive { zip: ZipWriter::new(file), path: output };
+        archive.add("modelDescription.xml", model_description(&trials[0], self.naming).as_bytes())?;
+        if let Some(picture) = &self.picture {
+            archive.add("model.png", picture)?;
+        }
+        archive.add("documentation/index.html", documentation(&trials[0]).as_bytes())?;
+        for (name, text) in LICENSES {
+            archive.add(&format!("documentation/licenses/{name}"), text.as_bytes())?;
+        }
+        for binary in &self.binaries {
+            let extension = PLATFORMS.iter().find(|(platform, _)| *platform == binary.platform);
+            let (platform, extension) =
+                extension.ok_or_else(|| PackError::Platform(binary.platform.clone()))?;
+            let place = format!("binaries/{platform}/{MODEL_IDENTIFIER}.{extension}");
+            archive.add(&place, &read(&binary.path)?)?;
+        }
+        let names: String = trials.iter().map(|trial| format!("{}\n", trial.name)).collect();
+        archive.add(&format!("resources/{TRIALS_FILE}"), names.as_bytes())?;
+        for trial in trials {
+            add_trial(&mut archive, trial)?;
+        }
+        archive.zip.finish().map_err(|source| PackError::Zip { path: output.to_owned(), source })?;
+        Ok(())
+    }
+
+    /// Reads the Trials and sees that they have one interface.
+    fn read_trials(&self) -> Result<(Vec<Trial>, Vec<String>), PackError> {
+        let mut trials: Vec<Trial> = Vec::new();
+        let mut warnings = Vec::new();
+        for path in &self.trials {
+            let read = Trial::read(path);
+            let (trial, found) =
+                read.map_err(|problems| PackError::Broken { path: path.clone(), problems })?;
+            warnings.extend(found.iter().map(ToString::to_string));
+            if trial.name.is_empty() || trial.name.lines().count() != 1 {
+                return Err(PackError::Name { path: path.clone() });
+            }
+            if trials.iter().any(|other| other.name == trial.name) {
+                return Err(PackError::SameName { name: trial.name });
+            }
+            let directories = [
+                ("Static", &trial.parameters.static_directory),
+                ("Dynamic", &trial.parameters.dynamic_directory),
+            ];
+            for (attribute, value) in directories {
+                let inside = Path::new(value)
+                    .components()
+                    .all(|part| matches!(part, Component::CurDir | Component::Normal(_)));
+                if !inside {
+                    return Err(PackError::Outside { path: path.clone(), attribute, value: value.clone() });
+                }
+            }
+            if let Some(first) = trials.first()
+                && let Some(why) = difference(first, &trial)
+            {
+                return Err(PackError::OtherInterface { first: first.name.clone(), other: trial.name, why });
+            }
+            trials.push(trial);
+        }
+        Ok((trials, warnings))
+    }
+}
+
+/// Why two Trials do not have the same variables and Ids; `None` if they do.
+fn difference(first: &Trial, other: &Trial) -> Option<String> {
+    let (a, b) = (first.agents.len(), other.agents.len());
+    if a != b {
+        return Some(format!("{b} agents instead of {a}"));
+    }
+    let agents = first.agents.iter().zip(&other.agents).enumerate();
+    for (place, (a, b)) in agents {
+        if a.id != b.id {
+            return Some(format!("agent {place} has the Id {:?} instead of {:?}", b.id, a.id));
+        }
+    }
+    let (a, b) = (table(first), table(other));
+    if guid(&a) == guid(&b) {
+        return None;
+    }
+    let names = a.iter().zip(&b).find(|(a, b)| a.name != b.name);
+    Some(match names {
+        Some((a, b)) => format!("it has the variable {} where the first has {}", b.name, a.name),
+        None => format!("it has {} variables instead of {}", b.len(), a.len()),
+    })
+}
+
+struct Archive<'a, W: Write + Seek> {
+    zip: ZipWriter<W>,
+    path: &'a Path,
+}
+
+impl<W: Write + Seek> Archive<'_, W> {
+    fn add(&mut self, name: &str, content: &[u8]) -> Result<(), PackError> {
+        // A fixed date: the same content gives the same bytes.
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .last_modified_time(DateTime::default())
+            .unix_permissions(if name.starts_with("binaries/") { 0o755 } else { 0o644 });
+        let path = self.path;
+        let zip_error = |source| PackError::Zip { path: path.to_owned(), source };
+        self.zip.start_file(name, options).map_err(zip_error)?;
+        self.zip.write_all(content).map_err(|source| PackError::Write { path: path.to_owned(), source })
+    }
+}
+
+/// The files of a Trial, unchanged.
+fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result<(), PackError> {
+    let (fixed, moving) = (&trial.parameters.static_directory, &trial.parameters.dynamic_directory);
+    let needed = [
+        PathBuf::from("Parameters.xml"),
+        Path::new(fixed).join("Materials.xml"),
+        Path::new(fixed).join("Geometry.xml"),
+        Path::new(fixed).join("Agents.xml"),
+        Path::new(moving).join("AgentDynamics.xml"),
+    ];
+    let if_there = [Path::new(moving).join("AgentInteractions.xml"), PathBuf::from(DRIVE_FILE)];
+    let if_there = if_there.into_iter().filter(|file| trial.directory.join(file).is_file());
+    for file in needed.into_iter().chain(if_there) {
+        let content = read(&trial.directory.join(&file))?;
+        // Zip names have forward slashes on every platform.
+        let parts = file.components().filter_map(|part| match part {
+            Component::Normal(name) => Some(name.to_string_lossy()),
+            _ => None,
+        });
+        let place = parts.collect::<Vec<_>>().join("/");
+        archive.add(&format!("resources/{}/{place}", trial.name), &content)?;
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, PackError> {
+    std::fs::read(path).map_err(|source| PackError::Read { path: path.to_owned(), source })
+}
+
+/// A temporary file is its owner's alone; an FMU is for all.
+#[cfg(unix)]
+fn make_readable(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn make_readable(_: &tempfile::NamedTempFile) -> std::io::Result<()> {
+    Ok(())
+}
+
+const LICENSES: [(&str, &str); 2] = [
+    ("LICENSE-APACHE.txt", include_str!("../LICENSE-APACHE")),
+    ("LICENSE-MIT.txt", include_str!("../LICENSE-MIT")),
+];
+
+/// `documentation/index.html`
+fn documentation(trial: &Trial) -> String {
+    let parameters = &trial.parameters;
+    include_str!("documentation.html")
+        .replace("{version}", env!("CARGO_PKG_VERSION"))
+        .replace("{trial}", &quick_xml::escape::escape(&trial.name))
+        .replace("{agents}", &trial.agents.len().to_string())
+        .replace("{last}", &(trial.agents.len().saturating_sub(1)).to_string())
+        .replace("{time_step}", &format!("{:?}", parameters.time_step))
+        .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))
+        .replace("{guid}", &guid(&table(trial)).braced().to_string())
+}
