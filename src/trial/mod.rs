@@ -3,8 +3,24 @@
 //! A [`Trial`] holds what the files say, in their own words and order, checked. It becomes an
 //! engine world by [`Trial::world`]; a parameter of the FMU is an edit of this document.
 
+mod agents;
+mod dynamics;
+mod geometry;
+mod interactions;
+mod materials;
+mod parameters;
+mod problem;
+mod xml;
+
+pub use dynamics::{Drive, dynamics_xml};
+pub use interactions::interactions_xml;
+pub use materials::stiffness;
+pub use problem::{Problem, Problems, Severity, WriteError};
+pub use xml::write_atomically;
+
 use crate::engine::Vec2;
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Component, Path, PathBuf};
 
 /// A Trial directory, read and checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -192,4 +208,210 @@ pub struct ContactForce {
     pub normal: Vec2,
     /// \[N\] `Ft`
     pub tangential: Vec2,
+}
+
+/// Names of the Trial's files.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileNames {
+    /// Relative to the Trial directory.
+    pub parameters: PathBuf,
+    /// Relative to the Static directory.
+    pub materials: PathBuf,
+    /// Relative to the Static directory.
+    pub geometry: PathBuf,
+    /// Relative to the Static directory.
+    pub agents: PathBuf,
+    /// Relative to the Dynamic directory.
+    pub dynamics: PathBuf,
+}
+
+/// The paper's.
+impl Default for FileNames {
+    fn default() -> FileNames {
+        FileNames {
+            parameters: "Parameters.xml".into(),
+            materials: "Materials.xml".into(),
+            geometry: "Geometry.xml".into(),
+            agents: "Agents.xml".into(),
+            dynamics: "AgentDynamics.xml".into(),
+        }
+    }
+}
+
+/// In the Dynamic directory.
+const INTERACTIONS: &str = "AgentInteractions.xml";
+
+impl Trial {
+    /// Reads and checks a Trial directory: the Trial with the warnings, or all that is wrong with it.
+    pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
+        Trial::read_named(directory, &FileNames::default())
+    }
+
+    /// As [`Trial::read`], with other file names.
+    pub fn read_named(directory: &Path, names: &FileNames) -> Result<(Trial, Problems), Problems> {
+        let mut problems = Problems::default();
+        match Trial::read_checked(directory, names, &mut problems) {
+            Some(trial) if !problems.has_errors() => Ok((trial, problems)),
+            _ => Err(problems),
+        }
+    }
+
+    /// `None` only after an error. A file is checked against the others as far as those could be read.
+    fn read_checked(directory: &Path, names: &FileNames, problems: &mut Problems) -> Option<Trial> {
+        let parameters = xml::read_file(
+            &directory.join(&names.parameters),
+            "Parameters",
+            problems,
+            parameters::read,
+        )?;
+        // Without them, reported already, nobody knows where the other files are.
+        let place =
+            |named: &str| (!named.trim().is_empty()).then(|| tidy(&directory.join(named.trim())));
+        let fixed = place(&parameters.static_directory);
+        let moving = place(&parameters.dynamic_directory);
+
+        let materials = fixed.as_ref().and_then(|fixed| {
+            xml::read_file(
+                &fixed.join(&names.materials),
+                "Materials",
+                problems,
+                materials::read,
+            )
+        });
+        let material_ids = materials.as_ref().map(|read| &read.ids);
+        let geometry = fixed.as_ref().and_then(|fixed| {
+            xml::read_file(
+                &fixed.join(&names.geometry),
+                "Geometry",
+                problems,
+                |root, problems| geometry::read(root, material_ids, problems),
+            )
+        });
+        let agents = fixed.as_ref().and_then(|fixed| {
+            xml::read_file(
+                &fixed.join(&names.agents),
+                "Agents",
+                problems,
+                |root, problems| agents::read(root, material_ids, problems),
+            )
+        });
+        if let (Some(materials), Some((agents, _))) = (&materials, &agents) {
+            materials::check_pairs(
+                materials,
+                geometry.as_ref().map(|(geometry, _)| geometry),
+                agents,
+                problems,
+            );
+        }
+        let dynamics = moving.as_ref().and_then(|moving| {
+            xml::read_file(
+                &moving.join(&names.dynamics),
+                "Agents",
+                problems,
+                |root, problems| {
+                    dynamics::read(
+                        root,
+                        agents
+                            .as_ref()
+                            .map(|(agents, ids)| (agents.as_slice(), ids)),
+                        problems,
+                    )
+                },
+            )
+        });
+        let interactions = match (
+            moving.map(|moving| moving.join(INTERACTIONS)),
+            &agents,
+            &geometry,
+        ) {
+            (Some(path), Some((agents, agent_ids)), Some((geometry, wall_ids)))
+                if !matches!(path.try_exists(), Ok(false)) =>
+            {
+                xml::read_file(&path, "Interactions", problems, |root, problems| {
+                    interactions::read(root, (agents, agent_ids), (geometry, wall_ids), problems)
+                })?
+            }
+            _ => Interactions::default(),
+        };
+        Some(Trial {
+            name: own_name(directory),
+            directory: directory.to_owned(),
+            parameters,
+            materials: materials?.materials,
+            geometry: geometry?.0,
+            agents: agents?.0,
+            dynamics: dynamics?,
+            interactions,
+        })
+    }
+
+    /// Writes a complete Trial directory, each file whole or not at all.
+    ///
+    /// Static and Dynamic directories that lie outside the Trial directory become `./static/` and `./dynamic/`
+    /// in it: a copy neither overwrites the original's files nor depends on them.
+    pub fn write(&self, directory: &Path) -> Result<(), WriteError> {
+        let mut parameters = self.parameters.clone();
+        for (named, own) in [
+            (&mut parameters.static_directory, "./static/"),
+            (&mut parameters.dynamic_directory, "./dynamic/"),
+        ] {
+            if !is_inside(named) {
+                *named = own.into();
+            }
+        }
+        let fixed = tidy(&directory.join(parameters.static_directory.trim()));
+        let moving = tidy(&directory.join(parameters.dynamic_directory.trim()));
+        for path in [directory, &fixed, &moving] {
+            std::fs::create_dir_all(path).map_err(|error| WriteError {
+                path: path.to_owned(),
+                error,
+            })?;
+        }
+        let names = FileNames::default();
+        write_atomically(
+            &directory.join(names.parameters),
+            &parameters::xml(&parameters),
+        )?;
+        write_atomically(
+            &fixed.join(names.materials),
+            &materials::xml(&self.materials),
+        )?;
+        write_atomically(&fixed.join(names.geometry), &geometry::xml(&self.geometry))?;
+        write_atomically(&fixed.join(names.agents), &agents::xml(&self.agents))?;
+        write_atomically(
+            &moving.join(names.dynamics),
+            &dynamics_xml(&self.agents, &self.dynamics, Drive::Written),
+        )?;
+        let path = moving.join(INTERACTIONS);
+        if self.interactions != Interactions::default() {
+            return write_atomically(&path, &interactions_xml(self, &self.interactions));
+        }
+        // A stale one would start the next run with springs that are no more.
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => Err(WriteError { path, error }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Without `.` in between: `Trial/./static` is `Trial/static`.
+fn tidy(path: &Path) -> PathBuf {
+    path.components().collect()
+}
+
+/// Whether a directory of Parameters.xml lies in the Trial directory.
+fn is_inside(named: &str) -> bool {
+    let mut components = Path::new(named.trim()).components();
+    components.all(|component| matches!(component, Component::Normal(_) | Component::CurDir))
+}
+
+/// The name of `.` or `..` is that of the directory meant.
+fn own_name(directory: &Path) -> String {
+    let name = |path: &Path| {
+        path.file_name()
+            .map(|name| name.to_string_lossy().into_owned())
+    };
+    name(directory)
+        .or_else(|| name(&directory.canonicalize().ok()?))
+        .unwrap_or_else(|| "Trial".into())
 }
