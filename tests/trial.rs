@@ -77,11 +77,7 @@ fn good() -> Vec<(&'static str, String)> {
     </Agent>
 </Interactions>"#,
     ];
-    FILES
-        .into_iter()
-        .chain([INTERACTIONS])
-        .zip(texts.map(str::to_owned))
-        .collect()
+    FILES.into_iter().chain([INTERACTIONS]).zip(texts.map(str::to_owned)).collect()
 }
 
 fn put(directory: &Path, files: &[(&str, String)]) {
@@ -107,11 +103,7 @@ fn edited(edits: &[(&str, &str, &str)]) -> Result<(Trial, Problems), Problems> {
 
 /// The same Trial but for where it lies.
 fn moved(trial: &Trial, to: &Trial) -> Trial {
-    Trial {
-        name: to.name.clone(),
-        directory: to.directory.clone(),
-        ..trial.clone()
-    }
+    Trial { name: to.name.clone(), directory: to.directory.clone(), ..trial.clone() }
 }
 
 #[test]
@@ -119,27 +111,12 @@ fn the_paper_s_trial_reads_and_round_trips() {
     let (trial, warnings) = Trial::read(&paper()).unwrap();
     assert!(warnings.is_empty(), "{warnings}");
     assert_eq!(trial.name, "Trial_push");
-    assert_eq!(
-        (
-            trial.parameters.time_step,
-            trial.parameters.time_step_mechanical
-        ),
-        (0.05, 2e-6)
-    );
-    assert_eq!(
-        (
-            trial.materials.intrinsic.len(),
-            trial.materials.binary.len()
-        ),
-        (3, 6)
-    );
+    assert_eq!((trial.parameters.time_step, trial.parameters.time_step_mechanical), (0.05, 2e-6));
+    assert_eq!((trial.materials.intrinsic.len(), trial.materials.binary.len()), (3, 6));
     assert_eq!(trial.geometry.dimensions, Some(vec2(2.052675, 1.11766)));
     assert_eq!(trial.geometry.walls[0].corners.len(), 5);
     assert_eq!((trial.agents.len(), trial.dynamics.len()), (5, 5));
-    assert_eq!(
-        trial.agents[2].shapes[4].position,
-        vec2(-0.013986, -0.168086)
-    );
+    assert_eq!(trial.agents[2].shapes[4].position, vec2(-0.013986, -0.168086));
     assert_eq!(trial.dynamics[4].position, vec2(1.448, 0.012));
 
     let copy = TempDir::new().unwrap();
@@ -155,34 +132,17 @@ fn the_good_trial_is_good() {
     assert!(warnings.is_empty(), "{warnings}");
     // The order of Agents.xml, not of AgentDynamics.xml.
     assert_eq!(trial.dynamics[0].fp, vec2(-160.0, 1.0));
-    assert_eq!(
-        (trial.dynamics[1].fp, trial.dynamics[1].mp),
-        (Vec2::ZERO, 0.0)
-    );
-    assert_eq!(
-        (&trial.agents[1].kind, trial.agents[1].height),
-        (&None, None)
-    );
+    assert_eq!((trial.dynamics[1].fp, trial.dynamics[1].mp), (Vec2::ZERO, 0.0));
+    assert_eq!((&trial.agents[1].kind, trial.agents[1].height), (&None, None));
     // Written from Bob's side, kept from Ann's.
     let contact = &trial.interactions.agents[0];
-    let place = (
-        contact.parent,
-        contact.child,
-        contact.parent_shape,
-        contact.child_shape,
-    );
+    let place = (contact.parent, contact.child, contact.parent_shape, contact.child_shape);
     assert_eq!(place, (0, 1, 1, 0));
-    let force = ContactForce {
-        elongation: vec2(-1.0, -2.0),
-        normal: vec2(-3.0, -4.0),
-        tangential: vec2(-5.0, -6.0),
-    };
+    let force =
+        ContactForce { elongation: vec2(-1.0, -2.0), normal: vec2(-3.0, -4.0), tangential: vec2(-5.0, -6.0) };
     assert_eq!(contact.force, force);
     let wall = &trial.interactions.walls[0];
-    assert_eq!(
-        (wall.agent, wall.shape, wall.wall, wall.corner),
-        (1, 0, 0, 2)
-    );
+    assert_eq!((wall.agent, wall.shape, wall.wall, wall.corner), (1, 0, 0, 2));
     assert_eq!(wall.force.normal, vec2(9.0, 10.0));
 }
 
@@ -193,11 +153,7 @@ fn the_shared_trials_read() {
         println!("skipped: no {}", shared.display());
         return;
     }
-    for (name, agents) in [
-        ("push_wed/Trial", 5),
-        ("crowds/dense_100", 100),
-        ("crowds/sparse_100", 100),
-    ] {
+    for (name, agents) in [("push_wed/Trial", 5), ("crowds/dense_100", 100), ("crowds/sparse_100", 100)] {
         let (trial, warnings) =
             Trial::read(&shared.join(name)).unwrap_or_else(|problems| panic!("{problems}"));
         assert!(warnings.is_empty(), "{warnings}");
@@ -217,11 +173,7 @@ fn the_shared_trials_read() {
 fn latitude() {
     let [parameters, materials, geometry, agents, dynamics] = FILES;
     for (file, old, new) in [
-        (
-            parameters,
-            "<Parameters>",
-            "\u{feff}<?xml version=\"1.0\"?>\n<!-- x --><Parameters New='1'><New/>",
-        ),
+        (parameters, "<Parameters>", "\u{feff}<?xml version=\"1.0\"?>\n<!-- x --><Parameters New='1'><New/>"),
         (parameters, "\"0.05\"", "\" 0.05\n\""),
         (parameters, "1e-5", "0.05"),
         (materials, "\"1230\"", "\"0\""),
@@ -233,10 +185,7 @@ fn latitude() {
         (dynamics, "</Agents>", "<Bicycle Id='1'/>\n</Agents>"),
     ] {
         let read = edited(&[(file, old, new)]);
-        assert!(
-            matches!(&read, Ok((_, warnings)) if warnings.is_empty()),
-            "{old} -> {new}: {read:?}"
-        );
+        assert!(matches!(&read, Ok((_, warnings)) if warnings.is_empty()), "{old} -> {new}: {read:?}");
     }
 }
 
@@ -245,193 +194,68 @@ fn every_mistake_is_named_with_its_line() {
     let [parameters, materials, geometry, agents, dynamics] = FILES;
     let number = "must be a finite decimal number";
     let mistakes: &[(&str, &str, &str, &str)] = &[
-        (
-            parameters,
-            "<Parameters>",
-            "<Foo>",
-            ":4: is not well-formed XML",
-        ),
-        (
-            parameters,
-            "Directories ",
-            "Folders ",
-            ":1: <Parameters>: has no <Directories>",
-        ),
-        (
-            parameters,
-            "Static=",
-            "Static_=",
-            ":2: <Directories> Static: is missing",
-        ),
-        (
-            parameters,
-            "\"./static/\"",
-            "\" \"",
-            ":2: <Directories> Static=\" \": must not be empty",
-        ),
-        (
-            parameters,
-            "Dynamic=",
-            "Dyn=",
-            ":2: <Directories> Dynamic: is missing",
-        ),
-        (
-            parameters,
-            "<Times ",
-            "<Tmes ",
-            ":1: <Parameters>: has no <Times>",
-        ),
+        (parameters, "<Parameters>", "<Foo>", ":4: is not well-formed XML"),
+        (parameters, "Directories ", "Folders ", ":1: <Parameters>: has no <Directories>"),
+        (parameters, "Static=", "Static_=", ":2: <Directories> Static: is missing"),
+        (parameters, "\"./static/\"", "\" \"", ":2: <Directories> Static=\" \": must not be empty"),
+        (parameters, "Dynamic=", "Dyn=", ":2: <Directories> Dynamic: is missing"),
+        (parameters, "<Times ", "<Tmes ", ":1: <Parameters>: has no <Times>"),
         (
             parameters,
             "</Param",
             "<Times/></Param",
             ":4: <Times>: may stand only once, and stands at line 3 already",
         ),
-        (
-            parameters,
-            "</Param",
-            "<Directories/></Param",
-            ":4: <Directories>: may stand only once",
-        ),
-        (
-            parameters,
-            "0.05",
-            "-0.05",
-            ":3: <Times> TimeStep=\"-0.05\": must be positive",
-        ),
-        (
-            parameters,
-            "0.05",
-            "nan",
-            ":3: <Times> TimeStep=\"nan\": must be a finite decimal number",
-        ),
-        (
-            parameters,
-            "1e-5",
-            "0",
-            ":3: <Times> TimeStepMechanical=\"0\": must be positive",
-        ),
+        (parameters, "</Param", "<Directories/></Param", ":4: <Directories>: may stand only once"),
+        (parameters, "0.05", "-0.05", ":3: <Times> TimeStep=\"-0.05\": must be positive"),
+        (parameters, "0.05", "nan", ":3: <Times> TimeStep=\"nan\": must be a finite decimal number"),
+        (parameters, "1e-5", "0", ":3: <Times> TimeStepMechanical=\"0\": must be positive"),
         (
             parameters,
             "1e-5",
             "0.06",
             ":3: <Times> TimeStepMechanical=\"0.06\": must be at most TimeStep, 0.05",
         ),
-        (
-            materials,
-            "<Intrinsic>",
-            "<Intrinsic/><Intrinsic>",
-            ":2: <Intrinsic>: may stand only once",
-        ),
-        (
-            materials,
-            "<Binary>",
-            "<Binary/><Binary>",
-            ":6: <Binary>: may stand only once",
-        ),
+        (materials, "<Intrinsic>", "<Intrinsic/><Intrinsic>", ":2: <Intrinsic>: may stand only once"),
+        (materials, "<Binary>", "<Binary/><Binary>", ":6: <Binary>: may stand only once"),
         (
             materials,
             "Id=\"skin\"",
             "Id=\"concrete\"",
             ":4: <Material> Id=\"concrete\": stands at line 3 already",
         ),
-        (
-            materials,
-            "Id=\"skin\"",
-            "Id=\"\"",
-            ":4: <Material> Id=\"\": must not be empty",
-        ),
-        (
-            materials,
-            "Id=\"skin\"",
-            "",
-            ":4: <Material> Id: is missing",
-        ),
-        (
-            materials,
-            "4e6",
-            "0",
-            ":4: <Material> YoungModulus=\"0\": must be positive",
-        ),
-        (
-            materials,
-            "4e6",
-            "inf",
-            ":4: <Material> YoungModulus=\"inf\": must be a finite decimal number",
-        ),
-        (
-            materials,
-            "7.1e8",
-            "-1",
-            ":3: <Material> ShearModulus=\"-1\": must be positive",
-        ),
-        (
-            materials,
-            "Id1=\"skin\"",
-            "Id1=\"fur\"",
-            ":8: <Contact> Id1=\"fur\": there is no such material",
-        ),
+        (materials, "Id=\"skin\"", "Id=\"\"", ":4: <Material> Id=\"\": must not be empty"),
+        (materials, "Id=\"skin\"", "", ":4: <Material> Id: is missing"),
+        (materials, "4e6", "0", ":4: <Material> YoungModulus=\"0\": must be positive"),
+        (materials, "4e6", "inf", ":4: <Material> YoungModulus=\"inf\": must be a finite decimal number"),
+        (materials, "7.1e8", "-1", ":3: <Material> ShearModulus=\"-1\": must be positive"),
+        (materials, "Id1=\"skin\"", "Id1=\"fur\"", ":8: <Contact> Id1=\"fur\": there is no such material"),
         (
             materials,
             "Id1=\"skin\"",
             "Id1=\"fur\"",
             ":6: <Binary>: no <Contact> of \"skin\" and \"skin\", which can touch",
         ),
-        (
-            materials,
-            "Id2=\"skin\"",
-            "Id2=\"fur\"",
-            ":6: <Binary>: no <Contact> of \"concrete\" and \"skin\"",
-        ),
+        (materials, "Id2=\"skin\"", "Id2=\"fur\"", ":6: <Binary>: no <Contact> of \"concrete\" and \"skin\""),
         (
             materials,
             "</Binary>",
             "<Contact Id1='skin' Id2='concrete' GammaNormal='1' GammaTangential='1' KineticFriction='0'/></Binary>",
             ":9: <Contact>: the pair \"skin\" and \"concrete\" stands at line 7 already",
         ),
-        (
-            materials,
-            "\"1230\"",
-            "\"-1\"",
-            ":7: <Contact> GammaNormal=\"-1\": must not be negative",
-        ),
-        (
-            materials,
-            "\"701\"",
-            "\"0x1\"",
-            ":8: <Contact> GammaTangential=\"0x1\": must be a finite",
-        ),
-        (
-            materials,
-            "\"0.4\"",
-            "\"-0.4\"",
-            ":8: <Contact> KineticFriction=\"-0.4\": must not be negative",
-        ),
+        (materials, "\"1230\"", "\"-1\"", ":7: <Contact> GammaNormal=\"-1\": must not be negative"),
+        (materials, "\"701\"", "\"0x1\"", ":8: <Contact> GammaTangential=\"0x1\": must be a finite"),
+        (materials, "\"0.4\"", "\"-0.4\"", ":8: <Contact> KineticFriction=\"-0.4\": must not be negative"),
         (
             materials,
             "4e6",
             "6e6",
             ":4: <Material>: \"skin\" (YoungModulus 6000000.0, ShearModulus 1379310.3) and \"skin\"",
         ),
-        (
-            geometry,
-            "<Dimensions",
-            "<Dimensions/><Dimensions",
-            ":2: <Dimensions>: may stand only once",
-        ),
+        (geometry, "<Dimensions", "<Dimensions/><Dimensions", ":2: <Dimensions>: may stand only once"),
         (geometry, "Lx=\"4\"", "", ":2: <Dimensions> Lx: is missing"),
-        (
-            geometry,
-            "Id=\"bar\"",
-            "Id=\"room\"",
-            ":9: <Wall> Id=\"room\": stands at line 3 already",
-        ),
-        (
-            geometry,
-            "\"concrete\"",
-            "\"jelly\"",
-            ":3: <Wall> MaterialId=\"jelly\": there is no such material",
-        ),
+        (geometry, "Id=\"bar\"", "Id=\"room\"", ":9: <Wall> Id=\"room\": stands at line 3 already"),
+        (geometry, "\"concrete\"", "\"jelly\"", ":3: <Wall> MaterialId=\"jelly\": there is no such material"),
         (
             geometry,
             "<Corner Coordinates=\"1,1\"/>",
@@ -456,171 +280,46 @@ fn every_mistake_is_named_with_its_line() {
             "2,1.5,3",
             ":11: <Corner> Coordinates=\"2,1.5,3\": must be two finite decimal numbers",
         ),
-        (
-            geometry,
-            "Coordinates=\"1,1\"",
-            "",
-            ":10: <Corner> Coordinates: is missing",
-        ),
+        (geometry, "Coordinates=\"1,1\"", "", ":10: <Corner> Coordinates: is missing"),
         (
             agents,
             "pedestrian",
             "bike",
             ":2: <Agent> Type=\"bike\": agent \"Ann\": the mechanics takes pedestrians only",
         ),
-        (
-            agents,
-            "Id=\"Bob\"",
-            "Id=\"Ann\"",
-            ":6: <Agent> Id=\"Ann\": stands at line 2 already",
-        ),
+        (agents, "Id=\"Bob\"", "Id=\"Ann\"", ":6: <Agent> Id=\"Ann\": stands at line 2 already"),
         (agents, "Mass=\"63\"", "", ":6: <Agent> Mass: is missing"),
-        (
-            agents,
-            "\"63\"",
-            "\"0\"",
-            ":6: <Agent> Mass=\"0\": must be positive",
-        ),
-        (
-            agents,
-            "\"1.8\"",
-            "\"-1.8\"",
-            ":2: <Agent> Height=\"-1.8\": must be positive",
-        ),
-        (
-            agents,
-            "\"1.02\"",
-            "\"-0\"",
-            ":6: <Agent> MomentOfInertia=\"-0\": must be positive",
-        ),
-        (
-            agents,
-            "\"4.5\"",
-            "\"-4.5\"",
-            ":2: <Agent> FloorDamping=\"-4.5\": must not be negative",
-        ),
-        (
-            agents,
-            "\"4.25\"",
-            "\"-1\"",
-            ":2: <Agent> AngularDamping=\"-1\": must not be negative",
-        ),
-        (
-            agents,
-            "\"0.22\"",
-            "\"-0.1\"",
-            ":4: <Shape> Radius=\"-0.1\": must be positive",
-        ),
-        (
-            agents,
-            "\"0.22\"",
-            "\"0.22 m\"",
-            ":4: <Shape> Radius=\"0.22 m\": must be a finite decimal number",
-        ),
-        (
-            agents,
-            "\"disk\"",
-            "\"square\"",
-            ":3: <Shape> Type=\"square\": must be \"disk\"",
-        ),
+        (agents, "\"63\"", "\"0\"", ":6: <Agent> Mass=\"0\": must be positive"),
+        (agents, "\"1.8\"", "\"-1.8\"", ":2: <Agent> Height=\"-1.8\": must be positive"),
+        (agents, "\"1.02\"", "\"-0\"", ":6: <Agent> MomentOfInertia=\"-0\": must be positive"),
+        (agents, "\"4.5\"", "\"-4.5\"", ":2: <Agent> FloorDamping=\"-4.5\": must not be negative"),
+        (agents, "\"4.25\"", "\"-1\"", ":2: <Agent> AngularDamping=\"-1\": must not be negative"),
+        (agents, "\"0.22\"", "\"-0.1\"", ":4: <Shape> Radius=\"-0.1\": must be positive"),
+        (agents, "\"0.22\"", "\"0.22 m\"", ":4: <Shape> Radius=\"0.22 m\": must be a finite decimal number"),
+        (agents, "\"disk\"", "\"square\"", ":3: <Shape> Type=\"square\": must be \"disk\""),
         (agents, "Type=\"disk\"", "", ":3: <Shape> Type: is missing"),
-        (
-            agents,
-            "\"skin\"",
-            "\"fur\"",
-            ":3: <Shape> MaterialId=\"fur\": there is no such material",
-        ),
-        (
-            agents,
-            "0,-0.1",
-            "0",
-            ":4: <Shape> Position=\"0\": must be two finite decimal numbers",
-        ),
+        (agents, "\"skin\"", "\"fur\"", ":3: <Shape> MaterialId=\"fur\": there is no such material"),
+        (agents, "0,-0.1", "0", ":4: <Shape> Position=\"0\": must be two finite decimal numbers"),
         (
             agents,
             "<Shape Type=\"disk\" Radius=\"0.25\" MaterialId=\"skin\" Position=\"0,0\"/>",
             "",
             ":6: <Agent>: agent \"Bob\" has no <Shape>",
         ),
-        (
-            dynamics,
-            "Id=\"Bob\"",
-            "Id=\"Eve\"",
-            ":2: <Agent> Id=\"Eve\": there is no such agent",
-        ),
-        (
-            dynamics,
-            "Id=\"Bob\"",
-            "Id=\"Eve\"",
-            ":1: <Agents>: has no <Agent> of Id \"Bob\"",
-        ),
-        (
-            dynamics,
-            "Id=\"Ann\"",
-            "Id=\"Bob\"",
-            ":5: <Agent> Id=\"Bob\": stands at line 2 already",
-        ),
-        (
-            dynamics,
-            "<Kinematics ",
-            "<Kin ",
-            ":2: <Agent>: has no <Kinematics>",
-        ),
-        (
-            dynamics,
-            "<Dynamics ",
-            "<Dynamics/><Dynamics ",
-            ":7: <Dynamics>: may stand only once",
-        ),
-        (
-            dynamics,
-            "2.5,0.5",
-            "2.5,nan",
-            ":3: <Kinematics> Position=\"2.5,nan\": must be two finite",
-        ),
-        (
-            dynamics,
-            "0,1",
-            "0 1",
-            ":3: <Kinematics> Velocity=\"0 1\": must be two finite",
-        ),
-        (
-            dynamics,
-            "Theta=\"0.5\"",
-            "",
-            ":3: <Kinematics> Theta: is missing",
-        ),
-        (
-            dynamics,
-            "-0.25",
-            "1e400",
-            ":3: <Kinematics> Omega=\"1e400\": must be a finite decimal number",
-        ),
+        (dynamics, "Id=\"Bob\"", "Id=\"Eve\"", ":2: <Agent> Id=\"Eve\": there is no such agent"),
+        (dynamics, "Id=\"Bob\"", "Id=\"Eve\"", ":1: <Agents>: has no <Agent> of Id \"Bob\""),
+        (dynamics, "Id=\"Ann\"", "Id=\"Bob\"", ":5: <Agent> Id=\"Bob\": stands at line 2 already"),
+        (dynamics, "<Kinematics ", "<Kin ", ":2: <Agent>: has no <Kinematics>"),
+        (dynamics, "<Dynamics ", "<Dynamics/><Dynamics ", ":7: <Dynamics>: may stand only once"),
+        (dynamics, "2.5,0.5", "2.5,nan", ":3: <Kinematics> Position=\"2.5,nan\": must be two finite"),
+        (dynamics, "0,1", "0 1", ":3: <Kinematics> Velocity=\"0 1\": must be two finite"),
+        (dynamics, "Theta=\"0.5\"", "", ":3: <Kinematics> Theta: is missing"),
+        (dynamics, "-0.25", "1e400", ":3: <Kinematics> Omega=\"1e400\": must be a finite decimal number"),
         (dynamics, "Fp=", "fp=", ":7: <Dynamics> Fp: is missing"),
-        (
-            dynamics,
-            "0.125",
-            "",
-            ":7: <Dynamics> Mp=\"\": must be a finite decimal number",
-        ),
-        (
-            INTERACTIONS,
-            "Id=\"Bob\"",
-            "Id=\"Eve\"",
-            ":2: <Agent> Id=\"Eve\": there is no such agent",
-        ),
-        (
-            INTERACTIONS,
-            "Id=\"Ann\"",
-            "Id=\"Eve\"",
-            ":3: <Agent> Id=\"Eve\": there is no such agent",
-        ),
-        (
-            INTERACTIONS,
-            "Id=\"Ann\"",
-            "Id=\"Bob\"",
-            ":3: <Agent> Id=\"Bob\": an agent does not touch itself",
-        ),
+        (dynamics, "0.125", "", ":7: <Dynamics> Mp=\"\": must be a finite decimal number"),
+        (INTERACTIONS, "Id=\"Bob\"", "Id=\"Eve\"", ":2: <Agent> Id=\"Eve\": there is no such agent"),
+        (INTERACTIONS, "Id=\"Ann\"", "Id=\"Eve\"", ":3: <Agent> Id=\"Eve\": there is no such agent"),
+        (INTERACTIONS, "Id=\"Ann\"", "Id=\"Bob\"", ":3: <Agent> Id=\"Bob\": an agent does not touch itself"),
         (
             INTERACTIONS,
             "ParentShape=\"0\"",
@@ -633,36 +332,16 @@ fn every_mistake_is_named_with_its_line() {
             "ChildShape=\"-1\"",
             ":4: <Interaction> ChildShape=\"-1\": must be the place of",
         ),
-        (
-            INTERACTIONS,
-            "3,4",
-            "3,inf",
-            ":4: <Interaction> Fn=\"3,inf\": must be two finite",
-        ),
-        (
-            INTERACTIONS,
-            "Ft=\"5,6\"",
-            "",
-            ":4: <Interaction> Ft: is missing",
-        ),
-        (
-            INTERACTIONS,
-            "\"room\"",
-            "\"roof\"",
-            ":6: <Wall> WallId=\"roof\": there is no such wall",
-        ),
+        (INTERACTIONS, "3,4", "3,inf", ":4: <Interaction> Fn=\"3,inf\": must be two finite"),
+        (INTERACTIONS, "Ft=\"5,6\"", "", ":4: <Interaction> Ft: is missing"),
+        (INTERACTIONS, "\"room\"", "\"roof\"", ":6: <Wall> WallId=\"roof\": there is no such wall"),
         (
             INTERACTIONS,
             "CornerId=\"2\"",
             "CornerId=\"3\"",
             ":6: <Wall> CornerId=\"3\": must be the place of one of the 3 faces",
         ),
-        (
-            INTERACTIONS,
-            "ShapeId=\"0\"",
-            "ShapeId=\"9\"",
-            ":6: <Wall> ShapeId=\"9\": must be the place of",
-        ),
+        (INTERACTIONS, "ShapeId=\"0\"", "ShapeId=\"9\"", ":6: <Wall> ShapeId=\"9\": must be the place of"),
         (
             INTERACTIONS,
             "\"7,8\"",
@@ -683,30 +362,20 @@ fn every_mistake_is_named_with_its_line() {
             edited(&[(file, old, new)]).expect_err(&format!("{file}: {old} -> {new} was accepted"));
         let text = problems.to_string();
         let expected = format!("{}{message}", Path::new(file).display());
-        assert!(
-            text.contains(&expected),
-            "{file}: {old} -> {new}:\n{text}\nexpected: {expected}"
-        );
+        assert!(text.contains(&expected), "{file}: {old} -> {new}:\n{text}\nexpected: {expected}");
     }
     // Every number and pair of numbers says the same of nonsense.
     for (file, text) in good() {
-        for (start, _) in text
-            .match_indices("=\"")
-            .filter(|(at, _)| text[at + 2..].starts_with(|c: char| c.is_numeric()))
+        for (start, _) in
+            text.match_indices("=\"").filter(|(at, _)| text[at + 2..].starts_with(|c: char| c.is_numeric()))
         {
             let value = &text[start + 2..start + 2 + text[start + 2..].find('"').unwrap()];
-            let wrong = format!(
-                "{}=\"x{value}\"{}",
-                &text[..start],
-                &text[start + 3 + value.len()..]
-            );
+            let wrong = format!("{}=\"x{value}\"{}", &text[..start], &text[start + 3 + value.len()..]);
             let problems = edited(&[(file, &text, &wrong)]).unwrap_err();
             let problem = problems.iter().next().unwrap();
             let expected = [number, "must be two finite decimal", "must be the place"];
             assert!(
-                expected
-                    .iter()
-                    .any(|part| problem.message.starts_with(part)),
+                expected.iter().any(|part| problem.message.starts_with(part)),
                 "{file} {value}: {problems}"
             );
             assert_eq!(problem.value, Some(format!("x{value}")));
@@ -719,26 +388,16 @@ fn every_mistake_is_named_with_its_line() {
 #[test]
 fn a_wrong_root_is_named() {
     for (file, text) in good() {
-        let problems = edited(&[(file, &text, "<Crowd/>")])
-            .unwrap_err()
-            .to_string();
-        assert!(
-            problems.contains(&format!("{file}:1: <Crowd>: the root element must be <")),
-            "{problems}"
-        );
+        let problems = edited(&[(file, &text, "<Crowd/>")]).unwrap_err().to_string();
+        assert!(problems.contains(&format!("{file}:1: <Crowd>: the root element must be <")), "{problems}");
     }
 }
 
 #[test]
 fn nobody_is_an_error() {
     let files = good();
-    let problems = edited(&[(FILES[3], &files[3].1, "<Agents/>")])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        problems.contains("Agents.xml:1: <Agents>: has no <Agent>"),
-        "{problems}"
-    );
+    let problems = edited(&[(FILES[3], &files[3].1, "<Agents/>")]).unwrap_err().to_string();
+    assert!(problems.contains("Agents.xml:1: <Agents>: has no <Agent>"), "{problems}");
 }
 
 #[test]
@@ -754,20 +413,13 @@ fn a_pair_that_cannot_touch_needs_no_contact() {
         (materials, "</Intrinsic>", leather),
         (materials, "</Binary>", on_wall),
         (materials, "</Binary>", with_skin),
-        (
-            agents,
-            "Radius=\"0.25\" MaterialId=\"skin\"",
-            "Radius=\"0.25\" MaterialId=\"leather\"",
-        ),
+        (agents, "Radius=\"0.25\" MaterialId=\"skin\"", "Radius=\"0.25\" MaterialId=\"leather\""),
     ];
     edited(&apart).unwrap_or_else(|problems| panic!("{problems}"));
     // A disk of leather on Ann meets Bob's.
     let met = [&apart[..], &[(agents, "\"skin\"", "\"leather\"")]].concat();
     let problems = edited(&met).unwrap_err().to_string();
-    assert!(
-        problems.contains("no <Contact> of \"leather\" and \"leather\""),
-        "{problems}"
-    );
+    assert!(problems.contains("no <Contact> of \"leather\" and \"leather\""), "{problems}");
     assert_eq!(problems.lines().count(), 1, "{problems}");
 }
 
@@ -802,10 +454,7 @@ fn a_face_drawn_twice_is_a_warning() {
             && text.contains("Geometry.xml:12: <Corner> Coordinates=\"1,1\": wall \"bar\""),
         "{text}"
     );
-    assert_eq!(
-        (warnings.warnings().count(), warnings.has_errors()),
-        (1, false)
-    );
+    assert_eq!((warnings.warnings().count(), warnings.has_errors()), (1, false));
 }
 
 #[test]
@@ -821,19 +470,11 @@ fn a_missing_file_is_named_unless_it_is_the_interactions() {
             let text = read.unwrap_err().to_string();
             let path = directory.path().join(missing);
             assert_eq!(text.lines().count(), 1, "{text}");
-            assert!(
-                text.starts_with(&format!("{}: cannot be read", path.display())),
-                "{text}"
-            );
+            assert!(text.starts_with(&format!("{}: cannot be read", path.display())), "{text}");
         }
     }
-    let nowhere = Trial::read(Path::new("no such directory"))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        nowhere.contains("Parameters.xml: cannot be read"),
-        "{nowhere}"
-    );
+    let nowhere = Trial::read(Path::new("no such directory")).unwrap_err().to_string();
+    assert!(nowhere.contains("Parameters.xml: cannot be read"), "{nowhere}");
 }
 
 #[test]
@@ -859,18 +500,13 @@ fn hostile_files_are_errors() {
         for content in &hostile {
             fs::write(directory.path().join(file), content).unwrap();
             let problems = Trial::read(directory.path()).unwrap_err();
-            let named = problems
-                .errors()
-                .any(|problem| problem.file == directory.path().join(file));
+            let named = problems.errors().any(|problem| problem.file == directory.path().join(file));
             assert!(named && problems.to_string().len() < 4000, "{problems}");
         }
     }
     for (file, text) in good() {
         for end in (0..text.len()).step_by(7) {
-            assert!(
-                edited(&[(file, &text, &text[..end])]).is_err(),
-                "{file} cut at {end}"
-            );
+            assert!(edited(&[(file, &text, &text[..end])]).is_err(), "{file} cut at {end}");
         }
     }
 }
@@ -881,20 +517,11 @@ fn other_names_and_absolute_directories() {
     put(directory.path(), &good());
     let fixed = directory.path().join("static");
     let elsewhere = TempDir::new().unwrap();
-    let parameters = good()[0]
-        .1
-        .replace("./static/", fixed.to_str().unwrap())
-        .replace("\"dynamic\"", "\"..\"");
+    let parameters =
+        good()[0].1.replace("./static/", fixed.to_str().unwrap()).replace("\"dynamic\"", "\"..\"");
     fs::create_dir(elsewhere.path().join("here")).unwrap();
-    put(
-        elsewhere.path(),
-        &[("here/P.xml", parameters), ("D.xml", good()[4].1.clone())],
-    );
-    let names = FileNames {
-        parameters: "P.xml".into(),
-        dynamics: "D.xml".into(),
-        ..FileNames::default()
-    };
+    put(elsewhere.path(), &[("here/P.xml", parameters), ("D.xml", good()[4].1.clone())]);
+    let names = FileNames { parameters: "P.xml".into(), dynamics: "D.xml".into(), ..FileNames::default() };
     let (trial, _) = Trial::read_named(&elsewhere.path().join("here"), &names).unwrap();
     assert_eq!(trial.name, "here");
 
@@ -918,12 +545,9 @@ fn writing_leaves_nothing_behind() {
     for folder in ["", "static", "dynamic"] {
         for entry in fs::read_dir(directory.path().join(folder)).unwrap() {
             let path = entry.unwrap().path();
-            files.extend(path.is_file().then(|| {
-                path.strip_prefix(directory.path())
-                    .unwrap()
-                    .display()
-                    .to_string()
-            }));
+            files.extend(
+                path.is_file().then(|| path.strip_prefix(directory.path()).unwrap().display().to_string()),
+            );
         }
     }
     files.sort();
@@ -940,9 +564,7 @@ fn writing_leaves_nothing_behind() {
         assert_eq!(mode(&directory.path().join(FILES[0])), mode(&plain));
     }
 
-    let blocked = write_atomically(&directory.path().join("none/x.xml"), "")
-        .unwrap_err()
-        .to_string();
+    let blocked = write_atomically(&directory.path().join("none/x.xml"), "").unwrap_err().to_string();
     assert!(blocked.contains("x.xml: cannot be written: "), "{blocked}");
 }
 
@@ -956,10 +578,7 @@ fn an_output_omits_the_drive() {
         <Kinematics Position="3.1,0.6" Velocity="-1.0,0.0" Theta="3.0" Omega="0.75"/>
     </Agent>
 "#;
-    assert!(
-        text.starts_with(expected) && !text.contains("Dynamics"),
-        "{text}"
-    );
+    assert!(text.starts_with(expected) && !text.contains("Dynamics"), "{text}");
     let text = interactions_xml(&trial, &trial.interactions);
     let expected = r#"<?xml version="1.0" encoding="utf-8"?>
 <Interactions>
@@ -977,19 +596,11 @@ fn an_output_omits_the_drive() {
 }
 
 fn number() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        -1e3..1e3,
-        any::<f64>().prop_filter("finite", |x| x.is_finite())
-    ]
+    prop_oneof![-1e3..1e3, any::<f64>().prop_filter("finite", |x| x.is_finite())]
 }
 
 fn positive() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        1e-3..1e3,
-        Just(f64::MIN_POSITIVE),
-        Just(f64::MAX),
-        Just(5e-324)
-    ]
+    prop_oneof![1e-3..1e3, Just(f64::MIN_POSITIVE), Just(f64::MAX), Just(5e-324)]
 }
 
 fn vector() -> impl Strategy<Value = Vec2> {
@@ -1012,42 +623,21 @@ fn force() -> impl Strategy<Value = ContactForce> {
 
 fn agent(place: usize, materials: Vec<String>) -> impl Strategy<Value = Agent> {
     let shape = (positive(), prop::sample::select(materials), vector());
-    let shape = shape.prop_map(|(radius, material_id, position)| Shape {
-        radius,
-        material_id,
-        position,
-    });
+    let shape = shape.prop_map(|(radius, material_id, position)| Shape { radius, material_id, position });
     let kind = prop::option::of(Just("pedestrian".to_owned()));
-    let numbers = (
-        positive(),
-        prop::option::of(positive()),
-        positive(),
-        0.0..9.0,
-        0.0..9.0,
-    );
-    (
-        kind,
-        id("a", place),
-        numbers,
-        prop::collection::vec(shape, 1..4),
+    let numbers = (positive(), prop::option::of(positive()), positive(), 0.0..9.0, 0.0..9.0);
+    (kind, id("a", place), numbers, prop::collection::vec(shape, 1..4)).prop_map(
+        |(kind, id, (mass, height, moment_of_inertia, floor_damping, angular_damping), shapes)| Agent {
+            kind,
+            id,
+            mass,
+            height,
+            moment_of_inertia,
+            floor_damping,
+            angular_damping,
+            shapes,
+        },
     )
-        .prop_map(
-            |(
-                kind,
-                id,
-                (mass, height, moment_of_inertia, floor_damping, angular_damping),
-                shapes,
-            )| Agent {
-                kind,
-                id,
-                mass,
-                height,
-                moment_of_inertia,
-                floor_damping,
-                angular_damping,
-                shapes,
-            },
-        )
 }
 
 fn dynamics() -> impl Strategy<Value = AgentDynamics> {
@@ -1065,22 +655,11 @@ fn dynamics() -> impl Strategy<Value = AgentDynamics> {
 
 /// Corners apart from each other, so that no face has no length.
 fn wall(place: usize, materials: Vec<String>) -> impl Strategy<Value = Wall> {
-    (
-        id("w", place),
-        prop::sample::select(materials),
-        prop::collection::vec((-1.0..1.0, -1.0..1.0), 2..6),
-    )
+    (id("w", place), prop::sample::select(materials), prop::collection::vec((-1.0..1.0, -1.0..1.0), 2..6))
         .prop_map(|(id, material_id, offsets)| {
-            let corners = offsets
-                .iter()
-                .zip(0..)
-                .map(|(&(x, y), k)| vec2(x + 3.0 * f64::from(k), y))
-                .collect();
-            Wall {
-                id,
-                material_id,
-                corners,
-            }
+            let corners =
+                offsets.iter().zip(0..).map(|(&(x, y), k)| vec2(x + 3.0 * f64::from(k), y)).collect();
+            Wall { id, material_id, corners }
         })
 }
 
@@ -1094,61 +673,38 @@ fn materials(count: usize) -> impl Strategy<Value = Materials> {
     )
         .prop_map(move |(ids, moduli, laws)| {
             let order = (0..count).flat_map(|i| (0..=i).map(move |j| (i, j)));
-            let binary = order.zip(laws).map(
-                |((i, j), (gamma_normal, gamma_tangential, kinetic_friction))| Contact {
+            let binary =
+                order.zip(laws).map(|((i, j), (gamma_normal, gamma_tangential, kinetic_friction))| Contact {
                     id1: ids[i].clone(),
                     id2: ids[j].clone(),
                     gamma_normal,
                     gamma_tangential,
                     kinetic_friction,
-                },
-            );
-            let binary = binary.collect();
-            let intrinsic = ids
-                .iter()
-                .zip(moduli)
-                .map(|(id, (young_modulus, ratio))| Material {
-                    id: id.clone(),
-                    young_modulus,
-                    shear_modulus: young_modulus * ratio,
                 });
-            Materials {
-                intrinsic: intrinsic.collect(),
-                binary,
-            }
+            let binary = binary.collect();
+            let intrinsic = ids.iter().zip(moduli).map(|(id, (young_modulus, ratio))| Material {
+                id: id.clone(),
+                young_modulus,
+                shear_modulus: young_modulus * ratio,
+            });
+            Materials { intrinsic: intrinsic.collect(), binary }
         })
 }
 
 /// Contacts of every pair of the agents, and of every agent with every wall, first disk and face alone.
 fn interactions(agents: usize, walls: usize) -> impl Strategy<Value = Interactions> {
-    let pairs: Vec<_> = (0..agents)
-        .flat_map(|i| (i + 1..agents).map(move |j| (i, j)))
-        .collect();
-    let touches: Vec<_> = (0..agents)
-        .flat_map(|i| (0..walls).map(move |wall| (i, wall)))
-        .collect();
+    let pairs: Vec<_> = (0..agents).flat_map(|i| (i + 1..agents).map(move |j| (i, j))).collect();
+    let touches: Vec<_> = (0..agents).flat_map(|i| (0..walls).map(move |wall| (i, wall))).collect();
     let of = |count| prop::collection::vec(prop::option::of(force()), count);
     (of(pairs.len()), of(touches.len())).prop_map(move |(on_agents, on_walls)| Interactions {
         agents: (pairs.iter().zip(on_agents))
             .filter_map(|(&(parent, child), force)| {
-                Some(AgentInteraction {
-                    parent,
-                    child,
-                    parent_shape: 0,
-                    child_shape: 0,
-                    force: force?,
-                })
+                Some(AgentInteraction { parent, child, parent_shape: 0, child_shape: 0, force: force? })
             })
             .collect(),
         walls: (touches.iter().zip(on_walls))
             .filter_map(|(&(agent, wall), force)| {
-                Some(WallInteraction {
-                    agent,
-                    shape: 0,
-                    wall,
-                    corner: 0,
-                    force: force?,
-                })
+                Some(WallInteraction { agent, shape: 0, wall, corner: 0, force: force? })
             })
             .collect(),
     })
@@ -1158,45 +714,33 @@ fn trial() -> impl Strategy<Value = Trial> {
     (1..4usize, 0..3usize, 1..4usize)
         .prop_flat_map(|(agents, walls, kinds)| (Just((agents, walls)), materials(kinds)))
         .prop_flat_map(|((agents, walls), materials)| {
-            let ids: Vec<String> = materials
-                .intrinsic
-                .iter()
-                .map(|material| material.id.clone())
-                .collect();
+            let ids: Vec<String> = materials.intrinsic.iter().map(|material| material.id.clone()).collect();
             (
                 Just(materials),
-                (0..agents)
-                    .map(|place| agent(place, ids.clone()))
-                    .collect::<Vec<_>>(),
+                (0..agents).map(|place| agent(place, ids.clone())).collect::<Vec<_>>(),
                 prop::collection::vec(dynamics(), agents),
-                (0..walls)
-                    .map(|place| wall(place, ids.clone()))
-                    .collect::<Vec<_>>(),
+                (0..walls).map(|place| wall(place, ids.clone())).collect::<Vec<_>>(),
                 prop::option::of(vector()),
                 interactions(agents, walls),
                 (1e-3..1.0, 1e-9..1e-3),
                 prop::sample::select(vec!["./static/", "st", ".", "a/b & c"]),
             )
         })
-        .prop_map(
-            |(materials, agents, dynamics, walls, dimensions, interactions, times, directory)| {
-                Trial {
-                    name: "Trial".into(),
-                    directory: PathBuf::new(),
-                    parameters: Parameters {
-                        static_directory: directory.into(),
-                        dynamic_directory: "./dynamic/".into(),
-                        time_step: times.0,
-                        time_step_mechanical: times.1,
-                    },
-                    materials,
-                    geometry: Geometry { dimensions, walls },
-                    agents,
-                    dynamics,
-                    interactions,
-                }
+        .prop_map(|(materials, agents, dynamics, walls, dimensions, interactions, times, directory)| Trial {
+            name: "Trial".into(),
+            directory: PathBuf::new(),
+            parameters: Parameters {
+                static_directory: directory.into(),
+                dynamic_directory: "./dynamic/".into(),
+                time_step: times.0,
+                time_step_mechanical: times.1,
             },
-        )
+            materials,
+            geometry: Geometry { dimensions, walls },
+            agents,
+            dynamics,
+            interactions,
+        })
 }
 
 proptest! {

@@ -5,20 +5,13 @@ use super::xml::{Bound, Element, Ids, Out, number, vector};
 use super::{Agent, Shape};
 
 /// The agents and their Ids; `materials` is `None` where they could not be read.
-pub(super) fn read(
-    root: Element<'_>,
-    materials: Option<&Ids>,
-    problems: &mut Problems,
-) -> (Vec<Agent>, Ids) {
+pub(super) fn read(root: Element<'_>, materials: Option<&Ids>, problems: &mut Problems) -> (Vec<Agent>, Ids) {
     let (mut agents, mut ids) = (Vec::new(), Ids::default());
     for element in root.children("Agent") {
         let id = ids.take(element, problems);
         let kind = element.optional_text("Type").map(str::to_owned);
         if kind.as_deref().is_some_and(|kind| kind != "pedestrian") {
-            let message = format!(
-                "agent {}: the mechanics takes pedestrians only",
-                quoted(&id)
-            );
+            let message = format!("agent {}: the mechanics takes pedestrians only", quoted(&id));
             problems.push(element.wrong("Type", &message));
             // Its other attributes are another kind's, but the other files name it.
             agents.push(unread(id));
@@ -29,16 +22,11 @@ pub(super) fn read(
             kind,
             id,
             mass: number("Mass", Bound::Positive),
-            height: element
-                .has("Height")
-                .then(|| number("Height", Bound::Positive)),
+            height: element.has("Height").then(|| number("Height", Bound::Positive)),
             moment_of_inertia: number("MomentOfInertia", Bound::Positive),
             floor_damping: number("FloorDamping", Bound::NotNegative),
             angular_damping: number("AngularDamping", Bound::NotNegative),
-            shapes: element
-                .children("Shape")
-                .map(|shape| read_shape(shape, materials, problems))
-                .collect(),
+            shapes: element.children("Shape").map(|shape| read_shape(shape, materials, problems)).collect(),
         };
         if agent.shapes.is_empty() {
             problems.push(element.problem(format!("agent {} has no <Shape>", quoted(&agent.id))));
@@ -58,9 +46,7 @@ fn read_shape(element: Element<'_>, materials: Option<&Ids>, problems: &mut Prob
     }
     Shape {
         radius: element.number("Radius", Bound::Positive, problems),
-        material_id: element
-            .reference("MaterialId", materials, "material", problems)
-            .0,
+        material_id: element.reference("MaterialId", materials, "material", problems).0,
         position: element.vector("Position", problems),
     }
 }
@@ -68,16 +54,7 @@ fn read_shape(element: Element<'_>, materials: Option<&Ids>, problems: &mut Prob
 fn unread(id: String) -> Agent {
     let [mass, moment_of_inertia, floor_damping, angular_damping] = [f64::NAN; 4];
     let (kind, height, shapes) = (None, None, Vec::new());
-    Agent {
-        kind,
-        id,
-        mass,
-        height,
-        moment_of_inertia,
-        floor_damping,
-        angular_damping,
-        shapes,
-    }
+    Agent { kind, id, mass, height, moment_of_inertia, floor_damping, angular_damping, shapes }
 }
 
 pub(super) fn xml(agents: &[Agent]) -> String {

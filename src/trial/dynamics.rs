@@ -29,11 +29,7 @@ pub(super) fn read(
             None => *slot = Some((element.line(), dynamics)),
         }
     }
-    for (agent, found) in agents
-        .iter()
-        .flat_map(|(agents, _)| agents.iter())
-        .zip(&found)
-    {
+    for (agent, found) in agents.iter().flat_map(|(agents, _)| agents.iter()).zip(&found) {
         // The second of two equal Ids can find nothing; it is reported where it stands.
         if found.is_none()
             && !agent.id.trim().is_empty()
@@ -42,11 +38,7 @@ pub(super) fn read(
             problems.push(root.problem(format!("has no <Agent> of Id {}", quoted(&agent.id))));
         }
     }
-    found
-        .into_iter()
-        .flatten()
-        .map(|(_, dynamics)| dynamics)
-        .collect()
+    found.into_iter().flatten().map(|(_, dynamics)| dynamics).collect()
 }
 
 fn read_agent(element: Element<'_>, problems: &mut Problems) -> AgentDynamics {
@@ -96,10 +88,7 @@ pub fn dynamics_xml(agents: &[Agent], dynamics: &[AgentDynamics], drive: Drive) 
                     ],
                 );
                 if drive == Drive::Written {
-                    out.empty(
-                        "Dynamics",
-                        &[("Fp", &vector(state.fp)), ("Mp", &number(state.mp))],
-                    );
+                    out.empty("Dynamics", &[("Fp", &vector(state.fp)), ("Mp", &number(state.mp))]);
                 }
             });
         }

@@ -2,9 +2,7 @@
 
 use super::problem::Problems;
 use super::xml::{Element, Ids, Out, vector};
-use super::{
-    Agent, AgentInteraction, ContactForce, Geometry, Interactions, Trial, WallInteraction,
-};
+use super::{Agent, AgentInteraction, ContactForce, Geometry, Interactions, Trial, WallInteraction};
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 use std::hash::Hash;
@@ -31,21 +29,12 @@ pub(super) fn read(
                 let (Some(parent), Some(child)) = (parent, child) else {
                     continue;
                 };
-                let parent_shape =
-                    element.place("ParentShape", disks(parent), "parent's shapes", problems);
-                let child_shape =
-                    element.place("ChildShape", disks(child), "child's shapes", problems);
+                let parent_shape = element.place("ParentShape", disks(parent), "parent's shapes", problems);
+                let child_shape = element.place("ChildShape", disks(child), "child's shapes", problems);
                 let (Some(parent_shape), Some(child_shape)) = (parent_shape, child_shape) else {
                     continue;
                 };
-                let contact = AgentInteraction {
-                    parent,
-                    child,
-                    parent_shape,
-                    child_shape,
-                    force,
-                }
-                .ordered();
+                let contact = AgentInteraction { parent, child, parent_shape, child_shape, force }.ordered();
                 if once(&mut agent_lines, agent_key(&contact), element, problems) {
                     interactions.agents.push(contact);
                 }
@@ -53,28 +42,17 @@ pub(super) fn read(
         }
         for element in parent_element.children("Wall") {
             let (_, wall) = element.reference("WallId", Some(wall_ids), "wall", problems);
-            let corners = wall
-                .and_then(|wall| geometry.walls.get(wall))
-                .map(|wall| wall.corners.len());
+            let corners = wall.and_then(|wall| geometry.walls.get(wall)).map(|wall| wall.corners.len());
             // No face begins at the last corner.
-            let corner = corners
-                .and_then(|n| element.place("CornerId", n.saturating_sub(1), "faces", problems));
-            let shape = parent.and_then(|agent| {
-                element.place("ShapeId", disks(agent), "agent's shapes", problems)
-            });
+            let corner =
+                corners.and_then(|n| element.place("CornerId", n.saturating_sub(1), "faces", problems));
+            let shape =
+                parent.and_then(|agent| element.place("ShapeId", disks(agent), "agent's shapes", problems));
             let force = read_force(element, problems);
-            let (Some(agent), Some(shape), Some(wall), Some(corner)) =
-                (parent, shape, wall, corner)
-            else {
+            let (Some(agent), Some(shape), Some(wall), Some(corner)) = (parent, shape, wall, corner) else {
                 continue;
             };
-            let contact = WallInteraction {
-                agent,
-                shape,
-                wall,
-                corner,
-                force,
-            };
+            let contact = WallInteraction { agent, shape, wall, corner, force };
             if once(&mut wall_lines, wall_key(&contact), element, problems) {
                 interactions.walls.push(contact);
             }
@@ -88,12 +66,7 @@ pub(super) fn read(
 type Key = [usize; 4];
 
 fn agent_key(contact: &AgentInteraction) -> Key {
-    [
-        contact.parent,
-        contact.child,
-        contact.parent_shape,
-        contact.child_shape,
-    ]
+    [contact.parent, contact.child, contact.parent_shape, contact.child_shape]
 }
 
 fn wall_key(contact: &WallInteraction) -> Key {
@@ -109,10 +82,7 @@ fn once<K: Eq + Hash>(
 ) -> bool {
     match lines.entry(key) {
         Entry::Occupied(line) => {
-            problems.push(element.problem(format!(
-                "this contact stands at line {} already",
-                line.get()
-            )));
+            problems.push(element.problem(format!("this contact stands at line {} already", line.get())));
             false
         }
         Entry::Vacant(free) => {
@@ -136,40 +106,23 @@ impl AgentInteraction {
         if self.parent <= self.child {
             return self;
         }
-        let ContactForce {
-            elongation,
-            normal,
-            tangential,
-        } = self.force;
+        let ContactForce { elongation, normal, tangential } = self.force;
         AgentInteraction {
             parent: self.child,
             child: self.parent,
             parent_shape: self.child_shape,
             child_shape: self.parent_shape,
-            force: ContactForce {
-                elongation: -elongation,
-                normal: -normal,
-                tangential: -tangential,
-            },
+            force: ContactForce { elongation: -elongation, normal: -normal, tangential: -tangential },
         }
     }
 }
 
 /// The text of `AgentInteractions.xml`; `trial` gives the Ids.
 pub fn interactions_xml(trial: &Trial, interactions: &Interactions) -> String {
-    type OfParent<'a> = (
-        BTreeMap<usize, Vec<&'a AgentInteraction>>,
-        Vec<&'a WallInteraction>,
-    );
+    type OfParent<'a> = (BTreeMap<usize, Vec<&'a AgentInteraction>>, Vec<&'a WallInteraction>);
     let mut parents: BTreeMap<usize, OfParent<'_>> = BTreeMap::new();
     for contact in &interactions.agents {
-        parents
-            .entry(contact.parent)
-            .or_default()
-            .0
-            .entry(contact.child)
-            .or_default()
-            .push(contact);
+        parents.entry(contact.parent).or_default().0.entry(contact.child).or_default().push(contact);
     }
     for contact in &interactions.walls {
         parents.entry(contact.agent).or_default().1.push(contact);

@@ -11,16 +11,11 @@ use std::path::{Path, PathBuf};
 ///
 /// Not positive, or not finite, where the moduli are no 2D elastic material's (E ≥ 4G).
 pub fn stiffness(first: &Material, second: &Material) -> (f64, f64) {
-    let normal = |m: &Material| {
-        (4.0 * m.shear_modulus - m.young_modulus) / (4.0 * m.shear_modulus * m.shear_modulus)
-    };
-    let tangential = |m: &Material| {
-        (6.0 * m.shear_modulus - m.young_modulus) / (8.0 * m.shear_modulus * m.shear_modulus)
-    };
-    (
-        1.0 / (normal(first) + normal(second)),
-        1.0 / (tangential(first) + tangential(second)),
-    )
+    let normal =
+        |m: &Material| (4.0 * m.shear_modulus - m.young_modulus) / (4.0 * m.shear_modulus * m.shear_modulus);
+    let tangential =
+        |m: &Material| (6.0 * m.shear_modulus - m.young_modulus) / (8.0 * m.shear_modulus * m.shear_modulus);
+    (1.0 / (normal(first) + normal(second)), 1.0 / (tangential(first) + tangential(second)))
 }
 
 /// The file as read, with what the checks of the other files need of it.
@@ -39,11 +34,7 @@ pub(super) struct Read {
 pub(super) fn read(root: Element<'_>, problems: &mut Problems) -> Read {
     let (mut intrinsic, mut binary) = (Vec::new(), Vec::new());
     let (mut ids, mut lines, mut pairs) = (Ids::default(), Vec::new(), HashMap::new());
-    for element in root
-        .only("Intrinsic", problems)
-        .iter()
-        .flat_map(|list| list.children("Material"))
-    {
+    for element in root.only("Intrinsic", problems).iter().flat_map(|list| list.children("Material")) {
         lines.push(element.line());
         intrinsic.push(Material {
             id: ids.take(element, problems),
@@ -59,10 +50,9 @@ pub(super) fn read(root: Element<'_>, problems: &mut Problems) -> Read {
             match pairs.entry((first.min(second), first.max(second))) {
                 Entry::Occupied(line) => {
                     let pair = format!("{} and {}", quoted(&id1), quoted(&id2));
-                    problems.push(element.problem(format!(
-                        "the pair {pair} stands at line {} already",
-                        line.get()
-                    )));
+                    problems.push(
+                        element.problem(format!("the pair {pair} stands at line {} already", line.get())),
+                    );
                 }
                 Entry::Vacant(free) => {
                     free.insert(element.line());
@@ -99,10 +89,7 @@ pub(super) fn check_pairs(
 
     let mut carriers: BTreeMap<usize, Carriers> = BTreeMap::new();
     for (agent, shapes) in agents.iter().map(|agent| &agent.shapes).enumerate() {
-        for material in shapes
-            .iter()
-            .filter_map(|shape| read.ids.place(&shape.material_id))
-        {
+        for material in shapes.iter().filter_map(|shape| read.ids.place(&shape.material_id)) {
             let carried = carriers.entry(material).or_insert(Carriers::One(agent));
             if *carried != Carriers::One(agent) {
                 *carried = Carriers::Several;
@@ -121,9 +108,7 @@ pub(super) fn check_pairs(
             .filter(move |(_, other)| !carried.sole_and_same(other))
             .map(move |(&second, _)| (first, second))
     });
-    let with_walls = carriers
-        .keys()
-        .flat_map(|&first| walls.iter().map(move |&second| (first, second)));
+    let with_walls = carriers.keys().flat_map(|&first| walls.iter().map(move |&second| (first, second)));
     let mut reported = BTreeSet::new();
     for (first, second) in among_agents.chain(with_walls) {
         let pair = (first.min(second), first.max(second));
@@ -155,36 +140,21 @@ impl Carriers {
 
 impl Read {
     fn pair_problem(&self, pair: (usize, usize)) -> Option<Problem> {
-        let (first, second) = (
-            self.materials.intrinsic.get(pair.0)?,
-            self.materials.intrinsic.get(pair.1)?,
-        );
+        let (first, second) = (self.materials.intrinsic.get(pair.0)?, self.materials.intrinsic.get(pair.1)?);
         if !self.pairs.contains_key(&pair) {
             let line = self.binary_line?;
-            let message = format!(
-                "no <Contact> of {} and {}, which can touch",
-                quoted(&first.id),
-                quoted(&second.id)
-            );
+            let message =
+                format!("no <Contact> of {} and {}, which can touch", quoted(&first.id), quoted(&second.id));
             return Some(self.problem("Binary", line, message));
         }
-        let moduli = [
-            first.young_modulus,
-            first.shear_modulus,
-            second.young_modulus,
-            second.shear_modulus,
-        ];
+        let moduli = [first.young_modulus, first.shear_modulus, second.young_modulus, second.shear_modulus];
         let (normal, tangential) = stiffness(first, second);
         let good = |k: f64| k > 0.0 && k.is_finite();
         if moduli.iter().any(|modulus| modulus.is_nan()) || (good(normal) && good(tangential)) {
             return None;
         }
         // The line of the one that is no 2D elastic material by itself.
-        let culprit = if first.young_modulus < 4.0 * first.shear_modulus {
-            pair.1
-        } else {
-            pair.0
-        };
+        let culprit = if first.young_modulus < 4.0 * first.shear_modulus { pair.1 } else { pair.0 };
         let material = |m: &Material| {
             format!(
                 "{} (YoungModulus {:?}, ShearModulus {:?})",
@@ -203,10 +173,7 @@ impl Read {
 
     fn problem(&self, element: &str, line: u32, message: String) -> Problem {
         let path: &Path = &self.path;
-        Problem {
-            element: Some(element.into()),
-            ..file_problem(path, Some(line), message)
-        }
+        Problem { element: Some(element.into()), ..file_problem(path, Some(line), message) }
     }
 }
 
@@ -246,20 +213,13 @@ mod tests {
     use super::*;
 
     fn material(young_modulus: f64, shear_modulus: f64) -> Material {
-        Material {
-            id: String::new(),
-            young_modulus,
-            shear_modulus,
-        }
+        Material { id: String::new(), young_modulus, shear_modulus }
     }
 
     #[test]
     fn stiffness_of_the_paper_s_materials() {
         // 4G − E = 8 − 4 = 4, 6G − E = 8, G = 2: compliances 4/16 and 8/32 each, hence 1/(2/4) = 2.
-        assert_eq!(
-            stiffness(&material(4.0, 2.0), &material(4.0, 2.0)),
-            (2.0, 2.0)
-        );
+        assert_eq!(stiffness(&material(4.0, 2.0), &material(4.0, 2.0)), (2.0, 2.0));
         let (naked, concrete) = (material(4.0e6, 1379310.3), material(1.7e9, 7.1e8));
         assert_eq!(stiffness(&naked, &concrete), stiffness(&concrete, &naked));
         let (normal, tangential) = stiffness(&naked, &naked);
@@ -270,10 +230,6 @@ mod tests {
     #[test]
     fn moduli_of_no_2d_material_give_no_stiffness() {
         assert!(stiffness(&material(5.0, 1.0), &material(5.0, 1.0)).0 < 0.0);
-        assert!(
-            stiffness(&material(4.0, 1.0), &material(4.0, 1.0))
-                .0
-                .is_infinite()
-        );
+        assert!(stiffness(&material(4.0, 1.0), &material(4.0, 1.0)).0.is_infinite());
     }
 }

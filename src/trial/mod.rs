@@ -10,12 +10,14 @@ mod interactions;
 mod materials;
 mod parameters;
 mod problem;
+mod world;
 mod xml;
 
 pub use dynamics::{Drive, dynamics_xml};
 pub use interactions::interactions_xml;
 pub use materials::stiffness;
 pub use problem::{Problem, Problems, Severity, WriteError};
+pub use world::{WorldError, dynamics_of, interactions_of};
 pub use xml::write_atomically;
 
 use crate::engine::Vec2;
@@ -258,42 +260,26 @@ impl Trial {
 
     /// `None` only after an error. A file is checked against the others as far as those could be read.
     fn read_checked(directory: &Path, names: &FileNames, problems: &mut Problems) -> Option<Trial> {
-        let parameters = xml::read_file(
-            &directory.join(&names.parameters),
-            "Parameters",
-            problems,
-            parameters::read,
-        )?;
+        let parameters =
+            xml::read_file(&directory.join(&names.parameters), "Parameters", problems, parameters::read)?;
         // Without them, reported already, nobody knows where the other files are.
-        let place =
-            |named: &str| (!named.trim().is_empty()).then(|| tidy(&directory.join(named.trim())));
+        let place = |named: &str| (!named.trim().is_empty()).then(|| tidy(&directory.join(named.trim())));
         let fixed = place(&parameters.static_directory);
         let moving = place(&parameters.dynamic_directory);
 
         let materials = fixed.as_ref().and_then(|fixed| {
-            xml::read_file(
-                &fixed.join(&names.materials),
-                "Materials",
-                problems,
-                materials::read,
-            )
+            xml::read_file(&fixed.join(&names.materials), "Materials", problems, materials::read)
         });
         let material_ids = materials.as_ref().map(|read| &read.ids);
         let geometry = fixed.as_ref().and_then(|fixed| {
-            xml::read_file(
-                &fixed.join(&names.geometry),
-                "Geometry",
-                problems,
-                |root, problems| geometry::read(root, material_ids, problems),
-            )
+            xml::read_file(&fixed.join(&names.geometry), "Geometry", problems, |root, problems| {
+                geometry::read(root, material_ids, problems)
+            })
         });
         let agents = fixed.as_ref().and_then(|fixed| {
-            xml::read_file(
-                &fixed.join(&names.agents),
-                "Agents",
-                problems,
-                |root, problems| agents::read(root, material_ids, problems),
-            )
+            xml::read_file(&fixed.join(&names.agents), "Agents", problems, |root, problems| {
+                agents::read(root, material_ids, problems)
+            })
         });
         if let (Some(materials), Some((agents, _))) = (&materials, &agents) {
             materials::check_pairs(
@@ -304,26 +290,11 @@ impl Trial {
             );
         }
         let dynamics = moving.as_ref().and_then(|moving| {
-            xml::read_file(
-                &moving.join(&names.dynamics),
-                "Agents",
-                problems,
-                |root, problems| {
-                    dynamics::read(
-                        root,
-                        agents
-                            .as_ref()
-                            .map(|(agents, ids)| (agents.as_slice(), ids)),
-                        problems,
-                    )
-                },
-            )
+            xml::read_file(&moving.join(&names.dynamics), "Agents", problems, |root, problems| {
+                dynamics::read(root, agents.as_ref().map(|(agents, ids)| (agents.as_slice(), ids)), problems)
+            })
         });
-        let interactions = match (
-            moving.map(|moving| moving.join(INTERACTIONS)),
-            &agents,
-            &geometry,
-        ) {
+        let interactions = match (moving.map(|moving| moving.join(INTERACTIONS)), &agents, &geometry) {
             (Some(path), Some((agents, agent_ids)), Some((geometry, wall_ids)))
                 if !matches!(path.try_exists(), Ok(false)) =>
             {
@@ -362,20 +333,11 @@ impl Trial {
         let fixed = tidy(&directory.join(parameters.static_directory.trim()));
         let moving = tidy(&directory.join(parameters.dynamic_directory.trim()));
         for path in [directory, &fixed, &moving] {
-            std::fs::create_dir_all(path).map_err(|error| WriteError {
-                path: path.to_owned(),
-                error,
-            })?;
+            std::fs::create_dir_all(path).map_err(|error| WriteError { path: path.to_owned(), error })?;
         }
         let names = FileNames::default();
-        write_atomically(
-            &directory.join(names.parameters),
-            &parameters::xml(&parameters),
-        )?;
-        write_atomically(
-            &fixed.join(names.materials),
-            &materials::xml(&self.materials),
-        )?;
+        write_atomically(&directory.join(names.parameters), &parameters::xml(&parameters))?;
+        write_atomically(&fixed.join(names.materials), &materials::xml(&self.materials))?;
         write_atomically(&fixed.join(names.geometry), &geometry::xml(&self.geometry))?;
         write_atomically(&fixed.join(names.agents), &agents::xml(&self.agents))?;
         write_atomically(
@@ -407,11 +369,6 @@ fn is_inside(named: &str) -> bool {
 
 /// The name of `.` or `..` is that of the directory meant.
 fn own_name(directory: &Path) -> String {
-    let name = |path: &Path| {
-        path.file_name()
-            .map(|name| name.to_string_lossy().into_owned())
-    };
-    name(directory)
-        .or_else(|| name(&directory.canonicalize().ok()?))
-        .unwrap_or_else(|| "Trial".into())
+    let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    name(directory).or_else(|| name(&directory.canonicalize().ok()?)).unwrap_or_else(|| "Trial".into())
 }

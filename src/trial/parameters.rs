@@ -18,8 +18,7 @@ pub(super) fn read(root: Element<'_>, problems: &mut Problems) -> Parameters {
     }
     if let Some(times) = root.only("Times", problems) {
         parameters.time_step = times.number("TimeStep", Bound::Positive, problems);
-        parameters.time_step_mechanical =
-            times.number("TimeStepMechanical", Bound::Positive, problems);
+        parameters.time_step_mechanical = times.number("TimeStepMechanical", Bound::Positive, problems);
         if parameters.time_step_mechanical > parameters.time_step {
             let message = format!("must be at most TimeStep, {:?}", parameters.time_step);
             problems.push(times.wrong("TimeStepMechanical", &message));
@@ -32,19 +31,13 @@ pub(super) fn xml(parameters: &Parameters) -> String {
     Out::document("Parameters", |out| {
         out.empty(
             "Directories",
-            &[
-                ("Static", &parameters.static_directory),
-                ("Dynamic", &parameters.dynamic_directory),
-            ],
+            &[("Static", &parameters.static_directory), ("Dynamic", &parameters.dynamic_directory)],
         );
         out.empty(
             "Times",
             &[
                 ("TimeStep", &number(parameters.time_step)),
-                (
-                    "TimeStepMechanical",
-                    &number(parameters.time_step_mechanical),
-                ),
+                ("TimeStepMechanical", &number(parameters.time_step_mechanical)),
             ],
         );
     })

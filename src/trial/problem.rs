@@ -82,14 +82,12 @@ impl Problems {
 
     /// The errors alone.
     pub fn errors(&self) -> impl Iterator<Item = &Problem> {
-        self.iter()
-            .filter(|problem| problem.severity == Severity::Error)
+        self.iter().filter(|problem| problem.severity == Severity::Error)
     }
 
     /// The warnings alone.
     pub fn warnings(&self) -> impl Iterator<Item = &Problem> {
-        self.iter()
-            .filter(|problem| problem.severity == Severity::Warning)
+        self.iter().filter(|problem| problem.severity == Severity::Warning)
     }
 
     /// Whether there is any error.
@@ -148,17 +146,11 @@ mod tests {
     fn a_problem_is_one_line() {
         let mut problems = Problems::default();
         problems.push(problem(Severity::Error, "-0.1"));
-        problems.push(Problem {
-            attribute: None,
-            ..problem(Severity::Warning, "")
-        });
+        problems.push(Problem { attribute: None, ..problem(Severity::Warning, "") });
         let expected = "static/Agents.xml:12: <Shape> Radius=\"-0.1\": must be positive\n\
                         warning: static/Agents.xml:12: <Shape>: must be positive";
         assert_eq!(problems.to_string(), expected);
-        assert_eq!(
-            (problems.errors().count(), problems.warnings().count()),
-            (1, 1)
-        );
+        assert_eq!((problems.errors().count(), problems.warnings().count()), (1, 1));
         let hostile = problem(Severity::Error, &"é\n".repeat(100_000)).to_string();
         assert!(hostile.len() < 400 && !hostile.contains('\n'), "{hostile}");
     }

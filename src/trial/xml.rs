@@ -68,10 +68,7 @@ pub(super) fn read_bytes<T>(
     let text = match std::str::from_utf8(bytes) {
         Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text),
         Err(error) => {
-            let before = bytes[..error.valid_up_to()]
-                .iter()
-                .filter(|&&byte| byte == b'\n')
-                .count();
+            let before = bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
             let line = u32::try_from(before + 1).ok();
             problems.push(file_problem(path, line, "is not UTF-8 text".into()));
             return None;
@@ -86,21 +83,10 @@ pub(super) fn read_bytes<T>(
             return None;
         }
     };
-    let line_ends = text
-        .bytes()
-        .enumerate()
-        .filter(|&(_, byte)| byte == b'\n')
-        .map(|(offset, _)| offset)
-        .collect();
-    let file = File {
-        path,
-        document,
-        line_ends,
-    };
-    let element = Element {
-        node: file.document.root_element(),
-        file: &file,
-    };
+    let line_ends =
+        text.bytes().enumerate().filter(|&(_, byte)| byte == b'\n').map(|(offset, _)| offset).collect();
+    let file = File { path, document, line_ends };
+    let element = Element { node: file.document.root_element(), file: &file };
     if element.name() != root {
         problems.push(element.problem(format!("the root element must be <{root}>")));
         return None;
@@ -119,12 +105,8 @@ pub(super) enum Bound {
 /// A finite decimal number, white space around it allowed. Rust's own parser takes "inf" and "nan" as well.
 fn parse_number(text: &str) -> Option<f64> {
     let text = text.trim();
-    let decimal = text
-        .bytes()
-        .all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
-    text.parse()
-        .ok()
-        .filter(|value: &f64| decimal && value.is_finite())
+    let decimal = text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
+    text.parse().ok().filter(|value: &f64| decimal && value.is_finite())
 }
 
 fn parse_vector(text: &str) -> Option<Vec2> {
@@ -153,26 +135,19 @@ impl<'a> Element<'a> {
     }
 
     pub(super) fn children(self, name: &'static str) -> impl Iterator<Item = Element<'a>> {
-        let elements = self
-            .node
-            .children()
-            .filter(move |node| node.is_element() && node.tag_name().name() == name);
+        let elements =
+            self.node.children().filter(move |node| node.is_element() && node.tag_name().name() == name);
         elements.map(move |node| Element { node, ..self })
     }
 
     /// The only child of the name, `None` if there is none; a second one is an error.
-    pub(super) fn at_most_one(
-        self,
-        name: &'static str,
-        problems: &mut Problems,
-    ) -> Option<Element<'a>> {
+    pub(super) fn at_most_one(self, name: &'static str, problems: &mut Problems) -> Option<Element<'a>> {
         let mut children = self.children(name);
         let first = children.next()?;
         for again in children {
-            problems.push(again.problem(format!(
-                "may stand only once, and stands at line {} already",
-                first.line()
-            )));
+            problems.push(
+                again.problem(format!("may stand only once, and stands at line {} already", first.line())),
+            );
         }
         Some(first)
     }
@@ -244,10 +219,9 @@ impl<'a> Element<'a> {
         let text = self.required(attribute, problems)?;
         let place = text.trim().parse().ok().filter(|&place| place < count);
         if place.is_none() {
-            problems.push(self.wrong(
-                attribute,
-                &format!("must be the place of one of the {count} {of}, from 0"),
-            ));
+            problems.push(
+                self.wrong(attribute, &format!("must be the place of one of the {count} {of}, from 0")),
+            );
         }
         place
     }
@@ -302,10 +276,7 @@ impl Ids {
         if !id.trim().is_empty() {
             match self.places.entry(id.clone()) {
                 Entry::Occupied(first) => {
-                    let message = format!(
-                        "stands at line {} already; an Id must be unique",
-                        first.get().1
-                    );
+                    let message = format!("stands at line {} already; an Id must be unique", first.get().1);
                     problems.push(element.wrong("Id", &message));
                 }
                 Entry::Vacant(free) => {
@@ -332,21 +303,14 @@ impl Out {
     /// A whole document.
     pub(super) fn document(root: &str, content: impl FnOnce(&mut Out)) -> String {
         let mut out = Out(Writer::new_with_indent(Vec::new(), b' ', 4));
-        let _ = out
-            .0
-            .write_event(Event::Decl(BytesDecl::new("1.0", Some("utf-8"), None)));
+        let _ = out.0.write_event(Event::Decl(BytesDecl::new("1.0", Some("utf-8"), None)));
         out.element(root, &[], content);
         let mut text = out.0.into_inner();
         text.push(b'\n');
         String::from_utf8(text).unwrap_or_default()
     }
 
-    pub(super) fn element(
-        &mut self,
-        name: &str,
-        attributes: Attributes<'_>,
-        content: impl FnOnce(&mut Out),
-    ) {
+    pub(super) fn element(&mut self, name: &str, attributes: Attributes<'_>, content: impl FnOnce(&mut Out)) {
         let _ = self.0.write_event(Event::Start(start(name, attributes)));
         content(self);
         let _ = self.0.write_event(Event::End(BytesEnd::new(name)));
@@ -372,10 +336,7 @@ pub(super) fn vector(value: Vec2) -> String {
 
 /// Writes a file through a temporary one beside it: a reader sees the old text or the new one, never half of it.
 pub fn write_atomically(path: &Path, text: &str) -> Result<(), WriteError> {
-    let directory = path
-        .parent()
-        .filter(|parent| !parent.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
+    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".lemons-");
     // A temporary file is its owner's alone by default; the Trial's files are as open as the umask says.
@@ -386,10 +347,7 @@ pub fn write_atomically(path: &Path, text: &str) -> Result<(), WriteError> {
         file.persist(path).map_err(|failed| failed.error)?;
         Ok(())
     });
-    written.map_err(|error| WriteError {
-        path: path.to_owned(),
-        error,
-    })
+    written.map_err(|error| WriteError { path: path.to_owned(), error })
 }
 
 #[cfg(test)]
@@ -399,18 +357,13 @@ mod tests {
 
     #[test]
     fn numbers_are_finite_decimals() {
-        for (text, value) in [
-            ("1", 1.0),
-            (" -2.5e-3\t", -2.5e-3),
-            ("+.5", 0.5),
-            ("1.", 1.0),
-            ("2E+06", 2e6),
-        ] {
+        for (text, value) in [("1", 1.0), (" -2.5e-3\t", -2.5e-3), ("+.5", 0.5), ("1.", 1.0), ("2E+06", 2e6)]
+        {
             assert_eq!(parse_number(text), Some(value), "{text:?}");
         }
         let bad = [
-            "", " ", "nan", "NaN", "inf", "-inf", "infinity", "1e999", "0x10", "1_000", "1,5",
-            "1 2", "٣", "--1",
+            "", " ", "nan", "NaN", "inf", "-inf", "infinity", "1e999", "0x10", "1_000", "1,5", "1 2", "٣",
+            "--1",
         ];
         for text in bad {
             assert_eq!(parse_number(text), None, "{text:?}");
@@ -425,21 +378,14 @@ mod tests {
     fn an_attribute_has_its_own_line() {
         let text = b"<A>\n <B\n  X='1'\n  Y='no'/>\n</A>";
         let mut problems = Problems::default();
-        read_bytes(
-            Path::new("f.xml"),
-            text,
-            "A",
-            &mut problems,
-            |root, problems| {
-                let element = root.only("B", problems).unwrap();
-                assert_eq!(element.line(), 2);
-                element.number("X", Bound::Positive, problems);
-                element.number("Y", Bound::Positive, problems);
-                element.number("Z", Bound::Positive, problems);
-            },
-        );
-        let expected =
-            "f.xml:4: <B> Y=\"no\": must be a finite decimal number\nf.xml:2: <B> Z: is missing";
+        read_bytes(Path::new("f.xml"), text, "A", &mut problems, |root, problems| {
+            let element = root.only("B", problems).unwrap();
+            assert_eq!(element.line(), 2);
+            element.number("X", Bound::Positive, problems);
+            element.number("Y", Bound::Positive, problems);
+            element.number("Z", Bound::Positive, problems);
+        });
+        let expected = "f.xml:4: <B> Y=\"no\": must be a finite decimal number\nf.xml:2: <B> Z: is missing";
         assert_eq!(problems.to_string(), expected);
     }
 
