@@ -3,6 +3,7 @@
 //! A [`Trial`] holds what the files say, in their own words and order, checked. It becomes an
 //! engine world by [`Trial::world`]; a parameter of the FMU is an edit of this document.
 
+mod advice;
 mod agents;
 mod dynamics;
 mod geometry;
@@ -253,7 +254,15 @@ impl Trial {
     pub fn read_named(directory: &Path, names: &FileNames) -> Result<(Trial, Problems), Problems> {
         let mut problems = Problems::default();
         match Trial::read_checked(directory, names, &mut problems) {
-            Some(trial) if !problems.has_errors() => Ok((trial, problems)),
+            Some(trial) if !problems.has_errors() => {
+                let parameters = tidy(&directory.join(&names.parameters));
+                let dynamics =
+                    directory.join(trial.parameters.dynamic_directory.trim()).join(&names.dynamics);
+                for warning in trial.advice(&parameters, &tidy(&dynamics)) {
+                    problems.push(warning);
+                }
+                Ok((trial, problems))
+            }
             _ => Err(problems),
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::TrialHasErrors;
 use anyhow::Result;
-use crowd_mechanics::trial::Trial;
+use crowd_mechanics::trial::{Problems, Trial};
 use std::io::{self, Write};
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     for path in &arguments.trials {
         match Trial::read(path) {
             Ok((trial, warnings)) => {
-                write!(out, "{warnings}")?;
+                print(&mut out, &warnings)?;
                 let parameters = &trial.parameters;
                 writeln!(
                     out,
@@ -38,7 +38,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             }
             Err(problems) => {
                 broken = true;
-                write!(out, "{problems}")?;
+                print(&mut out, &problems)?;
                 let errors = problems.errors().count();
                 let noun = if errors == 1 { "error" } else { "errors" };
                 writeln!(out, "{}: {errors} {noun}", path.display())?;
@@ -46,4 +46,8 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         }
     }
     if broken { Err(TrialHasErrors.into()) } else { Ok(()) }
+}
+
+fn print(out: &mut impl Write, problems: &Problems) -> io::Result<()> {
+    problems.iter().try_for_each(|problem| writeln!(out, "{problem}"))
 }

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 something failed (a file, a run); 2 the command line is wrong; 3 a Trial has errors.
 
 mod check;
+mod describe;
 mod drive;
 mod info;
 mod master;
@@ -31,6 +32,8 @@ enum Command {
     Check(check::Arguments),
     /// Make an FMU of one or more Trial directories
     Pack(pack::Arguments),
+    /// Print the modelDescription.xml that a Trial's FMU has
+    Describe(describe::Arguments),
     /// List the variables of an FMU
     Info(info::Arguments),
 }
@@ -52,6 +55,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
+        Command::Describe(arguments) => describe::describe(&arguments),
         Command::Info(arguments) => info::info(&arguments),
     };
     match done {

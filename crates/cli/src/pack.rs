@@ -60,7 +60,7 @@ pub fn write_fmu(
     match package.write(output) {
         Ok(warnings) => Ok(warnings),
         Err(PackError::Broken { path, problems }) => {
-            eprint!("{problems}");
+            eprintln!("{problems}");
             eprintln!("lemons: {} has errors", path.display());
             Err(TrialHasErrors.into())
         }

@@ -1,0 +1,28 @@
+//! `lemons describe`: the model description that a Trial's FMU would have.
+
+use crate::TrialHasErrors;
+use anyhow::Result;
+use crowd_mechanics::model_description::{Naming, model_description};
+use crowd_mechanics::trial::Trial;
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The Trial directory
+    #[arg(value_name = "TRIAL")]
+    trial: PathBuf,
+}
+
+pub fn describe(arguments: &Arguments) -> Result<()> {
+    match Trial::read(&arguments.trial) {
+        Ok((trial, _)) => {
+            let text = model_description(&trial, Naming::Structured);
+            Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
+        }
+        Err(problems) => {
+            eprintln!("{problems}");
+            Err(TrialHasErrors.into())
+        }
+    }
+}

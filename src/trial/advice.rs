@@ -1,0 +1,215 @@
+//! What may be a mistake in a Trial that is otherwise in order.
+
+use super::problem::{Problem, Severity, quoted};
+use super::{Trial, stiffness};
+use crate::engine::{ContactReport, DiskId, Pair, Scene};
+use std::collections::HashSet;
+use std::f64::consts::TAU;
+use std::path::Path;
+
+/// A mechanical step longer than this share of the shortest contact period is warned of: beyond about a
+/// third of it the integration is unstable, and contacts in a dense crowd share bodies.
+const LONGEST_SHARE: f64 = 1.0 / 20.0;
+
+/// The share of the shortest contact period that is proposed instead.
+const PROPOSED_SHARE: f64 = 1.0 / 50.0;
+
+impl Trial {
+    /// Warnings: overlaps at the start that no spring of an earlier step explains, and a mechanical step
+    /// that does not resolve the shortest contact.
+    pub(super) fn advice(&self, parameters: &Path, dynamics: &Path) -> Vec<Problem> {
+        // Materials that cannot touch were reported as errors already.
+        let Ok(world) = self.world() else { return Vec::new() };
+        let scene = world.scene();
+        let mut advice = self.overlaps(scene, world.contacts(), dynamics);
+        advice.extend(self.coarse_step(scene, parameters));
+        advice
+    }
+
+    fn overlaps(&self, scene: &Scene, contacts: &ContactReport, file: &Path) -> Vec<Problem> {
+        let state = self.state(scene);
+        let known_disks: HashSet<_> =
+            state.disk_springs.iter().map(|spring| (spring.first, spring.second)).collect();
+        let known_faces: HashSet<_> =
+            state.face_springs.iter().map(|spring| (spring.disk, spring.face)).collect();
+        let agent = |disk: DiskId| quoted(&self.agents[scene.body_of(disk).index()].id);
+        let (mut among_agents, mut with_walls) = (Deepest::default(), Deepest::default());
+        for contact in &contacts.contacts {
+            match contact.pair {
+                Pair::Disks { first, second } if !known_disks.contains(&(first, second)) => {
+                    among_agents
+                        .see(contact.depth, || format!("agents {} and {}", agent(first), agent(second)));
+                }
+                Pair::Face { disk, face, .. } if !known_faces.contains(&(disk, face)) => {
+                    let wall = &self.geometry.walls[scene.faces[face.index()].wall.index()];
+                    with_walls.see(contact.depth, || {
+                        format!("agent {} and wall {}", agent(disk), quoted(&wall.id))
+                    });
+                }
+                _ => {}
+            }
+        }
+        let said = [among_agents.says("disks of different agents"), with_walls.says("disks and walls")];
+        said.into_iter().flatten().map(|message| warning(file, None, message)).collect()
+    }
+
+    fn coarse_step(&self, scene: &Scene, file: &Path) -> Option<Problem> {
+        let step = self.parameters.time_step_mechanical;
+        let (period, pair) = self.shortest_period(scene)?;
+        if step <= LONGEST_SHARE * period {
+            return None;
+        }
+        let message = format!(
+            "is long for the shortest contact period, {period:.2e} s ({pair}): at most {:e} s would resolve it",
+            rounded_down(PROPOSED_SHARE * period)
+        );
+        Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message))
+    }
+
+    /// \[s\] the shortest period of a contact's springs, and whose it is; `None` if nothing can touch.
+    fn shortest_period(&self, scene: &Scene) -> Option<(f64, String)> {
+        let materials = self.materials.intrinsic.len();
+        // The two lightest agents that carry each material: a contact may be between two of a kind.
+        let mut lightest: Vec<[Option<(f64, usize)>; 2]> = vec![[None; 2]; materials];
+        for (b, body) in scene.bodies.iter().enumerate() {
+            // How easily a force at the body's rim moves the point it acts on.
+            let lightness = 1.0 / body.mass + body.bounding_radius * body.bounding_radius / body.inertia;
+            let mut carried: Vec<usize> = body.disks.clone().map(|disk| scene.disks[disk].material).collect();
+            carried.sort_unstable();
+            carried.dedup();
+            for material in carried {
+                let [first, second] = &mut lightest[material];
+                if first.is_none_or(|(other, _)| lightness > other) {
+                    *second = first.replace((lightness, b));
+                } else if second.is_none_or(|(other, _)| lightness > other) {
+                    *second = Some((lightness, b));
+                }
+            }
+        }
+        let id = |b: usize| quoted(&self.agents[b].id);
+        let mut shortest: Option<(f64, String)> = None;
+        let mut consider = |first: usize, second: usize, lightness: f64, whose: &dyn Fn() -> String| {
+            let (normal, tangential) =
+                stiffness(&self.materials.intrinsic[first], &self.materials.intrinsic[second]);
+            let period = TAU / (normal.max(tangential) * lightness).sqrt();
+            if shortest.as_ref().is_none_or(|(other, _)| period < *other) {
+                shortest = Some((period, whose()));
+            }
+        };
+        for first in 0..materials {
+            let Some((lightness, a)) = lightest[first][0] else { continue };
+            for second in first..materials {
+                let other = lightest[second].iter().flatten().find(|(_, b)| *b != a);
+                if let Some(&(other, b)) = other {
+                    consider(first, second, lightness + other, &|| format!("agents {} and {}", id(a), id(b)));
+                }
+            }
+            for (wall, faces) in self.geometry.walls.iter().zip(&scene.wall_faces) {
+                let material = scene.faces[faces.start].material;
+                consider(first, material, lightness, &|| {
+                    format!("agent {} and wall {}", id(a), quoted(&wall.id))
+                });
+            }
+        }
+        shortest
+    }
+}
+
+/// How many overlaps there are, and the deepest.
+#[derive(Default)]
+struct Deepest {
+    count: usize,
+    depth: f64,
+    whose: String,
+}
+
+impl Deepest {
+    fn see(&mut self, depth: f64, whose: impl FnOnce() -> String) {
+        self.count += 1;
+        if depth > self.depth {
+            self.depth = depth;
+            self.whose = whose();
+        }
+    }
+
+    fn says(&self, what: &str) -> Option<String> {
+        let pairs = if self.count == 1 { "pair" } else { "pairs" };
+        let (count, depth, whose) = (self.count, 1e3 * self.depth, &self.whose);
+        (count > 0).then(|| {
+            format!("{count} {pairs} of {what} overlap at the start, the deepest by {depth:.3} mm ({whose})")
+        })
+    }
+}
+
+/// To 1, 2 or 5 times a power of ten.
+fn rounded_down(value: f64) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    let lead = [5.0, 2.0].into_iter().find(|lead| lead * power <= value).unwrap_or(1.0);
+    lead * power
+}
+
+fn warning(file: &Path, subject: Option<(&str, &str, f64)>, message: String) -> Problem {
+    Problem {
+        severity: Severity::Warning,
+        file: file.to_owned(),
+        line: None,
+        element: subject.map(|(element, _, _)| element.into()),
+        attribute: subject.map(|(_, attribute, _)| attribute.into()),
+        value: subject.map(|(_, _, value)| format!("{value:?}")),
+        message,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn push() -> Trial {
+        let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources/Trial_push");
+        Trial::read(&directory).expect("the default Trial is in order").0
+    }
+
+    fn said(trial: &Trial) -> Vec<String> {
+        let advice = trial.advice(Path::new("Parameters.xml"), Path::new("AgentDynamics.xml"));
+        advice.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn nothing_to_say_of_the_default_trial() {
+        assert_eq!(said(&push()), [""; 0]);
+    }
+
+    #[test]
+    fn overlaps_are_counted_and_the_deepest_named() {
+        let mut trial = push();
+        trial.dynamics[1].position.x = 0.2;
+        let said = said(&trial);
+        assert_eq!(said.len(), 1);
+        assert!(said[0].starts_with("warning: AgentDynamics.xml: "), "{said:?}");
+        assert!(said[0].contains("(agents \"0\" and \"1\")"), "{said:?}");
+        trial.dynamics[1].position.x = 0.279;
+        trial.dynamics[4].position.x = 1.7;
+        let said = super::tests::said(&trial);
+        assert!(said[0].contains("(agent \"4\" and wall \"0\")"), "{said:?}");
+    }
+
+    #[test]
+    fn a_coarse_step_is_named_with_one_that_would_do() {
+        let mut trial = push();
+        trial.parameters.time_step_mechanical = 0.002;
+        let said = said(&trial);
+        assert_eq!(said.len(), 1);
+        assert!(said[0].contains("<Times> TimeStepMechanical=\"0.002\": is long for"), "{said:?}");
+        // k_n = 4.99e6 N/m; 1/63 kg + (0.2225 m)²/1.02 kg.m2: a period of 11 ms.
+        assert!(said[0].contains("at most 2e-4 s"), "{said:?}");
+        trial.parameters.time_step_mechanical = 2e-4;
+        assert_eq!(super::tests::said(&trial), [""; 0]);
+    }
+
+    #[test]
+    fn rounding_goes_down() {
+        assert_eq!(rounded_down(0.000_73), 0.000_5);
+        assert_eq!(rounded_down(0.3), 0.2);
+        assert_eq!(rounded_down(1.9), 1.0);
+    }
+}
