@@ -1,0 +1,198 @@
+//! The command as its users meet it: exit codes, messages, files.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn default_trial() -> PathBuf {
+    root().join("resources/Trial_push")
+}
+
+fn lemons(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_lemons")).args(arguments).current_dir(directory).output().unwrap()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn assert_code(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}{}", out(output), err(output));
+}
+
+/// A copy of the default Trial, with some text of one file replaced.
+fn trial(directory: &Path, name: &str, file: &str, from: &str, to: &str) -> String {
+    let path = directory.join(name);
+    let files = [
+        "Parameters.xml",
+        "static/Agents.xml",
+        "static/Geometry.xml",
+        "static/Materials.xml",
+        "dynamic/AgentDynamics.xml",
+        "drive.csv",
+    ];
+    for part in files {
+        let target = path.join(part);
+        fs::create_dir_all(target.parent().unwrap()).unwrap();
+        let text = fs::read_to_string(default_trial().join(part)).unwrap();
+        assert!(part != file || text.contains(from), "{part} has no {from}");
+        fs::write(target, if part == file { text.replacen(from, to, 1) } else { text }).unwrap();
+    }
+    name.to_owned()
+}
+
+#[test]
+fn a_push_goes_through_the_row() {
+    let directory = TempDir::new().unwrap();
+    let output = lemons(directory.path(), &["run", default_trial().to_str().unwrap(), "--until", "2"]);
+    assert_code(&output, 0);
+    for line in ["simulated time", "wall time", "real-time factor", "largest overlap", "greatest squeeze"] {
+        assert!(out(&output).contains(line), "{}", out(&output));
+    }
+    assert!(out(&output).lines().all(|line| line.chars().count() <= 80));
+    let csv = fs::read_to_string(directory.path().join("trajectories.csv")).unwrap();
+    let mut rows = csv.lines();
+    let header = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force";
+    assert_eq!(rows.next(), Some(header));
+    let rows: Vec<Vec<f64>> =
+        rows.map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.len(), 41 * 5);
+    let moved: Vec<f64> = (0..5).map(|i| rows[40 * 5 + i][2] - rows[i][2]).collect();
+    assert!(moved.iter().all(|x| *x > 0.02), "everybody was pushed on: {moved:?}");
+    assert_eq!(rows.last().unwrap()[0], 2.0);
+}
+
+#[test]
+fn a_packed_fmu_runs_like_its_trial() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    assert_code(&lemons(at, &["pack", default_trial().to_str().unwrap(), "-o", "push.fmu"]), 0);
+    assert_code(&lemons(at, &["pack", default_trial().to_str().unwrap(), "-o", "again.fmu"]), 0);
+    assert!(
+        fs::read(at.join("push.fmu")).unwrap() == fs::read(at.join("again.fmu")).unwrap(),
+        "same input, same bytes"
+    );
+    assert_code(&lemons(at, &["run", "push.fmu", "--until", "0.5", "-o", "a.csv"]), 0);
+    assert_code(&lemons(at, &["run", default_trial().to_str().unwrap(), "--until", "0.5", "-o", "b.csv"]), 0);
+    let read = |name: &str| fs::read(at.join(name)).unwrap();
+    assert!(read("a.csv") == read("b.csv"));
+    // Parameters, steps and drives make a difference.
+    let heavier = ["run", "push.fmu", "--until", "0.5", "-o", "c.csv", "--set", "agent[0].Mass=150"];
+    assert_code(&lemons(at, &heavier), 0);
+    assert!(read("a.csv") != read("c.csv"));
+    assert_code(&lemons(at, &["run", "push.fmu", "--until", "0.5", "-o", "d.csv", "--no-drive"]), 0);
+    let still = fs::read_to_string(at.join("d.csv")).unwrap();
+    assert!(still.lines().last().unwrap().starts_with("0.5,4,1.448,0.012,0.0,0.0,"), "{still}");
+    assert_code(&lemons(at, &["run", "push.fmu", "--until", "0.25", "--step", "0.1", "-o", "e.csv"]), 0);
+    let steps = fs::read_to_string(at.join("e.csv")).unwrap();
+    let times: Vec<&str> =
+        steps.lines().skip(1).step_by(5).map(|row| row.split(',').next().unwrap()).collect();
+    assert_eq!(times, ["0.0", "0.1", "0.2", "0.25"]);
+}
+
+#[test]
+fn check_says_all_that_is_wrong_at_once() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    assert_code(&lemons(at, &["check", default_trial().to_str().unwrap()]), 0);
+    trial(at, "bad", "static/Agents.xml", "Radius=\"0.09495\"", "Radius=\"-0.1\"");
+    let geometry = at.join("bad/static/Geometry.xml");
+    let text =
+        fs::read_to_string(&geometry).unwrap().replace("MaterialId=\"concrete\"", "MaterialId=\"cheese\"");
+    fs::write(geometry, text).unwrap();
+    let output = lemons(at, &["check", "bad"]);
+    assert_code(&output, 3);
+    let said = out(&output);
+    assert!(said.contains("bad/static/Agents.xml:4: <Shape> Radius=\"-0.1\": must be positive"), "{said}");
+    assert!(said.contains("\"cheese\""), "{said}");
+    assert!(said.contains("bad: 2 errors"), "{said}");
+    // Every other command refuses it with the same lines.
+    for command in [vec!["run", "bad"], vec!["pack", "bad", "-o", "bad.fmu"], vec!["describe", "bad"]] {
+        let output = lemons(at, &command);
+        assert_code(&output, 3);
+        assert!(err(&output).contains("Radius=\"-0.1\": must be positive"), "{}", err(&output));
+    }
+    assert!(!at.join("bad.fmu").exists() && !at.join("trajectories.csv").exists());
+}
+
+#[test]
+fn trials_of_different_crowds_do_not_go_into_one_fmu() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let good = default_trial();
+    trial(at, "renamed", "static/Agents.xml", "Id=\"3\"", "Id=\"three\"");
+    let dynamics = at.join("renamed/dynamic/AgentDynamics.xml");
+    let text = fs::read_to_string(&dynamics).unwrap().replace("Id=\"3\"", "Id=\"three\"");
+    fs::write(dynamics, text).unwrap();
+    let output = lemons(at, &["pack", good.to_str().unwrap(), "renamed", "-o", "two.fmu"]);
+    assert_code(&output, 1);
+    assert!(err(&output).contains("agent 3 has the Id \"three\" instead of \"3\""), "{}", err(&output));
+    assert!(!at.join("two.fmu").exists());
+    // The same crowd elsewhere does, and the parameter Trial chooses.
+    trial(at, "elsewhere", "dynamic/AgentDynamics.xml", "1.448,0.012", "1.348,0.012");
+    let output = lemons(at, &["pack", good.to_str().unwrap(), "elsewhere", "-o", "two.fmu"]);
+    assert_code(&output, 0);
+    let chosen = ["run", "two.fmu", "--until", "0.1", "--set", "Trial=elsewhere", "--no-drive"];
+    assert_code(&lemons(at, &chosen), 0);
+    let csv = fs::read_to_string(at.join("trajectories.csv")).unwrap();
+    assert!(csv.contains("0.0,4,1.348,0.012,"), "{csv}");
+    let unknown = lemons(at, &["run", "two.fmu", "--set", "Trial=nowhere"]);
+    assert_code(&unknown, 1);
+    assert!(err(&unknown).contains("one of the packed Trials: Trial_push, elsewhere"), "{}", err(&unknown));
+}
+
+#[test]
+fn mistakes_have_clear_messages() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let good = default_trial();
+    let good = good.to_str().unwrap();
+    let said = |arguments: &[&str], code: i32| {
+        let output = lemons(at, arguments);
+        assert_code(&output, code);
+        assert!(!err(&output).contains("panicked"), "{}", err(&output));
+        err(&output)
+    };
+    said(&["run"], 2);
+    said(&["run", good, "--until", "-1"], 2);
+    assert!(said(&["run", "nothing.fmu"], 1).contains("nothing.fmu"));
+    fs::write(at.join("broken.fmu"), "no zip").unwrap();
+    assert!(said(&["info", "broken.fmu"], 1).contains("broken.fmu"));
+    assert!(said(&["run", good, "--drive", "nothing.csv"], 1).contains("nothing.csv"));
+    fs::write(at.join("drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,nobody,1,2,3\n").unwrap();
+    assert!(said(&["run", good, "--drive", "drive.csv"], 1).contains("\"nobody\""));
+    assert!(said(&["run", good, "--set", "agent[9].Mass=1"], 1).contains("agent[9].Mass"));
+    assert!(
+        said(&["run", good, "--set", "agent[0].Mass=-1"], 1)
+            .contains("agent[0].Mass = -1.0: must be positive")
+    );
+    assert!(
+        said(&["run", good, "--set", "material.human_naked.ShearModulus=1"], 1).contains("\"human_naked\"")
+    );
+    assert!(said(&["run", good, "-o", "no/such/directory.csv"], 1).contains("no/such/directory.csv"));
+    assert!(said(&["pack", good, "-o", "x.fmu", "--binary", "amiga=x"], 1).contains("amiga"));
+    assert!(!at.join("trajectories.csv").exists());
+}
+
+#[test]
+fn info_lists_the_variables() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    assert_code(&lemons(at, &["pack", default_trial().to_str().unwrap(), "-o", "push.fmu"]), 0);
+    let output = lemons(at, &["info", "push.fmu", "--only", "agent[0]"]);
+    assert_code(&output, 0);
+    let said = out(&output);
+    assert!(said.contains("Trials    Trial_push"), "{said}");
+    assert!(said.contains("agent[0].Mass"), "{said}");
+    assert!(!said.contains("agent[1].Mass"), "{said}");
+    assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
+}
