@@ -11,13 +11,18 @@
 //! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 1 and App. A). The rooms, each importing only from those above it:
 //!
 //! - [`engine`]: pure mechanics, no files, no FMI
+//! - [`files`]: files written whole or not at all
 //! - [`trial`]: the XML *Trial* directory, read, checked and written
 //! - [`variables`]: the one table of FMU variables
+//! - [`resources`]: from a resource URI to the Trials packed in an FMU
 //! - [`model_description`], [`pack`]: the table as XML, a Trial as an FMU
 //! - [`slave`]: one FMU instance
 //! - [`fmi2`]: the FMI 2.0 C functions
+//! - [`c_api`]: the C entry point of the paper's scripts
 
+pub mod c_api;
 pub mod engine;
+pub mod files;
 pub mod fmi2;
 pub mod model_description;
 pub mod pack;

@@ -2,6 +2,7 @@
 //!
 //! The same Trials and binaries give the same bytes: a packaged FMU can serve as a regression artifact.
 
+use crate::files::temporary_beside;
 use crate::model_description::{MODEL_IDENTIFIER, Naming, model_description};
 use crate::resources::TRIALS_FILE;
 use crate::trial::{Problems, Trial};
@@ -106,11 +107,8 @@ impl Package {
             return Err(PackError::NoBinary);
         }
         let write_error = |source| PackError::Write { path: output.to_owned(), source };
-        let directory =
-            output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut file = tempfile::NamedTempFile::new_in(directory).map_err(write_error)?;
+        let mut file = temporary_beside(output).map_err(write_error)?;
         self.fill(&trials, &mut file, output)?;
-        make_readable(&file).map_err(write_error)?;
         file.persist(output).map_err(|error| write_error(error.error))?;
         Ok(warnings)
     }
@@ -249,18 +247,6 @@ fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result
 
 fn read(path: &Path) -> Result<Vec<u8>, PackError> {
     std::fs::read(path).map_err(|source| PackError::Read { path: path.to_owned(), source })
-}
-
-/// A temporary file is its owner's alone; an FMU is for all.
-#[cfg(unix)]
-fn make_readable(file: &tempfile::NamedTempFile) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_: &tempfile::NamedTempFile) -> std::io::Result<()> {
-    Ok(())
 }
 
 const LICENSES: [(&str, &str); 2] = [

@@ -4,11 +4,9 @@
 //! ends they become the engine's world. Every refused call leaves everything as it was.
 
 use crate::engine::{AdvanceError, State, World, Wrench};
+use crate::files::{WriteError, write_atomically};
 use crate::resources::{Resources, ResourcesError};
-use crate::trial::{
-    Drive, Trial, WorldError, WriteError, dynamics_of, dynamics_xml, interactions_of, interactions_xml,
-    write_atomically,
-};
+use crate::trial::{Drive, Trial, WorldError, dynamics_of, dynamics_xml, interactions_of, interactions_xml};
 use crate::variables::{
     AgentQuantity, Kind, Quantity, Role, Variable, guid, in_documents, in_documents_mut, table,
 };
@@ -104,8 +102,8 @@ pub enum SlaveError {
     CommunicationPoint { given: f64, expected: f64 },
     #[error("a step from {from:?} s of {step:?} s goes beyond the stop time {stop:?} s")]
     BeyondStopTime { from: f64, step: f64, stop: f64 },
-    #[error("{}", advance_message(.error, .agent))]
-    Advance { error: AdvanceError, agent: Option<String> },
+    #[error("{0}")]
+    Advance(String),
     #[error("OutputDirectory: {0}")]
     Output(#[from] WriteError),
     #[error("the state is damaged or not one of this FMU: {0}")]
@@ -114,13 +112,6 @@ pub enum SlaveError {
     OtherModel(String),
     #[error("{0}")]
     Unsupported(&'static str),
-}
-
-fn advance_message(error: &AdvanceError, agent: &Option<String>) -> String {
-    match agent {
-        Some(id) => format!("agent Id {id}: {error}"),
-        None => error.to_string(),
-    }
 }
 
 /// A variable's value as it was set, by its place in the table.
@@ -261,10 +252,14 @@ impl Slave {
     /// `fmi2ExitInitializationMode`: the documents become a world.
     ///
     /// # Errors
-    /// Wrong phase, or parameters that together make no world.
+    /// Wrong phase, parameters that together make no world, an output directory that cannot be made.
     pub fn exit_initialization(&mut self) -> Result<(), SlaveError> {
         self.check(Function::ExitInitializationMode)?;
         self.make_world()?;
+        if !self.output_directory.is_empty() {
+            let directory = Path::new(&self.output_directory);
+            std::fs::create_dir_all(directory).map_err(WriteError::at(directory))?;
+        }
         self.phase = Phase::StepComplete;
         Ok(())
     }
@@ -377,7 +372,6 @@ impl Slave {
                 f64::from(contacts.bodies[i].touching_bodies)
             }
             Quantity::Agent(i, AgentQuantity::NormalForce) => contacts.bodies[i].squeeze,
-            Quantity::Threads => f64::from(self.threads),
             _ => return Err(SlaveError::Unsupported("this quantity is not a number")),
         })
     }
@@ -527,7 +521,7 @@ impl Slave {
     pub fn do_step(&mut self, from: f64, step: f64) -> Result<(), SlaveError> {
         self.check(Function::DoStep)?;
         if !(step > 0.0 && step.is_finite()) {
-            return Err(SlaveError::Advance { error: AdvanceError::Duration(step), agent: None });
+            return Err(SlaveError::Advance(AdvanceError::Duration(step).to_string()));
         }
         // Masters add up their own times; half a step off is another communication point.
         let tolerance = (1e-5 * from.abs().max(step)).min(0.5 * step);
@@ -539,12 +533,8 @@ impl Slave {
         }
         let world = self.make_world()?;
         if let Err(error) = world.advance(step) {
-            let agent = match &error {
-                AdvanceError::NotFinite { body } => self.trial.agents.get(body.index()).map(|a| a.id.clone()),
-                _ => None,
-            };
             self.phase = Phase::Error;
-            return Err(SlaveError::Advance { error, agent });
+            return Err(SlaveError::Advance(self.trial.name_body(&error)));
         }
         self.time = from + step;
         if let Err(error) = self.write_output() {

@@ -564,7 +564,9 @@ fn writing_leaves_nothing_behind() {
         assert_eq!(mode(&directory.path().join(FILES[0])), mode(&plain));
     }
 
-    let blocked = write_atomically(&directory.path().join("none/x.xml"), "").unwrap_err().to_string();
+    let blocked = crowd_mechanics::files::write_atomically(&directory.path().join("none/x.xml"), "")
+        .unwrap_err()
+        .to_string();
     assert!(blocked.contains("x.xml: cannot be written: "), "{blocked}");
 }
 

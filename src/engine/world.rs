@@ -31,7 +31,7 @@ pub enum AdvanceError {
         mechanical_step: f64,
     },
     /// The motion of a body is no longer a finite number: the mechanical step is too long, or forces are absurd.
-    #[error("the motion of body {} is no longer finite: is the mechanical step short enough?", body.0)]
+    #[error("its motion is no longer finite: is the mechanical step short enough?")]
     NotFinite {
         /// Which.
         body: BodyId,

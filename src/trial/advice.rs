@@ -98,8 +98,8 @@ impl Trial {
         };
         for first in 0..materials {
             let Some((lightness, a)) = lightest[first][0] else { continue };
-            for second in first..materials {
-                let other = lightest[second].iter().flatten().find(|(_, b)| *b != a);
+            for (second, carriers) in lightest.iter().enumerate().skip(first) {
+                let other = carriers.iter().flatten().find(|(_, b)| *b != a);
                 if let Some(&(other, b)) = other {
                     consider(first, second, lightness + other, &|| format!("agents {} and {}", id(a), id(b)));
                 }

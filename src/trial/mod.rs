@@ -17,11 +17,11 @@ mod xml;
 pub use dynamics::{Drive, dynamics_xml};
 pub use interactions::interactions_xml;
 pub use materials::stiffness;
-pub use problem::{Problem, Problems, Severity, WriteError};
+pub use problem::{Problem, Problems, Severity};
 pub use world::{WorldError, dynamics_of, interactions_of};
-pub use xml::write_atomically;
 
 use crate::engine::Vec2;
+use crate::files::{WriteError, write_atomically};
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
@@ -241,8 +241,8 @@ impl Default for FileNames {
     }
 }
 
-/// In the Dynamic directory.
-const INTERACTIONS: &str = "AgentInteractions.xml";
+/// The contacts' file in the Dynamic directory; there only if there are contacts.
+pub const INTERACTIONS: &str = "AgentInteractions.xml";
 
 impl Trial {
     /// Reads and checks a Trial directory: the Trial with the warnings, or all that is wrong with it.

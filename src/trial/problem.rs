@@ -116,16 +116,6 @@ impl fmt::Display for Problems {
 
 impl std::error::Error for Problems {}
 
-/// A file that could not be written.
-#[derive(Debug, thiserror::Error)]
-#[error("{}: cannot be written: {error}", path.display())]
-pub struct WriteError {
-    /// The file or directory.
-    pub path: PathBuf,
-    /// Why.
-    pub error: std::io::Error,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

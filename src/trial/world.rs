@@ -2,8 +2,8 @@
 
 use super::{AgentDynamics, AgentInteraction, ContactForce, Interactions, Trial, WallInteraction, stiffness};
 use crate::engine::{
-    BodySpec, Contact, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene, SceneError, State,
-    Twist, WallSpec, World, Wrench,
+    AdvanceError, BodySpec, Contact, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene,
+    SceneError, State, Twist, WallSpec, World, Wrench,
 };
 use std::collections::HashMap;
 use thiserror::Error;
@@ -142,6 +142,17 @@ impl Trial {
     /// `Fp` and `Mp` of `AgentDynamics.xml`.
     pub fn drive(&self) -> Vec<Wrench> {
         self.dynamics.iter().map(|d| Wrench { force: d.fp, torque: d.mp }).collect()
+    }
+
+    /// Why a step failed, with the Id of the agent that it is about.
+    pub fn name_body(&self, error: &AdvanceError) -> String {
+        match error {
+            AdvanceError::NotFinite { body } => match self.agents.get(body.index()) {
+                Some(agent) => format!("agent {:?}: {error}", agent.id),
+                None => error.to_string(),
+            },
+            _ => error.to_string(),
+        }
     }
 
     /// Tells one Trial from another by its content: what a saved state is checked against.

@@ -3,14 +3,13 @@
 //! A reader that meets a mistake reports it and goes on with a placeholder (NaN, an empty Id), so that one
 //! reading finds every mistake; a Trial with an error is never handed out, so no placeholder is either.
 
-use super::problem::{Problem, Problems, Severity, WriteError};
+use super::problem::{Problem, Problems, Severity};
 use crate::engine::{Vec2, vec2};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::io::Write;
 use std::path::Path;
 
 /// A well-formed file.
@@ -332,22 +331,6 @@ pub(super) fn number(value: f64) -> String {
 
 pub(super) fn vector(value: Vec2) -> String {
     format!("{:?},{:?}", value.x, value.y)
-}
-
-/// Writes a file through a temporary one beside it: a reader sees the old text or the new one, never half of it.
-pub fn write_atomically(path: &Path, text: &str) -> Result<(), WriteError> {
-    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".lemons-");
-    // A temporary file is its owner's alone by default; the Trial's files are as open as the umask says.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let written = builder.tempfile_in(directory).and_then(|mut file| {
-        file.write_all(text.as_bytes())?;
-        file.persist(path).map_err(|failed| failed.error)?;
-        Ok(())
-    });
-    written.map_err(|error| WriteError { path: path.to_owned(), error })
 }
 
 #[cfg(test)]

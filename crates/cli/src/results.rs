@@ -1,6 +1,7 @@
 //! `trajectories.csv`.
 
 use anyhow::{Context, Result};
+use crowd_mechanics::files::temporary_beside;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -27,9 +28,7 @@ pub struct Results {
 impl Results {
     pub fn create(path: &Path) -> Result<Results> {
         let cannot = || format!("cannot write {}", path.display());
-        let directory =
-            path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut file = BufWriter::new(NamedTempFile::new_in(directory).with_context(cannot)?);
+        let mut file = BufWriter::new(temporary_beside(path).with_context(cannot)?);
         writeln!(file, "{HEADER}").with_context(cannot)?;
         Ok(Results {
             out: csv::WriterBuilder::new().has_headers(false).from_writer(file),
@@ -51,19 +50,6 @@ impl Results {
         let cannot = || format!("cannot write {}", self.path.display());
         let file = self.out.into_inner().map_err(|error| error.into_error()).with_context(cannot)?;
         let file = file.into_inner().map_err(|error| error.into_error()).with_context(cannot)?;
-        let file = file.persist(&self.path).map_err(|error| error.error).with_context(cannot)?;
-        make_readable(&file).with_context(cannot)
+        file.persist(&self.path).map(drop).map_err(|error| error.error).with_context(cannot)
     }
-}
-
-/// A temporary file is its owner's alone.
-#[cfg(unix)]
-fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
-    Ok(())
 }

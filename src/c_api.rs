@@ -1,0 +1,123 @@
+//! `CrowdMechanics(files)`, the C entry point of the paper's scripts (section 4.5).
+//!
+//! Each call reads the XML files, advances one `TimeStep` and writes `AgentDynamics.xml` and
+//! `AgentInteractions.xml` back. It keeps nothing: files that changed are read again, and another call
+//! may name another directory. Numbers are written so that they read back to the same double.
+
+#![allow(unsafe_code)] // the C boundary
+#![allow(non_snake_case)] // the paper's own name
+
+use crate::files::{Change, WriteError, change_all};
+use crate::trial::{
+    Drive, FileNames, INTERACTIONS, Problems, Trial, WorldError, dynamics_of, dynamics_xml, interactions_of,
+    interactions_xml,
+};
+use std::ffi::{CStr, OsString, c_char, c_int};
+use std::panic::catch_unwind;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a call failed; every file is as it was.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum CallError {
+    #[error("{0} is NULL")]
+    Null(&'static str),
+    #[error("{0}")]
+    Trial(Problems),
+    #[error(transparent)]
+    World(#[from] WorldError),
+    #[error("{0}")]
+    Advance(String),
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// Advances the Trial that these files make by one `TimeStep`.
+///
+/// `parameters` is a path; the others are names in the directories that it gives, which are relative to
+/// the directory of `parameters`.
+///
+/// # Errors
+/// Anything that cannot be read, computed or written; every file is byte for byte as it was then.
+pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallError> {
+    let directory = parameters.parent().unwrap_or(Path::new(""));
+    let (trial, _) = Trial::read_named(directory, names).map_err(CallError::Trial)?;
+    let mut world = trial.world()?;
+    world.advance(trial.parameters.time_step).map_err(|error| CallError::Advance(trial.name_body(&error)))?;
+    let moving = directory.join(trial.parameters.dynamic_directory.trim());
+    let dynamics = dynamics_xml(&trial.agents, &dynamics_of(&world), Drive::Omitted);
+    let interactions = moving.join(INTERACTIONS);
+    let interactions = if world.contacts().contacts.is_empty() {
+        Change::Remove(interactions)
+    } else {
+        Change::Write(interactions, interactions_xml(&trial, &interactions_of(&world)))
+    };
+    Ok(change_all(&[interactions, Change::Write(moving.join(&names.dynamics), dynamics)])?)
+}
+
+/// Reads the files, advances one `TimeStep`, overwrites `AgentDynamics.xml` (without `<Dynamics>`), writes
+/// `AgentInteractions.xml` when there are contacts and removes it when there are none.
+///
+/// `files`: the names of Parameters, Materials, Geometry, Agents and AgentDynamics. Answers 0, or 1 after a
+/// message on standard error and with every file as it was.
+///
+/// # Safety
+/// `files` is NULL or leads to five pointers, each NULL or leading to a text that ends in a zero.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn CrowdMechanics(files: *const *const c_char) -> c_int {
+    let result = catch_unwind(|| {
+        // SAFETY: as the caller promises.
+        let [parameters, materials, geometry, agents, dynamics] = unsafe { paths(files) }?;
+        let own_name = PathBuf::from(parameters.file_name().unwrap_or_default());
+        let names = FileNames { parameters: own_name, materials, geometry, agents, dynamics };
+        advance_files(&parameters, &names)
+    });
+    let message = match result {
+        Ok(Ok(())) => return 0,
+        Ok(Err(error)) => error.to_string(),
+        Err(_) => "a fault of the library itself".to_owned(),
+    };
+    // The paper's interface has no other way to say why; nothing is done if nobody can hear it.
+    let _ =
+        std::io::Write::write_all(&mut std::io::stderr(), format!("CrowdMechanics: {message}\n").as_bytes());
+    1
+}
+
+/// The five file names.
+///
+/// # Safety
+/// As [`CrowdMechanics`].
+unsafe fn paths(files: *const *const c_char) -> Result<[PathBuf; 5], CallError> {
+    const WHAT: [&str; 5] = [
+        "files[0] (Parameters)",
+        "files[1] (Materials)",
+        "files[2] (Geometry)",
+        "files[3] (Agents)",
+        "files[4] (AgentDynamics)",
+    ];
+    if files.is_null() {
+        return Err(CallError::Null("files"));
+    }
+    let mut paths: [PathBuf; 5] = Default::default();
+    for (k, path) in paths.iter_mut().enumerate() {
+        // SAFETY: five pointers, as the caller promises.
+        let name = unsafe { *files.add(k) };
+        if name.is_null() {
+            return Err(CallError::Null(WHAT[k]));
+        }
+        // SAFETY: a text that ends in a zero, as the caller promises.
+        *path = os_string(unsafe { CStr::from_ptr(name) }).into();
+    }
+    Ok(paths)
+}
+
+#[cfg(unix)]
+fn os_string(name: &CStr) -> OsString {
+    std::os::unix::ffi::OsStringExt::from_vec(name.to_bytes().to_vec())
+}
+
+#[cfg(not(unix))]
+fn os_string(name: &CStr) -> OsString {
+    name.to_string_lossy().into_owned().into()
+}
