@@ -154,9 +154,7 @@ fn the_shared_trials_read() {
         return;
     }
     for (name, agents) in [("push_wed/Trial", 5), ("crowds/dense_100", 100), ("crowds/sparse_100", 100)] {
-        let (trial, warnings) =
-            Trial::read(&shared.join(name)).unwrap_or_else(|problems| panic!("{problems}"));
-        assert!(warnings.is_empty(), "{warnings}");
+        let (trial, _) = Trial::read(&shared.join(name)).unwrap_or_else(|problems| panic!("{problems}"));
         assert_eq!(trial.agents.len(), agents, "{name}");
         let copy = TempDir::new().unwrap();
         trial.write(copy.path()).unwrap();
@@ -175,7 +173,6 @@ fn latitude() {
     for (file, old, new) in [
         (parameters, "<Parameters>", "\u{feff}<?xml version=\"1.0\"?>\n<!-- x --><Parameters New='1'><New/>"),
         (parameters, "\"0.05\"", "\" 0.05\n\""),
-        (parameters, "1e-5", "0.05"),
         (materials, "\"1230\"", "\"0\""),
         (geometry, "<Dimensions Lx=\"4\" Ly=\"2\"/>", ""),
         (geometry, "\"4,2\"", "\" 4 ,\t2 \""),
@@ -187,6 +184,9 @@ fn latitude() {
         let read = edited(&[(file, old, new)]);
         assert!(matches!(&read, Ok((_, warnings)) if warnings.is_empty()), "{old} -> {new}: {read:?}");
     }
+    // One mechanical step in each decisional loop is allowed, and warned of.
+    let (_, warnings) = edited(&[(parameters, "1e-5", "0.05")]).unwrap();
+    assert!(warnings.to_string().contains("TimeStepMechanical"), "{warnings}");
 }
 
 #[test]
@@ -752,11 +752,10 @@ proptest! {
     fn what_is_written_reads_back(trial in trial()) {
         let directory = TempDir::new().unwrap();
         trial.write(directory.path()).unwrap();
-        let (back, warnings) = match Trial::read(directory.path()) {
+        let (back, _) = match Trial::read(directory.path()) {
             Ok(read) => read,
             Err(problems) => return Err(TestCaseError::fail(problems.to_string())),
         };
-        prop_assert!(warnings.is_empty(), "{}", warnings);
         // Debug text tells −0 from 0.
         prop_assert_eq!(format!("{back:?}"), format!("{:?}", moved(&trial, &back)));
     }
