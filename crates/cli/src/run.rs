@@ -18,10 +18,10 @@ pub struct Arguments {
     /// A Trial directory, or an FMU
     #[arg(value_name = "TRIAL or FILE.fmu")]
     input: PathBuf,
-    /// How long to simulate [s]
+    /// How long to simulate, in seconds
     #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = positive)]
     until: f64,
-    /// Communication step [s]; default: the Trial's TimeStep
+    /// Communication step, in seconds; default: the Trial's TimeStep
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     step: Option<f64>,
     /// Propulsion over time: CSV with t,agent,Fp.x,Fp.y,Mp, linearly interpolated, zero outside;
