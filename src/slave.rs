@@ -533,7 +533,10 @@ impl Slave {
         }
         let world = self.make_world()?;
         if let Err(error) = world.advance(step) {
-            self.phase = Phase::Error;
+            // Anything else was refused before it began.
+            if matches!(error, AdvanceError::NotFinite { .. }) {
+                self.phase = Phase::Error;
+            }
             return Err(SlaveError::Advance(self.trial.name_body(&error)));
         }
         self.time = from + step;
@@ -594,7 +597,7 @@ impl Slave {
             let fingerprint = packed.fingerprint().as_u128();
             (Arc::new(packed), fingerprint)
         };
-        if fingerprint != snapshot.fingerprint {
+        if fingerprint != snapshot.fingerprint || guid(&table(&packed)) != self.guid {
             let message = format!("Trial {:?} is not what it was when the state was saved", snapshot.trial);
             return Err(SlaveError::OtherModel(message));
         }

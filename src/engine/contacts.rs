@@ -67,6 +67,7 @@ struct Touch {
     arm: Vec2,
     /// \[m\] from the other's centre of mass to the contact point.
     other_arm: Vec2,
+    normal_speed: f64,
     slip_speed: f64,
     reaction: Reaction,
 }
@@ -218,6 +219,7 @@ fn touch(
     spring: &Spring,
     stretch: Stretch,
 ) -> Touch {
+    let normal_speed = velocity.dot(overlap.normal);
     let slip_speed = velocity.dot(overlap.normal.perp());
     let elongation = match stretch {
         // Passing to another part of a wall begins another contact.
@@ -226,8 +228,8 @@ fn touch(
         // The trapezoid of ds/dt = v_t keeps the second order of the integrator.
         Stretch::Over(dt) => spring.elongation + 0.5 * dt * (spring.slip_speed + slip_speed),
     };
-    let reaction = react(law, overlap.depth, velocity.dot(overlap.normal), slip_speed, elongation);
-    Touch { overlap, part, arm, other_arm, slip_speed, reaction }
+    let reaction = react(law, overlap.depth, normal_speed, slip_speed, elongation);
+    Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, reaction }
 }
 
 /// Writes what was found into the pair's spring.
@@ -293,6 +295,10 @@ pub struct Contact {
     pub tangential_force: f64,
     /// \[m\] of the tangential spring, along the tangent.
     pub elongation: f64,
+    /// \[m/s\] of the receiver relative to the other, along the normal; positive where they part.
+    pub normal_speed: f64,
+    /// \[m/s\] of the receiver relative to the other, along the tangent.
+    pub slip_speed: f64,
     /// Whether the slider holds.
     pub regime: Regime,
 }
@@ -336,6 +342,8 @@ impl ContactReport {
             normal_force: touch.reaction.normal,
             tangential_force: touch.reaction.tangential,
             elongation: touch.reaction.elongation,
+            normal_speed: touch.normal_speed,
+            slip_speed: touch.slip_speed,
             regime: touch.reaction.regime,
         });
     }

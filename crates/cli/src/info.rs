@@ -1,8 +1,8 @@
 //! `lemons info`: what an FMU is and which variables it has.
 
-use crate::master::Fmu;
 use anyhow::Result;
 use fmi_rs::model_description::fmi2::{Causality, ScalarVariable, VariableType};
+use lemons_master::Fmu;
 use std::io::{self, Write};
 use std::path::PathBuf;
 

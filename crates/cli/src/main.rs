@@ -6,10 +6,10 @@ mod check;
 mod describe;
 mod drive;
 mod info;
-mod master;
 mod pack;
 mod results;
 mod run;
+mod verify;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -32,6 +32,8 @@ enum Command {
     Check(check::Arguments),
     /// Make an FMU of one or more Trial directories
     Pack(pack::Arguments),
+    /// Measure the mechanics against closed forms, conservation laws and independent integrators
+    Verify(verify::Arguments),
     /// Print the modelDescription.xml that a Trial's FMU has
     Describe(describe::Arguments),
     /// List the variables of an FMU
@@ -56,6 +58,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::check(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
         Command::Describe(arguments) => describe::describe(&arguments),
+        Command::Verify(arguments) => verify::verify(&arguments),
         Command::Info(arguments) => info::info(&arguments),
     };
     match done {

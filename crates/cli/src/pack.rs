@@ -1,10 +1,11 @@
 //! `lemons pack`: Trials -> FMU.
 
 use crate::TrialHasErrors;
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use crowd_mechanics::model_description::Naming;
-use crowd_mechanics::pack::{Binary, PackError, Package, host_platform};
+use crowd_mechanics::pack::{Binary, PackError, Package};
 use crowd_mechanics::trial::Trial;
+use lemons_master::own_binary;
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::path::{Path, PathBuf};
 
@@ -73,23 +74,4 @@ fn picture(trial: &Path) -> Option<Vec<u8>> {
     let (trial, _) = Trial::read(trial).ok()?;
     let style = Style { width: 640.0, fill: Fill::BodyArea, ..Style::default() };
     png(&svg(&Scene::at_start(&trial), &style), 640).ok()
-}
-
-/// The shared library that was built with this command: beside it, or in `deps` beside it.
-pub fn own_binary() -> Result<Binary> {
-    let Some(platform) = host_platform() else {
-        bail!("FMI 2.0 has no name for this platform: give --binary PLATFORM=FILE");
-    };
-    let name = format!("{}crowd_mechanics{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    let command = std::env::current_exe().context("where is this command?")?;
-    let beside = command.parent().unwrap_or(Path::new("."));
-    let places = [beside.join(&name), beside.join("deps").join(&name)];
-    // Cargo may have left an older one in one of the places.
-    let newest = places.iter().filter_map(|path| Some((path.metadata().ok()?.modified().ok()?, path))).max();
-    match newest {
-        Some((_, path)) => Ok(Binary { platform: platform.to_owned(), path: path.clone() }),
-        None => {
-            bail!("{name} is not beside this command ({}): give --binary {platform}=FILE", beside.display())
-        }
-    }
 }

@@ -1,8 +1,7 @@
 //! `lemons run`: an FMU, stepped like any FMI master would.
 
 use crate::drive::Drive;
-use crate::master::{Fmu, Instance};
-use crate::pack::{own_binary, write_fmu};
+use crate::pack::write_fmu;
 use crate::results::{Results, Row};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::engine::{Pose, State, Twist, World, vec2};
@@ -10,6 +9,7 @@ use crowd_mechanics::model_description::Naming;
 use crowd_mechanics::pack::DRIVE_FILE;
 use crowd_mechanics::trial::Trial;
 use indicatif::{ProgressBar, ProgressStyle};
+use lemons_master::{Fmu, Instance, own_binary};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

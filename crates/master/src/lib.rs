@@ -1,6 +1,7 @@
-//! An FMI 2.0 master on `fmi-rs`: knows of the FMU what its model description says.
+//! An FMI 2.0 master on `fmi-rs`: knows of an FMU what its model description says.
 
 use anyhow::{Context, Result, anyhow, bail};
+use crowd_mechanics::pack::{Binary, host_platform};
 use crowd_mechanics::resources::Resources;
 use fmi_rs::fmi2::log::Logger;
 use fmi_rs::fmi2::types::fmi2Status;
@@ -15,10 +16,15 @@ use tempfile::TempDir;
 /// An FMU, unzipped.
 pub struct Fmu {
     directory: TempDir,
+    /// What `modelDescription.xml` says.
     pub description: ModelDescription,
 }
 
 impl Fmu {
+    /// Unzips an FMU and reads its description.
+    ///
+    /// # Errors
+    /// No FMU there.
     pub fn open(path: &Path) -> Result<Fmu> {
         let directory = TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
         extract_zip_archive(path, directory.path())
@@ -29,6 +35,9 @@ impl Fmu {
     }
 
     /// The Trials that are packed in it.
+    ///
+    /// # Errors
+    /// There are none.
     pub fn resources(&self) -> Result<Resources> {
         let path = self.directory.path().join("resources");
         let path = path.to_str().ok_or_else(|| anyhow!("{} is not UTF-8", path.display()))?;
@@ -36,6 +45,9 @@ impl Fmu {
     }
 
     /// A new instance.
+    ///
+    /// # Errors
+    /// What the FMU says.
     pub fn instantiate(&self, name: &str) -> Result<Instance> {
         let co_simulation = self
             .description
@@ -111,6 +123,10 @@ pub struct Instance {
 }
 
 impl Instance {
+    /// The value reference of a variable.
+    ///
+    /// # Errors
+    /// There is no such variable.
     pub fn reference(&self, name: &str) -> Result<u32> {
         self.references.get(name).copied().ok_or_else(|| anyhow!("the FMU has no variable {name:?}"))
     }
@@ -123,6 +139,10 @@ impl Instance {
     }
 
     /// Sets a parameter from its text.
+    /// Sets a variable from its text.
+    ///
+    /// # Errors
+    /// A text that is no value of the type, or the FMU's refusal.
     pub fn set(&self, kind: &VariableType, name: &str, text: &str) -> Result<()> {
         let reference = [self.reference(name)?];
         let number_wanted = || format!("{name}={text}: not a number");
@@ -139,33 +159,80 @@ impl Instance {
         self.done(status, "fmi2Set")
     }
 
+    /// From `fmi2SetupExperiment` to `fmi2ExitInitializationMode`, at time 0.
+    ///
+    /// # Errors
+    /// The FMU's refusal.
     pub fn initialize(&self) -> Result<()> {
         self.done(self.fmu.setupExperiment(None, 0.0, None), "fmi2SetupExperiment")?;
         self.done(self.fmu.enterInitializationMode(), "fmi2EnterInitializationMode")?;
         self.done(self.fmu.exitInitializationMode(), "fmi2ExitInitializationMode")
     }
 
+    /// `fmi2SetReal`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
     pub fn set_real(&self, references: &[u32], values: &[f64]) -> Result<()> {
         self.done(self.fmu.setReal(references, values), "fmi2SetReal")
     }
 
+    /// `fmi2GetReal`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
     pub fn get_real(&self, references: &[u32], values: &mut [f64]) -> Result<()> {
         self.done(self.fmu.getReal(references, values), "fmi2GetReal")
     }
 
+    /// `fmi2GetInteger`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
     pub fn get_integer(&self, references: &[u32], values: &mut [i32]) -> Result<()> {
         self.done(self.fmu.getInteger(references, values), "fmi2GetInteger")
     }
 
+    /// `fmi2DoStep` from a time over a step, both \[s\].
+    ///
+    /// # Errors
+    /// The FMU's refusal or failure.
     pub fn step(&self, time: f64, step: f64) -> Result<()> {
         self.done(self.fmu.doStep(time, step, 1), "fmi2DoStep")
     }
 
+    /// `fmi2Terminate`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
     pub fn terminate(&self) -> Result<()> {
         self.done(self.fmu.terminate(), "fmi2Terminate")
     }
 
+    /// What the FMU has warned of since the last call.
     pub fn warnings(&self) -> Vec<String> {
         self.messages.warnings.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default()
+    }
+}
+
+/// The shared library that was built with this program: beside it, or in `deps` beside it.
+///
+/// # Errors
+/// It is in neither place, or FMI has no name for this platform.
+pub fn own_binary() -> Result<Binary> {
+    let Some(platform) = host_platform() else {
+        bail!("FMI 2.0 has no name for this platform: give --binary PLATFORM=FILE");
+    };
+    let name = format!("{}crowd_mechanics{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let program = std::env::current_exe().context("where is this program?")?;
+    let beside = program.parent().unwrap_or(Path::new("."));
+    let places = [beside.join(&name), beside.join("deps").join(&name)];
+    // Cargo may have left an older one in one of the places.
+    let newest = places.iter().filter_map(|path| Some((path.metadata().ok()?.modified().ok()?, path))).max();
+    match newest {
+        Some((_, path)) => Ok(Binary { platform: platform.to_owned(), path: path.clone() }),
+        None => {
+            bail!("{name} is not beside this program ({}): give --binary {platform}=FILE", beside.display())
+        }
     }
 }

@@ -1,0 +1,147 @@
+//! Collisions, against Newton and the damped oscillator.
+
+use crate::scenes::*;
+use crate::{Check, largest};
+use anyhow::Result;
+use crowd_mechanics::engine::*;
+use std::f64::consts::PI;
+
+pub(crate) const CHECKS: &[Check] = &[
+    Check::new("head-on collision, 100 kg on 50 kg: velocities", "1/3 and 4/3 m/s", "m/s", 1e-6, velocities),
+    Check::new("the same: momentum, per step", "conservation", "", 1e-12, momentum_of_head_on),
+    Check::new("the same: energy", "conservation", "", 1e-6, energy_of_head_on),
+    Check::new("duration of a contact", "π √(m*/k_n)", "", 1e-3, duration),
+    Check::new("restitution of a damped collision", "damped oscillator", "", 1e-4, restitution),
+    Check::new("order of the step in a contact: |ratio of errors − 4|", "damped oscillator", "", 0.1, order),
+    Check::new("glancing, rotating pedestrians: momentum", "conservation", "", 1e-12, glancing_momentum),
+    Check::new("the same: angular momentum", "conservation", "", 1e-9, glancing_angular_momentum),
+];
+
+/// The reduced mass of [`head_on`].
+const REDUCED: f64 = 100.0 * 50.0 / 150.0;
+
+/// 100 kg at 1 m/s on 50 kg at rest.
+fn head_on(law: PairLaw, gap: f64, mechanical_step: f64) -> World {
+    world(
+        &[disk(100.0, 0.25), disk(50.0, 0.2)],
+        &[],
+        law,
+        &[(at(0.0, 0.0), moving(1.0, 0.0)), (at(0.45 + gap, 0.0), moving(0.0, 0.0))],
+        mechanical_step,
+    )
+}
+
+fn velocities() -> Result<f64> {
+    let mut world = head_on(ELASTIC, 0.01, 1e-5);
+    world.advance(0.1)?;
+    let twists = &world.state().twists;
+    Ok(largest([(twists[0].velocity.x - 1.0 / 3.0).abs(), (twists[1].velocity.x - 4.0 / 3.0).abs()]))
+}
+
+fn momentum_of_head_on() -> Result<f64> {
+    let mut world = head_on(ELASTIC, 0.01, 1e-5);
+    let mut worst: f64 = 0.0;
+    for _ in 0..1000 {
+        let before = momentum(&world);
+        world.advance(1e-4)?;
+        worst = worst.max((momentum(&world) - before).norm() / before.norm());
+    }
+    Ok(worst)
+}
+
+fn energy_of_head_on() -> Result<f64> {
+    let mut world = head_on(ELASTIC, 0.01, 1e-5);
+    let before = kinetic_energy(&world);
+    world.advance(0.1)?;
+    Ok((kinetic_energy(&world) / before - 1.0).abs())
+}
+
+fn duration() -> Result<f64> {
+    let dt = 1e-5;
+    let mut world = head_on(ELASTIC, 0.01, dt);
+    let mut touching = 0;
+    for _ in 0..10_000 {
+        world.advance(dt)?;
+        touching += world.contacts().agent_contacts;
+    }
+    let expected = PI / (ELASTIC.normal_stiffness / REDUCED).sqrt();
+    Ok((f64::from(touching) * dt / expected - 1.0).abs())
+}
+
+/// \[1/s\] decay and pulsation of the damped contact.
+fn oscillator(law: &PairLaw) -> (f64, f64) {
+    let decay = law.normal_damping / (2.0 * REDUCED);
+    (decay, (law.normal_stiffness / REDUCED - decay * decay).sqrt())
+}
+
+fn restitution() -> Result<f64> {
+    // Kelvin–Voigt, unclamped: the contact ends where the oscillator comes back to h = 0.
+    let law = PairLaw { normal_damping: 1500.0, ..ELASTIC };
+    let mut world = head_on(law, 0.01, 1e-6);
+    world.advance(0.1)?;
+    let (decay, pulsation) = oscillator(&law);
+    let twists = &world.state().twists;
+    let parting = twists[1].velocity.x - twists[0].velocity.x;
+    Ok((parting - (-decay * PI / pulsation).exp()).abs())
+}
+
+/// Errors of overlap and closing speed \[m\] after 8.192 ms of a lasting damped contact, at 1.28e-4 s and halved five times.
+pub fn errors_in_contact() -> Result<Vec<(f64, f64)>> {
+    let law = PairLaw { normal_damping: 900.0, ..ELASTIC };
+    let (decay, pulsation) = oscillator(&law);
+    let (depth, speed, time) = (1e-4, 1.0, 0.008_192);
+    // h'' + 2 decay h' + (k/m*) h = 0, h(0) = depth, h'(0) = speed
+    let swing = (speed + decay * depth) / pulsation;
+    let (sin, cos) = (pulsation * time).sin_cos();
+    let decayed = (-decay * time).exp();
+    let exact = decayed * (depth * cos + swing * sin);
+    let exact_speed =
+        decayed * ((pulsation * swing - decay * depth) * cos - (pulsation * depth + decay * swing) * sin);
+    (0..6)
+        .map(|halvings| {
+            let dt = 1.28e-4 / f64::from(1 << halvings);
+            let mut world = head_on(law, -depth, dt);
+            world.advance(time)?;
+            let twists = &world.state().twists;
+            let closing = twists[0].velocity.x - twists[1].velocity.x;
+            let error_of_depth = world.contacts().largest_overlap() - exact;
+            Ok((dt, error_of_depth.hypot((closing - exact_speed) / pulsation)))
+        })
+        .collect()
+}
+
+fn order() -> Result<f64> {
+    let errors = errors_in_contact()?;
+    Ok(largest(errors.windows(2).map(|pair| (pair[0].1 / pair[1].1 - 4.0).abs())))
+}
+
+/// Largest relative drifts of momentum and angular momentum.
+fn glancing() -> Result<(f64, f64)> {
+    let mut world = world(
+        &[pedestrian(89.0, FREE), pedestrian(60.0, FREE)],
+        &[],
+        BODIES,
+        &[
+            (at(0.0, 0.0), Twist { velocity: vec2(1.5, 0.1), angular_velocity: 0.7 }),
+            (Pose { position: vec2(0.4, 0.22), orientation: 1.1 }, moving(-0.5, 0.0)),
+        ],
+        1e-5,
+    );
+    let (p, l) = (momentum(&world), angular_momentum(&world));
+    let mut worst: (f64, f64) = (0.0, 0.0);
+    for _ in 0..50 {
+        world.advance(0.01)?;
+        worst.0 = worst.0.max((momentum(&world) - p).norm() / p.norm());
+        worst.1 = worst.1.max((angular_momentum(&world) - l).abs() / l.abs());
+    }
+    anyhow::ensure!(world.work().contacts > 0 && world.contacts().agent_contacts == 0, "they met and parted");
+    Ok(worst)
+}
+
+fn glancing_momentum() -> Result<f64> {
+    Ok(glancing()?.0)
+}
+
+fn glancing_angular_momentum() -> Result<f64> {
+    Ok(glancing()?.1)
+}

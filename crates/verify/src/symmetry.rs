@@ -1,0 +1,89 @@
+//! The laws know no place, no direction, no hand and no order.
+
+use crate::scenes::*;
+use crate::{Check, largest};
+use anyhow::Result;
+use crowd_mechanics::engine::*;
+
+pub(crate) const CHECKS: &[Check] = &[
+    Check::new("scene moved by (3, −7) m", "scene in place", "m", 1e-9, || {
+        seen(|v| v + vec2(3.0, -7.0), |a| a, false)
+    }),
+    Check::new("scene turned by 0.73 rad", "scene as it was", "m", 1e-9, || {
+        seen(|v| v.rotated(Rotation::by(0.73)), |a| a + 0.73, false)
+    }),
+    Check::new("scene in a mirror", "scene as it was", "m", 1e-9, || seen(|v| vec2(v.x, -v.y), |a| -a, true)),
+    Check::new("agents in the opposite order", "agents in order", "m", 1e-9, reversed),
+];
+
+/// Eight pedestrians and a corner of walls, for half a second; each disk list reversed where asked, as a
+/// mirror changes left and right shoulder.
+fn bodies() -> Vec<BodySpec> {
+    (0..8).map(|k| pedestrian(60.0 + 4.0 * f64::from(k), 4.5)).collect()
+}
+
+fn motions() -> Vec<(Pose, Twist)> {
+    (0..8)
+        .map(|k| {
+            let (x, y) = (0.45 * f64::from(k % 4), 0.5 * f64::from(k / 4));
+            let pose = Pose { position: vec2(x, y), orientation: 0.9 * f64::from(k) };
+            let twist = Twist { velocity: vec2(0.8, if k < 4 { 0.5 } else { -0.6 }), angular_velocity: 0.3 };
+            (pose, twist)
+        })
+        .collect()
+}
+
+const CORNERS: [(f64, f64); 3] = [(-1.0, -0.45), (1.9, -0.45), (1.9, 2.0)];
+
+fn run(bodies: &[BodySpec], corners: &[Vec2], motions: &[(Pose, Twist)]) -> Result<World> {
+    let corners: Vec<(f64, f64)> = corners.iter().map(|c| (c.x, c.y)).collect();
+    let mut world = world(bodies, &[wall(&corners)], BODIES, motions, 1e-5);
+    for _ in 0..10 {
+        world.advance(0.05)?;
+    }
+    anyhow::ensure!(world.work().contacts > 1000, "they met");
+    Ok(world)
+}
+
+fn as_is() -> Result<World> {
+    run(&bodies(), &CORNERS.map(|(x, y)| vec2(x, y)), &motions())
+}
+
+/// The scene as an observer sees it whose map of places and angles is given: the largest difference
+/// between what happens in that scene and what the observer sees happen in the scene as it is.
+fn seen(place: fn(Vec2) -> Vec2, angle: fn(f64) -> f64, mirror: bool) -> Result<f64> {
+    let origin = place(Vec2::ZERO);
+    let direction = |v: Vec2| place(v) - origin;
+    let turn = |a: f64| if mirror { -a } else { a };
+    let mut bodies = bodies();
+    if mirror {
+        for disk in bodies.iter_mut().flat_map(|body| &mut body.disks) {
+            disk.position.y = -disk.position.y;
+        }
+        bodies.iter_mut().for_each(|body| body.disks.reverse());
+    }
+    let motions: Vec<(Pose, Twist)> = motions()
+        .into_iter()
+        .map(|(pose, twist)| {
+            let pose = Pose { position: place(pose.position), orientation: angle(pose.orientation) };
+            let velocity = direction(twist.velocity);
+            (pose, Twist { velocity, angular_velocity: turn(twist.angular_velocity) })
+        })
+        .collect();
+    let there = run(&bodies, &CORNERS.map(|(x, y)| place(vec2(x, y))), &motions)?;
+    let here = as_is()?;
+    let poses = here.state().poses.iter().zip(&there.state().poses);
+    Ok(largest(poses.flat_map(|(a, b)| {
+        [(place(a.position) - b.position).norm(), (angle(a.orientation) - b.orientation).abs()]
+    })))
+}
+
+fn reversed() -> Result<f64> {
+    let (mut bodies, mut motions) = (bodies(), motions());
+    bodies.reverse();
+    motions.reverse();
+    let there = run(&bodies, &CORNERS.map(|(x, y)| vec2(x, y)), &motions)?;
+    let here = as_is()?;
+    let poses = here.state().poses.iter().zip(there.state().poses.iter().rev());
+    Ok(largest(poses.map(|(a, b)| (a.position - b.position).norm())))
+}
