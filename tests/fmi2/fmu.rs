@@ -1,0 +1,492 @@
+//! The library's functions, declared here anew from the standard, and an instance with its log.
+
+use crowd_mechanics::trial::Trial;
+use crowd_mechanics::variables::{Kind, guid, table};
+use libloading::Library;
+use std::collections::HashMap;
+use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
+use std::path::{Path, PathBuf};
+use std::ptr::{null, null_mut};
+use std::sync::{Mutex, OnceLock};
+use tempfile::TempDir;
+
+pub const OK: c_int = 0;
+pub const WARNING: c_int = 1;
+pub const DISCARD: c_int = 2;
+pub const ERROR: c_int = 3;
+
+pub const CO_SIMULATION: c_int = 1;
+
+/// The standard's logger is variadic, which stable Rust cannot define. All calls of this library pass
+/// one argument, the text for "%s"; by the C calling conventions of Linux on x86_64 and aarch64 a variadic
+/// call places six pointers where a callee of six fixed pointers looks for them: in registers.
+type Logger =
+    unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, *const c_char);
+
+/// `fmi2CallbackFunctions`
+#[repr(C)]
+pub struct Callbacks {
+    pub logger: Option<Logger>,
+    pub allocate_memory: *const c_void,
+    pub free_memory: *const c_void,
+    pub step_finished: *const c_void,
+    pub environment: *mut c_void,
+}
+
+macro_rules! functions {
+    ($($name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
+        /// All of FMI 2.0 co-simulation.
+        #[allow(non_snake_case)] // FMI's own names
+        pub struct Functions {
+            $(pub $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+        }
+
+        pub const NAMES: &[&str] = &[$(stringify!($name)),*];
+
+        impl Functions {
+            fn of(library: &Library) -> Functions {
+                Functions {
+                    $($name: *unsafe { library.get(stringify!($name)) }
+                        .unwrap_or_else(|error| panic!("{} is not exported: {error}", stringify!($name))),)*
+                }
+            }
+        }
+    };
+}
+
+functions! {
+    fmi2GetTypesPlatform() -> *const c_char;
+    fmi2GetVersion() -> *const c_char;
+    fmi2SetDebugLogging(*mut c_void, c_int, usize, *const *const c_char) -> c_int;
+    fmi2Instantiate(
+        *const c_char, c_int, *const c_char, *const c_char, *const Callbacks, c_int, c_int
+    ) -> *mut c_void;
+    fmi2FreeInstance(*mut c_void);
+    fmi2SetupExperiment(*mut c_void, c_int, f64, f64, c_int, f64) -> c_int;
+    fmi2EnterInitializationMode(*mut c_void) -> c_int;
+    fmi2ExitInitializationMode(*mut c_void) -> c_int;
+    fmi2Terminate(*mut c_void) -> c_int;
+    fmi2Reset(*mut c_void) -> c_int;
+    fmi2GetReal(*mut c_void, *const c_uint, usize, *mut f64) -> c_int;
+    fmi2GetInteger(*mut c_void, *const c_uint, usize, *mut c_int) -> c_int;
+    fmi2GetBoolean(*mut c_void, *const c_uint, usize, *mut c_int) -> c_int;
+    fmi2GetString(*mut c_void, *const c_uint, usize, *mut *const c_char) -> c_int;
+    fmi2SetReal(*mut c_void, *const c_uint, usize, *const f64) -> c_int;
+    fmi2SetInteger(*mut c_void, *const c_uint, usize, *const c_int) -> c_int;
+    fmi2SetBoolean(*mut c_void, *const c_uint, usize, *const c_int) -> c_int;
+    fmi2SetString(*mut c_void, *const c_uint, usize, *const *const c_char) -> c_int;
+    fmi2GetFMUstate(*mut c_void, *mut *mut c_void) -> c_int;
+    fmi2SetFMUstate(*mut c_void, *mut c_void) -> c_int;
+    fmi2FreeFMUstate(*mut c_void, *mut *mut c_void) -> c_int;
+    fmi2SerializedFMUstateSize(*mut c_void, *mut c_void, *mut usize) -> c_int;
+    fmi2SerializeFMUstate(*mut c_void, *mut c_void, *mut u8, usize) -> c_int;
+    fmi2DeSerializeFMUstate(*mut c_void, *const u8, usize, *mut *mut c_void) -> c_int;
+    fmi2GetDirectionalDerivative(
+        *mut c_void, *const c_uint, usize, *const c_uint, usize, *const f64, *mut f64
+    ) -> c_int;
+    fmi2SetRealInputDerivatives(*mut c_void, *const c_uint, usize, *const c_int, *const f64) -> c_int;
+    fmi2GetRealOutputDerivatives(*mut c_void, *const c_uint, usize, *const c_int, *mut f64) -> c_int;
+    fmi2DoStep(*mut c_void, f64, f64, c_int) -> c_int;
+    fmi2CancelStep(*mut c_void) -> c_int;
+    fmi2GetStatus(*mut c_void, c_int, *mut c_int) -> c_int;
+    fmi2GetRealStatus(*mut c_void, c_int, *mut f64) -> c_int;
+    fmi2GetIntegerStatus(*mut c_void, c_int, *mut c_int) -> c_int;
+    fmi2GetBooleanStatus(*mut c_void, c_int, *mut c_int) -> c_int;
+    fmi2GetStringStatus(*mut c_void, c_int, *mut *const c_char) -> c_int;
+}
+
+/// A loaded library.
+pub struct Fmu {
+    pub c: Functions,
+    _library: Library,
+}
+
+/// Where cargo puts the library: beside the test executable, or one directory up.
+pub fn library_path() -> PathBuf {
+    let executable = std::env::current_exe().expect("the test's own path");
+    let directories = executable.ancestors().skip(1).take(2);
+    let places: Vec<PathBuf> = directories.map(|d| d.join("libcrowd_mechanics.so")).collect();
+    places
+        .iter()
+        .find(|path| path.is_file())
+        .unwrap_or_else(|| panic!("no library at {places:?}: `cargo test -p crowd-mechanics` builds it"))
+        .clone()
+}
+
+impl Fmu {
+    pub fn load(path: &Path) -> Fmu {
+        let library =
+            unsafe { Library::new(path) }.unwrap_or_else(|error| panic!("cannot load {path:?}: {error}"));
+        Fmu { c: Functions::of(&library), _library: library }
+    }
+
+    /// One for all tests.
+    pub fn get() -> &'static Fmu {
+        static FMU: OnceLock<Fmu> = OnceLock::new();
+        FMU.get_or_init(|| Fmu::load(&library_path()))
+    }
+}
+
+/// What the logger was told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Message {
+    pub instance: String,
+    pub status: c_int,
+    pub category: String,
+    pub format: String,
+    pub text: String,
+}
+
+#[derive(Default)]
+pub struct Log(Mutex<Vec<Message>>);
+
+impl Log {
+    pub fn take(&self) -> Vec<Message> {
+        std::mem::take(&mut self.0.lock().unwrap())
+    }
+
+    pub fn callbacks(&self) -> Callbacks {
+        Callbacks {
+            logger: Some(log),
+            // Never used: they may be NULL.
+            allocate_memory: null(),
+            free_memory: null(),
+            step_finished: null(),
+            environment: std::ptr::from_ref(self).cast_mut().cast(),
+        }
+    }
+}
+
+unsafe extern "C" fn log(
+    environment: *mut c_void,
+    instance: *const c_char,
+    status: c_int,
+    category: *const c_char,
+    format: *const c_char,
+    text: *const c_char,
+) {
+    let string =
+        |text| unsafe { CStr::from_ptr(text) }.to_str().expect("the logger gets UTF-8 text").to_owned();
+    let message = Message {
+        instance: string(instance),
+        status,
+        category: string(category),
+        format: string(format),
+        text: string(text),
+    };
+    let log = unsafe { environment.cast::<Log>().as_ref() }.expect("the environment that was given");
+    log.0.lock().unwrap().push(message);
+}
+
+pub fn copy_tree(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let to = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_tree(&entry.path(), &to);
+        } else {
+            std::fs::copy(entry.path(), to).unwrap();
+        }
+    }
+}
+
+pub fn paper() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("resources/Trial_push")
+}
+
+/// An unpacked FMU's `resources`, with a copy of the paper's Trial; gone when dropped.
+pub struct Resources {
+    pub root: TempDir,
+}
+
+impl Resources {
+    pub fn new() -> Resources {
+        let root = tempfile::tempdir().unwrap();
+        copy_tree(&paper(), &root.path().join("resources/Trial_push"));
+        Resources { root }
+    }
+
+    pub fn directory(&self) -> PathBuf {
+        self.root.path().join("resources")
+    }
+
+    pub fn trial(&self) -> PathBuf {
+        self.directory().join("Trial_push")
+    }
+
+    pub fn uri(&self) -> String {
+        format!("file://{}", self.directory().display())
+    }
+
+    /// With a text in one file of the Trial replaced, where it first stands.
+    pub fn edited(file: &str, from: &str, to: &str) -> Resources {
+        let resources = Resources::new();
+        resources.edit(file, from, to);
+        resources
+    }
+
+    pub fn edit(&self, file: &str, from: &str, to: &str) {
+        let path = self.trial().join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{file} has no {from:?}");
+        std::fs::write(path, text.replacen(from, to, 1)).unwrap();
+    }
+}
+
+/// Names, references and GUID of a Trial's FMU.
+pub struct Model {
+    pub guid: String,
+    pub references: HashMap<String, u32>,
+    /// Of the Reals, in the table's order.
+    pub reals: Vec<(String, u32)>,
+    pub integers: Vec<(String, u32)>,
+}
+
+impl Model {
+    pub fn of(trial: &Path) -> Model {
+        let (trial, _) = Trial::read(trial).expect("a good Trial");
+        let table = table(&trial);
+        let of_kind = |wanted: fn(Kind) -> bool| {
+            let rows = table.iter().zip(0..).filter(|(row, _)| wanted(row.kind));
+            rows.map(|(row, reference)| (row.name.clone(), reference)).collect()
+        };
+        Model {
+            guid: guid(&table).braced().to_string(),
+            references: table.iter().zip(0..).map(|(row, reference)| (row.name.clone(), reference)).collect(),
+            reals: of_kind(|kind| matches!(kind, Kind::Real(_))),
+            integers: of_kind(|kind| kind == Kind::Integer),
+        }
+    }
+
+    /// Of the paper's Trial.
+    pub fn paper() -> &'static Model {
+        static MODEL: OnceLock<Model> = OnceLock::new();
+        MODEL.get_or_init(|| Model::of(&paper()))
+    }
+
+    pub fn reference(&self, name: &str) -> u32 {
+        *self.references.get(name).unwrap_or_else(|| panic!("no variable {name}"))
+    }
+}
+
+/// The paper's resources, unchanged, for all tests.
+pub fn shared_uri() -> &'static str {
+    static URI: OnceLock<String> = OnceLock::new();
+    URI.get_or_init(|| format!("file://{}", paper().parent().unwrap().display()))
+}
+
+/// The answer to `fmi2Instantiate`: an instance with the paper's variables, or what was logged.
+pub fn instantiate<'f>(fmu: &'f Fmu, guid: &str, uri: &str) -> Result<Instance<'f>, Vec<Message>> {
+    let log = Box::new(Log::default());
+    let (guid, uri) = (CString::new(guid).unwrap(), CString::new(uri).unwrap());
+    // Not the log's: importers may keep the callbacks on the stack.
+    let callbacks = log.callbacks();
+    let raw = unsafe {
+        (fmu.c.fmi2Instantiate)(
+            c"crowd".as_ptr(),
+            CO_SIMULATION,
+            guid.as_ptr(),
+            uri.as_ptr(),
+            &callbacks,
+            0,
+            0,
+        )
+    };
+    if raw.is_null() { Err(log.take()) } else { Ok(Instance { raw, fmu, log, model: Model::paper() }) }
+}
+
+/// An instance; freed when dropped.
+pub struct Instance<'f> {
+    pub raw: *mut c_void,
+    pub fmu: &'f Fmu,
+    pub log: Box<Log>,
+    pub model: &'static Model,
+}
+
+// SAFETY: FMI 2.0 lets instances move between threads.
+unsafe impl Send for Instance<'_> {}
+
+impl Drop for Instance<'_> {
+    fn drop(&mut self) {
+        unsafe { (self.fmu.c.fmi2FreeInstance)(self.raw) }
+    }
+}
+
+/// \[s\] communication step of the tests.
+pub const STEP: f64 = 0.01;
+
+/// Every Real and Integer, bit for bit.
+pub type Bits = (Vec<u64>, Vec<c_int>);
+
+impl<'f> Instance<'f> {
+    /// On the paper's Trial.
+    pub fn new(fmu: &'f Fmu) -> Instance<'f> {
+        instantiate(fmu, &Model::paper().guid, shared_uri()).unwrap_or_else(|log| panic!("{log:?}"))
+    }
+
+    /// Fast enough for tests: 1e-5 s mechanical steps, agent 0 pushed with 700 N.
+    pub fn pushed(fmu: &'f Fmu) -> Instance<'f> {
+        let instance = Instance::new(fmu);
+        instance.push_and_initialize();
+        instance
+    }
+
+    pub fn push_and_initialize(&self) {
+        self.must(self.set("TimeStepMechanical", 1e-5));
+        self.must(self.set("agent[0].Fp.x", 700.0));
+        self.initialize();
+    }
+
+    pub fn initialize(&self) {
+        unsafe {
+            self.must((self.fmu.c.fmi2SetupExperiment)(self.raw, 0, 0.0, 0.0, 0, 0.0));
+            self.must((self.fmu.c.fmi2EnterInitializationMode)(self.raw));
+            self.must((self.fmu.c.fmi2ExitInitializationMode)(self.raw));
+        }
+    }
+
+    #[track_caller]
+    pub fn must(&self, status: c_int) {
+        let log = self.log.take();
+        assert_eq!(status, OK, "{log:?}");
+    }
+
+    /// Asserts an error that was told in words, and answers them.
+    #[track_caller]
+    pub fn refused(&self, status: c_int) -> String {
+        let log = self.log.take();
+        assert_eq!(status, ERROR, "{log:?}");
+        let [message] = &*log else { panic!("one message for one refusal, not {log:?}") };
+        assert_eq!((message.status, &*message.category), (ERROR, "logStatusError"), "{message:?}");
+        assert_eq!((&*message.instance, &*message.format), ("crowd", "%s"), "{message:?}");
+        message.text.clone()
+    }
+
+    pub fn set_references(&self, references: &[u32], values: &[f64]) -> c_int {
+        assert_eq!(references.len(), values.len());
+        unsafe { (self.fmu.c.fmi2SetReal)(self.raw, references.as_ptr(), references.len(), values.as_ptr()) }
+    }
+
+    pub fn set_all(&self, values: &[(&str, f64)]) -> c_int {
+        let references: Vec<u32> = values.iter().map(|(name, _)| self.model.reference(name)).collect();
+        let values: Vec<f64> = values.iter().map(|(_, value)| *value).collect();
+        self.set_references(&references, &values)
+    }
+
+    pub fn set(&self, name: &str, value: f64) -> c_int {
+        self.set_all(&[(name, value)])
+    }
+
+    pub fn set_integer(&self, name: &str, value: c_int) -> c_int {
+        unsafe { (self.fmu.c.fmi2SetInteger)(self.raw, &self.model.reference(name), 1, &value) }
+    }
+
+    pub fn set_string(&self, name: &str, value: &str) -> c_int {
+        let value = CString::new(value).unwrap();
+        unsafe { (self.fmu.c.fmi2SetString)(self.raw, &self.model.reference(name), 1, &value.as_ptr()) }
+    }
+
+    pub fn try_get(&self, name: &str) -> (c_int, f64) {
+        let mut value = f64::NAN;
+        let status =
+            unsafe { (self.fmu.c.fmi2GetReal)(self.raw, &self.model.reference(name), 1, &mut value) };
+        (status, value)
+    }
+
+    #[track_caller]
+    pub fn get(&self, name: &str) -> f64 {
+        let (status, value) = self.try_get(name);
+        self.must(status);
+        value
+    }
+
+    #[track_caller]
+    pub fn get_integer(&self, name: &str) -> c_int {
+        let mut value = c_int::MIN;
+        let reference = self.model.reference(name);
+        self.must(unsafe { (self.fmu.c.fmi2GetInteger)(self.raw, &reference, 1, &mut value) });
+        value
+    }
+
+    #[track_caller]
+    pub fn get_string(&self, name: &str) -> String {
+        let mut value = null();
+        let reference = self.model.reference(name);
+        self.must(unsafe { (self.fmu.c.fmi2GetString)(self.raw, &reference, 1, &mut value) });
+        unsafe { CStr::from_ptr(value) }.to_str().unwrap().to_owned()
+    }
+
+    pub fn try_step(&self, from: f64, step: f64) -> c_int {
+        unsafe { (self.fmu.c.fmi2DoStep)(self.raw, from, step, 1) }
+    }
+
+    /// Steps number `first` to `last - 1` from time 0.
+    #[track_caller]
+    pub fn steps(&self, first: usize, last: usize) {
+        for k in first..last {
+            self.must(self.try_step(k as f64 * STEP, STEP));
+        }
+    }
+
+    #[track_caller]
+    pub fn everything(&self) -> Bits {
+        let references = |rows: &[(String, u32)]| rows.iter().map(|row| row.1).collect::<Vec<u32>>();
+        let (reals, integers) = (references(&self.model.reals), references(&self.model.integers));
+        let (mut real, mut integer) = (vec![f64::NAN; reals.len()], vec![c_int::MIN; integers.len()]);
+        unsafe {
+            self.must((self.fmu.c.fmi2GetReal)(self.raw, reals.as_ptr(), reals.len(), real.as_mut_ptr()));
+            let (references, values) = (integers.as_ptr(), integer.as_mut_ptr());
+            self.must((self.fmu.c.fmi2GetInteger)(self.raw, references, integers.len(), values));
+        }
+        (real.into_iter().map(f64::to_bits).collect(), integer)
+    }
+
+    #[track_caller]
+    pub fn save(&self) -> *mut c_void {
+        let mut state = null_mut();
+        self.must(unsafe { (self.fmu.c.fmi2GetFMUstate)(self.raw, &mut state) });
+        state
+    }
+
+    #[track_caller]
+    pub fn free_state(&self, mut state: *mut c_void) {
+        self.must(unsafe { (self.fmu.c.fmi2FreeFMUstate)(self.raw, &mut state) });
+        assert!(state.is_null());
+    }
+
+    /// The present state as bytes: with the phase and the time in it, all that an instance is.
+    #[track_caller]
+    pub fn bytes(&self) -> Vec<u8> {
+        let state = self.save();
+        let mut size = 0;
+        self.must(unsafe { (self.fmu.c.fmi2SerializedFMUstateSize)(self.raw, state, &mut size) });
+        let mut bytes = vec![0; size];
+        let buffer = bytes.as_mut_ptr();
+        self.must(unsafe { (self.fmu.c.fmi2SerializeFMUstate)(self.raw, state, buffer, size) });
+        self.free_state(state);
+        bytes
+    }
+
+    /// `fmi2DeSerializeFMUstate`, then `fmi2SetFMUstate`; the first answer that is not `fmi2OK`.
+    pub fn restore_bytes(&self, bytes: &[u8]) -> c_int {
+        let mut state = null_mut();
+        let status = unsafe {
+            (self.fmu.c.fmi2DeSerializeFMUstate)(self.raw, bytes.as_ptr(), bytes.len(), &mut state)
+        };
+        if status != OK {
+            assert!(state.is_null(), "a refused state is not handed out");
+            return status;
+        }
+        let status = unsafe { (self.fmu.c.fmi2SetFMUstate)(self.raw, state) };
+        let freed = unsafe { (self.fmu.c.fmi2FreeFMUstate)(self.raw, &mut state) };
+        assert_eq!(freed, OK);
+        status
+    }
+
+    pub fn log_on(&self, on: bool, categories: &[&str]) -> c_int {
+        let categories: Vec<CString> = categories.iter().map(|text| CString::new(*text).unwrap()).collect();
+        let pointers: Vec<*const c_char> = categories.iter().map(|text| text.as_ptr()).collect();
+        unsafe { (self.fmu.c.fmi2SetDebugLogging)(self.raw, on.into(), pointers.len(), pointers.as_ptr()) }
+    }
+}
