@@ -1,7 +1,7 @@
-//! The engine against closed forms, conservation laws and independently integrated values.
+//! The engine's behaviour in small scenes. What is measured against closed forms, conservation laws and
+//! independent integrators stands in the table of `lemons verify` (crates/verify).
 
 mod collision;
 mod friction;
 mod shortlist;
-mod support;
 mod walls;

@@ -261,7 +261,6 @@ fn fewer_agents() -> Resources {
 /// A state of a Trial that lies beside ours and has other variables: its Trial is found, and is what it
 /// was, but it is no Trial of this FMU.
 #[test]
-#[ignore = "fmi2SetFMUstate takes it: a Snapshot does not know its GUID; the next fmi2GetReal is fatal"]
 fn a_state_of_a_neighbouring_trial_with_other_variables_is_refused() {
     let theirs = fewer_agents();
     let guid = Model::of(&theirs.trial()).guid;

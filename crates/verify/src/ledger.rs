@@ -10,8 +10,8 @@ pub(crate) const CHECKS: &[Check] = &[
     Check::new("energy ledger, contacts lasting: remainder", "energy put in", "", 1e-6, || {
         remainder(Case::Lasting)
     }),
-    Check::new("the same: 1/(remainder's fall at half the step) − 1/4", "second order", "", 0.05, || {
-        shortfall(Case::Lasting, 4.0)
+    Check::new("the same: order short of 2", "halving the step four times", "", 0.1, || {
+        shortfall(Case::Lasting, 2.0)
     }),
     Check::new("energy ledger, contacts beginning and ending: remainder", "energy put in", "", 1e-3, || {
         remainder(Case::Passing)
@@ -222,10 +222,10 @@ fn remainder(which: Case) -> Result<f64> {
     Ok(remainders(which)?.last().map_or(f64::NAN, |(_, remainder)| remainder.abs()))
 }
 
-/// How far the remainder's fall per halving, over all halvings, stays behind `expected`, as 1/fall − 1/expected.
+/// How far the order that the remainder shows over all halvings stays behind the expected one.
 fn shortfall(which: Case, expected: f64) -> Result<f64> {
     let remainders = remainders(which)?;
     let halvings = remainders.len() - 1;
-    let whole = (remainders[0].1 / remainders[halvings].1).abs();
-    Ok((1.0 / whole.powf(1.0 / halvings as f64) - 1.0 / expected).max(0.0))
+    let fall = (remainders[0].1 / remainders[halvings].1).abs();
+    Ok((expected - fall.log2() / halvings as f64).max(0.0))
 }
