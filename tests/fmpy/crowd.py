@@ -1,0 +1,223 @@
+"""An FMU instance by variable names, with all that its logger was told."""
+
+import csv
+import os
+import xml.etree.ElementTree as ElementTree
+from contextlib import contextmanager
+from ctypes import byref
+from itertools import count
+from pathlib import Path
+
+import pytest
+from fmpy import calloc, free, read_model_description
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    fmi2Error,
+)
+from fmpy.logging import addLoggerProxy
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+# CARGO_TARGET_DIR may be relative to where cargo and this suite are started.
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR") or REPOSITORY / "target").resolve()
+TRIAL_PUSH = REPOSITORY / "resources" / "Trial_push"
+
+INPUTS = ["Fp.x", "Fp.y", "Mp"]
+MOTION = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"]
+CONTACTS = ["AgentContacts", "WallContacts", "ContactingAgents"]
+
+numbers = count()
+messages = {}  # instance name -> what its logger was told
+
+
+def log(_environment, instance, _status, _category, message):
+    messages[instance.decode()].append(message.decode())
+
+
+callbacks = fmi2CallbackFunctions()
+callbacks.logger = fmi2CallbackLoggerTYPE(log)
+callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+addLoggerProxy(byref(callbacks))
+
+
+class Crowd:
+    """An instance of an extracted FMU; `free` it at the end (the fixture `instantiate` does)."""
+
+    def __init__(self, directory, guid=None):
+        self.directory = Path(directory)
+        self.description = read_model_description(str(directory), validate=False)
+        self.variables = {variable.name: variable for variable in self.description.modelVariables}
+        self.agents = sum(name.endswith("].Mp") for name in self.variables)
+        name = f"crowd {next(numbers)}"
+        self.messages = messages[name] = []
+        self.fmu = FMU2Slave(
+            guid=guid or self.description.guid,
+            unzipDirectory=str(directory),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self.time = 0.0
+
+    def instantiate(self):
+        self.fmu.instantiate(callbacks=callbacks)
+        return self
+
+    def free(self):
+        if self.fmu.component is None:
+            self.fmu.freeLibrary()
+        else:
+            self.fmu.freeInstance()
+
+    def __getitem__(self, name):
+        variable = self.variables[name]
+        value = getattr(self.fmu, "get" + variable.type)([variable.valueReference])[0]
+        return value.decode() if variable.type == "String" else value
+
+    def __setitem__(self, name, value):
+        variable = self.variables[name]
+        getattr(self.fmu, "set" + variable.type)([variable.valueReference], [value])
+
+    def references(self, names):
+        return [self.variables[f"agent[{i}].{name}"].valueReference for i in range(self.agents) for name in names]
+
+    def initialize(self, start=0.0):
+        self.fmu.setupExperiment(startTime=start)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+        self.time = start
+        return self
+
+    def step(self, step):
+        self.step_to(self.time + step)
+
+    def step_to(self, end):
+        self.fmu.doStep(self.time, end - self.time)
+        self.time = end
+
+    def look(self):
+        """Of each agent: motion, contacts, squeeze."""
+        motion = self.fmu.getReal(self.references(MOTION))
+        contacts = self.fmu.getInteger(self.references(CONTACTS))
+        squeeze = self.fmu.getReal(self.references(["NormalForce"]))
+        return [motion[6 * i : 6 * i + 6] + contacts[3 * i : 3 * i + 3] + [squeeze[i]] for i in range(self.agents)]
+
+    def run(self, steps, step, drive=None, first=0):
+        """What is seen at the communication points after the step `first`: multiples of `step`."""
+        seen = []
+        for k in range(first, steps):
+            for i, push in (drive.at(self.time) if drive else {}).items():
+                references = [self.variables[f"agent[{i}].{name}"].valueReference for name in INPUTS]
+                self.fmu.setReal(references, push)
+                assert self.fmu.getReal(references) == push
+            self.step_to((k + 1) * step)
+            seen.append((self.time, self.look()))
+        return seen
+
+
+@contextmanager
+def refused(crowd, *words):
+    """The call inside fails with fmi2Error and a message that holds the words."""
+    before = len(crowd.messages)
+    with pytest.raises(FMICallException) as refusal:
+        yield
+    assert refusal.value.status == fmi2Error
+    said = "\n".join(crowd.messages[before:])
+    assert all(word in said for word in words), said
+
+
+class Drive:
+    """A drive file, sampled as `lemons run` does: linear between its rows, zero outside."""
+
+    def __init__(self, path, ids):
+        lines = (line for line in Path(path).read_text().splitlines() if not line.startswith("#"))
+        self.rows = {}
+        for row in csv.DictReader(lines):
+            push = [float(row[name]) for name in INPUTS]
+            self.rows.setdefault(ids.index(row["agent"]), []).append((float(row["t"]), push))
+
+    def at(self, time):
+        return {i: self.sample(rows, time) for i, rows in self.rows.items()}
+
+    @staticmethod
+    def sample(rows, time):
+        for (t0, a), (t1, b) in zip(rows, rows[1:]):
+            if t0 <= time < t1:
+                share = (time - t0) / (t1 - t0)
+                return [x + share * (y - x) for x, y in zip(a, b)]
+        return rows[-1][1] if time == rows[-1][0] else [0.0, 0.0, 0.0]
+
+
+def push_drive():
+    return Drive(TRIAL_PUSH / "drive.csv", ids_of(TRIAL_PUSH))
+
+
+def ids_of(trial):
+    agents = ElementTree.parse(Path(trial) / "static" / "Agents.xml").getroot()
+    return [agent.get("Id") for agent in agents]
+
+
+def bits(seen):
+    """Numbers to the last bit, readable when they differ."""
+    if isinstance(seen, (list, tuple)):
+        return [bits(part) for part in seen]
+    return seen.hex() if isinstance(seen, float) else seen
+
+
+def read_table(text, ids):
+    """trajectories.csv as `Crowd.run` returns it, with the start."""
+    rows = list(csv.reader(text.splitlines()))
+    names = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force"
+    assert rows.pop(0) == names.split(",")
+    seen = []
+    for k in range(0, len(rows), len(ids)):
+        block = rows[k : k + len(ids)]
+        assert [row[1] for row in block] == ids
+        assert len({row[0] for row in block}) == 1
+        numbers = [[*map(float, row[2:8]), *map(int, row[8:11]), float(row[11])] for row in block]
+        seen.append((float(block[0][0]), numbers))
+    return seen
+
+
+def write_trial(directory, agents, walls=(), time_step=0.1, mechanical=1e-5, damping=0.0, friction=0.0):
+    """A Trial of one-disk agents of radius 0.2 m: dictionaries with mass, x, y, vx, fx, rate."""
+    material = 'YoungModulus="4e6" ShearModulus="1.38e6"'
+    contact = f'Id1="flesh" Id2="flesh" GammaNormal="{damping}" GammaTangential="{damping}"'
+    files = {
+        "Parameters.xml": '<Parameters><Directories Static="./static/" Dynamic="./dynamic/"/>'
+        f'<Times TimeStep="{time_step}" TimeStepMechanical="{mechanical}"/></Parameters>',
+        "static/Materials.xml": f'<Materials><Intrinsic><Material Id="flesh" {material}/></Intrinsic>'
+        f'<Binary><Contact {contact} KineticFriction="{friction}"/></Binary></Materials>',
+        "static/Geometry.xml": '<Geometry><Dimensions Lx="20" Ly="20"/>'
+        + "".join(
+            f'<Wall Id="{i}" MaterialId="flesh">'
+            + "".join(f'<Corner Coordinates="{x},{y}"/>' for x, y in wall)
+            + "</Wall>"
+            for i, wall in enumerate(walls)
+        )
+        + "</Geometry>",
+        "static/Agents.xml": "<Agents>"
+        + "".join(
+            f'<Agent Type="pedestrian" Id="{i}" Mass="{a["mass"]}" MomentOfInertia="1.5" '
+            f'FloorDamping="{a.get("rate", 0.0)}" AngularDamping="{a.get("rate", 0.0)}">'
+            '<Shape Type="disk" Radius="0.2" MaterialId="flesh" Position="0,0"/></Agent>'
+            for i, a in enumerate(agents)
+        )
+        + "</Agents>",
+        "dynamic/AgentDynamics.xml": "<Agents>"
+        + "".join(
+            f'<Agent Id="{i}"><Kinematics Position="{a["x"]},{a.get("y", 0.0)}" Velocity="{a.get("vx", 0.0)},0" '
+            f'Theta="0" Omega="0"/><Dynamics Fp="{a.get("fx", 0.0)},0" Mp="0"/></Agent>'
+            for i, a in enumerate(agents)
+        )
+        + "</Agents>",
+    }
+    for name, text in files.items():
+        path = Path(directory) / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n', encoding="utf-8")
+    return Path(directory)
