@@ -1,8 +1,8 @@
 //! Files written whole or not at all.
 
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -22,23 +22,77 @@ impl WriteError {
     }
 }
 
-/// A temporary file in the directory of `path`, as open to others as the umask says; to be persisted there.
+/// A file being written beside its place; it takes the place by [`Staged::persist`], or vanishes.
 ///
-/// # Errors
-/// The directory cannot be written.
-pub fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
-    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".lemons-");
-    // A temporary file is its owner's alone by default.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(directory)
+/// Not the crate `tempfile`: its random names initialise a thread-local of this library, whose destructor
+/// crashes the host's thread when it ends after the library was unloaded.
+#[derive(Debug)]
+pub struct Staged {
+    file: File,
+    /// Where it is written; empty once it is persisted.
+    temporary: PathBuf,
+    place: PathBuf,
 }
 
-fn staged(path: &Path, text: &str) -> io::Result<NamedTempFile> {
-    let mut file = temporary_beside(path)?;
-    file.write_all(text.as_bytes())?;
+impl Staged {
+    /// A new file in the directory of `place`.
+    ///
+    /// # Errors
+    /// The directory cannot be written.
+    pub fn beside(place: &Path) -> io::Result<Staged> {
+        let directory =
+            place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let process = std::process::id();
+        for attempt in 0.. {
+            let temporary = directory.join(format!(".lemons-{process}-{attempt}"));
+            match File::options().write(true).create_new(true).open(&temporary) {
+                Ok(file) => return Ok(Staged { file, temporary, place: place.to_owned() }),
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < u16::MAX => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Err(io::ErrorKind::AlreadyExists.into())
+    }
+
+    /// Takes its place, whatever stood there.
+    ///
+    /// # Errors
+    /// The place cannot be taken; it is as it was then.
+    pub fn persist(mut self) -> io::Result<()> {
+        std::fs::rename(&self.temporary, &self.place)?;
+        self.temporary.clear();
+        Ok(())
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        if !self.temporary.as_os_str().is_empty() {
+            // What cannot be removed stays behind under its hidden name.
+            let _ = std::fs::remove_file(&self.temporary);
+        }
+    }
+}
+
+impl Write for Staged {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Seek for Staged {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+fn staged(path: &Path, bytes: &[u8]) -> io::Result<Staged> {
+    let mut file = Staged::beside(path)?;
+    file.write_all(bytes)?;
     Ok(file)
 }
 
@@ -47,8 +101,8 @@ fn staged(path: &Path, text: &str) -> io::Result<NamedTempFile> {
 /// # Errors
 /// The file is as it was then.
 pub fn write_atomically(path: &Path, text: &str) -> Result<(), WriteError> {
-    let written = staged(path, text).and_then(|file| file.persist(path).map_err(|failed| failed.error));
-    written.map(drop).map_err(WriteError::at(path))
+    let written = staged(path, text.as_bytes()).and_then(Staged::persist);
+    written.map_err(WriteError::at(path))
 }
 
 /// What becomes of a file.
@@ -69,7 +123,9 @@ pub fn change_all(changes: &[Change]) -> Result<(), WriteError> {
     let mut ready = Vec::with_capacity(changes.len());
     for change in changes {
         let (path, new) = match change {
-            Change::Write(path, text) => (path, Some(staged(path, text).map_err(WriteError::at(path))?)),
+            Change::Write(path, text) => {
+                (path, Some(staged(path, text.as_bytes()).map_err(WriteError::at(path))?))
+            }
             Change::Remove(path) => (path, None),
         };
         let old = match std::fs::read(path) {
@@ -82,7 +138,7 @@ pub fn change_all(changes: &[Change]) -> Result<(), WriteError> {
     let mut done: Vec<(&Path, Option<Vec<u8>>)> = Vec::new();
     for (path, new, old) in ready {
         let put = match new {
-            Some(file) => file.persist(path).map(drop).map_err(|failed| failed.error),
+            Some(file) => file.persist(),
             None if old.is_some() => std::fs::remove_file(path),
             None => Ok(()),
         };
@@ -99,9 +155,7 @@ fn put_back(done: Vec<(&Path, Option<Vec<u8>>)>) -> Option<WriteError> {
     let mut failed = None;
     for (path, old) in done.into_iter().rev() {
         let put = match old {
-            Some(bytes) => temporary_beside(path)
-                .and_then(|mut file| file.write_all(&bytes).map(|()| file))
-                .and_then(|file| file.persist(path).map(drop).map_err(|failed| failed.error)),
+            Some(bytes) => staged(path, &bytes).and_then(Staged::persist),
             None => std::fs::remove_file(path),
         };
         if let Err(error) = put {

@@ -2,7 +2,7 @@
 //!
 //! The same Trials and binaries give the same bytes: a packaged FMU can serve as a regression artifact.
 
-use crate::files::temporary_beside;
+use crate::files::Staged;
 use crate::model_description::{MODEL_IDENTIFIER, Naming, model_description};
 use crate::resources::TRIALS_FILE;
 use crate::trial::{Problems, Trial};
@@ -107,9 +107,9 @@ impl Package {
             return Err(PackError::NoBinary);
         }
         let write_error = |source| PackError::Write { path: output.to_owned(), source };
-        let mut file = temporary_beside(output).map_err(write_error)?;
+        let mut file = Staged::beside(output).map_err(write_error)?;
         self.fill(&trials, &mut file, output)?;
-        file.persist(output).map_err(|error| write_error(error.error))?;
+        file.persist().map_err(write_error)?;
         Ok(warnings)
     }
 

@@ -37,7 +37,7 @@ pub fn reach(state: State) -> Instance<'static> {
             Error => {
                 instance.initialize();
                 let message = instance.refused(instance.try_step(0.0, STEP));
-                assert!(message.contains("agent Id 0") && message.contains("finite"), "{message}");
+                assert!(message.contains("agent \"0\"") && message.contains("finite"), "{message}");
             }
         }
     }
@@ -192,7 +192,7 @@ fn a_state_leads_back_from_an_error() {
     let (good, values) = (instance.bytes(), instance.everything());
     instance.must(instance.set("agent[2].Fp.x", 1e308));
     let message = instance.refused(instance.try_step(STEP, STEP));
-    assert!(message.contains("agent Id 2") && message.contains("finite"), "{message}");
+    assert!(message.contains("agent \"2\"") && message.contains("finite"), "{message}");
     assert_eq!(state_of(&instance), Error);
     instance.must(instance.restore_bytes(&good));
     assert_eq!(state_of(&instance), StepComplete);
@@ -201,13 +201,28 @@ fn a_state_leads_back_from_an_error() {
 }
 
 #[test]
-fn output_that_cannot_be_written_is_an_error_and_named() {
+fn an_output_directory_that_cannot_be_made_is_refused_and_named() {
     let instance = Instance::new(Fmu::get());
-    instance.must(instance.set_string("OutputDirectory", "/nowhere/at all"));
+    instance.must(instance.set_string("OutputDirectory", "/dev/null/at all"));
+    let c = &instance.fmu.c;
+    instance.must(unsafe { (c.fmi2EnterInitializationMode)(instance.raw) });
+    let message = instance.refused(unsafe { (c.fmi2ExitInitializationMode)(instance.raw) });
+    assert!(message.contains("OutputDirectory") && message.contains("/dev/null/at all"), "{message}");
+    assert_eq!(state_of(&instance), Initialization);
+}
+
+#[test]
+fn output_that_cannot_be_written_is_an_error_and_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let output = directory.path().join("made/by the FMU");
+    let instance = Instance::new(Fmu::get());
+    instance.must(instance.set_string("OutputDirectory", output.to_str().unwrap()));
     instance.must(instance.set("TimeStepMechanical", 1e-4));
     instance.initialize();
-    let message = instance.refused(instance.try_step(0.0, STEP));
-    assert!(message.contains("OutputDirectory") && message.contains("/nowhere/at all"), "{message}");
+    instance.steps(0, 1);
+    std::fs::remove_dir_all(&output).unwrap();
+    let message = instance.refused(instance.try_step(STEP, STEP));
+    assert!(message.contains("OutputDirectory") && message.contains("by the FMU"), "{message}");
     assert_eq!(state_of(&instance), Error);
 }
 

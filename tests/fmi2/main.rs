@@ -15,5 +15,6 @@ mod queries;
 mod states;
 mod stepping;
 mod trials;
+mod unloading;
 mod uris;
 mod values;

@@ -11,7 +11,7 @@ const CHILD: &str = "FMI2_MEMORY_CHILD";
 const SLACK: i64 = 256 << 10;
 
 /// Runs the test again, alone in a process; whether this is that process.
-fn alone(test: &str) -> bool {
+pub fn alone(test: &str) -> bool {
     if std::env::var_os(CHILD).is_some() {
         return true;
     }

@@ -179,8 +179,7 @@ def test_output_directory(pack, instantiate, tmp_path):
     assert "<Wall" in interactions and "TangentialRelativeDisplacement" in interactions
 
 
-def test_output_directory_that_is_missing(push, tmp_path):
-    push["OutputDirectory"] = str(tmp_path / "absent")
-    push.initialize()
-    with refused(push, "OutputDirectory", "absent"):
-        push.step(0.05)
+def test_output_directory_that_is_missing_is_made(push, tmp_path):
+    push["OutputDirectory"] = str(tmp_path / "absent" / "one")
+    push.initialize().step(0.05)
+    assert (tmp_path / "absent" / "one" / "AgentDynamics output t=0.05.xml").exists()

@@ -1,10 +1,9 @@
 //! `trajectories.csv`.
 
 use anyhow::{Context, Result};
-use crowd_mechanics::files::temporary_beside;
+use crowd_mechanics::files::Staged;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 const HEADER: &str = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force";
 
@@ -21,14 +20,14 @@ pub struct Row<'a> {
 
 /// A CSV that appears under its name only when it is complete.
 pub struct Results {
-    out: csv::Writer<BufWriter<NamedTempFile>>,
+    out: csv::Writer<BufWriter<Staged>>,
     path: PathBuf,
 }
 
 impl Results {
     pub fn create(path: &Path) -> Result<Results> {
         let cannot = || format!("cannot write {}", path.display());
-        let mut file = BufWriter::new(temporary_beside(path).with_context(cannot)?);
+        let mut file = BufWriter::new(Staged::beside(path).with_context(cannot)?);
         writeln!(file, "{HEADER}").with_context(cannot)?;
         Ok(Results {
             out: csv::WriterBuilder::new().has_headers(false).from_writer(file),
@@ -50,6 +49,6 @@ impl Results {
         let cannot = || format!("cannot write {}", self.path.display());
         let file = self.out.into_inner().map_err(|error| error.into_error()).with_context(cannot)?;
         let file = file.into_inner().map_err(|error| error.into_error()).with_context(cannot)?;
-        file.persist(&self.path).map(drop).map_err(|error| error.error).with_context(cannot)
+        file.persist().with_context(cannot)
     }
 }
