@@ -4,4 +4,5 @@
 mod collision;
 mod friction;
 mod shortlist;
+mod symmetry;
 mod walls;
