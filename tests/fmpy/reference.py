@@ -1,0 +1,665 @@
+"""An independent reference for the engine: the same equations, another method, no shared code.
+
+The engine steps through contacts with a fixed mechanical step. Here scipy's eighth-order Runge-Kutta (DOP853, tolerance 1e-12)
+integrates the smooth pieces, and every instant at which the equations change is located by root finding:
+
+- a contact begins or ends, or passes from a face of a wall to another or to a corner
+- sticking -> sliding: the test force F* = -k_t s - gamma_t v_t leaves the Coulomb cone |F*| <= mu |F_n|
+- sliding -> sticking: with the elongation on the cone, s = -(F_t + gamma_t v_t)/k_t, and let go (ds/dt = v_t), F* would enter it
+- the normal force changes sign (it is not clamped), so |F_n| has a kink
+
+A sticking contact's elongation is part of the ODE's state; a sliding one's follows from the motion. Forces are continuous when a
+contact passes from sticking to sliding or back, so the accelerations that the third test needs do not depend on its outcome.
+The equations are those of the paper's appendix A; a Trial is read from its XML text by the standard library.
+
+A case in cases.json: `files`, the texts of its Trial; `times` [s], its communication points; `drive`, for each step ending there and each
+agent Fp.x, Fp.y, Mp; `states`, at each of these times and for each agent x, y, theta, vx, vy, omega; `happens`, a count of events; how the
+states answer to the start `moved` by 1e-9 and to a `loose` tolerance of 1e-10. Cases are random, from their `seed`.
+
+    python tests/fmpy/reference.py --write tests/reference/cases.json     makes the cases and their reference solutions anew
+    python tests/fmpy/reference.py --list  tests/reference/cases.json     what happens in each
+"""
+
+import argparse
+import json
+import math
+import sys
+import xml.etree.ElementTree as ElementTree
+from collections import Counter
+
+import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
+
+RTOL, ATOL = 1e-12, 1e-14
+MAX_STEP = 1e-3  # [s] short against the shortest contact, so that none slips through between two looks
+LOOKS = 4  # looks for events per integrator step
+TINY = {"touch": 1e-13, "normal": 1e-8, "stick": 1e-8, "slide": 1e-3}  # [m], [N], [N], [N/s]: round-off of the event functions
+
+
+class Grazing(Exception):
+    """The case is degenerate: events pile up, or a disk's centre reaches a wall."""
+
+
+# --- the scene ---------------------------------------------------------------------------------------------------
+
+
+def _pair(text):
+    return np.array([float(number) for number in text.split(",")])
+
+
+class Law:
+    """Coefficients of a contact between two materials."""
+
+    def __init__(self, first, second, binary):
+        (e1, g1), (e2, g2) = first, second
+        self.kn = 1 / ((4 * g1 - e1) / (4 * g1 * g1) + (4 * g2 - e2) / (4 * g2 * g2))  # [N/m]
+        self.kt = 1 / ((6 * g1 - e1) / (8 * g1 * g1) + (6 * g2 - e2) / (8 * g2 * g2))  # [N/m]
+        self.gn, self.gt, self.mu = binary  # [kg/s], [kg/s], 1
+        assert self.kn > 0 and self.kt > 0
+
+
+class Scene:
+    """What the XML of a Trial says. `files`: name within the Trial -> text."""
+
+    def __init__(self, files):
+        materials = ElementTree.fromstring(files["static/Materials.xml"])
+        moduli = {m.get("Id"): (float(m.get("YoungModulus")), float(m.get("ShearModulus"))) for m in materials.iter("Material")}
+        laws = {}
+        for c in materials.iter("Contact"):
+            a, b = c.get("Id1"), c.get("Id2")
+            numbers = [float(c.get(name)) for name in ("GammaNormal", "GammaTangential", "KineticFriction")]
+            laws[a, b] = laws[b, a] = Law(moduli[a], moduli[b], numbers)
+
+        self.mass, self.inertia, self.floor, self.angular = [], [], [], []
+        self.owner, self.radius, self.offset, stuff = [], [], [], []
+        for number, agent in enumerate(ElementTree.fromstring(files["static/Agents.xml"]).iter("Agent")):
+            self.mass.append(float(agent.get("Mass")))
+            self.inertia.append(float(agent.get("MomentOfInertia")))
+            self.floor.append(float(agent.get("FloorDamping")))
+            self.angular.append(float(agent.get("AngularDamping")))
+            shapes = list(agent.iter("Shape"))
+            across = _pair(shapes[-1].get("Position")) - _pair(shapes[0].get("Position"))
+            drawn = math.atan2(across[0], -across[1]) if across.any() else 0.0  # the orientation that the shapes show
+            for shape in shapes:
+                x, y = _pair(shape.get("Position"))
+                self.owner.append(number)
+                self.radius.append(float(shape.get("Radius")))
+                self.offset.append(complex(x, y) * complex(math.cos(drawn), -math.sin(drawn)))  # as seen at theta = 0
+                stuff.append(shape.get("MaterialId"))
+        self.agents, disks = len(self.mass), len(self.owner)
+
+        start, self.drive = [], []
+        for agent in ElementTree.fromstring(files["dynamic/AgentDynamics.xml"]).iter("Agent"):
+            k, d = agent.find("Kinematics"), agent.find("Dynamics")
+            start += [*_pair(k.get("Position")), float(k.get("Theta")), *_pair(k.get("Velocity")), float(k.get("Omega"))]
+            self.drive.append([*_pair(d.get("Fp")), float(d.get("Mp"))])
+        self.start = np.array(start)  # per agent x, y, theta, vx, vy, omega
+
+        # Everything that may touch: ("disk", i, j), ("face", i, face), ("corner", i, corner), each with its law.
+        self.touch = []
+        for i in range(disks):
+            for j in range(i + 1, disks):
+                if self.owner[i] != self.owner[j]:
+                    self.touch.append(("disk", i, j, laws[stuff[i], stuff[j]]))
+        self.faces, self.corners = [], []  # (end, end), (point, [(face, whether the corner is that face's second end)])
+        for wall in ElementTree.fromstring(files["static/Geometry.xml"]).iter("Wall"):
+            points = [tuple(_pair(c.get("Coordinates"))) for c in wall.iter("Corner")]
+            meeting = {}
+            for a, b in zip(points, points[1:]):
+                meeting.setdefault(a, []).append((len(self.faces), False))
+                meeting.setdefault(b, []).append((len(self.faces), True))
+                self.faces.append((np.array(a), np.array(b)))
+                of_wall = {m: laws[m, wall.get("MaterialId")] for m in set(stuff)}
+                self.touch += [("face", i, len(self.faces) - 1, of_wall[stuff[i]]) for i in range(disks)]
+            for point, ends in meeting.items():
+                self.corners.append((np.array(point), ends))
+                self.touch += [("corner", i, len(self.corners) - 1, of_wall[stuff[i]]) for i in range(disks)]
+
+        self._owner, self._radius, self._offset = np.array(self.owner), np.array(self.radius), np.array(self.offset)
+        pairs = [(i, j) for kind, i, j, _ in self.touch if kind == "disk"]
+        self._i, self._j = (np.array(pairs, int).T if pairs else (np.array([], int), np.array([], int)))
+        self._pairs = len(pairs)
+
+    def centres(self, y):
+        """Disk centres as complex numbers."""
+        y = y[: 6 * self.agents].reshape(-1, 6)
+        return (y[:, 0] + 1j * y[:, 1])[self._owner] + self._offset * np.exp(1j * y[:, 2])[self._owner]
+
+    def touching(self, y):
+        """For each of `touch` a continuous function of the state [m]: positive where they touch."""
+        p = self.centres(y)
+        out = np.empty(len(self.touch))
+        out[: self._pairs] = self._radius[self._i] + self._radius[self._j] - np.abs(p[self._i] - p[self._j])
+        before, after, on_face = [], [], []  # how far each disk is before and after the ends of each face, and its overlap with it
+        for a, b in self.faces:
+            length = math.hypot(*(b - a))
+            along = (p - complex(*a)) * complex(*(b - a)).conjugate() / length
+            before.append(-along.real)
+            after.append(along.real - length)
+            on_face.append(np.minimum(self._radius - np.abs(along.imag), np.minimum(along.real, length - along.real)))
+        at_corner = []
+        for point, ends in self.corners:
+            value = self._radius - np.abs(p - complex(*point))
+            for face, second in ends:  # the corner must be the nearest point of every face that meets there
+                value = np.minimum(value, after[face] if second else before[face])
+            at_corner.append(value)
+        for n, (kind, i, j, _) in enumerate(self.touch[self._pairs :], self._pairs):
+            out[n] = on_face[j][i] if kind == "face" else at_corner[j][i]
+        return out
+
+
+# --- contacts ----------------------------------------------------------------------------------------------------
+
+
+class Contact:
+    """A contact that lasts. `side` is 0 while it sticks, else the sign of the tangential force with which it slides."""
+
+    def __init__(self, scene, n):
+        self.n = n
+        self.kind, self.i, j, self.law = scene.touch[n]
+        self.a, self.ri = scene.owner[self.i], scene.radius[self.i]
+        self.j = self.b = self.point = self.face = None
+        if self.kind == "disk":
+            self.j, self.b, self.rj = j, scene.owner[j], scene.radius[j]
+        elif self.kind == "corner":
+            self.point = complex(*scene.corners[j][0])
+        else:
+            a, b = scene.faces[j]
+            self.point, along = complex(*a), complex(*(b - a))
+            self.face = 1j * along / abs(along)  # a unit normal of the face
+        self.s, self.side, self.sign = 0.0, 0, 1.0  # elongation along t [m]; see above; sign of the normal force
+
+    def motion(self, y, scene, acceleration=None):
+        """n, t, overlap h, dh/dt, v_t, arms; with accelerations also d2h/dt2 and dv_t/dt.
+
+        With e the vector to i's centre from j's (or from the nearest point of the wall), e = (R_i + R_j - h) n and n' = f t:
+        h' = -e'.n, v_t = e'.t - w_i (R_i - h/2) - w_j (R_j - h/2); the second derivatives follow by the product rule.
+        """
+        k = 6 * self.a
+        w = y[k + 5]
+        di = scene.offset[self.i] * complex(math.cos(y[k + 2]), math.sin(y[k + 2]))
+        e = complex(y[k], y[k + 1]) + di
+        e1 = complex(y[k + 3], y[k + 4]) + 1j * w * di
+        dj, wj = 0j, 0.0
+        if self.b is not None:
+            m = 6 * self.b
+            wj = y[m + 5]
+            dj = scene.offset[self.j] * complex(math.cos(y[m + 2]), math.sin(y[m + 2]))
+            e -= complex(y[m], y[m + 1]) + dj
+            e1 -= complex(y[m + 3], y[m + 4]) + 1j * wj * dj
+        else:
+            e -= self.point
+        if self.kind == "face":
+            n = self.face if _dot(e, self.face) > 0 else -self.face
+            distance, turning = _dot(e, n), 0.0
+        else:
+            distance = abs(e)
+            n = e / distance
+            turning = _dot(e1, 1j * n) / distance
+        t = 1j * n
+        h = self.ri - distance + (self.rj if self.b is not None else 0.0)
+        if h > 0.5 * self.ri:
+            raise Grazing("very deep overlap")
+        h1 = -_dot(e1, n)
+        arm_i, arm_j = self.ri - h / 2, (self.rj - h / 2 if self.b is not None else 0.0)
+        vt = _dot(e1, t) - w * arm_i - wj * arm_j
+        if acceleration is None:
+            return n, t, h, h1, vt, di, dj, arm_i, arm_j
+        e2 = complex(*acceleration[k : k + 2]) + (1j * acceleration[k + 2] - w * w) * di
+        w1, wj1 = acceleration[k + 2], 0.0
+        if self.b is not None:
+            e2 -= complex(*acceleration[m : m + 2]) + (1j * acceleration[m + 2] - wj * wj) * dj
+            wj1 = acceleration[m + 2]
+        h2 = -_dot(e2, n) - turning * _dot(e1, t)
+        vt1 = _dot(e2, t) + turning * h1 - w1 * arm_i - wj1 * arm_j + (w + wj) * h1 / 2
+        return h, h1, h2, vt, vt1
+
+    def normal_force(self, h, h1):
+        return self.law.kn * h + self.law.gn * h1
+
+    def tangential_force(self, normal, vt, s):
+        if self.side:
+            return self.side * self.law.mu * self.sign * normal
+        return -self.law.kt * s - self.law.gt * vt
+
+
+def _dot(a, b):
+    return a.real * b.real + a.imag * b.imag
+
+
+def _cross(a, b):
+    return a.real * b.imag - a.imag * b.real
+
+
+class Simulation:
+    """State at one time; `advance` moves it."""
+
+    def __init__(self, files, perturbation=None, tolerance=RTOL):
+        self.scene = Scene(files)
+        self.t, self.tolerance = 0.0, tolerance
+        self.y = self.scene.start + (0 if perturbation is None else perturbation)
+        self.drive = self.scene.drive
+        self.contacts = {}  # place in scene.touch -> Contact
+        self.counts = Counter()
+        if (self.scene.touching(self.y) >= 0).any():
+            raise Grazing("overlap at the start")
+
+    # The smooth piece: state, then the elongations of the sticking contacts.
+
+    def _sticking(self):
+        return [c for c in self.contacts.values() if not c.side]
+
+    def _whole(self):
+        return np.concatenate([self.y, [c.s for c in self._sticking()]])
+
+    def _derivative(self, _, whole):
+        y, scene = whole.tolist(), self.scene
+        out = [0.0] * len(y)
+        for a in range(scene.agents):
+            k, (fx, fy, torque) = 6 * a, self.drive[a]
+            m, inertia = scene.mass[a], scene.inertia[a]
+            out[k : k + 3] = y[k + 3 : k + 6]
+            out[k + 3] = fx / m - scene.floor[a] * y[k + 3]
+            out[k + 4] = fy / m - scene.floor[a] * y[k + 4]
+            out[k + 5] = torque / inertia - scene.angular[a] * y[k + 5]
+        spring = 6 * scene.agents
+        for c in self.contacts.values():
+            n, t, h, h1, vt, di, dj, arm_i, arm_j = c.motion(y, scene)
+            s = 0.0
+            if not c.side:
+                s, out[spring] = y[spring], vt
+                spring += 1
+            normal = c.normal_force(h, h1)
+            tangential = c.tangential_force(normal, vt, s)
+            force = normal * n + tangential * t
+            k, m = 6 * c.a, scene.mass[c.a]
+            out[k + 3] += force.real / m
+            out[k + 4] += force.imag / m
+            out[k + 5] += (_cross(di, force) - arm_i * tangential) / scene.inertia[c.a]
+            if c.b is not None:
+                k, m = 6 * c.b, scene.mass[c.b]
+                out[k + 3] -= force.real / m
+                out[k + 4] -= force.imag / m
+                out[k + 5] -= (_cross(dj, force) + arm_j * tangential) / scene.inertia[c.b]
+        return np.array(out)
+
+    # Events: a list of functions of the state, all positive as long as the equations stay as they are.
+
+    def _watched(self):
+        out = [("touch", n) for n in range(len(self.scene.touch))]
+        for n, c in self.contacts.items():
+            out += [("slide", n), ("normal", n)] if c.side else [("stick", n)]
+        return out
+
+    def _margins(self, whole):
+        now = np.array([1.0 if n in self.contacts else -1.0 for n in range(len(self.scene.touch))])
+        out = list(now * self.scene.touching(whole))
+        y = whole.tolist()
+        acceleration = None
+        spring = 6 * self.scene.agents
+        for c in self.contacts.values():
+            if c.side:
+                if acceleration is None:
+                    acceleration = self._acceleration(whole)
+                h, h1, h2, vt, vt1 = c.motion(y, self.scene, acceleration)
+                normal = c.sign * c.normal_force(h, h1) if c.law.gn else 1.0  # undamped it never pulls
+                out += [self._hold(c, h1, h2, vt, vt1), normal]
+            else:
+                _, _, h, h1, vt, *_ = c.motion(y, self.scene)
+                out.append(c.law.mu * abs(c.normal_force(h, h1)) - abs(-c.law.kt * y[spring] - c.law.gt * vt))
+                spring += 1
+        return np.array(out)
+
+    def _acceleration(self, whole):
+        """Shifted so that agent a's stand at 6 a, as in the state."""
+        d = self._derivative(0.0, whole)
+        out = [0.0] * (6 * self.scene.agents)
+        for a in range(self.scene.agents):
+            out[6 * a : 6 * a + 3] = d[6 * a + 3 : 6 * a + 6]
+        return out
+
+    @staticmethod
+    def _hold(c, h1, h2, vt, vt1):
+        """Rate at which F*, let go from the cone, would leave it [N/s]: positive while it slides on."""
+        law = c.law
+        return c.side * (-law.kt * vt - law.gt * vt1) - law.mu * c.sign * (law.kn * h1 + law.gn * h2)
+
+    # Changes of the equations.
+
+    def _begin(self, n):
+        c = Contact(self.scene, n)
+        _, _, h, h1, vt, *_ = c.motion(self.y.tolist(), self.scene)
+        normal = c.normal_force(h, h1)
+        c.sign = math.copysign(1.0, normal)
+        test = -c.law.gt * vt
+        limit = c.law.mu * abs(normal)
+        if c.law.gn == 0 and h < 1e-11:  # undamped, both start at zero: whichever grows faster decides
+            test, limit = -c.law.kt * vt, c.law.mu * c.law.kn * h1
+            c.sign = 1.0
+        if abs(test) > limit:
+            c.side = int(math.copysign(1, test))
+            self.counts["slides at once"] += 1
+        self.contacts[n] = c
+        self.counts["contacts"] += 1
+        self.counts[c.kind] += 1
+
+    def _let_go(self, c):
+        """Sliding -> sticking: the elongation goes on from where sliding left it."""
+        _, _, h, h1, vt, *_ = c.motion(self.y.tolist(), self.scene)
+        c.s = -(c.tangential_force(c.normal_force(h, h1), vt, 0.0) + c.law.gt * vt) / c.law.kt
+        c.side = 0
+        self.counts["sticks again"] += 1
+
+    def _settle(self):
+        """A jump of the accelerations (a contact began or ended, the drive changed) may end sliding."""
+        for c in self.contacts.values():
+            if c.side:
+                h, h1, h2, vt, vt1 = c.motion(self.y.tolist(), self.scene, self._acceleration(self._whole()))
+                if self._hold(c, h1, h2, vt, vt1) < -TINY["slide"]:
+                    self._let_go(c)
+
+    def _happen(self, kind, n):
+        c = self.contacts.get(n)
+        if kind == "touch":
+            # A face and a corner take over from each other at the same instant: all at their limit go where they are heading.
+            whole = self._whole()
+            ahead = self.scene.touching(whole + 1e-9 * self._derivative(0.0, whole))
+            at_limit = set(np.flatnonzero(np.abs(self.scene.touching(whole)) < 1e-11)) | {n}
+            ending = [m for m in at_limit if m in self.contacts and ahead[m] < 0]
+            beginning = [m for m in at_limit if m not in self.contacts and ahead[m] > 0]
+            if not ending and not beginning:
+                raise Grazing("a touch without depth")
+            if ending and beginning:
+                self.counts["passes on"] += 1
+            for m in ending:
+                del self.contacts[m]
+                self.counts["ends"] += 1
+            for m in beginning:
+                self._begin(m)
+        elif kind == "stick":
+            _, _, h, h1, vt, *_ = c.motion(self.y.tolist(), self.scene)
+            c.side = int(math.copysign(1, -c.law.kt * c.s - c.law.gt * vt))
+            c.sign = math.copysign(1.0, c.normal_force(h, h1))
+            self.counts["starts to slide"] += 1
+        elif kind == "slide":
+            self._let_go(c)
+        else:  # the normal force passes through zero, the test force with it: whichever grows faster decides
+            h, h1, h2, vt, vt1 = c.motion(self.y.tolist(), self.scene, self._acceleration(self._whole()))
+            growth = -c.law.kt * vt - c.law.gt * vt1
+            c.sign = -c.sign
+            self.counts["pulls" if c.sign < 0 else "pushes again"] += 1
+            if abs(growth) > c.law.mu * abs(c.law.kn * h1 + c.law.gn * h2):
+                if growth * c.side < 0:
+                    self.counts["slides the other way"] += 1
+                c.side = int(math.copysign(1, growth))
+            else:
+                self._let_go(c)
+
+    def advance(self, end, drive=None):
+        if drive is not None:
+            self.drive = drive
+        while self.t < end:
+            self._settle()
+            event = self._piece(end)
+            if event:
+                self.counts["events"] += 1
+                if self.counts["events"] > 3000:
+                    raise Grazing("too many events")
+                self._happen(*event)
+        return self.y.reshape(-1, 6)
+
+    def _commit(self, t, whole):
+        self.t, self.y = t, whole[: 6 * self.scene.agents].copy()
+        for c, s in zip(self._sticking(), whole[6 * self.scene.agents :]):
+            c.s = s
+
+    def _piece(self, end):
+        """Integrates until the equations change; returns the event, or None at `end`."""
+        watched = self._watched()
+        slack = np.array([TINY[kind] for kind, _ in watched])
+        last_t, last_y = self.t, self._whole()
+        if end - last_t < 1e-14:
+            self.t = end
+            return None
+        solver = DOP853(self._derivative, last_t, last_y, end, max_step=MAX_STEP, rtol=self.tolerance, atol=ATOL * self.tolerance / RTOL)
+        before = self._margins(last_y)
+        while solver.status == "running":
+            message = solver.step()
+            if solver.status == "failed":
+                raise Grazing(message)
+            dense, left = solver.dense_output(), last_t
+            for right in np.linspace(last_t, solver.t, LOOKS + 1)[1:]:
+                after = self._margins(dense(right))
+                broken = np.flatnonzero(after < -slack)
+                if broken.size:
+                    first = min((self._root(dense, k, left, right, before[k], slack[k]), k) for k in broken)
+                    self._land(last_t, last_y, first[0])
+                    return watched[first[1]]
+                left, before = right, after
+            last_t, last_y = solver.t, solver.y
+        self._commit(end, last_y)
+        return None
+
+    def _root(self, dense, k, left, right, before, slack):
+        shift = 0.0 if before > 0 else slack  # just begun: zero but for round-off
+        if before + shift <= 0:
+            raise Grazing("an event right after another")
+        return brentq(lambda t: self._margins(dense(t))[k] + shift, left, right, xtol=1e-16, rtol=1e-15)
+
+    def _land(self, t, whole, at):
+        """Integrates to the event itself: the dense output is for finding it only."""
+        if at > t:
+            solver = DOP853(self._derivative, t, whole, at, first_step=at - t, rtol=self.tolerance, atol=ATOL * self.tolerance / RTOL)
+            while solver.status == "running":
+                solver.step()
+            whole = solver.y
+        self._commit(at, whole)
+
+
+def solve(case, perturbation=None, tolerance=RTOL):
+    """Poses and twists (x, y, theta, vx, vy, omega of each agent) at the case's communication points, and the simulation."""
+    simulation = Simulation(case["files"], perturbation, tolerance)
+    states = [simulation.advance(t, drive).tolist() for t, drive in zip(case["times"], case["drive"])]
+    return states, simulation
+
+
+# --- the cases ---------------------------------------------------------------------------------------------------
+
+# Five disks of a person of 0.41 m: (radius, x, y), as in the paper's appendix C.
+PERSON = [(0.0950, -0.0155, 0.1535), (0.1306, 0.0087, 0.0674), (0.1365, 0.0135, 0.0), (0.1306, 0.0087, -0.0674), (0.0950, -0.0155, -0.1535)]
+TRIPLE = [(0.08, 0.0, 0.14), (0.12, 0.02, 0.0), (0.09, 0.0, -0.15)]
+ROUND = [(0.18, 0.0, 0.0)]
+HAMMER = [(0.12, 0.0, 0.1), (0.07, 0.05, -0.12)]
+
+# name: shapes of the agents, walls, and what else is special.
+FAMILIES = {
+    "two round, oblique": dict(shapes=[ROUND] * 2, count=1),
+    "three round, spinning": dict(shapes=[ROUND] * 3, spin=12.0, count=2),
+    "round along a bent open wall": dict(shapes=[ROUND] * 2, wall="bent", press=900.0, spin=6.0),
+    "straight wall in three pieces": dict(shapes=[ROUND, PERSON], wall="pieces", press=1500.0, needs="passes on"),
+    "round over a protruding corner": dict(shapes=[ROUND], wall="wedge", press=2500.0, spin=5.0, count=2, needs="passes on"),
+    "person over a protruding corner": dict(shapes=[PERSON, ROUND], wall="wedge", press=1500.0, needs="passes on"),
+    "round in a closed polygon": dict(shapes=[ROUND] * 3, wall="room", rates=True),
+    "two persons, oblique": dict(shapes=[PERSON] * 2),
+    "two persons, relaxing and driven": dict(shapes=[PERSON] * 2, rates=True, press=1200.0),
+    "bodies drawn turned": dict(shapes=[TRIPLE, HAMMER, PERSON], turned=True),
+    "three persons at a bent open wall": dict(shapes=[PERSON] * 3, wall="bent", rates=True, press=600.0),
+    "mixed before a protruding corner": dict(shapes=[PERSON, ROUND, TRIPLE, ROUND], wall="wedge", rates=True, press=500.0),
+    "four persons, drive changes": dict(shapes=[PERSON] * 4, rates=True, press=500.0, changing=True),
+    "five mixed, drive changes": dict(shapes=[PERSON, ROUND, PERSON, HAMMER, TRIPLE], wall="room", rates=True, press=300.0, changing=True, turned=True),
+    "six round in a closed polygon": dict(shapes=[ROUND] * 6, wall="room", spin=4.0),
+    "two round, undamped": dict(shapes=[ROUND] * 2, count=1, damped=False),
+    "three persons, undamped": dict(shapes=[PERSON] * 3, damped=False),
+    "round in a closed polygon, undamped": dict(shapes=[ROUND] * 3, wall="room", spin=6.0, damped=False),
+    "mixed, undamped, relaxing and driven": dict(shapes=[PERSON, ROUND, TRIPLE, HAMMER], wall="bent", rates=True, press=500.0, turned=True, damped=False),
+    "three persons, undamped, frictionless": dict(shapes=[PERSON] * 3, damped=False, rough=False),
+    "four persons, undamped, frictionless": dict(shapes=[PERSON] * 4, rates=True, press=500.0, changing=True, damped=False, rough=False),
+    "mixed, bent wall, undamped, frictionless": dict(shapes=[ROUND, TRIPLE, HAMMER], wall="bent", turned=True, damped=False, rough=False),
+    "six mixed": dict(shapes=[ROUND, PERSON, ROUND, PERSON, ROUND, TRIPLE], rates=True, press=300.0),
+}
+DURATION, POINTS = 0.4, 4  # [s], communication points
+AMPLIFIED = 1e-7  # see `screen`
+
+
+def materials_xml(rng, damped, rough):
+    names = ["soft", "firm", "wall"]
+    young = [rng.uniform(2e5, 8e5), rng.uniform(1e6, 4e6), 1.7e9]
+    lines = ["<Materials><Intrinsic>"]
+    for name, e, ratio in zip(names, young, (rng.uniform(0.3, 0.36), rng.uniform(0.34, 0.42), 0.42)):
+        lines.append(f'<Material Id="{name}" YoungModulus="{e:.6g}" ShearModulus="{e * ratio:.6g}"/>')
+    lines.append("</Intrinsic><Binary>")
+    for k, a in enumerate(names):
+        for b in names[k:]:
+            n, t, mu = rng.uniform(150, 900), rng.uniform(50, 500), rng.uniform(0.15, 0.8)
+            if not damped:
+                n = t = 0.0
+            if not rough:
+                mu = 0.0
+            lines.append(f'<Contact Id1="{a}" Id2="{b}" GammaNormal="{n:.1f}" GammaTangential="{t:.1f}" KineticFriction="{mu:.3f}"/>')
+    return "\n".join(lines + ["</Binary></Materials>", ""])
+
+
+def make_case(name, seed):
+    """A random Trial of the family, from the seed alone. The start may overlap: see `screen`."""
+    family, rng = FAMILIES[name], np.random.default_rng(seed)
+    wall, count = family.get("wall"), len(family["shapes"])
+    agents, dynamics, drive = [], [], []
+    tilt = rng.uniform(-math.pi, math.pi)  # the whole scene is turned, so that no direction is special
+    if wall == "pieces":
+        tilt = math.atan2(4, 3)  # so that the pieces stay in line when they are written in decimals
+    place = lambda x, y: complex(x, y) * complex(math.cos(tilt), math.sin(tilt))
+    towards = lambda z: f"{z.real:.4f},{z.imag:.4f}"
+    for k, shapes in enumerate(family["shapes"]):
+        size, mass = rng.uniform(0.85, 1.15), rng.uniform(40, 100)
+        inertia = mass * (0.0205 if len(shapes) > 1 else 0.5 * 0.18**2) * size**2 * rng.uniform(0.8, 1.2)
+        rates = (rng.uniform(1, 5), rng.uniform(1, 5)) if family.get("rates") else (0.0, 0.0)
+        drawn = rng.uniform(-3, 3) if family.get("turned") else 0.0
+        lines = [f'<Agent Type="pedestrian" Id="{k}" Mass="{mass:.2f}" Height="1.75" MomentOfInertia="{inertia:.4f}" FloorDamping="{rates[0]:.3f}" AngularDamping="{rates[1]:.3f}">']
+        for radius, x, y in shapes:
+            at = size * complex(x, y) * complex(math.cos(drawn), math.sin(drawn))
+            material = "soft" if rng.random() < 0.4 else "firm"
+            lines.append(f'<Shape Type="disk" Radius="{size * radius:.5f}" MaterialId="{material}" Position="{at.real:.6f},{at.imag:.6f}"/>')
+        agents += lines + ["</Agent>"]
+        if wall in ("bent", "pieces", "wedge"):  # a row above the wall, heading down and along
+            x, y = 0.55 * (k - (count - 1) / 2) + rng.uniform(-0.05, 0.05), rng.uniform(0.2, 0.35)
+            if wall == "wedge":
+                x, y = x - 0.12, y + 0.35 * max(0.0, 0.5 - abs(x))
+            going = complex(rng.uniform(0.5, 1.8) * (1 if wall != "bent" else rng.choice([-1, 1])), -rng.uniform(0.5, 1.5))
+            push = complex(rng.uniform(-0.3, 0.6), -1)
+        else:  # a ring, heading inwards and past each other
+            angle = 2 * math.pi * (k + rng.uniform(-0.15, 0.15)) / count
+            radius = (0.24 if count < 4 else 0.075 * count) + rng.uniform(0.0, 0.12)
+            x, y = radius * math.cos(angle), radius * math.sin(angle)
+            going = -complex(x, y) / radius * rng.uniform(0.5, 1.6) + complex(*rng.normal(0, 0.4, 2))
+            push = -complex(x, y) / radius
+        spin = family.get("spin", 2.0)
+        velocity = place(going.real, going.imag)
+        dynamics.append((towards(place(x, y)), towards(velocity), f"{rng.uniform(-3, 3):.4f}", f"{rng.uniform(-spin, spin):.4f}"))
+        turns = [rng.uniform(0.3, 1.0) * (-0.5 if family.get("changing") and p % 2 else 1.0) for p in range(POINTS)]
+        if not family.get("changing"):
+            turns = turns[:1] * POINTS
+        push = place(push.real, push.imag) * family.get("press", 0.0)
+        torque = rng.uniform(-30, 30) if "press" in family else 0.0
+        drive.append([[round((f * push).real, 2), round((f * push).imag, 2), round(f * torque, 2)] for f in turns])
+    corners = {
+        None: None,
+        "bent": [(-2.5, 0.35), (-0.4, 0.0), (0.5, -0.02), (2.5, 0.5)],
+        "pieces": [(-2.5, 0.0), (-0.1, 0.0), (0.15, 0.0), (2.5, 0.0)],
+        "wedge": [(-1.5, -0.75), (0.0, 0.06), (1.4, -0.6)],
+        "room": None,
+    }[wall]
+    if wall == "room":
+        reach = (0.42 if count < 4 else 0.26 + 0.075 * count) + rng.uniform(0.02, 0.1)
+        at = [2 * math.pi * (k + rng.uniform(-0.15, 0.15)) / 5 for k in range(5)]
+        corners = [(1.3 * reach * math.cos(a), 1.3 * reach * math.sin(a)) for a in at]
+        corners.append(corners[0])
+    geometry = ['<Geometry><Dimensions Lx="6" Ly="6"/>']
+    if corners:
+        geometry.append('<Wall Id="0" MaterialId="wall">')
+        geometry += [f'<Corner Coordinates="{z.real:.5f},{z.imag:.5f}"/>' for z in (place(*c) for c in corners)]
+        geometry.append("</Wall>")
+    geometry += ["</Geometry>", ""]
+    times = [round(DURATION * (p + 1) / POINTS, 6) for p in range(POINTS)]
+    drive = [[agent[p] for agent in drive] for p in range(POINTS)]  # per communication step
+    moving = [
+        f'<Agent Id="{k}"><Kinematics Position="{p}" Velocity="{v}" Theta="{theta}" Omega="{omega}"/><Dynamics Fp="{drive[0][k][0]},{drive[0][k][1]}" Mp="{drive[0][k][2]}"/></Agent>'
+        for k, (p, v, theta, omega) in enumerate(dynamics)
+    ]
+    files = {
+        "Parameters.xml": f'<Parameters><Directories Static="./static/" Dynamic="./dynamic/"/><Times TimeStep="{times[0]}" TimeStepMechanical="1e-5"/></Parameters>\n',
+        "static/Materials.xml": materials_xml(rng, family.get("damped", True), family.get("rough", True)),
+        "static/Geometry.xml": "\n".join(geometry),
+        "static/Agents.xml": "\n".join(["<Agents>", *agents, "</Agents>", ""]),
+        "dynamic/AgentDynamics.xml": "\n".join(["<Agents>", *moving, "</Agents>", ""]),
+    }
+    return {"name": name, "seed": seed, "agents": count, "times": times, "drive": drive, "files": files}
+
+
+def screen(case):
+    """Solves a case; None if it is no fair test: an overlap at the start, hardly any contact, or ill conditioned.
+
+    Ill conditioned (grazing contacts are): the start moved by 1e-9 (m, rad, m/s, rad/s) moves some later state by more than
+    `AMPLIFIED`; or the tolerance 1e-10 disagrees by more than 1e-9.
+    """
+    try:
+        simulation = Simulation(case["files"])
+        if simulation.scene.touching(simulation.y).max() > -0.002:
+            return None
+        states, simulation = solve(case)
+        counts = simulation.counts
+        if counts[FAMILIES[case["name"]].get("needs", "contacts")] == 0:
+            return None
+        if counts["contacts"] < FAMILIES[case["name"]].get("count", case["agents"]) or counts["ends"] < 0.5 * counts["contacts"]:
+            return None
+        shift = 1e-9 * np.random.default_rng(case["seed"]).uniform(-1, 1, len(simulation.y))
+        moved = np.abs(np.array(solve(case, shift)[0]) - states).max()
+        loose = np.abs(np.array(solve(case, None, 1e-10)[0]) - states).max()
+    except Grazing:
+        return None
+    if moved > AMPLIFIED or loose > 1e-9:
+        return None
+    case["states"] = np.round(states, 13).tolist()
+    case["happens"] = {what: n for what, n in sorted(counts.items()) if n}
+    case["moved"], case["loose"] = float(f"{moved:.1e}"), float(f"{loose:.1e}")
+    return case
+
+
+def make_all(report=lambda *_: None):
+    cases = []
+    for number, name in enumerate(FAMILIES):
+        for seed in range(100 * number, 100 * number + 100):
+            case = screen(make_case(name, seed))
+            if case:
+                break
+        else:
+            raise SystemExit(f"no seed will do for {name}")
+        report(case)
+        cases.append(case)
+    return cases
+
+
+def describe(case):
+    print(f"{case['name']:41} seed {case['seed']:4}  start moved by 1e-9: {case['moved']:.0e}  tolerance 1e-10: {case['loose']:.0e}  {case['happens']}", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--write", metavar="FILE", help="make the cases and their solutions anew")
+    parser.add_argument("--list", metavar="FILE", help="what happens in each case of a file")
+    arguments = parser.parse_args()
+    if arguments.write:
+        cases = make_all(describe)
+        with open(arguments.write, "w") as file:
+            file.write("[\n" + ",\n".join(json.dumps(case, separators=(",", ":")) for case in cases) + "\n]\n")
+    elif arguments.list:
+        with open(arguments.list) as file:
+            for case in json.load(file):
+                describe(case)
+    else:
+        parser.print_help()
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()
