@@ -69,6 +69,8 @@ struct Touch {
     other_arm: Vec2,
     normal_speed: f64,
     slip_speed: f64,
+    /// \[m\] of the spring, before the slider may give way.
+    elongation: f64,
     reaction: Reaction,
 }
 
@@ -221,15 +223,25 @@ fn touch(
 ) -> Touch {
     let normal_speed = velocity.dot(overlap.normal);
     let slip_speed = velocity.dot(overlap.normal.perp());
-    let elongation = match stretch {
-        // Passing to another part of a wall begins another contact.
-        _ if spring.touching != Some(part) => 0.0,
-        Stretch::Hold => spring.elongation,
+    let elongation = match (stretch, spring.touching) {
+        (Stretch::Hold, Some(before)) if before == part => spring.elongation,
         // The trapezoid of ds/dt = v_t keeps the second order of the integrator.
-        Stretch::Over(dt) => spring.elongation + 0.5 * dt * (spring.slip_speed + slip_speed),
+        (Stretch::Over(dt), Some(before)) if before == part => {
+            spring.elongation + 0.5 * dt * (spring.slip_speed + slip_speed)
+        }
+        // First touch was within this step, when the depth was zero: the spring has stretched since then.
+        (Stretch::Over(dt), None) => slip_speed * touching_for(overlap.depth, normal_speed, dt),
+        // Passing to another part of a wall begins another contact.
+        _ => 0.0,
     };
     let reaction = react(law, overlap.depth, normal_speed, slip_speed, elongation);
-    Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, reaction }
+    Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction }
+}
+
+/// \[s\] how much of a step a contact has lasted that was not there before it.
+#[inline]
+fn touching_for(depth: f64, normal_speed: f64, dt: f64) -> f64 {
+    if -normal_speed * dt > depth { depth / -normal_speed } else { dt }
 }
 
 /// Writes what was found into the pair's spring.
@@ -249,8 +261,7 @@ fn settle(finding: Finding, spring: &mut Spring, stretch: Stretch, work: &mut Wo
             work.contacts += 1;
             work.sliding += u64::from(touch.reaction.regime == Regime::Sliding);
             let elongation = match stretch {
-                Stretch::Hold if spring.touching == Some(touch.part) => spring.elongation,
-                Stretch::Hold => 0.0,
+                Stretch::Hold => touch.elongation,
                 Stretch::Over(_) => touch.reaction.elongation,
             };
             *spring = Spring { elongation, slip_speed: touch.slip_speed, touching: Some(touch.part) };
@@ -341,7 +352,7 @@ impl ContactReport {
             normal: touch.overlap.normal,
             normal_force: touch.reaction.normal,
             tangential_force: touch.reaction.tangential,
-            elongation: touch.reaction.elongation,
+            elongation: touch.elongation,
             normal_speed: touch.normal_speed,
             slip_speed: touch.slip_speed,
             regime: touch.reaction.regime,

@@ -30,6 +30,7 @@ pub use scene::{
     shown_orientation,
 };
 pub use shortlist::Shortlisting;
+pub use springs::elongation_vector;
 pub use state::{DiskSpring, FacePart, FaceSpring, Pose, State, Twist, Wrench};
 pub use vec2::{Rotation, Vec2, vec2};
 pub use world::{AdvanceError, World, step_count};

@@ -124,8 +124,11 @@ mod tests {
     use super::super::vec2;
     use super::*;
     use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
 
     proptest! {
+        #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
         /// The grid finds what looking at every two finds, across signs and scales.
         #[test]
         fn grid_finds_every_near_pair(

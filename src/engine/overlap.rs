@@ -45,10 +45,16 @@ pub fn meet(between: Vec2, reach: f64) -> Meeting {
     }
     let depth = reach - distance;
     if depth > 0.0 {
-        Meeting::Touching(Overlap { depth, normal: between * (1.0 / distance) })
+        Meeting::Touching(Overlap { depth, normal: unit(between, distance) })
     } else {
         Meeting::Apart
     }
+}
+
+/// The unit vector along `between`, whose length is `distance` > 0.
+#[inline]
+pub fn unit(between: Vec2, distance: f64) -> Vec2 {
+    between * (1.0 / distance)
 }
 
 /// The point of a face nearest to a place, and the part of the face it lies on.

@@ -1,6 +1,6 @@
 //! Springs from the vectors that files hold.
 
-use super::overlap::nearest_on_face;
+use super::overlap::{nearest_on_face, unit};
 use super::{DiskId, DiskSpring, FaceId, FaceSpring, Pose, Rotation, Scene, Vec2};
 
 impl Scene {
@@ -14,19 +14,58 @@ impl Scene {
     /// The spring between two disks whose elongation is a vector \[m\], as the first one sees it.
     pub fn disk_spring(&self, first: DiskId, second: DiskId, elongation: Vec2, poses: &[Pose]) -> DiskSpring {
         let between = self.centre(first, poses) - self.centre(second, poses);
-        DiskSpring { first, second, elongation: along_tangent(elongation, between) }
+        DiskSpring { first, second, elongation: elongation_along(between, elongation) }
     }
 
     /// The spring between a disk and a face whose elongation is a vector \[m\].
     pub fn face_spring(&self, disk: DiskId, face: FaceId, elongation: Vec2, poses: &[Pose]) -> FaceSpring {
         let centre = self.centre(disk, poses);
         let (nearest, part) = nearest_on_face(&self.faces[face.index()], centre);
-        FaceSpring { disk, face, part, elongation: along_tangent(elongation, centre - nearest) }
+        FaceSpring { disk, face, part, elongation: elongation_along(centre - nearest, elongation) }
     }
 }
 
 /// The component along the tangent of a contact whose centres lie `between` apart.
-fn along_tangent(elongation: Vec2, between: Vec2) -> f64 {
+fn elongation_along(between: Vec2, elongation: Vec2) -> f64 {
     let distance = between.norm();
-    if distance == 0.0 { 0.0 } else { elongation.dot(between.perp()) / distance }
+    if distance == 0.0 { 0.0 } else { elongation.dot(unit(between, distance).perp()) }
+}
+
+/// The vector of a spring's elongation along the tangent, which reads back to the same double: where the
+/// plain product does not, its components are moved by some units in the last place.
+pub fn elongation_vector(tangent: Vec2, elongation: f64) -> Vec2 {
+    /// Both signs, nearest first.
+    fn around(farthest: i64) -> impl Iterator<Item = i64> {
+        (0..=farthest).flat_map(|by| [by, -by])
+    }
+    let ulps = |value: f64, by: i64| f64::from_bits(value.to_bits().saturating_add_signed(by));
+    let plain = tangent * elongation;
+    // The larger component moves the product by about its own unit, the smaller one by less.
+    let near = around(3).flat_map(|large| around(32).map(move |small| (large, small)));
+    let moved = near.map(|(large, small)| {
+        let (x, y) = if plain.x.abs() < plain.y.abs() { (small, large) } else { (large, small) };
+        Vec2 { x: ulps(plain.x, x), y: ulps(plain.y, y) }
+    });
+    moved.into_iter().find(|vector| vector.dot(tangent) == elongation).unwrap_or(plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
+        #[test]
+        fn vectors_read_back(angle in 0.0..6.3f64, distance in 0.01..1.0f64, elongation in -1e-3..1e-3f64) {
+            let turn = Rotation::by(angle);
+            let between = Vec2 { x: distance * turn.cos, y: distance * turn.sin };
+            let tangent = unit(between, between.norm()).perp();
+            let vector = elongation_vector(tangent, elongation);
+            prop_assert_eq!(elongation_along(between, vector), elongation);
+            prop_assert!((vector - tangent * elongation).norm() <= 1e-13 * elongation.abs());
+        }
+    }
 }

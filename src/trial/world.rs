@@ -3,7 +3,7 @@
 use super::{AgentDynamics, AgentInteraction, ContactForce, Interactions, Trial, WallInteraction, stiffness};
 use crate::engine::{
     AdvanceError, BodySpec, Contact, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene,
-    SceneError, State, Twist, WallSpec, World, Wrench,
+    SceneError, State, Twist, WallSpec, World, Wrench, elongation_vector,
 };
 use std::collections::HashMap;
 use thiserror::Error;
@@ -221,7 +221,7 @@ pub fn interactions_of(world: &World) -> Interactions {
 fn force_of(contact: &Contact) -> ContactForce {
     let tangent = contact.normal.perp();
     ContactForce {
-        elongation: tangent * contact.elongation,
+        elongation: elongation_vector(tangent, contact.elongation),
         normal: contact.normal * contact.normal_force,
         tangential: tangent * contact.tangential_force,
     }

@@ -3,6 +3,7 @@
 use crowd_mechanics::engine::*;
 use lemons_verify::scenes::*;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 /// A random scene: people on a jittered lattice between walls, of two materials.
 #[derive(Debug, Clone)]
@@ -98,7 +99,7 @@ fn maps_back(case: &Case, place: impl Fn(Vec2) -> Vec2, angle: impl Fn(f64) -> f
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 32, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 32, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() })]
 
     #[test]
     fn of_place(case in case(), x in -9.0..9.0f64, y in -9.0..9.0f64) {

@@ -5,7 +5,7 @@ from math import inf, nan, nextafter
 import pytest
 from crowd import bits, push_drive, refused
 
-SAVED, STEPS = 11, 20  # 0.55 s: agents 0 and 1 are in contact
+SAVED, STEPS = 8, 23  # 0.4 s: agents 0 and 1 are in contact
 
 
 @pytest.fixture
