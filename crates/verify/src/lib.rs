@@ -8,6 +8,7 @@ pub mod flight;
 pub mod friction;
 pub mod interfaces;
 pub mod ledger;
+pub mod reference;
 pub mod scenarios;
 pub mod scenes;
 pub mod symmetry;
@@ -56,6 +57,7 @@ pub fn checks() -> Vec<Check> {
         ledger::CHECKS,
         symmetry::CHECKS,
         scenarios::CHECKS,
+        reference::CHECKS,
     ];
     groups.into_iter().flatten().map(|check| Check { ..*check }).collect()
 }

@@ -1,0 +1,89 @@
+//! Random cases against the independent reference integrator (tests/fmpy/reference.py: scipy, eighth
+//! order, from event to event, own formulas; its solutions are committed, and a test makes them anew).
+
+use crate::{Check, largest};
+use anyhow::{Result, ensure};
+use crowd_mechanics::engine::{Wrench, vec2};
+use crowd_mechanics::trial::Trial;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+static CASES: &str = include_str!("../../../tests/reference/cases.json");
+
+pub(crate) const CHECKS: &[Check] = &[
+    Check::new(
+        "random cases of 1 to 6 agents, dt = 1e-6 s: poses",
+        "independent integrator",
+        "m, rad",
+        5e-5,
+        || Ok(worst(1e-6)?.0),
+    ),
+    Check::new("the same: velocities", "independent integrator", "SI", 1e-3, || Ok(worst(1e-6)?.1)),
+    Check::new("the same: 1/fall of the median from dt = 1.6e-5 s", "1/16: first order", "", 0.2, fall),
+];
+
+/// A case of tests/reference/cases.json; its format is described in reference.py.
+#[derive(Deserialize)]
+struct Case {
+    name: String,
+    files: BTreeMap<String, String>,
+    times: Vec<f64>,
+    drive: Vec<Vec<[f64; 3]>>,
+    states: Vec<Vec<[f64; 6]>>,
+}
+
+/// The largest differences of poses \[m, rad\] and velocities \[m/s, rad/s\] in a case.
+fn differences(case: &Case, mechanical_step: f64) -> Result<(f64, f64)> {
+    let directory = tempfile::tempdir()?;
+    for (name, text) in &case.files {
+        let path = directory.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap_or(directory.path()))?;
+        std::fs::write(path, text)?;
+    }
+    let (trial, _) = Trial::read(directory.path())?;
+    let mut world = trial.world()?;
+    world.mechanical_step = mechanical_step;
+    let (mut time, mut worst) = (0.0, (0.0, 0.0));
+    for ((&end, drive), states) in case.times.iter().zip(&case.drive).zip(&case.states) {
+        world.drive = drive.iter().map(|[x, y, m]| Wrench { force: vec2(*x, *y), torque: *m }).collect();
+        world.advance(end - time)?;
+        time = end;
+        let motions = world.state().poses.iter().zip(&world.state().twists);
+        for ((pose, twist), [x, y, theta, vx, vy, omega]) in motions.zip(states) {
+            let place = (pose.position - vec2(*x, *y)).norm();
+            let velocity = (twist.velocity - vec2(*vx, *vy)).norm();
+            worst.0 = largest([worst.0, place, (pose.orientation - theta).abs()]);
+            worst.1 = largest([worst.1, velocity, (twist.angular_velocity - omega).abs()]);
+        }
+    }
+    Ok(worst)
+}
+
+/// Name and largest differences of every case.
+///
+/// # Errors
+/// A case that does not run.
+pub fn all(mechanical_step: f64) -> Result<Vec<(String, f64, f64)>> {
+    let cases: Vec<Case> = serde_json::from_str(CASES)?;
+    ensure!(cases.len() >= 12, "only {} cases", cases.len());
+    cases
+        .iter()
+        .map(|case| differences(case, mechanical_step).map(|(pose, twist)| (case.name.clone(), pose, twist)))
+        .collect()
+}
+
+fn worst(mechanical_step: f64) -> Result<(f64, f64)> {
+    let all = all(mechanical_step)?;
+    Ok((largest(all.iter().map(|case| case.1)), largest(all.iter().map(|case| case.2))))
+}
+
+fn median(mechanical_step: f64) -> Result<f64> {
+    let mut poses: Vec<f64> = all(mechanical_step)?.into_iter().map(|case| case.1).collect();
+    poses.sort_by(f64::total_cmp);
+    Ok(poses[poses.len() / 2])
+}
+
+/// One case alone is noisy: at which point of a step a contact begins is drawn anew with every step.
+fn fall() -> Result<f64> {
+    Ok(median(1e-6)? / median(1.6e-5)?)
+}
