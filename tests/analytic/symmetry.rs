@@ -22,7 +22,7 @@ fn law(friction: f64) -> PairLaw {
 prop_compose! {
     fn case()(
         people in prop::collection::vec(
-            (40.0..110.0f64, 0.0..6.28f64, -0.04..0.04f64, -0.04..0.04f64, -1.0..1.0f64, -1.0..1.0f64, -2.0..2.0f64, 0..2usize),
+            (40.0..110.0f64, 0.0..std::f64::consts::TAU, -0.04..0.04f64, -0.04..0.04f64, -1.0..1.0f64, -1.0..1.0f64, -2.0..2.0f64, 0..2usize),
             2..7,
         ),
         frictions in prop::array::uniform3(0.0..0.8f64),
