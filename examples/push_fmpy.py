@@ -12,7 +12,7 @@ from math import pi, sin
 import matplotlib.pyplot as plt
 from fmpy import extract, instantiate_fmu, read_model_description
 
-PEAK, DURATION, STEP, END = 700.0, 0.6, 0.02, 2.0  # N, s, s, s
+PEAK, DURATION, STEP, END = 1200.0, 0.6, 0.02, 2.0  # N, s, s, s
 
 description = read_model_description(sys.argv[1])
 reference = {variable.name: variable.valueReference for variable in description.modelVariables}

@@ -47,6 +47,9 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
         }
         out.flush()?;
     }
+    if arguments.only.is_none() && !arguments.markdown {
+        writeln!(out, "{}", lemons_verify::tables()?)?;
+    }
     if !arguments.markdown {
         writeln!(out, "{passed} passed, {failed} failed")?;
     }

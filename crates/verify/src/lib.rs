@@ -62,6 +62,36 @@ pub fn checks() -> Vec<Check> {
     groups.into_iter().flatten().map(|check| Check { ..*check }).collect()
 }
 
+/// The tables behind the rows about order: errors and remainders as the mechanical step is halved.
+///
+/// # Errors
+/// A world did not advance.
+pub fn tables() -> Result<String> {
+    let mut text = String::new();
+    let series = [
+        (
+            "error of overlap and closing speed after 8.192 ms of a damped contact [m]",
+            collision::errors_in_contact()?,
+        ),
+        ("remainder of the energy ledger, contacts lasting", ledger::remainders(ledger::Case::Lasting)?),
+        (
+            "remainder of the energy ledger, contacts beginning and ending",
+            ledger::remainders(ledger::Case::Passing)?,
+        ),
+    ];
+    for (title, rows) in series {
+        text.push_str(&format!("\n{title}\n{:>12}  {:>11}  fell by\n", "dt [s]", "found"));
+        let mut last = None;
+        for (dt, figure) in rows {
+            let fall = last.map_or(String::new(), |last: f64| format!("{:7.2}", (last / figure).abs()));
+            text.push_str(format!("{dt:>12.3e}  {figure:>11.3e}  {fall}").trim_end());
+            text.push('\n');
+            last = Some(figure);
+        }
+    }
+    Ok(text)
+}
+
 /// The largest of some differences; not a number if any is not.
 pub(crate) fn largest(differences: impl IntoIterator<Item = f64>) -> f64 {
     differences.into_iter().fold(0.0, |worst, d| if d.is_nan() || d > worst { d } else { worst })

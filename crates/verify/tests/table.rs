@@ -10,6 +10,7 @@ fn every_check_passes() {
             failed.push(check.name);
         }
     }
+    println!("{}", lemons_verify::tables().unwrap());
     assert!(failed.is_empty(), "{failed:?}");
 }
 
