@@ -29,24 +29,41 @@ impl WriteError {
 #[derive(Debug)]
 pub struct Staged {
     file: File,
-    /// Where it is written; empty once it is persisted.
+    /// Where it is written; empty once it is persisted, or if the place itself is written.
     temporary: PathBuf,
     place: PathBuf,
 }
 
 impl Staged {
-    /// A new file in the directory of `place`.
+    /// A new file for `place`: beside the file that a link leads to, with the permissions of one that is
+    /// there already. What is no regular file (a device, a pipe) is written itself.
     ///
     /// # Errors
-    /// The directory cannot be written.
+    /// The place or its directory cannot be written.
     pub fn beside(place: &Path) -> io::Result<Staged> {
+        let there = match place.metadata() {
+            Ok(there) => Some(there),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) => return Err(error),
+        };
+        if there.as_ref().is_some_and(|there| !there.is_file()) {
+            let file = File::options().write(true).open(place)?;
+            return Ok(Staged { file, temporary: PathBuf::new(), place: place.to_owned() });
+        }
+        let place = if there.is_some() { place.canonicalize()? } else { place.to_owned() };
         let directory =
             place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let process = std::process::id();
         for attempt in 0.. {
             let temporary = directory.join(format!(".lemons-{process}-{attempt}"));
             match File::options().write(true).create_new(true).open(&temporary) {
-                Ok(file) => return Ok(Staged { file, temporary, place: place.to_owned() }),
+                Ok(file) => {
+                    let staged = Staged { file, temporary, place };
+                    if let Some(there) = there {
+                        staged.file.set_permissions(there.permissions())?;
+                    }
+                    return Ok(staged);
+                }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < u16::MAX => {}
                 Err(error) => return Err(error),
             }
@@ -54,13 +71,15 @@ impl Staged {
         Err(io::ErrorKind::AlreadyExists.into())
     }
 
-    /// Takes its place, whatever stood there.
+    /// Takes its place.
     ///
     /// # Errors
     /// The place cannot be taken; it is as it was then.
     pub fn persist(mut self) -> io::Result<()> {
-        std::fs::rename(&self.temporary, &self.place)?;
-        self.temporary.clear();
+        if !self.temporary.as_os_str().is_empty() {
+            std::fs::rename(&self.temporary, &self.place)?;
+            self.temporary.clear();
+        }
         Ok(())
     }
 }
@@ -189,5 +208,37 @@ mod tests {
         }
         let left = std::fs::read_dir(directory.path()).unwrap().count();
         assert_eq!(left, 2, "no temporary file is left");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn links_lead_on_and_permissions_stay() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let directory = TempDir::new().unwrap();
+        let (file, link) = (directory.path().join("file"), directory.path().join("link"));
+        std::fs::write(&file, "old").unwrap();
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o640)).unwrap();
+        symlink(&file, &link).unwrap();
+        write_atomically(&link, "new").unwrap();
+        assert!(link.symlink_metadata().unwrap().is_symlink());
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
+        assert_eq!(file.metadata().unwrap().permissions().mode() & 0o777, 0o640);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn what_is_no_regular_file_is_written_not_replaced() {
+        use std::os::unix::fs::FileTypeExt;
+        let directory = TempDir::new().unwrap();
+        let pipe = directory.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || std::fs::read_to_string(pipe).unwrap()
+        });
+        write_atomically(&pipe, "through").unwrap();
+        assert_eq!(reader.join().unwrap(), "through");
+        assert!(pipe.metadata().unwrap().file_type().is_fifo());
+        assert!(write_atomically(directory.path(), "x").is_err(), "a directory is no place for a file");
     }
 }

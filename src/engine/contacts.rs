@@ -120,7 +120,7 @@ impl Instant<'_> {
         let centre = self.placement.centre[i];
         let (nearest, part) = nearest_on_face(wall, centre);
         let meeting = meet(centre - nearest, disk.radius);
-        if meeting == Meeting::Apart || !books_contact(self.scene, face.index(), part, centre) {
+        if meeting == Meeting::Apart || !books_contact(self.scene, face.index(), nearest, part, centre) {
             return Finding::Apart;
         }
         let Meeting::Touching(overlap) = meeting else { return Finding::Coincident };

@@ -57,37 +57,63 @@ pub fn unit(between: Vec2, distance: f64) -> Vec2 {
     between * (1.0 / distance)
 }
 
+/// Whether a place lies beyond an end of a straight piece: nearer to the end than to any other point of it.
+///
+/// The one predicate for both ends and for booking, so that faces that meet at a corner never disagree
+/// by rounding about who is nearest.
+#[inline]
+fn beyond(end: Vec2, other_end: Vec2, place: Vec2) -> bool {
+    (place - end).dot(other_end - end) <= 0.0
+}
+
 /// The point of a face nearest to a place, and the part of the face it lies on.
 #[inline]
 pub fn nearest_on_face(face: &Face, place: Vec2) -> (Vec2, FacePart) {
-    let along = face.end - face.start;
-    let share = (place - face.start).dot(along);
-    let length_squared = along.norm_squared();
-    if share <= 0.0 {
+    if beyond(face.start, face.end, place) {
         (face.start, FacePart::Start)
-    } else if share >= length_squared {
+    } else if beyond(face.end, face.start, place) {
         (face.end, FacePart::End)
     } else {
-        (face.start + along * (share / length_squared), FacePart::Inside)
+        let along = face.end - face.start;
+        let share = (place - face.start).dot(along) / along.norm_squared();
+        (face.start + along * share, FacePart::Inside)
     }
 }
+
+/// \[m\] Nearest points of two faces that both lie this near to their common corner are one point.
+const SAME_POINT: f64 = 1e-9;
 
 /// Whether the contact of a place with a part of a face is this face's to book.
 ///
 /// A corner touches only when it is the nearest point of every face that meets there, and then once,
-/// on the lowest-numbered of them: a straight wall drawn in two pieces acts like one.
-pub fn books_contact(scene: &Scene, face: usize, part: FacePart, place: Vec2) -> bool {
+/// on the lowest-numbered of them. At the seam of a straight wall drawn in two pieces rounding may put
+/// the nearest points of both just inside: that is one contact too, of the lower-numbered face.
+pub fn books_contact(scene: &Scene, face: usize, nearest: Vec2, part: FacePart, place: Vec2) -> bool {
+    let own = &scene.faces[face];
     let at = match part {
-        FacePart::Inside => return true,
-        FacePart::Start => scene.faces[face].start_corner,
-        FacePart::End => scene.faces[face].end_corner,
+        FacePart::Start => own.start_corner,
+        FacePart::End => own.end_corner,
+        FacePart::Inside => {
+            return ![own.start_corner, own.end_corner].into_iter().any(|at| {
+                let corner = &scene.corners[at.index()];
+                (nearest - corner.position).norm_squared() < SAME_POINT * SAME_POINT
+                    && corner.faces.iter().take_while(|lower| lower.index() < face).any(|lower| {
+                        let (point, part) = nearest_on_face(&scene.faces[lower.index()], place);
+                        let near = (point - corner.position).norm_squared() < SAME_POINT * SAME_POINT;
+                        part == FacePart::Inside && near
+                    })
+            });
+        }
     };
     let corner = &scene.corners[at.index()];
     corner.faces[0].index() == face
         && corner.faces.iter().all(|other| {
             let other = &scene.faces[other.index()];
-            let away = if other.start_corner == at { other.end } else { other.start };
-            (place - corner.position).dot(away - corner.position) <= 0.0
+            if other.start_corner == at {
+                beyond(other.start, other.end, place)
+            } else {
+                beyond(other.end, other.start, place)
+            }
         })
 }
 
@@ -102,8 +128,9 @@ mod tests {
 
     fn booked(scene: &Scene, place: Vec2) -> Vec<(usize, FacePart)> {
         (0..scene.faces.len())
-            .map(|face| (face, nearest_on_face(&scene.faces[face], place).1))
-            .filter(|&(face, part)| books_contact(scene, face, part, place))
+            .map(|face| (face, nearest_on_face(&scene.faces[face], place)))
+            .filter(|&(face, (nearest, part))| books_contact(scene, face, nearest, part, place))
+            .map(|(face, (_, part))| (face, part))
             .collect()
     }
 
@@ -124,6 +151,26 @@ mod tests {
         assert_eq!(booked(&scene, vec2(1.0, 0.1)), [(0, FacePart::End)]);
         assert_eq!(booked(&scene, vec2(1.5, 0.1)), [(1, FacePart::Inside)]);
         assert_eq!(booked(&scene, vec2(-0.1, 0.1)), [(0, FacePart::Start)]);
+    }
+
+    #[test]
+    fn a_seam_is_booked_once_whatever_the_rounding() {
+        let straight = wall(&[vec2(-10.0, 0.0), vec2(0.0, 0.0), vec2(10.0, 0.0)]);
+        for x in [-1e-16, -6e-17, -1e-17, -0.0, 0.0, 1e-17, 1e-16] {
+            assert_eq!(booked(&straight, vec2(x, 0.19)).len(), 1, "{x}");
+        }
+        // Slanted walls of any length, the place on the normal at the seam but for rounding.
+        for k in 0..5000 {
+            let angle = 0.37 * f64::from(k);
+            let along = vec2(libm::cos(angle), libm::sin(angle));
+            let seam = vec2(libm::sin(1.7 * f64::from(k)) * 9.0, libm::cos(2.3 * f64::from(k)) * 9.0);
+            let (before, after) = (0.1 + 0.003 * f64::from(k % 977), 0.1 + 0.002 * f64::from(k % 613));
+            let slanted = wall(&[seam - along * before, seam, seam + along * after]);
+            for shift in [-1e-15, -1e-16, 0.0, 1e-16, 1e-15] {
+                let place = seam + along.perp() * 0.19 + along * shift;
+                assert_eq!(booked(&slanted, place).len(), 1, "wall {k}, shift {shift}");
+            }
+        }
     }
 
     #[test]
