@@ -45,7 +45,7 @@ pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallErr
     let (trial, _) = Trial::read_named(directory, names).map_err(CallError::Trial)?;
     let mut world = trial.world()?;
     world.advance(trial.parameters.time_step).map_err(|error| CallError::Advance(trial.name_body(&error)))?;
-    let moving = directory.join(trial.parameters.dynamic_directory.trim());
+    let moving = directory.join(trial.parameters.dynamic_path());
     let dynamics = dynamics_xml(&trial.agents, &dynamics_of(&world), Drive::Omitted);
     let interactions = moving.join(INTERACTIONS);
     let interactions = if world.contacts().contacts.is_empty() {
@@ -66,6 +66,7 @@ pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallErr
 /// `files` is NULL or leads to five pointers, each NULL or leading to a text that ends in a zero.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn CrowdMechanics(files: *const *const c_char) -> c_int {
+    crate::fmi2::silence_panics();
     let result = catch_unwind(|| {
         // SAFETY: as the caller promises.
         let [parameters, materials, geometry, agents, dynamics] = unsafe { paths(files) }?;

@@ -89,6 +89,14 @@ struct Component {
     broken: bool,
 }
 
+impl Component {
+    fn tell_warnings(&mut self) {
+        for warning in self.slave.take_warnings() {
+            self.log.write(Status::Warning, WARNING, &warning);
+        }
+    }
+}
+
 /// Why a call is refused.
 enum Refusal {
     Slave(SlaveError),
@@ -129,7 +137,7 @@ impl std::fmt::Display for Refusal {
 
 /// Silences the panic hook: this library prints nothing into its host. The hook holds nothing, so
 /// nothing is left behind when the library is unloaded.
-fn silence_panics() {
+pub(crate) fn silence_panics() {
     static ONCE: std::sync::Once = std::sync::Once::new();
     ONCE.call_once(|| std::panic::set_hook(Box::new(|_| {})));
 }
@@ -237,7 +245,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     let Some(functions) = (unsafe { functions.as_ref() }) else { return std::ptr::null_mut() };
     // SAFETY: NULL or a text of the importer's.
     let name = unsafe { text(instance_name, "instanceName") };
-    let mut log = Log {
+    let log = Log {
         logger: functions.logger,
         environment: functions.component_environment,
         instance_name: CString::new(name.as_ref().map_or("", |name| *name)).unwrap_or_default(),
@@ -259,7 +267,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
         let resources = Resources::from_uri(uri).map_err(SlaveError::from)?;
         Ok::<_, Refusal>(Slave::new(resources, guid)?)
     }));
-    let mut slave = match made {
+    let slave = match made {
         Ok(Ok(slave)) => slave,
         Ok(Err(refusal)) => {
             log.write(Status::Error, ERROR, &format!("fmi2Instantiate: {refusal}"));
@@ -270,11 +278,9 @@ pub unsafe extern "C" fn fmi2Instantiate(
             return std::ptr::null_mut();
         }
     };
-    for warning in slave.take_warnings() {
-        log.write(Status::Warning, WARNING, &warning);
-    }
-    log.wanted[ALL] = logging_on != 0;
-    Box::into_raw(Box::new(Component { slave, log, strings: Vec::new(), broken: false })).cast()
+    let mut component = Component { slave, log, strings: Vec::new(), broken: false };
+    component.tell_warnings();
+    Box::into_raw(Box::new(component)).cast()
 }
 
 /// `fmi2FreeInstance`
@@ -338,7 +344,11 @@ pub unsafe extern "C" fn fmi2EnterInitializationMode(instance: *mut c_void) -> S
 /// `fmi2ExitInitializationMode`
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2ExitInitializationMode(instance: *mut c_void) -> Status {
-    call(instance, "fmi2ExitInitializationMode", |component| Ok(component.slave.exit_initialization()?))
+    call(instance, "fmi2ExitInitializationMode", |component| {
+        component.slave.exit_initialization()?;
+        component.tell_warnings();
+        Ok(())
+    })
 }
 
 /// `fmi2Terminate`
@@ -490,9 +500,7 @@ pub unsafe extern "C" fn fmi2SetString(
         let texts = values.iter().map(|&value| unsafe { text(value, "a value") });
         let texts = texts.collect::<Result<Vec<&str>, Refusal>>()?;
         component.slave.set_string(references, &texts)?;
-        for warning in component.slave.take_warnings() {
-            component.log.write(Status::Warning, WARNING, &warning);
-        }
+        component.tell_warnings();
         Ok(())
     })
 }

@@ -38,12 +38,12 @@ pub enum PackError {
     Outside { path: PathBuf, attribute: &'static str, value: String },
     #[error("{0:?} is no FMI 2.0 platform (linux64, win64, darwin64, aarch64-linux, …)")]
     Platform(String),
-    #[error("cannot read {path}: {source}")]
-    Read { path: PathBuf, source: std::io::Error },
-    #[error("cannot write {path}: {source}")]
-    Write { path: PathBuf, source: std::io::Error },
-    #[error("cannot write {path}: {source}")]
-    Zip { path: PathBuf, source: zip::result::ZipError },
+    #[error("cannot read {path}: {error}")]
+    Read { path: PathBuf, error: std::io::Error },
+    #[error("cannot write {path}: {error}")]
+    Write { path: PathBuf, error: std::io::Error },
+    #[error("cannot write {path}: {error}")]
+    Zip { path: PathBuf, error: zip::result::ZipError },
 }
 
 /// A shared library for one platform.
@@ -106,7 +106,7 @@ impl Package {
         if self.binaries.is_empty() {
             return Err(PackError::NoBinary);
         }
-        let write_error = |source| PackError::Write { path: output.to_owned(), source };
+        let write_error = |error| PackError::Write { path: output.to_owned(), error };
         let mut file = Staged::beside(output).map_err(write_error)?;
         self.fill(&trials, &mut file, output)?;
         file.persist().map_err(write_error)?;
@@ -136,7 +136,7 @@ impl Package {
         for trial in trials {
             add_trial(&mut archive, trial)?;
         }
-        archive.zip.finish().map_err(|source| PackError::Zip { path: output.to_owned(), source })?;
+        archive.zip.finish().map_err(|error| PackError::Zip { path: output.to_owned(), error })?;
         Ok(())
     }
 
@@ -149,7 +149,7 @@ impl Package {
             let (trial, found) =
                 read.map_err(|problems| PackError::Broken { path: path.clone(), problems })?;
             warnings.extend(found.iter().map(ToString::to_string));
-            if trial.name.is_empty() || trial.name.lines().count() != 1 {
+            if trial.name.lines().count() != 1 || trial.name.contains(['/', '\\']) {
                 return Err(PackError::Name { path: path.clone() });
             }
             if trials.iter().any(|other| other.name == trial.name) {
@@ -160,7 +160,7 @@ impl Package {
                 ("Dynamic", &trial.parameters.dynamic_directory),
             ];
             for (attribute, value) in directories {
-                let inside = Path::new(value)
+                let inside = Path::new(value.trim())
                     .components()
                     .all(|part| matches!(part, Component::CurDir | Component::Normal(_)));
                 if !inside {
@@ -214,23 +214,23 @@ impl<W: Write + Seek> Archive<'_, W> {
             .last_modified_time(DateTime::default())
             .unix_permissions(if name.starts_with("binaries/") { 0o755 } else { 0o644 });
         let path = self.path;
-        let zip_error = |source| PackError::Zip { path: path.to_owned(), source };
+        let zip_error = |error| PackError::Zip { path: path.to_owned(), error };
         self.zip.start_file(name, options).map_err(zip_error)?;
-        self.zip.write_all(content).map_err(|source| PackError::Write { path: path.to_owned(), source })
+        self.zip.write_all(content).map_err(|error| PackError::Write { path: path.to_owned(), error })
     }
 }
 
 /// The files of a Trial, unchanged.
 fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result<(), PackError> {
-    let (fixed, moving) = (&trial.parameters.static_directory, &trial.parameters.dynamic_directory);
+    let (fixed, moving) = (trial.parameters.static_path(), trial.parameters.dynamic_path());
     let needed = [
         PathBuf::from("Parameters.xml"),
-        Path::new(fixed).join("Materials.xml"),
-        Path::new(fixed).join("Geometry.xml"),
-        Path::new(fixed).join("Agents.xml"),
-        Path::new(moving).join("AgentDynamics.xml"),
+        fixed.join("Materials.xml"),
+        fixed.join("Geometry.xml"),
+        fixed.join("Agents.xml"),
+        moving.join("AgentDynamics.xml"),
     ];
-    let if_there = [Path::new(moving).join("AgentInteractions.xml"), PathBuf::from(DRIVE_FILE)];
+    let if_there = [moving.join("AgentInteractions.xml"), PathBuf::from(DRIVE_FILE)];
     let if_there = if_there.into_iter().filter(|file| trial.directory.join(file).is_file());
     for file in needed.into_iter().chain(if_there) {
         let content = read(&trial.directory.join(&file))?;
@@ -246,7 +246,7 @@ fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, PackError> {
-    std::fs::read(path).map_err(|source| PackError::Read { path: path.to_owned(), source })
+    std::fs::read(path).map_err(|error| PackError::Read { path: path.to_owned(), error })
 }
 
 const LICENSES: [(&str, &str); 2] = [

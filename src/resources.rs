@@ -18,8 +18,8 @@ pub enum ResourcesError {
     Uri(String),
     #[error("the resource location {uri:?} leads to {path:?}, where there is no directory with a Trial")]
     NoTrial { uri: String, path: PathBuf },
-    #[error("cannot read {path:?}: {source}")]
-    Read { path: PathBuf, source: std::io::Error },
+    #[error("cannot read {path:?}: {error}")]
+    Read { path: PathBuf, error: std::io::Error },
     #[error("{path:?} line {line}: {name:?} is no plain directory name")]
     Name { path: PathBuf, line: usize, name: String },
     #[error("the Trial {name:?} is broken:\n{problems}")]
@@ -134,7 +134,7 @@ fn names_in(directory: &Path) -> Result<Vec<String>, ResourcesError> {
         Err(error)
             if error.kind() == std::io::ErrorKind::NotFound
                 || error.kind() == std::io::ErrorKind::NotADirectory => {}
-        Err(source) => return Err(ResourcesError::Read { path: list, source }),
+        Err(error) => return Err(ResourcesError::Read { path: list, error }),
     }
     let Ok(entries) = std::fs::read_dir(directory) else { return Ok(Vec::new()) };
     let mut names: Vec<String> = entries

@@ -30,7 +30,7 @@ const ROOMS: [(&str, &[&str]); 10] = [
     ("pack", &["trial", "variables", "model_description", "resources", "files"]),
     ("slave", &["engine", "files", "trial", "variables", "resources"]),
     ("fmi2", &["slave", "resources", "model_description"]),
-    ("c_api", &["files", "trial"]),
+    ("c_api", &["files", "trial", "fmi2"]),
 ];
 
 fn sources(path: &Path) -> Vec<PathBuf> {

@@ -1,6 +1,6 @@
 //! What does not change while time runs: bodies, disks, walls and the laws between materials.
 
-use super::{BodyId, CornerId, DiskId, FaceId, Rotation, Vec2, WallId, vec2};
+use super::{BodyId, CornerId, DiskId, FaceId, Rotation, Vec2, WallId};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -283,15 +283,6 @@ impl Scene {
     pub fn body_of(&self, disk: DiskId) -> BodyId {
         self.disks[disk.index()].body
     }
-
-    /// Smallest box around all walls, as lowest and highest corner \[m\]; `None` without walls.
-    pub fn walls_box(&self) -> Option<(Vec2, Vec2)> {
-        let first = self.corners.first()?.position;
-        Some(self.corners.iter().fold((first, first), |(low, high), corner| {
-            let at = corner.position;
-            (vec2(low.x.min(at.x), low.y.min(at.y)), vec2(high.x.max(at.x), high.y.max(at.y)))
-        }))
-    }
 }
 
 fn check_laws(bodies: &[BodySpec], walls: &[WallSpec], laws: &LawTable) -> Result<(), SceneError> {
@@ -335,6 +326,7 @@ fn check_laws(bodies: &[BodySpec], walls: &[WallSpec], laws: &LawTable) -> Resul
 
 #[cfg(test)]
 mod tests {
+    use super::super::vec2;
     use super::*;
 
     #[test]

@@ -10,7 +10,7 @@ pub use lifecycle::{Function, Phase, allowed};
 pub use snapshot::Snapshot;
 
 use crate::engine::{AdvanceError, World};
-use crate::files::{WriteError, write_atomically};
+use crate::files::{Change, WriteError, change_all};
 use crate::resources::{Resources, ResourcesError};
 use crate::trial::{Drive, Trial, WorldError, dynamics_of, dynamics_xml, interactions_of, interactions_xml};
 use crate::variables::{
@@ -182,6 +182,9 @@ impl Slave {
     pub fn exit_initialization(&mut self) -> Result<(), SlaveError> {
         self.check(Function::ExitInitializationMode)?;
         self.make_world()?;
+        if self.settings.keys().any(|&reference| self.table[reference as usize].role != Role::Input) {
+            self.warnings.extend(self.trial.advice_as_edited());
+        }
         if !self.output_directory.is_empty() {
             let directory = Path::new(&self.output_directory);
             std::fs::create_dir_all(directory).map_err(WriteError::at(directory))?;
@@ -340,7 +343,7 @@ impl Slave {
             Role::Input => return Ok(()),
             Role::Parameter | Role::Exact if before => return Ok(()),
             Role::Parameter | Role::Exact => "after initialization",
-            Role::Calculated => "ever: it is computed",
+            Role::Calculated => "at all: it is computed",
         };
         Err(SlaveError::NotSettable { name: variable.name.clone(), when })
     }
@@ -454,7 +457,7 @@ impl Slave {
         if (from - self.time).abs() > tolerance || from.is_nan() {
             return Err(SlaveError::CommunicationPoint { given: from, expected: self.time });
         }
-        if let Some(stop) = self.stop_time.filter(|stop| from + step > stop + 1e-5 * step) {
+        if let Some(stop) = self.stop_time.filter(|stop| from + step > stop + tolerance) {
             return Err(SlaveError::BeyondStopTime { from, step, stop });
         }
         let world = self.make_world()?;
@@ -479,12 +482,15 @@ impl Slave {
         let directory = Path::new(&self.output_directory);
         let time = output_time(self.time);
         let dynamics = dynamics_xml(&self.trial.agents, &dynamics_of(world), Drive::Omitted);
-        write_atomically(&directory.join(format!("AgentDynamics output t={time}.xml")), &dynamics)?;
-        if !world.contacts().contacts.is_empty() {
-            let interactions = interactions_xml(&self.trial, &interactions_of(world));
-            write_atomically(&directory.join(format!("AgentInteractions t={time}.xml")), &interactions)?;
-        }
-        Ok(())
+        let dynamics = Change::Write(directory.join(format!("AgentDynamics output t={time}.xml")), dynamics);
+        // One that an earlier run left behind must not be taken for this one's.
+        let place = directory.join(format!("AgentInteractions t={time}.xml"));
+        let interactions = if world.contacts().contacts.is_empty() {
+            Change::Remove(place)
+        } else {
+            Change::Write(place, interactions_xml(&self.trial, &interactions_of(world)))
+        };
+        change_all(&[dynamics, interactions])
     }
 }
 

@@ -5,7 +5,7 @@ use super::{Trial, stiffness};
 use crate::engine::{ContactReport, DiskId, Pair, Scene};
 use std::collections::HashSet;
 use std::f64::consts::TAU;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A mechanical step longer than this share of the shortest contact period is warned of: beyond about a
 /// third of it the integration is unstable, and contacts in a dense crowd share bodies.
@@ -24,6 +24,13 @@ impl Trial {
         let mut advice = self.overlaps(scene, world.contacts(), dynamics);
         advice.extend(self.coarse_step(scene, parameters));
         advice
+    }
+
+    /// The same of a Trial whose numbers were edited since it was read, as lines.
+    pub fn advice_as_edited(&self) -> Vec<String> {
+        let of = |name: &str| PathBuf::from(format!("{} ({name}, with the parameters as set)", self.name));
+        let advice = self.advice(&of("Parameters.xml"), &of("AgentDynamics.xml"));
+        advice.iter().map(ToString::to_string).collect()
     }
 
     fn overlaps(&self, scene: &Scene, contacts: &ContactReport, file: &Path) -> Vec<Problem> {
@@ -68,7 +75,8 @@ impl Trial {
 
     /// \[s\] the shortest period of a contact's springs, and whose it is; `None` if nothing can touch.
     fn shortest_period(&self, scene: &Scene) -> Option<(f64, String)> {
-        let materials = self.materials.intrinsic.len();
+        let placed = self.materials_placed(&self.material_places());
+        let materials = placed.len();
         // The two lightest agents that carry each material: a contact may be between two of a kind.
         let mut lightest: Vec<[Option<(f64, usize)>; 2]> = vec![[None; 2]; materials];
         for (b, body) in scene.bodies.iter().enumerate() {
@@ -89,8 +97,7 @@ impl Trial {
         let id = |b: usize| quoted(&self.agents[b].id);
         let mut shortest: Option<(f64, String)> = None;
         let mut consider = |first: usize, second: usize, lightness: f64, whose: &dyn Fn() -> String| {
-            let (normal, tangential) =
-                stiffness(&self.materials.intrinsic[first], &self.materials.intrinsic[second]);
+            let (normal, tangential) = stiffness(placed[first], placed[second]);
             let period = TAU / (normal.max(tangential) * lightness).sqrt();
             if shortest.as_ref().is_none_or(|(other, _)| period < *other) {
                 shortest = Some((period, whose()));

@@ -59,6 +59,18 @@ pub struct Parameters {
     pub time_step_mechanical: f64,
 }
 
+impl Parameters {
+    /// The Static directory, relative to the Trial directory.
+    pub fn static_path(&self) -> &Path {
+        Path::new(self.static_directory.trim())
+    }
+
+    /// The Dynamic directory, relative to the Trial directory.
+    pub fn dynamic_path(&self) -> &Path {
+        Path::new(self.dynamic_directory.trim())
+    }
+}
+
 /// `Materials.xml`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Materials {
@@ -256,8 +268,7 @@ impl Trial {
         match Trial::read_checked(directory, names, &mut problems) {
             Some(trial) if !problems.has_errors() => {
                 let parameters = tidy(&directory.join(&names.parameters));
-                let dynamics =
-                    directory.join(trial.parameters.dynamic_directory.trim()).join(&names.dynamics);
+                let dynamics = directory.join(trial.parameters.dynamic_path()).join(&names.dynamics);
                 for warning in trial.advice(&parameters, &tidy(&dynamics)) {
                     problems.push(warning);
                 }

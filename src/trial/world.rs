@@ -1,6 +1,8 @@
 //! Documents to an engine world, and a world back to documents.
 
-use super::{AgentDynamics, AgentInteraction, ContactForce, Interactions, Trial, WallInteraction, stiffness};
+use super::{
+    AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, Trial, WallInteraction, stiffness,
+};
 use crate::engine::{
     AdvanceError, BodySpec, Contact, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene,
     SceneError, State, Twist, WallSpec, World, Wrench, elongation_vector,
@@ -34,19 +36,36 @@ pub enum WorldError {
 }
 
 impl Trial {
-    /// Places of the materials by their Ids.
-    fn material_places(&self) -> HashMap<&str, usize> {
-        self.materials.intrinsic.iter().enumerate().map(|(m, material)| (material.id.as_str(), m)).collect()
+    /// Places in the table of laws of the materials that shapes and walls are of, by their Ids: files may
+    /// list thousands that nothing is made of, and the table has a row and a column for each.
+    pub(super) fn material_places(&self) -> HashMap<&str, usize> {
+        let shapes =
+            self.agents.iter().flat_map(|agent| &agent.shapes).map(|shape| shape.material_id.as_str());
+        let mut places = HashMap::new();
+        for id in shapes.chain(self.geometry.walls.iter().map(|wall| wall.material_id.as_str())) {
+            let next = places.len();
+            places.entry(id).or_insert(next);
+        }
+        places
+    }
+
+    /// The materials in the order of those places.
+    pub(super) fn materials_placed(&self, places: &HashMap<&str, usize>) -> Vec<&Material> {
+        let known = self.materials.intrinsic.iter();
+        let mut placed: Vec<(usize, &Material)> =
+            known.filter_map(|material| Some((*places.get(material.id.as_str())?, material))).collect();
+        placed.sort_by_key(|(place, _)| *place);
+        placed.into_iter().map(|(_, material)| material).collect()
     }
 
     fn laws(&self, places: &HashMap<&str, usize>) -> LawTable {
-        let intrinsic = &self.materials.intrinsic;
+        let intrinsic = self.materials_placed(places);
         let mut laws = LawTable::new(intrinsic.len());
         for contact in &self.materials.binary {
             let (Some(&first), Some(&second)) = (places.get(&*contact.id1), places.get(&*contact.id2)) else {
                 continue;
             };
-            let (normal_stiffness, tangential_stiffness) = stiffness(&intrinsic[first], &intrinsic[second]);
+            let (normal_stiffness, tangential_stiffness) = stiffness(intrinsic[first], intrinsic[second]);
             let usable = |k: f64| k > 0.0 && k.is_finite();
             if usable(normal_stiffness) && usable(tangential_stiffness) {
                 laws.set(
@@ -100,7 +119,8 @@ impl Trial {
             .collect();
         Scene::new(&bodies, &walls, &self.laws(&places)).map_err(|error| match error {
             SceneError::MissingLaw { first, second } => {
-                let (first, second) = (&self.materials.intrinsic[first], &self.materials.intrinsic[second]);
+                let placed = self.materials_placed(&places);
+                let (first, second) = (placed[first], placed[second]);
                 let (normal, tangential) = stiffness(first, second);
                 WorldError::Contact { first: first.id.clone(), second: second.id.clone(), normal, tangential }
             }

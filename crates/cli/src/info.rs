@@ -37,9 +37,9 @@ pub fn info(arguments: &Arguments) -> Result<()> {
         count(Causality::Parameter)
     )?;
     let wanted = |v: &&ScalarVariable| arguments.only.as_ref().is_none_or(|only| v.name.contains(only));
-    let rows: Vec<[String; 5]> = description.modelVariables.iter().filter(wanted).map(row).collect();
-    let head = ["name", "causality", "type", "unit", "start"].map(str::to_owned);
-    let mut widths = [0; 5];
+    let rows: Vec<[String; 4]> = description.modelVariables.iter().filter(wanted).map(row).collect();
+    let head = ["name", "", "unit", "start"].map(str::to_owned);
+    let mut widths = [0; 4];
     for row in std::iter::once(&head).chain(&rows) {
         for (width, cell) in widths.iter_mut().zip(row) {
             *width = (*width).max(cell.chars().count());
@@ -48,27 +48,21 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     for row in std::iter::once(&head).chain(&rows) {
         let cells: Vec<String> =
             row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}")).collect();
-        writeln!(out, "{}", cells.join("  ").trim_end())?;
+        writeln!(out, "{}", cells.join(" ").trim_end())?;
     }
     Ok(())
 }
 
-fn row(variable: &ScalarVariable) -> [String; 5] {
+fn row(variable: &ScalarVariable) -> [String; 4] {
     let unit = match &variable.variableType {
         VariableType::Real { unit, .. } => unit.clone().unwrap_or_default(),
-        _ => String::new(),
+        other => other.name().to_owned(),
     };
     let causality = match variable.causality {
         Causality::Input => "input",
         Causality::Output => "output",
-        Causality::Parameter => "parameter",
+        Causality::Parameter => "param",
         _ => "other",
     };
-    [
-        variable.name.clone(),
-        causality.into(),
-        variable.variableType.name().into(),
-        unit,
-        variable.variableType.start().clone().unwrap_or_default(),
-    ]
+    [variable.name.clone(), causality.into(), unit, variable.variableType.start().clone().unwrap_or_default()]
 }

@@ -18,7 +18,7 @@ use std::process::ExitCode;
 ///
 /// Exit codes: 0 done; 1 something failed; 2 the command line is wrong; 3 a Trial has errors.
 #[derive(Parser)]
-#[command(name = "lemons", version, arg_required_else_help = true)]
+#[command(name = "lemons", version, arg_required_else_help = true, max_term_width = 80)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

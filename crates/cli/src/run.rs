@@ -102,7 +102,8 @@ fn drive_of(arguments: &Arguments, trial: &Trial) -> Result<Drive> {
         None => Drive::default(),
     };
     if let Some(unknown) = drive.agents().find(|id| trial.agents.iter().all(|agent| agent.id != *id)) {
-        bail!("the drive names the agent {unknown:?}, which is not in Agents.xml");
+        let file = arguments.drive.as_ref().unwrap_or(&own).display();
+        bail!("drive file {file}: there is no agent {unknown:?} in Agents.xml");
     }
     Ok(drive)
 }
@@ -220,7 +221,7 @@ impl<'a> Crowd<'a> {
         println!("simulated time     {:>10.3} s", self.time);
         println!("wall time          {seconds:>10.3} s");
         println!("real-time factor   {:>10.2}", self.time / seconds);
-        println!("largest overlap    {:>10.3} mm", 1e3 * self.largest_overlap);
+        println!("largest overlap    {:>10.3} mm   (at communication points)", 1e3 * self.largest_overlap);
         print!("greatest squeeze   {:>10.1} N", self.greatest_squeeze);
         match self.most_squeezed {
             Some((i, time)) => println!("   (agent {} at t = {time:.3} s)", self.trial.agents[i].id),

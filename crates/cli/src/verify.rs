@@ -21,8 +21,6 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
     let (mut passed, mut failed) = (0, 0);
     if arguments.markdown {
         writeln!(out, "| what | against | largest difference | limit |\n|---|---|---|---|")?;
-    } else {
-        writeln!(out, "{:58} {:>9}  {:>7}", "", "found", "limit")?;
     }
     for check in checks.iter().filter(wanted) {
         let (figure, trouble) = match (check.measure)() {
@@ -38,9 +36,9 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
             let against = check.against.replace('|', "\\|");
             writeln!(out, "| {name}{unit} | {against} | {figure:.1e} | {:.0e} |", check.limit)?;
         } else {
-            let name = format!("{}{unit}", check.name);
-            writeln!(out, "{name:58} {figure:>9.1e}  {:>7.0e}  {verdict}", check.limit)?;
-            writeln!(out, "    against {}", check.against)?;
+            let (name, against) = (check.name, format!("against {}", check.against));
+            writeln!(out, "{name}{unit}")?;
+            writeln!(out, "    {against:46} {figure:>9.1e}  within {:>5.0e}  {verdict}", check.limit)?;
         }
         if let Some(error) = trouble {
             writeln!(out, "    {error:#}")?;
@@ -52,6 +50,9 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
     }
     if !arguments.markdown {
         writeln!(out, "{passed} passed, {failed} failed")?;
+    }
+    if passed + failed == 0 {
+        bail!("no row has {:?} in its name", arguments.only.as_deref().unwrap_or_default());
     }
     if failed > 0 {
         bail!("{failed} of {} rows failed", passed + failed);

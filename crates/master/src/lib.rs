@@ -66,10 +66,13 @@ impl Fmu {
             messages.clone(),
             !co_simulation.canNotUseMemoryManagementFunctions,
         )
-        .map_err(|error| messages.explain(anyhow!("cannot instantiate the FMU: {error}")))?;
+        .map_err(|error| {
+            messages.explain(anyhow!("cannot instantiate the FMU: {error}: {}", root_cause(&error)))
+        })?;
         let references =
             self.description.modelVariables.iter().map(|v| (v.name.clone(), v.valueReference)).collect();
-        Ok(Instance { fmu, messages, references })
+        let prefix = format!("{}/", self.directory.path().display());
+        Ok(Instance { fmu, messages, prefix, references })
     }
 
     /// The type of a variable.
@@ -119,6 +122,8 @@ impl Messages {
 pub struct Instance {
     fmu: Arc<FMU2<CS>>,
     messages: Arc<Messages>,
+    /// Where the FMU was unzipped: of no interest to those who read messages.
+    prefix: String,
     references: HashMap<String, u32>,
 }
 
@@ -211,7 +216,9 @@ impl Instance {
 
     /// What the FMU has warned of since the last call.
     pub fn warnings(&self) -> Vec<String> {
-        self.messages.warnings.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default()
+        let said =
+            self.messages.warnings.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default();
+        said.iter().map(|message| message.replace(&self.prefix, "")).collect()
     }
 }
 

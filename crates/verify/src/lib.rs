@@ -73,6 +73,10 @@ pub fn tables() -> Result<String> {
             "error of overlap and closing speed after 8.192 ms of a damped contact [m]",
             collision::errors_in_contact()?,
         ),
+        (
+            "the same after 8.192 ms of an oblique contact with friction, sticking [m]",
+            collision::errors_in_oblique_contact()?,
+        ),
         ("remainder of the energy ledger, contacts lasting", ledger::remainders(ledger::Case::Lasting)?),
         (
             "remainder of the energy ledger, contacts beginning and ending",
