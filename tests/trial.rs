@@ -761,3 +761,14 @@ proptest! {
         prop_assert_eq!(format!("{back:?}"), format!("{:?}", moved(&trial, &back)));
     }
 }
+
+/// The table of laws has a row and a column for each material that something is made of, not for each listed.
+#[test]
+fn many_idle_materials_cost_nothing() {
+    let idle: String = (0..50_000)
+        .map(|k| format!("<Material Id=\"m{k}\" YoungModulus=\"4e6\" ShearModulus=\"1.4e6\"/>"))
+        .collect();
+    let (trial, _) = edited(&[(FILES[1], "</Intrinsic>", &format!("{idle}</Intrinsic>"))]).unwrap();
+    assert_eq!(trial.materials.intrinsic.len(), 50_002);
+    assert!(trial.world().is_ok());
+}

@@ -183,3 +183,21 @@ def test_output_directory_that_is_missing_is_made(push, tmp_path):
     push["OutputDirectory"] = str(tmp_path / "absent" / "one")
     push.initialize().step(0.05)
     assert (tmp_path / "absent" / "one" / "AgentDynamics output t=0.05.xml").exists()
+
+
+def test_output_of_an_earlier_run_is_not_taken_for_this_ones(push, tmp_path):
+    stale = tmp_path / "AgentInteractions t=0.05.xml"
+    stale.write_text("<Interactions/>")
+    push["OutputDirectory"] = str(tmp_path)
+    push.initialize().step(0.05)
+    assert push["AgentContacts"] == push["WallContacts"] == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["AgentDynamics output t=0.05.xml"]
+
+
+def test_parameters_that_may_be_a_mistake_are_warned_of(push):
+    push["TimeStepMechanical"] = 0.05
+    push["agent[1].Position.x"] = 0.1
+    push.initialize()
+    said = "\n".join(push.messages)
+    assert "TimeStepMechanical" in said and "would resolve it" in said
+    assert "overlap at the start" in said

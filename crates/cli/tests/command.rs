@@ -184,6 +184,20 @@ fn mistakes_have_clear_messages() {
 }
 
 #[test]
+fn what_check_accepts_packs_and_runs() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    trial(at, "spaces", "Parameters.xml", "\"./static/\"", "\" ./static/ \"");
+    assert_code(&lemons(at, &["check", "spaces"]), 0);
+    assert_code(&lemons(at, &["run", "spaces", "--until", "0.1"]), 0);
+    trial(at, "outside", "Parameters.xml", "\"./static/\"", "\"../spaces/static/\"");
+    assert_code(&lemons(at, &["check", "outside"]), 0);
+    let output = lemons(at, &["run", "outside", "--until", "0.1"]);
+    assert_code(&output, 1);
+    assert!(err(&output).contains("Static=\"../spaces/static/\""), "{}", err(&output));
+}
+
+#[test]
 fn info_lists_the_variables() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
