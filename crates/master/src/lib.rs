@@ -143,7 +143,6 @@ impl Instance {
         }
     }
 
-    /// Sets a parameter from its text.
     /// Sets a variable from its text.
     ///
     /// # Errors
