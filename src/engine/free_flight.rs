@@ -1,11 +1,13 @@
-//! The closed form of a motion without contact: constant drive, linear relaxation.
+//! The closed form of a motion without contact: a drive that is held or changes evenly, linear relaxation.
 
-use super::{Body, Pose, Twist, Wrench};
+use super::{Body, Pose, Twist, Vec2, Wrench};
 
 /// The solution of `dv/dt = a − λ v`, `dr/dt = v` over a duration, for constant `a` and `λ ≥ 0`:
 /// `v = kept·v₀ + velocity_time·a` and `r = r₀ + velocity_time·v₀ + drive_time·a`.
 ///
-/// With τ = 1/λ this is the closed form of App. B, `v∞ = a τ`; it holds at λ = 0 too.
+/// With τ = 1/λ this is the closed form of App. B, `v∞ = a τ`; it holds at λ = 0 too. A drive that grows
+/// as `j t` adds the time integral of what a constant `j` adds: `drive_time·j` to the velocity, and
+/// [`FreeFlight::ramp_time`]`·j` to the place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeFlight {
     /// \[1\] `e^{−λt}`
@@ -31,6 +33,18 @@ impl FreeFlight {
             kept: libm::exp(-x),
             velocity_time: duration * velocity_share,
             drive_time: duration * duration * drive_share,
+        }
+    }
+
+    /// \[s3\] `(t²/2 − drive_time)/λ`, for the rate and duration that the flight was made of.
+    pub fn ramp_time(&self, rate: f64, duration: f64) -> f64 {
+        let x = rate * duration;
+        if x < 1.0 {
+            // The difference cancels; Σ (−x)^k/(k+3)! is exact to rounding, as above.
+            let double = (0..16).rev().fold(0.0, |sum, k| (1.0 - x * sum) / f64::from(k + 3));
+            duration * duration * duration * (0.5 * double)
+        } else {
+            (0.5 * duration * duration - self.drive_time) / rate
         }
     }
 }
@@ -70,6 +84,110 @@ impl BodyFlight {
     }
 }
 
+/// The free flight of a body under a drive that changes evenly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RampFlight {
+    /// Under a drive that stays as it begins.
+    pub held: BodyFlight,
+    /// \[s3\] [`FreeFlight::ramp_time`] of the translation.
+    pub translation_ramp_time: f64,
+    /// \[s3\] The same of the rotation.
+    pub rotation_ramp_time: f64,
+}
+
+/// What the drive does to a body per mass and inertia while it changes evenly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ramp {
+    /// \[m/s2\], \[rad/s2\] at the beginning.
+    pub start: Wrench,
+    /// \[m/s3\], \[rad/s3\] by how much it grows in a second.
+    pub rate: Wrench,
+}
+
+/// What the drive does to a body per mass and inertia: held (a [`Wrench`]) or changing evenly (a [`Ramp`]).
+///
+/// A type for each, so that a held drive costs nothing that it does not need.
+pub(super) trait Drive: Copy {
+    /// The closed form of the motion under such a drive over a duration.
+    type Flight;
+
+    /// Over a duration \[s\].
+    fn flight(body: &Body, duration: f64) -> Self::Flight;
+
+    /// Where the body is and how it moves at the end of a flight.
+    fn fly(self, flight: &Self::Flight, pose: Pose, twist: Twist) -> (Pose, Twist);
+
+    /// As it is some time \[s\] later.
+    fn after(self, time: f64) -> Self;
+
+    /// What its change adds to a flight: velocity at the end \[m/s\], length of path \[m\].
+    fn added_by_change(self, flight: &Self::Flight) -> (Vec2, f64);
+}
+
+impl Drive for Wrench {
+    type Flight = BodyFlight;
+
+    fn flight(body: &Body, duration: f64) -> BodyFlight {
+        BodyFlight::over(body, duration)
+    }
+
+    #[inline]
+    fn fly(self, flight: &BodyFlight, pose: Pose, twist: Twist) -> (Pose, Twist) {
+        flight.fly(pose, twist, self)
+    }
+
+    #[inline]
+    fn after(self, _: f64) -> Wrench {
+        self
+    }
+
+    fn added_by_change(self, _: &BodyFlight) -> (Vec2, f64) {
+        (Vec2::ZERO, 0.0)
+    }
+}
+
+impl Drive for Ramp {
+    type Flight = RampFlight;
+
+    fn flight(body: &Body, duration: f64) -> RampFlight {
+        let held = BodyFlight::over(body, duration);
+        RampFlight {
+            translation_ramp_time: held.translation.ramp_time(body.translation_rate, duration),
+            rotation_ramp_time: held.rotation.ramp_time(body.rotation_rate, duration),
+            held,
+        }
+    }
+
+    #[inline]
+    fn fly(self, flight: &RampFlight, pose: Pose, twist: Twist) -> (Pose, Twist) {
+        let (pose, twist) = flight.held.fly(pose, twist, self.start);
+        let (t, r) = (&flight.held.translation, &flight.held.rotation);
+        let pose = Pose {
+            position: pose.position + self.rate.force * flight.translation_ramp_time,
+            orientation: pose.orientation + self.rate.torque * flight.rotation_ramp_time,
+        };
+        let twist = Twist {
+            velocity: twist.velocity + self.rate.force * t.drive_time,
+            angular_velocity: twist.angular_velocity + self.rate.torque * r.drive_time,
+        };
+        (pose, twist)
+    }
+
+    #[inline]
+    fn after(self, time: f64) -> Ramp {
+        let start = Wrench {
+            force: self.start.force + self.rate.force * time,
+            torque: self.start.torque + self.rate.torque * time,
+        };
+        Ramp { start, ..self }
+    }
+
+    fn added_by_change(self, flight: &RampFlight) -> (Vec2, f64) {
+        let rate = self.rate.force;
+        (rate * flight.held.translation.drive_time, rate.norm() * flight.translation_ramp_time)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -95,5 +213,73 @@ mod tests {
         let flight = FreeFlight::over(0.0, 0.3);
         assert_eq!((flight.kept, flight.velocity_time), (1.0, 0.3));
         assert!((flight.drive_time - 0.045).abs() < 1e-17);
+    }
+    fn body(translation_rate: f64, rotation_rate: f64) -> Body {
+        Body {
+            mass: 1.0,
+            inertia: 1.0,
+            translation_rate,
+            rotation_rate,
+            disks: 0..1,
+            bounding_radius: 0.2,
+            reach: 0.0,
+        }
+    }
+
+    const START: Pose = Pose { position: Vec2 { x: 0.3, y: -0.1 }, orientation: 0.2 };
+    const MOVING: Twist = Twist { velocity: Vec2 { x: 1.3, y: -0.4 }, angular_velocity: 0.6 };
+    const RAMP: Ramp = Ramp {
+        start: Wrench { force: Vec2 { x: -0.7, y: 0.2 }, torque: 0.5 },
+        rate: Wrench { force: Vec2 { x: 0.9, y: -1.1 }, torque: -0.8 },
+    };
+
+    fn farthest((pose, twist): (Pose, Twist), (other, other_twist): (Pose, Twist)) -> f64 {
+        [
+            (pose.position - other.position).norm(),
+            (pose.orientation - other.orientation).abs(),
+            (twist.velocity - other_twist.velocity).norm(),
+            (twist.angular_velocity - other_twist.angular_velocity).abs(),
+        ]
+        .into_iter()
+        .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn two_halves_of_a_ramp_are_one_ramp() {
+        // On both sides of the limits of both series, and across them.
+        for rate in [0.0, 1e-12, 1e-6, 1e-3, 0.2, 0.249_999, 0.25, 0.4, 0.999_999, 1.0, 1.5, 2.0, 5.0, 80.0] {
+            let body = body(rate, 0.7 * rate);
+            let one = RAMP.fly(&Ramp::flight(&body, 1.0), START, MOVING);
+            let half = Ramp::flight(&body, 0.5);
+            let (pose, twist) = RAMP.fly(&half, START, MOVING);
+            let two = RAMP.after(0.5).fly(&half, pose, twist);
+            assert!(farthest(one, two) < 2e-15, "rate {rate}: {:e}", farthest(one, two));
+        }
+    }
+
+    #[test]
+    fn a_ramp_without_relaxation_is_newtons_cubic() {
+        for rate in [0.0, 1e-17] {
+            let t: f64 = 0.3;
+            let flight = Ramp::flight(&body(rate, rate), t);
+            assert!((flight.translation_ramp_time / (t * t * t / 6.0) - 1.0).abs() < 4e-16);
+            assert!((flight.held.translation.drive_time / (t * t / 2.0) - 1.0).abs() < 4e-16);
+        }
+    }
+
+    #[test]
+    fn ramp_time_is_continuous_where_the_series_ends() {
+        let at = |rate: f64| FreeFlight::over(rate, 1.0).ramp_time(rate, 1.0);
+        // Σ (−1)^k/(k+3)! = 1/2 − 1/e
+        assert!((at(1.0) - (0.5 - (-1.0f64).exp())).abs() < 1e-15);
+        assert!((at(1.0f64.next_down()) - at(1.0)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_ramp_that_does_not_change_is_a_held_drive() {
+        let body = body(0.8, 3.0);
+        let ramp = Ramp { rate: Wrench::default(), ..RAMP };
+        let held = RAMP.start.fly(&Wrench::flight(&body, 0.6), START, MOVING);
+        assert_eq!(ramp.fly(&Ramp::flight(&body, 0.6), START, MOVING), held);
     }
 }

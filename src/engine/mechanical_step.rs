@@ -1,18 +1,18 @@
 //! The mechanical step: predict, evaluate, correct.
 //!
 //! Velocity Verlet written as half kick by the contacts, free flight, half kick. The flight is the
-//! closed form of constant drive and relaxation, so a body that touches nothing moves exactly and the
-//! step is plain velocity Verlet where there is neither drive nor relaxation. Contact forces are taken
+//! closed form of drive and relaxation, so a body that touches nothing moves exactly and the step is
+//! plain velocity Verlet where there is neither drive nor relaxation. Contact forces are taken
 //! once per step, from positions and *predicted* velocities of the same instant (Vyas, Ottino, Lueptow,
 //! Umbanhowar, Comput. Phys. Commun. 310 (2025) 109524), which keeps second order for forces that
 //! depend on velocity.
 
 use super::contacts::{Instant, Placement, Stretch};
-use super::free_flight::BodyFlight;
+use super::free_flight::{Drive, Ramp};
 use super::neighbours::{Circle, SKIN, for_each_near_pair, list_pairs};
 use super::pairs::Pairs;
 use super::shortlist::{Activity, Shortlist};
-use super::{BodyId, FaceId, Pose, Scene, State, Twist, Work, Wrench};
+use super::{Body, BodyId, FaceId, Pose, Scene, State, Twist, Work, Wrench};
 
 /// Arrays that a communication step works in; what they hold between two steps is never used.
 #[derive(Debug, Clone, Default)]
@@ -21,7 +21,6 @@ pub(super) struct Scratch {
     pub pairs: Pairs,
     /// Who moves by mechanical steps, ascending.
     active: Vec<usize>,
-    flights: Vec<BodyFlight>,
     predicted: Vec<Twist>,
     wrenches: Vec<Wrench>,
     /// By the contacts, at the present instant.
@@ -44,24 +43,35 @@ impl Scratch {
     }
 }
 
-/// What the drive does to each body, per mass and inertia.
-pub(super) fn drive_accelerations(scene: &Scene, drive: &[Wrench]) -> Vec<Wrench> {
-    scene
-        .bodies
-        .iter()
-        .zip(drive)
-        .map(|(body, drive)| Wrench {
-            force: drive.force * (1.0 / body.mass),
-            torque: drive.torque / body.inertia,
+/// What a drive that is held over the communication step does to each body.
+pub(super) fn held_drives(scene: &Scene, drive: &[Wrench]) -> Vec<Wrench> {
+    let bodies = scene.bodies.iter().zip(drive);
+    bodies.map(|(body, drive)| per_mass_and_inertia(body, drive)).collect()
+}
+
+/// What a drive that changes evenly over the communication step does to each body.
+pub(super) fn ramps(scene: &Scene, drive: &[Wrench], rates: &[Wrench]) -> Vec<Ramp> {
+    let bodies = scene.bodies.iter().zip(drive).zip(rates);
+    bodies
+        .map(|((body, drive), rate)| Ramp {
+            start: per_mass_and_inertia(body, drive),
+            rate: per_mass_and_inertia(body, rate),
         })
         .collect()
 }
 
+#[inline]
+fn per_mass_and_inertia(body: &Body, wrench: &Wrench) -> Wrench {
+    Wrench { force: wrench.force * (1.0 / body.mass), torque: wrench.torque / body.inertia }
+}
+
 /// One communication step under way.
-pub(super) struct CommunicationStep<'a> {
+pub(super) struct CommunicationStep<'a, D: Drive> {
     pub scene: &'a Scene,
-    /// By the drive, constant over the step.
-    pub accelerations: &'a [Wrench],
+    /// Of each body, as they are when the step begins.
+    pub drives: &'a [D],
+    /// Of each body, over one mechanical step; empty at first, and as long as everybody is free.
+    pub flights: Vec<D::Flight>,
     pub shortlist: Shortlist,
     pub scratch: &'a mut Scratch,
     pub work: &'a mut Work,
@@ -69,13 +79,13 @@ pub(super) struct CommunicationStep<'a> {
     pub dt: f64,
 }
 
-impl CommunicationStep<'_> {
+impl<D: Drive> CommunicationStep<'_, D> {
     /// Moves the state over `steps` mechanical steps.
     pub fn run(mut self, state: &mut State, steps: u64) {
         self.begin(state);
         if !self.scratch.active.is_empty() {
             for step in 1..=steps {
-                self.predict(state);
+                self.predict(state, step);
                 self.keep_neighbours(state, step);
                 self.evaluate();
                 self.correct(state);
@@ -90,7 +100,9 @@ impl CommunicationStep<'_> {
         let bodies = &self.scene.bodies;
         scratch.active =
             (0..bodies.len()).filter(|&b| self.shortlist.activity[b] == Activity::Active).collect();
-        scratch.flights = bodies.iter().map(|body| BodyFlight::over(body, self.dt)).collect();
+        if !scratch.active.is_empty() {
+            self.flights = bodies.iter().map(|body| D::flight(body, self.dt)).collect();
+        }
         scratch.pairs.load(state);
         scratch.predicted.copy_from_slice(&state.twists);
         scratch.accelerations.fill(Wrench::default());
@@ -102,13 +114,16 @@ impl CommunicationStep<'_> {
     }
 
     /// Half kick, free flight; the velocity a second half kick would give is the predicted one.
-    fn predict(&mut self, state: &mut State) {
+    fn predict(&mut self, state: &mut State, step: u64) {
         let half = 0.5 * self.dt;
+        // Of a whole number, so that rounding does not add up.
+        let begun = (step - 1) as f64 * self.dt;
         let scratch = &mut *self.scratch;
         for &b in &scratch.active {
             let kick = scratch.accelerations[b];
             let kicked = kicked(state.twists[b], kick, half);
-            let (pose, twist) = scratch.flights[b].fly(state.poses[b], kicked, self.accelerations[b]);
+            let drive = self.drives[b].after(begun);
+            let (pose, twist) = drive.fly(&self.flights[b], state.poses[b], kicked);
             state.poses[b] = pose;
             state.twists[b] = twist;
             scratch.predicted[b] = self::kicked(twist, kick, half);
@@ -182,9 +197,8 @@ impl CommunicationStep<'_> {
     fn take_in(&mut self, state: &mut State, b: usize, step: u64) {
         let scratch = &mut *self.scratch;
         if step > 0 {
-            let flight = BodyFlight::over(&self.scene.bodies[b], step as f64 * self.dt);
-            (state.poses[b], state.twists[b]) =
-                flight.fly(state.poses[b], state.twists[b], self.accelerations[b]);
+            let flight = D::flight(&self.scene.bodies[b], step as f64 * self.dt);
+            (state.poses[b], state.twists[b]) = self.drives[b].fly(&flight, state.poses[b], state.twists[b]);
         }
         self.shortlist.activity[b] = Activity::Active;
         let at = scratch.active.partition_point(|&other| other < b);
@@ -208,11 +222,7 @@ impl CommunicationStep<'_> {
         let instant = Instant { scene: self.scene, placement, twists: predicted };
         instant.evaluate(pairs, stretch, wrenches, self.work);
         for &b in active.iter() {
-            let body = &self.scene.bodies[b];
-            accelerations[b] = Wrench {
-                force: wrenches[b].force * (1.0 / body.mass),
-                torque: wrenches[b].torque / body.inertia,
-            };
+            accelerations[b] = per_mass_and_inertia(&self.scene.bodies[b], &wrenches[b]);
         }
     }
 
@@ -229,9 +239,9 @@ impl CommunicationStep<'_> {
         for (b, body) in self.scene.bodies.iter().enumerate() {
             if self.shortlist.activity[b] == Activity::Free {
                 self.work.shortlisted += 1;
-                let flight = BodyFlight::over(body, duration);
+                let flight = D::flight(body, duration);
                 (state.poses[b], state.twists[b]) =
-                    flight.fly(state.poses[b], state.twists[b], self.accelerations[b]);
+                    self.drives[b].fly(&flight, state.poses[b], state.twists[b]);
                 self.scratch.placement.place(self.scene, b, state.poses[b]);
             }
         }

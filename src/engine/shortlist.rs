@@ -1,14 +1,14 @@
 //! Who can touch nothing during a communication step (App. B), proved rather than guessed.
 //!
-//! Without contact a body follows the closed form of [`BodyFlight`], so a circle can be given that holds
+//! Without contact a body follows the closed form of its [`Drive`], so a circle can be given that holds
 //! it from beginning to end. Bodies whose circles stay clear of each other and of every wall are *free*.
 //! The proof is kept up while time runs: a body that is not free moves by mechanical steps, and as soon
 //! as it comes near a free body's circle, that body is taken into the mechanical steps too, at the
 //! closed form's pose of that instant. So a push that travels through a row within one step is not missed.
 
-use super::free_flight::BodyFlight;
+use super::free_flight::Drive;
 use super::neighbours::{Circle, SKIN, for_each_near_pair};
-use super::{Scene, State, Wrench};
+use super::{Scene, State};
 
 /// A body whose path is longer than this many times the largest body's radius is not shortlisted: its
 /// circle would make the cells of the grid large for everybody.
@@ -41,11 +41,11 @@ pub(super) struct Shortlist {
 }
 
 impl Shortlist {
-    /// Decides who is free over a duration \[s\], under accelerations by the drive.
-    pub fn decide(
+    /// Decides who is free over a duration \[s\].
+    pub fn decide<D: Drive>(
         scene: &Scene,
         state: &State,
-        accelerations: &[Wrench],
+        drives: &[D],
         duration: f64,
         shortlisting: Shortlisting,
     ) -> Shortlist {
@@ -55,10 +55,14 @@ impl Shortlist {
             .enumerate()
             .map(|(b, body)| {
                 let (pose, twist) = (state.poses[b], state.twists[b]);
-                let (end, end_twist) = BodyFlight::over(body, duration).fly(pose, twist, accelerations[b]);
-                // The velocity stays on the segment between its first and last value, so no path is
-                // longer than this, and a path lies within half its length of the middle of its ends.
-                let path = duration * twist.velocity.norm().max(end_twist.velocity.norm());
+                let flight = D::flight(body, duration);
+                let (end, end_twist) = drives[b].fly(&flight, pose, twist);
+                // Under a held drive the velocity stays on the segment between its first and last value. A
+                // change of the drive adds a motion along one line, never backwards. So no path is longer
+                // than this, and a path lies within half its length of the middle of its ends.
+                let (velocity_by_change, path_by_change) = drives[b].added_by_change(&flight);
+                let held = end_twist.velocity - velocity_by_change;
+                let path = duration * twist.velocity.norm().max(held.norm()) + path_by_change;
                 Circle {
                     centre: (pose.position + end.position) * 0.5,
                     radius: body.bounding_radius + 0.5 * path,

@@ -1,7 +1,8 @@
 //! The world: owns scene, drive and state, and advances them.
 
 use super::contacts::{ContactReport, Instant, Stretch};
-use super::mechanical_step::{CommunicationStep, Scratch, drive_accelerations};
+use super::free_flight::Drive;
+use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::neighbours::{Circle, SKIN, for_each_near_pair, list_pairs};
 use super::shortlist::Shortlist;
 use super::{BodyId, FaceId, Scene, Shortlisting, State, Work, Wrench};
@@ -61,8 +62,14 @@ pub fn step_count(duration: f64, mechanical_step: f64) -> Result<u64, AdvanceErr
 pub struct World {
     scene: Scene,
     state: State,
-    /// F_p and M_p of each body, held over a communication step.
+    /// F_p and M_p of each body when a communication step begins; held over it where `drive_rate` is zero.
     pub drive: Vec<Wrench>,
+    /// \[N/s\], \[N.m/s\] how F_p and M_p of each body change during a communication step; zero at first.
+    ///
+    /// A time t into the step the drive is `drive + drive_rate·t`. [`World::advance`] changes neither of
+    /// them, so a rate acts in every step until it is set back, from `drive` anew each time. Like the drive
+    /// it is no part of the [`State`].
+    pub drive_rate: Vec<Wrench>,
     /// \[s\] positive; the longest mechanical step.
     pub mechanical_step: f64,
     /// Whether bodies that can touch nothing are moved by the closed form.
@@ -81,6 +88,7 @@ impl World {
         assert_eq!(state.twists.len(), scene.bodies.len(), "one twist for each body");
         let mut world = World {
             drive: vec![Wrench::default(); scene.bodies.len()],
+            drive_rate: vec![Wrench::default(); scene.bodies.len()],
             scratch: Scratch::new(&scene),
             mechanical_step,
             shortlisting: Shortlisting::On,
@@ -154,18 +162,12 @@ impl World {
     /// [`AdvanceError`]; nothing has changed then.
     pub fn advance(&mut self, duration: f64) -> Result<(), AdvanceError> {
         let steps = step_count(duration, self.mechanical_step)?;
-        let accelerations = drive_accelerations(&self.scene, &self.drive);
-        let mut state = self.state.clone();
-        let shortlist = Shortlist::decide(&self.scene, &state, &accelerations, duration, self.shortlisting);
-        CommunicationStep {
-            scene: &self.scene,
-            accelerations: &accelerations,
-            shortlist,
-            scratch: &mut self.scratch,
-            work: &mut self.work,
-            dt: duration / steps as f64,
-        }
-        .run(&mut state, steps);
+        let held = self.drive_rate.iter().all(|rate| *rate == Wrench::default());
+        let state = if held {
+            self.moved(&held_drives(&self.scene, &self.drive), duration, steps)
+        } else {
+            self.moved(&ramps(&self.scene, &self.drive, &self.drive_rate), duration, steps)
+        };
         let finite = |b: &usize| {
             let (pose, twist) = (&state.poses[*b], &state.twists[*b]);
             pose.position.is_finite()
@@ -181,6 +183,23 @@ impl World {
         self.contacts = instant.report(&self.scratch.pairs);
         self.state = state;
         Ok(())
+    }
+
+    /// The state after a communication step under drives of one kind.
+    fn moved<D: Drive>(&mut self, drives: &[D], duration: f64, steps: u64) -> State {
+        let mut state = self.state.clone();
+        let shortlist = Shortlist::decide(&self.scene, &state, drives, duration, self.shortlisting);
+        CommunicationStep {
+            scene: &self.scene,
+            drives,
+            flights: Vec::new(),
+            shortlist,
+            scratch: &mut self.scratch,
+            work: &mut self.work,
+            dt: duration / steps as f64,
+        }
+        .run(&mut state, steps);
+        state
     }
 }
 
