@@ -66,7 +66,7 @@ pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallErr
 /// `files` is NULL or leads to five pointers, each NULL or leading to a text that ends in a zero.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn CrowdMechanics(files: *const *const c_char) -> c_int {
-    crate::fmi2::silence_panics();
+    lemons_fmi2::silence_panics();
     let result = catch_unwind(|| {
         // SAFETY: as the caller promises.
         let [parameters, materials, geometry, agents, dynamics] = unsafe { paths(files) }?;

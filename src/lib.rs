@@ -16,17 +16,17 @@
 //! - [`variables`]: the one table of FMU variables
 //! - [`resources`]: from a resource URI to the Trials packed in an FMU
 //! - [`model_description`], [`pack`]: the table as XML, a Trial as an FMU
-//! - [`slave`]: one FMU instance
-//! - [`fmi2`]: the FMI 2.0 C functions
+//! - [`crowd`]: what an FMU instance simulates
+//! - [`fmi2`]: the FMI 2.0 C functions (their bodies are `lemons_fmi2`'s)
 //! - [`c_api`]: the C entry point of the paper's scripts
 
 pub mod c_api;
+pub mod crowd;
 pub mod engine;
 pub mod files;
 pub mod fmi2;
 pub mod model_description;
 pub mod pack;
 pub mod resources;
-pub mod slave;
 pub mod trial;
 pub mod variables;

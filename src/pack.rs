@@ -3,15 +3,16 @@
 //! The same Trials and binaries give the same bytes: a packaged FMU can serve as a regression artifact.
 
 use crate::files::Staged;
-use crate::model_description::{MODEL_IDENTIFIER, Naming, model_description};
+use crate::model_description::{MODEL_IDENTIFIER, model_description};
 use crate::resources::TRIALS_FILE;
 use crate::trial::{Problems, Trial};
 use crate::variables::{guid, table};
+use lemons_fmi2::archive::{Archive, ArchiveError, read};
+pub use lemons_fmi2::archive::{Binary, host_platform};
+pub use lemons_fmi2::description::Naming;
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
 use thiserror::Error;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// A drive file in a Trial directory goes along, for masters that look for one.
 pub const DRIVE_FILE: &str = "drive.csv";
@@ -22,8 +23,6 @@ pub const DRIVE_FILE: &str = "drive.csv";
 pub enum PackError {
     #[error("nothing to pack: no Trial was given")]
     NoTrial,
-    #[error("no binary was given: an FMU needs at least one")]
-    NoBinary,
     #[error("the Trial {path} has errors:\n{problems}")]
     Broken { path: PathBuf, problems: Problems },
     #[error("{path} has no name that could be a directory's")]
@@ -36,48 +35,10 @@ pub enum PackError {
         "{path}: Parameters.xml says {attribute}={value:?}, which lies outside the Trial directory and would not be packed"
     )]
     Outside { path: PathBuf, attribute: &'static str, value: String },
-    #[error("{0:?} is no FMI 2.0 platform (linux64, win64, darwin64, aarch64-linux, …)")]
-    Platform(String),
-    #[error("cannot read {path}: {error}")]
-    Read { path: PathBuf, error: std::io::Error },
+    #[error("{path}: {error}")]
+    Archive { path: PathBuf, error: ArchiveError },
     #[error("cannot write {path}: {error}")]
     Write { path: PathBuf, error: std::io::Error },
-    #[error("cannot write {path}: {error}")]
-    Zip { path: PathBuf, error: zip::result::ZipError },
-}
-
-/// A shared library for one platform.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Binary {
-    /// FMI's name: "linux64", "win64", "darwin64", …
-    pub platform: String,
-    /// The library.
-    pub path: PathBuf,
-}
-
-/// The extension of shared libraries on each FMI platform.
-const PLATFORMS: [(&str, &str); 9] = [
-    ("linux64", "so"),
-    ("linux32", "so"),
-    ("aarch64-linux", "so"),
-    ("x86_64-linux", "so"),
-    ("win64", "dll"),
-    ("win32", "dll"),
-    ("darwin64", "dylib"),
-    ("aarch64-darwin", "dylib"),
-    ("x86_64-darwin", "dylib"),
-];
-
-/// FMI's name of the platform that this program runs on, if it has one.
-pub fn host_platform() -> Option<&'static str> {
-    match (std::env::consts::OS, std::env::consts::ARCH) {
-        ("linux", "x86_64") => Some("linux64"),
-        ("linux", "aarch64") => Some("aarch64-linux"),
-        ("windows", "x86_64") => Some("win64"),
-        ("macos", "x86_64") => Some("darwin64"),
-        ("macos", "aarch64") => Some("aarch64-darwin"),
-        _ => None,
-    }
 }
 
 /// What goes into an FMU.
@@ -103,41 +64,29 @@ impl Package {
         if trials.is_empty() {
             return Err(PackError::NoTrial);
         }
-        if self.binaries.is_empty() {
-            return Err(PackError::NoBinary);
-        }
         let write_error = |error| PackError::Write { path: output.to_owned(), error };
         let mut file = Staged::beside(output).map_err(write_error)?;
-        self.fill(&trials, &mut file, output)?;
+        self.fill(&trials, &mut file)
+            .map_err(|error| PackError::Archive { path: output.to_owned(), error })?;
         file.persist().map_err(write_error)?;
         Ok(warnings)
     }
 
     /// Writes the archive's content.
-    fn fill(&self, trials: &[Trial], file: impl Write + Seek, output: &Path) -> Result<(), PackError> {
-        let mut archive = Archive { zip: ZipWriter::new(file), path: output };
-        archive.add("modelDescription.xml", model_description(&trials[0], self.naming).as_bytes())?;
+    fn fill(&self, trials: &[Trial], file: impl Write + Seek) -> Result<(), ArchiveError> {
+        let (description, documentation) =
+            (model_description(&trials[0], self.naming), documentation(&trials[0]));
+        let mut archive =
+            Archive::begin(file, MODEL_IDENTIFIER, &description, &documentation, &self.binaries)?;
         if let Some(picture) = &self.picture {
             archive.add("model.png", picture)?;
-        }
-        archive.add("documentation/index.html", documentation(&trials[0]).as_bytes())?;
-        for (name, text) in LICENSES {
-            archive.add(&format!("documentation/licenses/{name}"), text.as_bytes())?;
-        }
-        for binary in &self.binaries {
-            let extension = PLATFORMS.iter().find(|(platform, _)| *platform == binary.platform);
-            let (platform, extension) =
-                extension.ok_or_else(|| PackError::Platform(binary.platform.clone()))?;
-            let place = format!("binaries/{platform}/{MODEL_IDENTIFIER}.{extension}");
-            archive.add(&place, &read(&binary.path)?)?;
         }
         let names: String = trials.iter().map(|trial| format!("{}\n", trial.name)).collect();
         archive.add(&format!("resources/{TRIALS_FILE}"), names.as_bytes())?;
         for trial in trials {
             add_trial(&mut archive, trial)?;
         }
-        archive.zip.finish().map_err(|error| PackError::Zip { path: output.to_owned(), error })?;
-        Ok(())
+        archive.finish()
     }
 
     /// Reads the Trials and sees that they have one interface.
@@ -201,27 +150,8 @@ fn difference(first: &Trial, other: &Trial) -> Option<String> {
     })
 }
 
-struct Archive<'a, W: Write + Seek> {
-    zip: ZipWriter<W>,
-    path: &'a Path,
-}
-
-impl<W: Write + Seek> Archive<'_, W> {
-    fn add(&mut self, name: &str, content: &[u8]) -> Result<(), PackError> {
-        // A fixed date: the same content gives the same bytes.
-        let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Deflated)
-            .last_modified_time(DateTime::default())
-            .unix_permissions(if name.starts_with("binaries/") { 0o755 } else { 0o644 });
-        let path = self.path;
-        let zip_error = |error| PackError::Zip { path: path.to_owned(), error };
-        self.zip.start_file(name, options).map_err(zip_error)?;
-        self.zip.write_all(content).map_err(|error| PackError::Write { path: path.to_owned(), error })
-    }
-}
-
 /// The files of a Trial, unchanged.
-fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result<(), PackError> {
+fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result<(), ArchiveError> {
     let (fixed, moving) = (trial.parameters.static_path(), trial.parameters.dynamic_path());
     let needed = [
         PathBuf::from("Parameters.xml"),
@@ -244,15 +174,6 @@ fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result
     }
     Ok(())
 }
-
-fn read(path: &Path) -> Result<Vec<u8>, PackError> {
-    std::fs::read(path).map_err(|error| PackError::Read { path: path.to_owned(), error })
-}
-
-const LICENSES: [(&str, &str); 2] = [
-    ("LICENSE-APACHE.txt", include_str!("../LICENSE-APACHE")),
-    ("LICENSE-MIT.txt", include_str!("../LICENSE-MIT")),
-];
 
 /// `documentation/index.html`
 fn documentation(trial: &Trial) -> String {

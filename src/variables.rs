@@ -4,7 +4,9 @@
 //! convention and are the XML formats' own words; `agent[i]` counts from 0 in the order of Agents.xml.
 
 use crate::trial::Trial;
-use uuid::Uuid;
+use lemons_fmi2::variables::units::*;
+use lemons_fmi2::variables::{Domain, Unit};
+pub use lemons_fmi2::variables::{Kind, Role, guid};
 
 /// Which number of the model a variable is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,129 +71,8 @@ pub enum ContactQuantity {
     KineticFriction,
 }
 
-/// What a variable is to its importer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Role {
-    /// Input, continuous, held over a step; settable at any time.
-    Input,
-    /// Output whose start value can be set until initialization ends (`initial="exact"`).
-    Exact,
-    /// Output that the FMU computes (`initial="calculated"`).
-    Calculated,
-    /// Fixed parameter; settable until initialization ends.
-    Parameter,
-}
-
-/// An FMI type.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// `fmi2Real`, with its unit.
-    Real(Unit),
-    /// `fmi2Integer`
-    Integer,
-    /// `fmi2String`
-    String,
-}
-
-impl Kind {
-    /// The FMI name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Real(_) => "Real",
-            Kind::Integer => "Integer",
-            Kind::String => "String",
-        }
-    }
-}
-
-/// A unit, with the exponents of its base units.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Unit {
-    /// As importers show it.
-    pub name: &'static str,
-    /// Exponents of kg, m, s and rad.
-    pub base: [i32; 4],
-}
-
-impl Unit {
-    const fn new(name: &'static str, kg: i32, m: i32, s: i32, rad: i32) -> Unit {
-        Unit { name, base: [kg, m, s, rad] }
-    }
-}
-
-const NEWTON: Unit = Unit::new("N", 1, 1, -2, 0);
-const NEWTON_METRE: Unit = Unit::new("N.m", 1, 2, -2, 0);
-const METRE: Unit = Unit::new("m", 0, 1, 0, 0);
-const RADIAN: Unit = Unit::new("rad", 0, 0, 0, 1);
-const METRE_PER_SECOND: Unit = Unit::new("m/s", 0, 1, -1, 0);
-const RADIAN_PER_SECOND: Unit = Unit::new("rad/s", 0, 0, -1, 1);
-const SECOND: Unit = Unit::new("s", 0, 0, 1, 0);
-const NEWTON_PER_METRE: Unit = Unit::new("N/m", 1, 0, -2, 0);
-const KILOGRAM_PER_SECOND: Unit = Unit::new("kg/s", 1, 0, -1, 0);
-const KILOGRAM: Unit = Unit::new("kg", 1, 0, 0, 0);
-const KILOGRAM_METRE_SQUARED: Unit = Unit::new("kg.m2", 1, 2, 0, 0);
-const PER_SECOND: Unit = Unit::new("1/s", 0, 0, -1, 0);
-const ONE: Unit = Unit::new("1", 0, 0, 0, 0);
-
-/// Every unit of the table.
-pub const UNITS: [Unit; 13] = [
-    NEWTON,
-    NEWTON_METRE,
-    METRE,
-    RADIAN,
-    METRE_PER_SECOND,
-    RADIAN_PER_SECOND,
-    SECOND,
-    NEWTON_PER_METRE,
-    KILOGRAM_PER_SECOND,
-    KILOGRAM,
-    KILOGRAM_METRE_SQUARED,
-    PER_SECOND,
-    ONE,
-];
-
-/// The numbers that a quantity may take.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Domain {
-    /// Any finite number.
-    Finite,
-    /// Finite and ≥ 0.
-    NonNegative,
-    /// Finite and > 0.
-    Positive,
-}
-
-impl Domain {
-    /// Whether the number is in the domain; otherwise what it must be.
-    ///
-    /// # Errors
-    /// The words that complete "must be …".
-    pub fn check(self, value: f64) -> Result<(), &'static str> {
-        match self {
-            _ if !value.is_finite() => Err("finite"),
-            Domain::Positive if value <= 0.0 => Err("positive"),
-            Domain::NonNegative if value < 0.0 => Err("at least 0"),
-            _ => Ok(()),
-        }
-    }
-}
-
 /// A row of the table.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Variable {
-    /// Structured name.
-    pub name: String,
-    /// Which number of the model.
-    pub quantity: Quantity,
-    /// FMI type.
-    pub kind: Kind,
-    /// Causality, variability and `initial` in one.
-    pub role: Role,
-    /// Numbers it may take.
-    pub domain: Domain,
-    /// For people.
-    pub description: String,
-}
+pub type Variable = lemons_fmi2::variables::Variable<Quantity>;
 
 type AgentRow = (AgentQuantity, &'static str, Kind, Role, Domain, &'static str);
 
@@ -378,22 +259,6 @@ fn quoted(id: &str) -> String {
     }
     name.push('\'');
     name
-}
-
-/// The GUID of the interface: it changes with names, types and value references, and with nothing else.
-pub fn guid(table: &[Variable]) -> Uuid {
-    /// Makes interfaces of other programs with the same words another GUID.
-    const NAMESPACE: Uuid = Uuid::from_u128(0x6c65_6d6f_6e73_4d75_8f63_726f_7764_3031);
-    let mut text = String::new();
-    for (reference, variable) in table.iter().enumerate() {
-        text.push_str(&format!(
-            "{reference} {} {} {:?}\n",
-            variable.name,
-            variable.kind.name(),
-            variable.role
-        ));
-    }
-    Uuid::new_v5(&NAMESPACE, text.as_bytes())
 }
 
 /// The place in a Trial's documents that holds a quantity; one match for reading and for writing.

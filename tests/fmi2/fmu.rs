@@ -338,12 +338,17 @@ impl<'f> Instance<'f> {
         self.initialize();
     }
 
-    pub fn initialize(&self) {
+    /// At time 0, without an end.
+    pub fn enter_initialization(&self) {
         unsafe {
             self.must((self.fmu.c.fmi2SetupExperiment)(self.raw, 0, 0.0, 0.0, 0, 0.0));
             self.must((self.fmu.c.fmi2EnterInitializationMode)(self.raw));
-            self.must((self.fmu.c.fmi2ExitInitializationMode)(self.raw));
         }
+    }
+
+    pub fn initialize(&self) {
+        self.enter_initialization();
+        self.must(unsafe { (self.fmu.c.fmi2ExitInitializationMode)(self.raw) });
     }
 
     #[track_caller]

@@ -28,7 +28,7 @@ pub fn reach(state: State) -> Instance<'static> {
     unsafe {
         match state {
             Instantiated => {}
-            Initialization => instance.must((c.fmi2EnterInitializationMode)(instance.raw)),
+            Initialization => instance.enter_initialization(),
             StepComplete => instance.initialize(),
             Terminated => {
                 instance.initialize();
@@ -80,7 +80,14 @@ const TABLE: [(&str, &str, Call); 34] = [
     ("fmi2SetupExperiment", "x - - - -", |i| unsafe {
         (i.fmu.c.fmi2SetupExperiment)(i.raw, 1, 1e-6, 0.5, 1, 2.0)
     }),
-    ("fmi2EnterInitializationMode", "x - - - -", |i| unsafe { (i.fmu.c.fmi2EnterInitializationMode)(i.raw) }),
+    ("fmi2EnterInitializationMode", "x - - - -", |i| unsafe {
+        // It must have a start time; elsewhere that is refused before it.
+        let c = &i.fmu.c;
+        if state_of(i) == Instantiated {
+            i.must((c.fmi2SetupExperiment)(i.raw, 0, 0.0, 0.0, 0, 0.0));
+        }
+        (c.fmi2EnterInitializationMode)(i.raw)
+    }),
     ("fmi2ExitInitializationMode", "- x - - -", |i| unsafe { (i.fmu.c.fmi2ExitInitializationMode)(i.raw) }),
     ("fmi2Terminate", "- - x - -", |i| unsafe { (i.fmu.c.fmi2Terminate)(i.raw) }),
     ("fmi2Reset", "x x x x x", |i| unsafe { (i.fmu.c.fmi2Reset)(i.raw) }),
@@ -125,7 +132,7 @@ const TABLE: [(&str, &str, Call); 34] = [
         (i.fmu.c.fmi2GetDirectionalDerivative)(i.raw, null(), 0, null(), 0, null(), null_mut())
     }),
     ("fmi2SetRealInputDerivatives", "x x x - -", |i| unsafe {
-        (i.fmu.c.fmi2SetRealInputDerivatives)(i.raw, null(), 0, null(), null())
+        (i.fmu.c.fmi2SetRealInputDerivatives)(i.raw, &i.model.reference("agent[1].Fp.y"), 1, &1, &2.0)
     }),
     ("fmi2GetRealOutputDerivatives", "- - x x x", |i| unsafe {
         (i.fmu.c.fmi2GetRealOutputDerivatives)(i.raw, null(), 0, null(), null_mut())
@@ -140,8 +147,7 @@ const TABLE: [(&str, &str, Call); 34] = [
 ];
 
 /// Not provided, and saying so, where they are allowed.
-const NOT_PROVIDED: [&str; 3] =
-    ["fmi2GetDirectionalDerivative", "fmi2SetRealInputDerivatives", "fmi2GetRealOutputDerivatives"];
+const NOT_PROVIDED: [&str; 2] = ["fmi2GetDirectionalDerivative", "fmi2GetRealOutputDerivatives"];
 
 #[test]
 fn the_table_has_every_function() {
@@ -182,6 +188,20 @@ fn functions_are_allowed_where_the_standard_allows_them() {
     }
 }
 
+/// FMI 2.0: it "must be called at least once" before initialization, so that there is a start time.
+#[test]
+fn initialization_needs_an_experiment() {
+    let instance = Instance::new(Fmu::get());
+    let c = &instance.fmu.c;
+    let message = instance.refused(unsafe { (c.fmi2EnterInitializationMode)(instance.raw) });
+    assert!(message.contains("fmi2SetupExperiment"), "{message}");
+    assert_eq!(state_of(&instance), Instantiated);
+    instance.initialize();
+    instance.must(unsafe { (c.fmi2Reset)(instance.raw) });
+    let message = instance.refused(unsafe { (c.fmi2EnterInitializationMode)(instance.raw) });
+    assert!(message.contains("fmi2SetupExperiment"), "a reset forgets it: {message}");
+}
+
 /// The other way back is `fmi2Reset`, below.
 #[test]
 fn a_state_leads_back_from_an_error() {
@@ -205,7 +225,7 @@ fn an_output_directory_that_cannot_be_made_is_refused_and_named() {
     let instance = Instance::new(Fmu::get());
     instance.must(instance.set_string("OutputDirectory", "/dev/null/at all"));
     let c = &instance.fmu.c;
-    instance.must(unsafe { (c.fmi2EnterInitializationMode)(instance.raw) });
+    instance.enter_initialization();
     let message = instance.refused(unsafe { (c.fmi2ExitInitializationMode)(instance.raw) });
     assert!(message.contains("OutputDirectory") && message.contains("/dev/null/at all"), "{message}");
     assert_eq!(state_of(&instance), Initialization);

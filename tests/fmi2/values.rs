@@ -90,7 +90,7 @@ fn moduli_that_make_no_material_are_told_when_they_are_used() {
     let c = &instance.fmu.c;
     instance.must(instance.set("material.human_naked.YoungModulus", 1e9));
     unsafe {
-        instance.must((c.fmi2EnterInitializationMode)(instance.raw));
+        instance.enter_initialization();
         let message = instance.refused((c.fmi2ExitInitializationMode)(instance.raw));
         assert!(message.contains("human_naked"), "{message}");
         let message = instance.refused(instance.try_get("agent[0].NormalForce").0);
@@ -146,7 +146,6 @@ fn all_of_a_set_or_nothing() {
 #[test]
 fn what_is_set_is_what_is_got() {
     let instance = Instance::new(Fmu::get());
-    let c = &instance.fmu.c;
     let settable = |name: &str| !name.ends_with("NormalForce");
     let values: Vec<(&str, f64)> = (instance.model.reals.iter())
         .zip(0..)
@@ -156,7 +155,7 @@ fn what_is_set_is_what_is_got() {
     instance.must(instance.set_all(&values));
     instance.must(instance.set_string("OutputDirectory", "/tmp/a b/ü"));
     instance.must(instance.set_integer("Threads", 3));
-    instance.must(unsafe { (c.fmi2EnterInitializationMode)(instance.raw) });
+    instance.enter_initialization();
     for (name, value) in values {
         assert_eq!(instance.get(name), value, "{name}");
     }
@@ -222,7 +221,7 @@ fn absurd_numbers_do_not_break_the_boundary() {
             }
             let c = &instance.fmu.c;
             unsafe {
-                instance.must((c.fmi2EnterInitializationMode)(instance.raw));
+                instance.enter_initialization();
                 let status = (c.fmi2ExitInitializationMode)(instance.raw);
                 let log = instance.log.take();
                 assert!(status == OK || status == ERROR && !log.is_empty(), "{case}: {status} {log:?}");

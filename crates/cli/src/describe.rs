@@ -2,7 +2,8 @@
 
 use crate::TrialHasErrors;
 use anyhow::Result;
-use crowd_mechanics::model_description::{Naming, model_description};
+use crowd_mechanics::model_description::model_description;
+use crowd_mechanics::pack::Naming;
 use crowd_mechanics::trial::Trial;
 use std::io::Write;
 use std::path::PathBuf;

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 something failed (a file, a run); 2 the command line is wrong; 3 a Trial has errors.
 
 mod check;
+mod decide;
 mod describe;
 mod drive;
 mod info;
@@ -36,6 +37,8 @@ enum Command {
     Verify(verify::Arguments),
     /// Print the modelDescription.xml that a Trial's FMU has
     Describe(describe::Arguments),
+    /// Make an FMU that decides where people want to go: way-points and speeds
+    Decide(decide::Arguments),
     /// List the variables of an FMU
     Info(info::Arguments),
 }
@@ -56,6 +59,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
+        Command::Decide(arguments) => decide::decide(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
         Command::Describe(arguments) => describe::describe(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),

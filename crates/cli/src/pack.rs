@@ -2,10 +2,9 @@
 
 use crate::TrialHasErrors;
 use anyhow::Result;
-use crowd_mechanics::model_description::Naming;
-use crowd_mechanics::pack::{Binary, PackError, Package};
+use crowd_mechanics::pack::{Binary, Naming, PackError, Package};
 use crowd_mechanics::trial::Trial;
-use lemons_master::own_binary;
+use lemons_master::binary_beside;
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::path::{Path, PathBuf};
 
@@ -17,6 +16,13 @@ pub struct Arguments {
     /// The FMU to write
     #[arg(short, long, value_name = "FILE.fmu")]
     output: PathBuf,
+    #[command(flatten)]
+    fmu: FmuArguments,
+}
+
+/// What every FMU that is made here can be told.
+#[derive(clap::Args)]
+pub struct FmuArguments {
     /// A shared library for a platform (linux64=FILE, win64=FILE, …); default: this machine's
     #[arg(long = "binary", value_name = "PLATFORM=FILE", value_parser = parse_binary)]
     binaries: Vec<Binary>,
@@ -25,23 +31,34 @@ pub struct Arguments {
     flat_names: bool,
 }
 
+impl FmuArguments {
+    pub fn naming(&self) -> Naming {
+        if self.flat_names { Naming::Flat } else { Naming::Structured }
+    }
+
+    /// Those that were given, else the library built with this program.
+    pub fn binaries(&self, library: &str) -> Result<Vec<Binary>> {
+        if self.binaries.is_empty() { Ok(vec![binary_beside(library)?]) } else { Ok(self.binaries.clone()) }
+    }
+}
+
 fn parse_binary(text: &str) -> Result<Binary, String> {
     let (platform, path) = text.split_once('=').ok_or("expected PLATFORM=FILE")?;
     Ok(Binary { platform: platform.to_owned(), path: path.into() })
 }
 
 pub fn pack(arguments: &Arguments) -> Result<()> {
-    let naming = if arguments.flat_names { Naming::Flat } else { Naming::Structured };
-    let mut binaries = arguments.binaries.clone();
-    if binaries.is_empty() {
-        binaries.push(own_binary()?);
-    }
-    let warnings = write_fmu(&arguments.trials, binaries, naming, &arguments.output)?;
+    let binaries = arguments.fmu.binaries("crowd_mechanics")?;
+    let warnings = write_fmu(&arguments.trials, binaries, arguments.fmu.naming(), &arguments.output)?;
     for warning in warnings {
         eprintln!("{warning}");
     }
-    let size = std::fs::metadata(&arguments.output)?.len();
-    println!("{}: {:.1} MB", arguments.output.display(), size as f64 / 1e6);
+    say_size(&arguments.output)
+}
+
+pub fn say_size(output: &Path) -> Result<()> {
+    let size = std::fs::metadata(output)?.len();
+    println!("{}: {:.1} MB", output.display(), size as f64 / 1e6);
     Ok(())
 }
 

@@ -221,15 +221,23 @@ impl Instance {
     }
 }
 
-/// The shared library that was built with this program: beside it, or in `deps` beside it.
+/// The crowd's shared library that was built with this program.
+///
+/// # Errors
+/// As [`binary_beside`].
+pub fn own_binary() -> Result<Binary> {
+    binary_beside("crowd_mechanics")
+}
+
+/// A shared library that was built with this program: beside it, or in `deps` beside it.
 ///
 /// # Errors
 /// It is in neither place, or FMI has no name for this platform.
-pub fn own_binary() -> Result<Binary> {
+pub fn binary_beside(library: &str) -> Result<Binary> {
     let Some(platform) = host_platform() else {
         bail!("FMI 2.0 has no name for this platform: give --binary PLATFORM=FILE");
     };
-    let name = format!("{}crowd_mechanics{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let name = format!("{}{library}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let program = std::env::current_exe().context("where is this program?")?;
     let beside = program.parent().unwrap_or(Path::new("."));
     let places = [beside.join(&name), beside.join("deps").join(&name)];

@@ -1,0 +1,66 @@
+//! `lemons decide`: a Trial and its people's wishes -> a Decision FMU.
+
+use crate::TrialHasErrors;
+use crate::pack::{FmuArguments, say_size};
+use anyhow::{Context, Result};
+use crowd_mechanics::files::Staged;
+use crowd_mechanics::trial::Trial;
+use lemons_decision::rule::Pose;
+use lemons_decision::{Person, Plan, Wishes};
+use std::path::PathBuf;
+
+/// In a Trial's directory, if it is not named otherwise.
+const WISHES_FILE: &str = "decision.toml";
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The Trial whose people decide
+    #[arg(value_name = "TRIAL")]
+    trial: PathBuf,
+    /// Way-points and desired speeds; default: decision.toml in the Trial's directory
+    #[arg(long, value_name = "FILE.toml")]
+    plan: Option<PathBuf>,
+    /// The FMU to write
+    #[arg(short, long, value_name = "FILE.fmu")]
+    output: PathBuf,
+    #[command(flatten)]
+    fmu: FmuArguments,
+}
+
+pub fn decide(arguments: &Arguments) -> Result<()> {
+    let (trial, _) = match Trial::read(&arguments.trial) {
+        Ok(read) => read,
+        Err(problems) => {
+            eprintln!("{problems}");
+            eprintln!("lemons: {} has errors", arguments.trial.display());
+            return Err(TrialHasErrors.into());
+        }
+    };
+    let path = arguments.plan.clone().unwrap_or_else(|| arguments.trial.join(WISHES_FILE));
+    let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let plan = Wishes::from_toml(&text)
+        .and_then(|wishes| Plan::new(&people(&trial), &wishes, trial.parameters.time_step))
+        .with_context(|| path.display().to_string())?;
+    let binaries = arguments.fmu.binaries("lemons_decision_fmu")?;
+    let unwritten = || format!("cannot write {}", arguments.output.display());
+    let mut file = Staged::beside(&arguments.output).with_context(unwritten)?;
+    lemons_decision::pack::write_fmu(&plan, arguments.fmu.naming(), &binaries, &mut file)
+        .with_context(unwritten)?;
+    file.persist().with_context(unwritten)?;
+    say_size(&arguments.output)
+}
+
+/// What a decision needs to know of a Trial's agents.
+fn people(trial: &Trial) -> Vec<Person> {
+    let agents = trial.agents.iter().zip(&trial.dynamics);
+    agents
+        .map(|(agent, dynamics)| Person {
+            id: agent.id.clone(),
+            mass: agent.mass,
+            moment_of_inertia: agent.moment_of_inertia,
+            floor_damping: agent.floor_damping,
+            angular_damping: agent.angular_damping,
+            pose: Pose { x: dynamics.position.x, y: dynamics.position.y, theta: dynamics.theta },
+        })
+        .collect()
+}

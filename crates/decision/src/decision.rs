@@ -1,0 +1,357 @@
+//! The model behind the FMU: poses in, drives out.
+
+use crate::plan::{Plan, PlanError};
+use crate::rule::{Pose, Walker};
+use lemons_fmi2::location::{LocationError, directories};
+use lemons_fmi2::variables::units::*;
+use lemons_fmi2::variables::{Domain, Kind, Role, Unit, Variable};
+use lemons_fmi2::{Model, Phase, StepError};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// The plan's place in the FMU's resources.
+pub const PLAN_FILE: &str = "decision.toml";
+
+/// Which number of the model a variable is; most belong to an agent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Of one agent.
+    Agent(usize, AgentQuantity),
+    /// How many agents have reached their last way-point.
+    Arrived,
+}
+
+/// A number of one agent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)] // the names of the variables
+pub enum AgentQuantity {
+    PositionX,
+    PositionY,
+    Theta,
+    FpX,
+    FpY,
+    Mp,
+    NextWaypoint,
+    Mass,
+    MomentOfInertia,
+    FloorDamping,
+    AngularDamping,
+    DesiredSpeed,
+    WaypointX(usize),
+    WaypointY(usize),
+    WaypointRadius(usize),
+}
+
+type Row = (AgentQuantity, &'static str, Kind, Role, Domain, &'static str);
+
+const ROWS: [Row; 12] = {
+    use AgentQuantity::*;
+    use Domain::*;
+    use Role::*;
+    const fn real(unit: Unit) -> Kind {
+        Kind::Real(unit)
+    }
+    [
+        (PositionX, "Position.x", real(METRE), Input, Finite, "x of the centre of mass"),
+        (PositionY, "Position.y", real(METRE), Input, Finite, "y of the centre of mass"),
+        (Theta, "Theta", real(RADIAN), Input, Finite, "orientation: angle from the x axis to the gaze"),
+        (FpX, "Fp.x", real(NEWTON), Calculated, Finite, "propulsion force along x"),
+        (FpY, "Fp.y", real(NEWTON), Calculated, Finite, "propulsion force along y"),
+        (Mp, "Mp", real(NEWTON_METRE), Calculated, Finite, "propulsion torque"),
+        (
+            NextWaypoint,
+            "NextWaypoint",
+            Kind::Integer,
+            Calculated,
+            Finite,
+            "which way-point it walks to; their number after the last one",
+        ),
+        (Mass, "Mass", real(KILOGRAM), Parameter, Positive, "mass"),
+        (
+            MomentOfInertia,
+            "MomentOfInertia",
+            real(KILOGRAM_METRE_SQUARED),
+            Parameter,
+            Positive,
+            "moment of inertia about the centre of mass",
+        ),
+        (
+            FloorDamping,
+            "FloorDamping",
+            real(PER_SECOND),
+            Parameter,
+            NonNegative,
+            "relaxation rate of the velocity, 1/t_transl",
+        ),
+        (
+            AngularDamping,
+            "AngularDamping",
+            real(PER_SECOND),
+            Parameter,
+            NonNegative,
+            "relaxation rate of the angular velocity, 1/t_rot",
+        ),
+        (DesiredSpeed, "DesiredSpeed", real(METRE_PER_SECOND), Parameter, NonNegative, "desired speed v0"),
+    ]
+};
+
+/// The variables of a plan's FMU; a value reference is a place in it.
+pub fn table(plan: &Plan) -> Vec<Variable<Quantity>> {
+    let mut table = vec![Variable {
+        name: "Arrived".into(),
+        quantity: Quantity::Arrived,
+        kind: Kind::Integer,
+        role: Role::Calculated,
+        domain: Domain::Finite,
+        description: "how many agents have reached their last way-point".into(),
+    }];
+    for (i, agent) in plan.agents.iter().enumerate() {
+        let mut add = |quantity, name: String, kind, role, domain, description: &str| {
+            table.push(Variable {
+                name: format!("agent[{i}].{name}"),
+                quantity: Quantity::Agent(i, quantity),
+                kind,
+                role,
+                domain,
+                description: format!("agent Id {}: {description}", agent.id),
+            });
+        };
+        for (quantity, name, kind, role, domain, description) in ROWS {
+            add(quantity, name.to_owned(), kind, role, domain, description);
+        }
+        for k in 0..agent.walker.waypoints.len() {
+            use AgentQuantity::{WaypointRadius, WaypointX, WaypointY};
+            for (quantity, name, domain, description) in [
+                (WaypointX(k), "x", Domain::Finite, "x of a way-point"),
+                (WaypointY(k), "y", Domain::Finite, "y of a way-point"),
+                (
+                    WaypointRadius(k),
+                    "Radius",
+                    Domain::NonNegative,
+                    "it is reached when the agent is this near",
+                ),
+            ] {
+                let name = format!("Waypoint[{k}].{name}");
+                add(quantity, name, Kind::Real(METRE), Role::Parameter, domain, description);
+            }
+        }
+    }
+    table
+}
+
+/// Which variables count as known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Known {
+    /// While it runs.
+    Inputs,
+    /// In initialization.
+    InputsAndParameters,
+}
+
+/// The places of the known variables that the output at a place depends on, ascending.
+pub fn dependencies(table: &[Variable<Quantity>], output: usize, known: Known) -> Vec<usize> {
+    use AgentQuantity::*;
+    let agent_of = |variable: &Variable<Quantity>| match variable.quantity {
+        Quantity::Arrived => None,
+        Quantity::Agent(i, _) => Some(i),
+    };
+    let needs = |quantity| {
+        matches!(
+            (quantity, table[output].quantity),
+            (PositionX | PositionY | WaypointX(_) | WaypointY(_) | WaypointRadius(_), _)
+                | (Mass | FloorDamping | DesiredSpeed, Quantity::Agent(_, FpX | FpY))
+                | (Theta | MomentOfInertia | AngularDamping, Quantity::Agent(_, Mp))
+        )
+    };
+    // An agent's variables stand side by side; what belongs to none depends on all.
+    let places = match agent_of(&table[output]) {
+        None => 0..table.len(),
+        agent => {
+            table.partition_point(|row| agent_of(row) < agent)
+                ..table.partition_point(|row| agent_of(row) <= agent)
+        }
+    };
+    let counts = |row: &Variable<Quantity>| match row.role {
+        Role::Input => true,
+        Role::Parameter => known == Known::InputsAndParameters,
+        _ => false,
+    };
+    places
+        .filter(|&place| match table[place].quantity {
+            Quantity::Agent(_, quantity) => counts(&table[place]) && needs(quantity),
+            Quantity::Arrived => false,
+        })
+        .collect()
+}
+
+/// Why a decision cannot be made.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum DecisionError {
+    #[error(transparent)]
+    Location(#[from] LocationError),
+    #[error("the resource location {location:?} leads to {path:?}, where there is no {PLAN_FILE}")]
+    NoPlan { location: String, path: PathBuf },
+    #[error("{path}: {error}", path = path.display())]
+    Read { path: PathBuf, error: std::io::Error },
+    #[error("{path}: {error}", path = path.display())]
+    Plan { path: PathBuf, error: PlanError },
+    #[error("the state is damaged or not one of this FMU: other agents or way-points")]
+    Saved,
+}
+
+/// An agent while the FMU lives; also what is saved of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Agent {
+    pose: Pose,
+    walker: Walker,
+    /// Committed by steps: what was reached stays so.
+    next: usize,
+}
+
+impl Agent {
+    /// The way-point that it walks to, seen from the present pose.
+    fn next(&self) -> usize {
+        self.walker.next(self.next, self.pose)
+    }
+}
+
+/// The paper's eq. 4 for a crowd.
+pub struct Decision {
+    plan: Plan,
+    agents: Vec<Agent>,
+}
+
+impl Decision {
+    /// At the start of a plan.
+    pub fn new(plan: Plan) -> Decision {
+        let agents =
+            plan.agents.iter().map(|agent| Agent { pose: agent.pose, walker: agent.walker.clone(), next: 0 });
+        Decision { agents: agents.collect(), plan }
+    }
+
+    /// Where a number that can be set stands; `None` for a computed one.
+    pub(crate) fn place(&mut self, quantity: Quantity) -> Option<&mut f64> {
+        let Quantity::Agent(i, quantity) = quantity else { return None };
+        let Agent { pose, walker, .. } = self.agents.get_mut(i)?;
+        Some(match quantity {
+            AgentQuantity::PositionX => &mut pose.x,
+            AgentQuantity::PositionY => &mut pose.y,
+            AgentQuantity::Theta => &mut pose.theta,
+            AgentQuantity::Mass => &mut walker.mass,
+            AgentQuantity::MomentOfInertia => &mut walker.moment_of_inertia,
+            AgentQuantity::FloorDamping => &mut walker.floor_damping,
+            AgentQuantity::AngularDamping => &mut walker.angular_damping,
+            AgentQuantity::DesiredSpeed => &mut walker.desired_speed,
+            AgentQuantity::WaypointX(k) => &mut walker.waypoints.get_mut(k)?.x,
+            AgentQuantity::WaypointY(k) => &mut walker.waypoints.get_mut(k)?.y,
+            AgentQuantity::WaypointRadius(k) => &mut walker.waypoints.get_mut(k)?.radius,
+            AgentQuantity::FpX | AgentQuantity::FpY | AgentQuantity::Mp | AgentQuantity::NextWaypoint => {
+                return None;
+            }
+        })
+    }
+}
+
+impl Model for Decision {
+    type Quantity = Quantity;
+    type Saved = Vec<Agent>;
+    type Error = DecisionError;
+
+    const INTERPOLATES_INPUTS: bool = false;
+    const STATE_VERSION: u32 = 1;
+
+    fn load(location: &str) -> Result<Decision, DecisionError> {
+        let candidates = directories(location)?;
+        let path = candidates.iter().map(|directory| directory.join(PLAN_FILE)).find(|path| path.is_file());
+        let path = path.ok_or_else(|| DecisionError::NoPlan {
+            location: location.to_owned(),
+            path: candidates[0].clone(),
+        })?;
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| DecisionError::Read { path: path.clone(), error })?;
+        Ok(Decision::new(Plan::from_toml(&text).map_err(|error| DecisionError::Plan { path, error })?))
+    }
+
+    fn table(&self) -> Vec<Variable<Quantity>> {
+        table(&self.plan)
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn real(&mut self, quantity: Quantity) -> Result<f64, DecisionError> {
+        if let Some(place) = self.place(quantity) {
+            return Ok(*place);
+        }
+        let Quantity::Agent(i, quantity) = quantity else { return Ok(0.0) };
+        let agent = &self.agents[i];
+        let drive = agent.walker.drive(agent.next(), agent.pose);
+        Ok(match quantity {
+            AgentQuantity::FpX => drive.force[0],
+            AgentQuantity::FpY => drive.force[1],
+            _ => drive.torque,
+        })
+    }
+
+    fn integer(&mut self, quantity: Quantity) -> Result<i32, DecisionError> {
+        let number = match quantity {
+            Quantity::Arrived => {
+                self.agents.iter().filter(|agent| agent.next() == agent.walker.waypoints.len()).count()
+            }
+            Quantity::Agent(i, _) => self.agents[i].next(),
+        };
+        Ok(i32::try_from(number).unwrap_or(i32::MAX))
+    }
+
+    fn string(&self, _: Quantity) -> &str {
+        ""
+    }
+
+    fn set_real(&mut self, _: u32, quantity: Quantity, value: f64, _: Phase) {
+        if let Some(place) = self.place(quantity) {
+            *place = value;
+        }
+    }
+
+    fn set_integer(&mut self, _: Quantity, _: i32) {}
+
+    fn set_strings(&mut self, _: &[(Quantity, &str)]) -> Result<(), DecisionError> {
+        Ok(())
+    }
+
+    fn initialize(&mut self) -> Result<(), DecisionError> {
+        Ok(())
+    }
+
+    /// The poses are those at the beginning of the step: what is reached there stays so.
+    fn advance(&mut self, _: f64, _: f64) -> Result<(), StepError<DecisionError>> {
+        for agent in &mut self.agents {
+            agent.next = agent.next();
+        }
+        Ok(())
+    }
+
+    fn reset(&mut self) -> Result<(), DecisionError> {
+        *self = Decision::new(self.plan.clone());
+        Ok(())
+    }
+
+    fn save(&self) -> Vec<Agent> {
+        self.agents.clone()
+    }
+
+    fn restore(&mut self, saved: &Vec<Agent>) -> Result<(), DecisionError> {
+        let alike = |(a, b): (&Agent, &Agent)| {
+            let count = b.walker.waypoints.len();
+            a.walker.waypoints.len() == count && a.next <= count
+        };
+        if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
+            return Err(DecisionError::Saved);
+        }
+        self.agents.clone_from(saved);
+        Ok(())
+    }
+}

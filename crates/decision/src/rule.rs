@@ -1,0 +1,148 @@
+//! The rule: eq. 4 of the paper, and when a way-point is reached.
+//!
+//! `libm` instead of the platform's arctangent: the same bits on every machine.
+
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// A place to walk to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Waypoint {
+    /// \[m\]
+    pub x: f64,
+    /// \[m\]
+    pub y: f64,
+    /// \[m\] ≥ 0: it is reached when the centre of mass is this near.
+    pub radius: f64,
+}
+
+/// Where a body is and where it looks.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Pose {
+    /// \[m\]
+    pub x: f64,
+    /// \[m\]
+    pub y: f64,
+    /// \[rad\]
+    pub theta: f64,
+}
+
+/// What an agent does to be moved.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Drive {
+    /// \[N\]
+    pub force: [f64; 2],
+    /// \[N.m\]
+    pub torque: f64,
+}
+
+/// What the rule needs to know of a walker.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Walker {
+    /// \[kg\]
+    pub mass: f64,
+    /// \[kg.m2\]
+    pub moment_of_inertia: f64,
+    /// \[1/s\] 1/t_transl
+    pub floor_damping: f64,
+    /// \[1/s\] 1/t_rot
+    pub angular_damping: f64,
+    /// \[m/s\]
+    pub desired_speed: f64,
+    /// In their order.
+    pub waypoints: Vec<Waypoint>,
+}
+
+impl Walker {
+    /// The way-point that is next at a pose, if `next` was so before; their number after the last one.
+    pub fn next(&self, mut next: usize, pose: Pose) -> usize {
+        while let Some(waypoint) = self.waypoints.get(next) {
+            let distance = libm::hypot(waypoint.x - pose.x, waypoint.y - pose.y);
+            if distance.is_nan() || distance > waypoint.radius {
+                break;
+            }
+            next += 1;
+        }
+        next
+    }
+
+    /// Eq. 4 towards the way-point `next`; nothing after the last one.
+    pub fn drive(&self, next: usize, pose: Pose) -> Drive {
+        let Some(waypoint) = self.waypoints.get(next) else { return Drive::default() };
+        let (dx, dy) = (waypoint.x - pose.x, waypoint.y - pose.y);
+        let distance = libm::hypot(dx, dy);
+        if distance == 0.0 {
+            return Drive::default();
+        }
+        let push = self.mass * self.desired_speed * self.floor_damping;
+        let mismatch = wrapped(pose.theta - libm::atan2(dy, dx));
+        Drive {
+            force: [push * (dx / distance), push * (dy / distance)],
+            torque: -self.moment_of_inertia * mismatch * self.angular_damping * self.angular_damping,
+        }
+    }
+}
+
+/// An angle \[rad\] in (−π, π].
+fn wrapped(angle: f64) -> f64 {
+    let turned = angle.rem_euclid(2.0 * PI);
+    if turned > PI { turned - 2.0 * PI } else { turned }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn walker(waypoints: &[(f64, f64, f64)]) -> Walker {
+        Walker {
+            mass: 80.0,
+            moment_of_inertia: 1.5,
+            floor_damping: 2.0,
+            angular_damping: 4.0,
+            desired_speed: 1.3,
+            waypoints: waypoints.iter().map(|&(x, y, radius)| Waypoint { x, y, radius }).collect(),
+        }
+    }
+
+    #[test]
+    fn the_force_balances_the_floor_at_the_desired_speed() {
+        let walker = walker(&[(3.0, 4.0, 0.1)]);
+        let drive = walker.drive(0, Pose::default());
+        let [x, y] = drive.force;
+        // The floor takes m v/t_transl.
+        assert!((x.hypot(y) - 80.0 * 1.3 * 2.0).abs() < 1e-12);
+        assert!((y / x - 4.0 / 3.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_torque_turns_the_short_way() {
+        let walker = walker(&[(-5.0, 0.0, 0.1)]);
+        for (theta, mismatch) in
+            [(3.0, 3.0 - PI), (-3.0, PI - 3.0), (PI, 0.0), (0.5, 0.5 - PI), (2.0 * PI + 3.0, 3.0 - PI)]
+        {
+            let torque = walker.drive(0, Pose { theta, ..Pose::default() }).torque;
+            assert!((torque + 1.5 * 16.0 * mismatch).abs() < 1e-11, "{theta}: {torque}");
+        }
+    }
+
+    #[test]
+    fn waypoints_are_reached_one_after_the_other_and_some_at_once() {
+        let walker = walker(&[(1.0, 0.0, 0.2), (1.1, 0.0, 0.3), (5.0, 0.0, 0.5)]);
+        let at = |x| Pose { x, ..Pose::default() };
+        assert_eq!(walker.next(0, at(0.0)), 0);
+        assert_eq!(walker.next(0, at(0.85)), 2, "the second is near as well");
+        assert_eq!(walker.next(2, at(0.0)), 2, "what was reached stays so");
+        assert_eq!(walker.next(2, at(4.6)), 3);
+        assert_eq!(walker.drive(3, at(4.6)), Drive::default());
+        assert_eq!(walker.next(0, at(f64::NAN)), 0);
+    }
+
+    #[test]
+    fn on_the_waypoint_there_is_no_direction() {
+        let walker = walker(&[(1.0, 2.0, 0.0)]);
+        let there = Pose { x: 1.0, y: 2.0, theta: 0.3 };
+        assert_eq!(walker.drive(0, there), Drive::default());
+        assert_eq!(walker.next(0, there), 1);
+    }
+}

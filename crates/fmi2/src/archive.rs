@@ -1,0 +1,128 @@
+//! An `.fmu`: the same content gives the same bytes, so a packaged FMU can serve as a regression artifact.
+
+use std::io::{Seek, Write};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+/// Why nothing was packed.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum ArchiveError {
+    #[error("no binary was given: an FMU needs at least one")]
+    NoBinary,
+    #[error("{0:?} is no FMI 2.0 platform (linux64, win64, darwin64, aarch64-linux, …)")]
+    Platform(String),
+    #[error("cannot read {path}: {error}")]
+    Read { path: PathBuf, error: std::io::Error },
+    #[error("cannot be written: {0}")]
+    Write(#[from] std::io::Error),
+    #[error("cannot be written: {0}")]
+    Zip(#[from] zip::result::ZipError),
+}
+
+/// A shared library for one platform.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Binary {
+    /// FMI's name: "linux64", "win64", "darwin64", …
+    pub platform: String,
+    /// The library.
+    pub path: PathBuf,
+}
+
+/// The extension of shared libraries on each FMI platform.
+const PLATFORMS: [(&str, &str); 9] = [
+    ("linux64", "so"),
+    ("linux32", "so"),
+    ("aarch64-linux", "so"),
+    ("x86_64-linux", "so"),
+    ("win64", "dll"),
+    ("win32", "dll"),
+    ("darwin64", "dylib"),
+    ("aarch64-darwin", "dylib"),
+    ("x86_64-darwin", "dylib"),
+];
+
+/// FMI's name of the platform that this program runs on, if it has one.
+pub fn host_platform() -> Option<&'static str> {
+    match (std::env::consts::OS, std::env::consts::ARCH) {
+        ("linux", "x86_64") => Some("linux64"),
+        ("linux", "aarch64") => Some("aarch64-linux"),
+        ("windows", "x86_64") => Some("win64"),
+        ("macos", "x86_64") => Some("darwin64"),
+        ("macos", "aarch64") => Some("aarch64-darwin"),
+        _ => None,
+    }
+}
+
+/// An FMU being written.
+pub struct Archive<W: Write + Seek>(ZipWriter<W>);
+
+impl<W: Write + Seek> Archive<W> {
+    /// Begins with the description, the documentation and the binaries.
+    ///
+    /// # Errors
+    /// [`ArchiveError`]
+    pub fn begin(
+        file: W,
+        model_identifier: &str,
+        description: &str,
+        documentation: &str,
+        binaries: &[Binary],
+    ) -> Result<Archive<W>, ArchiveError> {
+        if binaries.is_empty() {
+            return Err(ArchiveError::NoBinary);
+        }
+        let mut archive = Archive(ZipWriter::new(file));
+        archive.add("modelDescription.xml", description.as_bytes())?;
+        archive.add("documentation/index.html", documentation.as_bytes())?;
+        for (name, text) in LICENSES {
+            archive.add(&format!("documentation/licenses/{name}"), text.as_bytes())?;
+        }
+        for binary in binaries {
+            let extension = PLATFORMS.iter().find(|(platform, _)| *platform == binary.platform);
+            let (platform, extension) =
+                extension.ok_or_else(|| ArchiveError::Platform(binary.platform.clone()))?;
+            archive
+                .add(&format!("binaries/{platform}/{model_identifier}.{extension}"), &read(&binary.path)?)?;
+        }
+        Ok(archive)
+    }
+
+    /// Adds a file under its name, with forward slashes.
+    ///
+    /// # Errors
+    /// [`ArchiveError`]
+    pub fn add(&mut self, name: &str, content: &[u8]) -> Result<(), ArchiveError> {
+        // A fixed date: the same content gives the same bytes.
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .last_modified_time(DateTime::default())
+            .unix_permissions(if name.starts_with("binaries/") { 0o755 } else { 0o644 });
+        self.0.start_file(name, options)?;
+        Ok(self.0.write_all(content)?)
+    }
+
+    /// Writes the archive's end.
+    ///
+    /// # Errors
+    /// [`ArchiveError`]
+    pub fn finish(self) -> Result<(), ArchiveError> {
+        self.0.finish()?;
+        Ok(())
+    }
+}
+
+/// The content of a file.
+///
+/// # Errors
+/// It cannot be read; the error names it.
+pub fn read(path: &Path) -> Result<Vec<u8>, ArchiveError> {
+    std::fs::read(path).map_err(|error| ArchiveError::Read { path: path.to_owned(), error })
+}
+
+const LICENSES: [(&str, &str); 2] = [
+    ("LICENSE-APACHE.txt", include_str!("../../../LICENSE-APACHE")),
+    ("LICENSE-MIT.txt", include_str!("../../../LICENSE-MIT")),
+];

@@ -1,0 +1,29 @@
+//! The FMI 2.0 co-simulation boundary, once for every FMU of this repository.
+//!
+//! What an FMU simulates is a [`Model`]; everything that FMI asks of it beyond that is here, each room
+//! importing only from those above it:
+//!
+//! - [`variables`]: the table of variables, its types, units and GUID
+//! - [`lifecycle`]: which function is allowed in which state, as data
+//! - [`model`]: what a model must offer
+//! - [`slave`]: one instance: lifecycle, variables, stepping, states
+//! - [`component`]: the C functions' bodies: pointers in, statuses out
+//! - [`export!`](crate::export): the 34 C functions for a model
+//! - [`description`]: table -> `modelDescription.xml`
+//! - [`location`]: resource URI -> directories
+//! - [`archive`]: an `.fmu`, the same bytes for the same content
+
+pub mod archive;
+pub mod component;
+pub mod description;
+mod export;
+pub mod lifecycle;
+pub mod location;
+pub mod model;
+pub mod slave;
+pub mod variables;
+
+pub use component::{CallbackFunctions, Status, silence_panics};
+pub use lifecycle::Phase;
+pub use model::{Model, StepError};
+pub use slave::{Slave, SlaveError, Snapshot};

@@ -1,0 +1,88 @@
+//! The directories that a resource location may mean.
+
+use percent_encoding::percent_decode_str;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a location leads nowhere.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum LocationError {
+    #[error("no resource location was given")]
+    Missing,
+    #[error("the resource location {0:?} is no file URI and no path")]
+    Uri(String),
+}
+
+/// The directories that a resource location may mean, most likely first; at least one. Importers give
+/// `file:///…`, `file:/…`, `file://localhost/…` or a bare path; percent-encoded or not; with or without
+/// a trailing slash or the last part, `resources`.
+///
+/// # Errors
+/// No location, or an URI of another kind.
+pub fn directories(location: &str) -> Result<Vec<PathBuf>, LocationError> {
+    let paths = paths(location)?;
+    Ok(paths.into_iter().flat_map(|path| [path.clone(), path.join("resources")]).collect())
+}
+
+fn paths(location: &str) -> Result<Vec<PathBuf>, LocationError> {
+    let uri = location.trim();
+    if uri.is_empty() {
+        return Err(LocationError::Missing);
+    }
+    let refused = || LocationError::Uri(uri.to_owned());
+    let path = match uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("file:")) {
+        Some(_) => {
+            let rest = &uri[5..];
+            match rest.strip_prefix("//") {
+                // file://host/path; an empty host is this machine.
+                Some(host_and_path) => match host_and_path.find('/') {
+                    Some(0) => host_and_path,
+                    Some(slash) if host_and_path[..slash].eq_ignore_ascii_case("localhost") => {
+                        &host_and_path[slash..]
+                    }
+                    _ => return Err(refused()),
+                },
+                None => rest,
+            }
+        }
+        // A scheme of one letter is a drive.
+        None if uri.find("://").is_some_and(|colon| colon > 1) => return Err(refused()),
+        None => uri,
+    };
+    let path = if cfg!(windows) { path.strip_prefix('/').unwrap_or(path) } else { path };
+    let decoded = percent_decode_str(path).decode_utf8_lossy().into_owned();
+    // Some importers do not encode: there a percent sign is itself.
+    let mut paths = vec![PathBuf::from(&decoded)];
+    if decoded != path {
+        paths.push(PathBuf::from(path));
+    }
+    Ok(paths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn first(uri: &str) -> String {
+        paths(uri).unwrap()[0].to_str().unwrap().to_owned()
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn uris_are_read_liberally() {
+        assert_eq!(first("file:///tmp/sp%20ace/resources"), "/tmp/sp ace/resources");
+        assert_eq!(first("file:/tmp/x"), "/tmp/x");
+        assert_eq!(first("file:////tmp/x"), "//tmp/x");
+        assert_eq!(first("file://localhost/tmp/x"), "/tmp/x");
+        assert_eq!(first("FILE:///tmp/x"), "/tmp/x");
+        assert_eq!(first("/tmp/a b/ü"), "/tmp/a b/ü");
+        assert_eq!(first("file:///tmp/%C3%BC"), "/tmp/ü");
+        // A percent sign that was not encoded.
+        assert_eq!(paths("file:///tmp/a%20b").unwrap()[1], Path::new("/tmp/a%20b"));
+        assert!(paths("http://host/x").is_err());
+        assert!(paths("file://elsewhere/x").is_err());
+        assert!(matches!(paths(" "), Err(LocationError::Missing)));
+    }
+}

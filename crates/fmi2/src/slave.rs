@@ -1,0 +1,454 @@
+//! One FMU instance, whatever the C interface: lifecycle, variables, stepping, states.
+//!
+//! Every refused call leaves everything as it was.
+
+use crate::lifecycle::{Function, Phase, allowed};
+use crate::model::{Model, StepError};
+use crate::variables::{Kind, Role, Variable, guid};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+use uuid::Uuid;
+
+/// Why a call was refused or failed; `E` are the model's reasons.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum SlaveError<E> {
+    #[error("not allowed in the state {phase:?}")]
+    NotAllowed { phase: Phase },
+    #[error(
+        "the GUID {given:?} is not this FMU's {expected:?}: modelDescription.xml and resources do not belong together"
+    )]
+    Guid { given: String, expected: String },
+    #[error("no variable of type {kind} has the value reference {reference}")]
+    UnknownReference { kind: &'static str, reference: u32 },
+    #[error("{name} = {value}: must be {must}")]
+    Value { name: String, value: String, must: &'static str },
+    #[error("{name} cannot be set {when}")]
+    NotSettable { name: String, when: &'static str },
+    #[error("{name} is no input: it has no derivative to set")]
+    NoInput { name: String },
+    #[error("the derivative of order {order} of {name}: inputs are interpolated with order 1")]
+    Order { name: String, order: i32 },
+    #[error("fmi2SetupExperiment has not been called")]
+    NoExperiment,
+    #[error("start time {0:?}: must be finite")]
+    StartTime(f64),
+    #[error("stop time {stop:?} s: must be finite and not before the start time {start:?} s")]
+    StopTime { start: f64, stop: f64 },
+    #[error("a communication step of {0:?} s: must be positive and finite")]
+    StepSize(f64),
+    #[error("the communication point {given:?} s is not the slave's time {expected:?} s")]
+    CommunicationPoint { given: f64, expected: f64 },
+    #[error("a step from {from:?} s of {step:?} s goes beyond the stop time {stop:?} s")]
+    BeyondStopTime { from: f64, step: f64, stop: f64 },
+    #[error("the state is damaged or not one of this FMU: {0}")]
+    Snapshot(&'static str),
+    #[error("the state belongs to another model: {0}")]
+    OtherModel(&'static str),
+    #[error("{0}")]
+    Unsupported(&'static str),
+    #[error(transparent)]
+    Model(#[from] E),
+}
+
+/// When the simulation begins and, perhaps, ends \[s\].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Experiment {
+    start: f64,
+    stop: Option<f64>,
+}
+
+/// All that an instance is, apart from where its resources lie: FMI's "FMU state".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot<S> {
+    phase: Phase,
+    time: f64,
+    experiment: Option<Experiment>,
+    model: S,
+}
+
+/// One FMU instance.
+pub struct Slave<M: Model> {
+    model: M,
+    table: Vec<Variable<M::Quantity>>,
+    guid: Uuid,
+    phase: Phase,
+    time: f64,
+    experiment: Option<Experiment>,
+}
+
+type Answer<M, T> = Result<T, SlaveError<<M as Model>::Error>>;
+
+impl<M: Model> Slave<M> {
+    /// A new instance of a model.
+    ///
+    /// # Errors
+    /// A GUID that is not the model's.
+    pub fn new(model: M, given_guid: &str) -> Answer<M, Slave<M>> {
+        let table = model.table();
+        let guid = guid(&table);
+        let bare = |text: &str| text.trim_matches(['{', '}']).to_ascii_lowercase();
+        if bare(given_guid) != guid.to_string() {
+            let expected = guid.braced().to_string();
+            return Err(SlaveError::Guid { given: given_guid.to_owned(), expected });
+        }
+        Ok(Slave { model, table, guid, phase: Phase::Instantiated, time: 0.0, experiment: None })
+    }
+
+    /// \[s\] the present communication point.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Warnings since they were last taken.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        self.model.take_warnings()
+    }
+
+    /// Whether the phase allows a function.
+    ///
+    /// # Errors
+    /// It does not.
+    pub fn check(&self, function: Function) -> Answer<M, ()> {
+        if allowed(function).contains(&self.phase) {
+            Ok(())
+        } else {
+            Err(SlaveError::NotAllowed { phase: self.phase })
+        }
+    }
+
+    /// `fmi2SetupExperiment`: when the simulation begins and, perhaps, ends \[s\].
+    ///
+    /// # Errors
+    /// Wrong phase, times that are not finite or in the wrong order.
+    pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Answer<M, ()> {
+        self.check(Function::SetupExperiment)?;
+        if !start.is_finite() {
+            return Err(SlaveError::StartTime(start));
+        }
+        if let Some(stop) = stop.filter(|stop| !(stop.is_finite() && *stop >= start)) {
+            return Err(SlaveError::StopTime { start, stop });
+        }
+        (self.experiment, self.time) = (Some(Experiment { start, stop }), start);
+        Ok(())
+    }
+
+    /// `fmi2EnterInitializationMode`
+    ///
+    /// # Errors
+    /// Wrong phase, or no start time.
+    pub fn enter_initialization(&mut self) -> Answer<M, ()> {
+        self.check(Function::EnterInitializationMode)?;
+        self.experiment.ok_or(SlaveError::NoExperiment)?;
+        self.phase = Phase::Initialization;
+        Ok(())
+    }
+
+    /// `fmi2ExitInitializationMode`
+    ///
+    /// # Errors
+    /// Wrong phase, or values that together make no model.
+    pub fn exit_initialization(&mut self) -> Answer<M, ()> {
+        self.check(Function::ExitInitializationMode)?;
+        self.model.initialize()?;
+        self.phase = Phase::StepComplete;
+        Ok(())
+    }
+
+    /// `fmi2Terminate`
+    ///
+    /// # Errors
+    /// Wrong phase.
+    pub fn terminate(&mut self) -> Answer<M, ()> {
+        self.check(Function::Terminate)?;
+        self.phase = Phase::Terminated;
+        Ok(())
+    }
+
+    /// `fmi2Reset`: back to the state after instantiation.
+    ///
+    /// # Errors
+    /// Wrong phase, or resources that have become unreadable.
+    pub fn reset(&mut self) -> Answer<M, ()> {
+        self.check(Function::Reset)?;
+        self.model.reset()?;
+        (self.phase, self.time, self.experiment) = (Phase::Instantiated, 0.0, None);
+        Ok(())
+    }
+
+    fn variable(
+        &self,
+        reference: u32,
+        matches: fn(Kind) -> bool,
+        kind: &'static str,
+    ) -> Answer<M, &Variable<M::Quantity>> {
+        self.table
+            .get(reference as usize)
+            .filter(|variable| matches(variable.kind))
+            .ok_or(SlaveError::UnknownReference { kind, reference })
+    }
+
+    fn real(&self, reference: u32) -> Answer<M, &Variable<M::Quantity>> {
+        self.variable(reference, |kind| matches!(kind, Kind::Real(_)), "Real")
+    }
+
+    fn integer(&self, reference: u32) -> Answer<M, &Variable<M::Quantity>> {
+        self.variable(reference, |kind| kind == Kind::Integer, "Integer")
+    }
+
+    fn string(&self, reference: u32) -> Answer<M, &Variable<M::Quantity>> {
+        self.variable(reference, |kind| kind == Kind::String, "String")
+    }
+
+    /// `fmi2GetReal`
+    ///
+    /// # Errors
+    /// Wrong phase, unknown references; in initialization, values that together make no model.
+    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Answer<M, ()> {
+        self.check(Function::Get)?;
+        for (&reference, value) in references.iter().zip(values) {
+            let quantity = self.real(reference)?.quantity;
+            *value = self.model.real(quantity)?;
+        }
+        Ok(())
+    }
+
+    /// `fmi2GetInteger`
+    ///
+    /// # Errors
+    /// As [`Slave::get_real`].
+    pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
+        self.check(Function::Get)?;
+        for (&reference, value) in references.iter().zip(values) {
+            let quantity = self.integer(reference)?.quantity;
+            *value = self.model.integer(quantity)?;
+        }
+        Ok(())
+    }
+
+    /// `fmi2GetString`
+    ///
+    /// # Errors
+    /// Wrong phase, unknown references.
+    pub fn get_string(&self, references: &[u32]) -> Answer<M, Vec<&str>> {
+        self.check(Function::Get)?;
+        references.iter().map(|&reference| Ok(self.model.string(self.string(reference)?.quantity))).collect()
+    }
+
+    /// Refuses to set what can never be set, or no longer.
+    fn check_settable(&self, variable: &Variable<M::Quantity>) -> Answer<M, ()> {
+        let before = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
+        let when = match variable.role {
+            Role::Input => return Ok(()),
+            Role::Parameter | Role::Exact if before => return Ok(()),
+            Role::Parameter | Role::Exact => "after initialization",
+            Role::Calculated => "at all: it is computed",
+        };
+        Err(SlaveError::NotSettable { name: variable.name.clone(), when })
+    }
+
+    fn check_number(&self, variable: &Variable<M::Quantity>, value: f64) -> Answer<M, ()> {
+        self.check_settable(variable)?;
+        variable.domain.check(value).map_err(|must| SlaveError::Value {
+            name: variable.name.clone(),
+            value: if variable.kind == Kind::Integer { format!("{value:.0}") } else { format!("{value:?}") },
+            must,
+        })
+    }
+
+    /// `fmi2SetReal`
+    ///
+    /// # Errors
+    /// Wrong phase, unknown references, values out of their domain; then none of them is set.
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Answer<M, ()> {
+        self.check(Function::Set)?;
+        for (&reference, &value) in references.iter().zip(values) {
+            self.check_number(self.real(reference)?, value)?;
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            let quantity = self.table[reference as usize].quantity;
+            self.model.set_real(reference, quantity, value, self.phase);
+        }
+        Ok(())
+    }
+
+    /// `fmi2SetInteger`
+    ///
+    /// # Errors
+    /// As [`Slave::set_real`].
+    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Answer<M, ()> {
+        self.check(Function::Set)?;
+        for (&reference, &value) in references.iter().zip(values) {
+            self.check_number(self.integer(reference)?, value.into())?;
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            self.model.set_integer(self.table[reference as usize].quantity, value);
+        }
+        Ok(())
+    }
+
+    /// `fmi2SetString`
+    ///
+    /// # Errors
+    /// As [`Slave::set_real`]; texts that are no values of their variables.
+    pub fn set_string(&mut self, references: &[u32], values: &[&str]) -> Answer<M, ()> {
+        self.check(Function::Set)?;
+        let mut texts = Vec::with_capacity(references.len());
+        for (&reference, &value) in references.iter().zip(values) {
+            let variable = self.string(reference)?;
+            self.check_settable(variable)?;
+            texts.push((variable.quantity, value));
+        }
+        Ok(self.model.set_strings(&texts)?)
+    }
+
+    /// `fmi2SetRealInputDerivatives`: over the next step the inputs vary linearly, at these rates per
+    /// second, from the values that they have at its beginning. A rate counts for one step.
+    ///
+    /// # Errors
+    /// Wrong phase, unknown references, variables that are no inputs, orders other than 1, rates that are
+    /// not finite, or a model that holds its inputs; then nothing is set.
+    pub fn set_input_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &[f64],
+    ) -> Answer<M, ()> {
+        self.check(Function::SetRealInputDerivatives)?;
+        if !M::INTERPOLATES_INPUTS {
+            let why = "canInterpolateInputs is false: inputs are held over a step";
+            return Err(SlaveError::Unsupported(why));
+        }
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            let variable = self.real(reference)?;
+            let name = || variable.name.clone();
+            if variable.role != Role::Input {
+                return Err(SlaveError::NoInput { name: name() });
+            }
+            if order != 1 {
+                return Err(SlaveError::Order { name: name(), order });
+            }
+            if !value.is_finite() {
+                let name = format!("the derivative of {}", variable.name);
+                return Err(SlaveError::Value { name, value: format!("{value:?}"), must: "finite" });
+            }
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            self.model.set_rate(self.table[reference as usize].quantity, value);
+        }
+        Ok(())
+    }
+
+    /// `fmi2DoStep`: from the communication point `from` over `step`, both \[s\].
+    ///
+    /// # Errors
+    /// Wrong phase, a communication point that is not the slave's time, a step that is not positive or
+    /// passes the stop time, or that the model refuses: nothing has changed. If the model fails in the
+    /// step, the slave is in the error state.
+    pub fn do_step(&mut self, from: f64, step: f64) -> Answer<M, ()> {
+        self.check(Function::DoStep)?;
+        if !(step > 0.0 && step.is_finite()) {
+            return Err(SlaveError::StepSize(step));
+        }
+        // Masters add up their own times; half a step off is another communication point.
+        let tolerance = (1e-5 * from.abs().max(step)).min(0.5 * step);
+        if (from - self.time).abs() > tolerance || from.is_nan() {
+            return Err(SlaveError::CommunicationPoint { given: from, expected: self.time });
+        }
+        let stop = self.experiment.and_then(|experiment| experiment.stop);
+        if let Some(stop) = stop.filter(|stop| from + step > stop + tolerance) {
+            return Err(SlaveError::BeyondStopTime { from, step, stop });
+        }
+        match self.model.advance(step, from + step) {
+            Ok(()) => {
+                self.time = from + step;
+                Ok(())
+            }
+            Err(StepError::Refused(error)) => Err(error.into()),
+            Err(StepError::Failed(error)) => {
+                self.phase = Phase::Error;
+                Err(error.into())
+            }
+        }
+    }
+
+    /// `fmi2GetFMUstate`
+    ///
+    /// # Errors
+    /// Wrong phase.
+    pub fn snapshot(&self) -> Answer<M, Snapshot<M::Saved>> {
+        self.check(Function::State)?;
+        let (phase, time, experiment) = (self.phase, self.time, self.experiment);
+        Ok(Snapshot { phase, time, experiment, model: self.model.save() })
+    }
+
+    /// `fmi2SetFMUstate`
+    ///
+    /// # Errors
+    /// Wrong phase, a snapshot of another model; then nothing has changed.
+    pub fn restore(&mut self, snapshot: &Snapshot<M::Saved>) -> Answer<M, ()> {
+        self.check(Function::State)?;
+        self.model.restore(&snapshot.model)?;
+        (self.phase, self.time, self.experiment) = (snapshot.phase, snapshot.time, snapshot.experiment);
+        Ok(())
+    }
+
+    /// `fmi2SerializeFMUstate`: a snapshot as bytes of a format of its own: magic, version, GUID, length,
+    /// content, checksum.
+    ///
+    /// # Errors
+    /// A snapshot that cannot be written.
+    pub fn serialize(&self, snapshot: &Snapshot<M::Saved>) -> Answer<M, Vec<u8>> {
+        let content =
+            postcard::to_stdvec(snapshot).map_err(|_| SlaveError::Snapshot("it cannot be written"))?;
+        let mut bytes = Vec::with_capacity(HEADER + content.len() + 4);
+        bytes.extend_from_slice(MAGIC);
+        bytes.extend_from_slice(&Self::version().to_le_bytes());
+        bytes.extend_from_slice(self.guid.as_bytes());
+        bytes.extend_from_slice(&(content.len() as u64).to_le_bytes());
+        bytes.extend_from_slice(&content);
+        let checksum = crc32fast::hash(&bytes);
+        bytes.extend_from_slice(&checksum.to_le_bytes());
+        Ok(bytes)
+    }
+
+    /// `fmi2DeSerializeFMUstate`
+    ///
+    /// # Errors
+    /// Bytes that are damaged, of another version or of another model.
+    pub fn deserialize(&self, bytes: &[u8]) -> Answer<M, Snapshot<M::Saved>> {
+        self.check(Function::State)?;
+        let take = |from: usize, length: usize| {
+            bytes.get(from..from + length).ok_or(SlaveError::Snapshot("it is cut off"))
+        };
+        if take(0, 8)? != MAGIC {
+            return Err(SlaveError::Snapshot("it does not begin like one"));
+        }
+        if take(8, 4)? != Self::version().to_le_bytes() {
+            return Err(SlaveError::Snapshot("another version of the format"));
+        }
+        if take(12, 16)? != self.guid.as_bytes() {
+            return Err(SlaveError::OtherModel("it was saved by an FMU with another GUID"));
+        }
+        let length = take(28, 8)?.try_into().map(u64::from_le_bytes).unwrap_or(u64::MAX);
+        // Importers may hand over a buffer longer than what was written.
+        let end = usize::try_from(length).ok().and_then(|length| HEADER.checked_add(length));
+        let end = end.filter(|end| *end < bytes.len()).ok_or(SlaveError::Snapshot("it is cut off"))?;
+        if take(end, 4)? != crc32fast::hash(&bytes[..end]).to_le_bytes() {
+            return Err(SlaveError::Snapshot("its checksum is wrong"));
+        }
+        postcard::from_bytes(&bytes[HEADER..end])
+            .map_err(|_| SlaveError::Snapshot("its content is malformed"))
+    }
+
+    /// The format's version and the model's, in one number.
+    fn version() -> u32 {
+        FORMAT << 16 | M::STATE_VERSION
+    }
+}
+
+const MAGIC: &[u8; 8] = b"LEMONSst";
+/// Raised whenever [`Snapshot`] changes.
+const FORMAT: u32 = 2;
+/// Magic, version, GUID, length.
+const HEADER: usize = 8 + 4 + 16 + 8;

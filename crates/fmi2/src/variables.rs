@@ -1,0 +1,132 @@
+//! The table of an FMU's variables: name, type, causality, unit, which quantity.
+//!
+//! A variable's value reference is its place in the table.
+
+use uuid::Uuid;
+
+/// What a variable is to its importer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Continuous input; settable at any time.
+    Input,
+    /// Output whose start value can be set until initialization ends (`initial="exact"`).
+    Exact,
+    /// Output that the FMU computes (`initial="calculated"`).
+    Calculated,
+    /// Fixed parameter; settable until initialization ends.
+    Parameter,
+}
+
+/// An FMI type.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// `fmi2Real`, with its unit.
+    Real(Unit),
+    /// `fmi2Integer`
+    Integer,
+    /// `fmi2String`
+    String,
+}
+
+impl Kind {
+    /// The FMI name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Real(_) => "Real",
+            Kind::Integer => "Integer",
+            Kind::String => "String",
+        }
+    }
+}
+
+/// A unit, with the exponents of its base units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unit {
+    /// As importers show it.
+    pub name: &'static str,
+    /// Exponents of kg, m, s and rad.
+    pub base: [i32; 4],
+}
+
+/// The units of this repository's FMUs.
+#[allow(missing_docs)] // their names say it
+pub mod units {
+    use super::Unit;
+
+    const fn unit(name: &'static str, kg: i32, m: i32, s: i32, rad: i32) -> Unit {
+        Unit { name, base: [kg, m, s, rad] }
+    }
+
+    pub const NEWTON: Unit = unit("N", 1, 1, -2, 0);
+    pub const NEWTON_METRE: Unit = unit("N.m", 1, 2, -2, 0);
+    pub const METRE: Unit = unit("m", 0, 1, 0, 0);
+    pub const RADIAN: Unit = unit("rad", 0, 0, 0, 1);
+    pub const METRE_PER_SECOND: Unit = unit("m/s", 0, 1, -1, 0);
+    pub const RADIAN_PER_SECOND: Unit = unit("rad/s", 0, 0, -1, 1);
+    pub const SECOND: Unit = unit("s", 0, 0, 1, 0);
+    pub const NEWTON_PER_METRE: Unit = unit("N/m", 1, 0, -2, 0);
+    pub const KILOGRAM_PER_SECOND: Unit = unit("kg/s", 1, 0, -1, 0);
+    pub const KILOGRAM: Unit = unit("kg", 1, 0, 0, 0);
+    pub const KILOGRAM_METRE_SQUARED: Unit = unit("kg.m2", 1, 2, 0, 0);
+    pub const PER_SECOND: Unit = unit("1/s", 0, 0, -1, 0);
+    pub const ONE: Unit = unit("1", 0, 0, 0, 0);
+}
+
+/// The numbers that a quantity may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Domain {
+    /// Any finite number.
+    Finite,
+    /// Finite and ≥ 0.
+    NonNegative,
+    /// Finite and > 0.
+    Positive,
+}
+
+impl Domain {
+    /// Whether the number is in the domain; otherwise what it must be.
+    ///
+    /// # Errors
+    /// The words that complete "must be …".
+    pub fn check(self, value: f64) -> Result<(), &'static str> {
+        match self {
+            _ if !value.is_finite() => Err("finite"),
+            Domain::Positive if value <= 0.0 => Err("positive"),
+            Domain::NonNegative if value < 0.0 => Err("at least 0"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A row of the table; `Q` says which number of the model it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable<Q> {
+    /// Structured name.
+    pub name: String,
+    /// Which number of the model.
+    pub quantity: Q,
+    /// FMI type.
+    pub kind: Kind,
+    /// Causality, variability and `initial` in one.
+    pub role: Role,
+    /// Numbers it may take.
+    pub domain: Domain,
+    /// For people.
+    pub description: String,
+}
+
+/// The GUID of the interface: it changes with names, types and value references, and with nothing else.
+pub fn guid<Q>(table: &[Variable<Q>]) -> Uuid {
+    /// Makes interfaces of other programs with the same words another GUID.
+    const NAMESPACE: Uuid = Uuid::from_u128(0x6c65_6d6f_6e73_4d75_8f63_726f_7764_3031);
+    let mut text = String::new();
+    for (reference, variable) in table.iter().enumerate() {
+        text.push_str(&format!(
+            "{reference} {} {} {:?}\n",
+            variable.name,
+            variable.kind.name(),
+            variable.role
+        ));
+    }
+    Uuid::new_v5(&NAMESPACE, text.as_bytes())
+}

@@ -1,0 +1,333 @@
+//! The crowd behind an FMU instance: a Trial's documents, and the world that they become.
+//!
+//! A parameter is an edit of the documents; when initialization ends they become the engine's world.
+
+mod saved;
+
+pub use saved::Saved;
+
+use crate::engine::{AdvanceError, World, Wrench};
+use crate::files::{Change, WriteError, change_all};
+use crate::resources::{Resources, ResourcesError};
+use crate::trial::{Drive, Trial, WorldError, dynamics_of, dynamics_xml, interactions_of, interactions_xml};
+use crate::variables::{
+    AgentQuantity, Quantity, Role, Variable, guid, in_documents, in_documents_mut, table,
+};
+use lemons_fmi2::{Model, Phase, StepError};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Why the crowd refuses something.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum CrowdError {
+    #[error(transparent)]
+    Resources(#[from] ResourcesError),
+    #[error("{0}")]
+    World(#[from] WorldError),
+    #[error("Trial = {value:?}: must be one of the packed Trials: {names}")]
+    NoSuchTrial { value: String, names: String },
+    #[error("the state belongs to another model: Trial {0:?} has other variables than this FMU")]
+    OtherVariables(String),
+    #[error("the state belongs to another model: Trial {0:?} is not what it was when the state was saved")]
+    OtherTrial(String),
+    #[error("the state is damaged or not one of this FMU: {0}")]
+    Saved(&'static str),
+    #[error("{0}")]
+    Advance(String),
+    #[error("OutputDirectory: {0}")]
+    Output(#[from] WriteError),
+}
+
+/// A Real's value as it was set, by its place in the table.
+type Settings = BTreeMap<u32, f64>;
+
+/// A crowd, from its packed Trials to its motion.
+pub struct Crowd {
+    resources: Resources,
+    table: Vec<Variable>,
+    /// As packed: what a reset and another choice of Trial start from.
+    packed: Arc<Trial>,
+    /// Of `packed`.
+    fingerprint: u128,
+    /// With the settings of this instance.
+    trial: Trial,
+    settings: Settings,
+    threads: i32,
+    output_directory: String,
+    /// Of the inputs over the next step, by agent; absent ones are held.
+    rates: BTreeMap<usize, Wrench>,
+    /// Made when initialization ends, or earlier when somebody asks for a computed output.
+    world: Option<World>,
+    /// Not yet told.
+    warnings: Vec<String>,
+}
+
+impl Model for Crowd {
+    type Quantity = Quantity;
+    type Saved = Saved;
+    type Error = CrowdError;
+
+    const INTERPOLATES_INPUTS: bool = true;
+    const STATE_VERSION: u32 = 2;
+
+    fn load(location: &str) -> Result<Crowd, CrowdError> {
+        let resources = Resources::from_uri(location)?;
+        let (packed, warnings) = resources.load(resources.first())?;
+        Ok(Crowd {
+            resources,
+            table: table(&packed),
+            trial: packed.clone(),
+            fingerprint: packed.fingerprint().as_u128(),
+            packed: Arc::new(packed),
+            settings: Settings::new(),
+            threads: 1,
+            output_directory: String::new(),
+            rates: BTreeMap::new(),
+            world: None,
+            warnings,
+        })
+    }
+
+    fn table(&self) -> Vec<Variable> {
+        self.table.clone()
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+
+    fn real(&mut self, quantity: Quantity) -> Result<f64, CrowdError> {
+        match in_documents(&self.trial, quantity) {
+            Some(document) => Ok(self.in_world(quantity).unwrap_or(document)),
+            None => self.computed(quantity),
+        }
+    }
+
+    fn integer(&mut self, quantity: Quantity) -> Result<i32, CrowdError> {
+        match quantity {
+            Quantity::Threads => Ok(self.threads),
+            quantity => Ok(self.computed(quantity)? as i32),
+        }
+    }
+
+    fn string(&self, quantity: Quantity) -> &str {
+        match quantity {
+            Quantity::Trial => &self.packed.name,
+            _ => &self.output_directory,
+        }
+    }
+
+    fn set_real(&mut self, reference: u32, quantity: Quantity, value: f64, phase: Phase) {
+        match (&mut self.world, quantity) {
+            (Some(world), Quantity::Agent(i, AgentQuantity::FpX)) => world.drive[i].force.x = value,
+            (Some(world), Quantity::Agent(i, AgentQuantity::FpY)) => world.drive[i].force.y = value,
+            (Some(world), Quantity::Agent(i, AgentQuantity::Mp)) => world.drive[i].torque = value,
+            (world, _) => *world = None,
+        }
+        if phase != Phase::StepComplete || self.world.is_none() {
+            if let Some(place) = in_documents_mut(&mut self.trial, quantity) {
+                *place = value;
+            }
+            self.settings.insert(reference, value);
+        }
+    }
+
+    fn set_integer(&mut self, quantity: Quantity, value: i32) {
+        if quantity == Quantity::Threads {
+            self.threads = value;
+        }
+    }
+
+    fn set_strings(&mut self, values: &[(Quantity, &str)]) -> Result<(), CrowdError> {
+        let last =
+            |wanted| values.iter().rev().find(|(quantity, _)| *quantity == wanted).map(|(_, value)| *value);
+        for (_, value) in values.iter().filter(|(quantity, _)| *quantity == Quantity::Trial) {
+            if !self.resources.names().iter().any(|name| name == value) {
+                let names = self.resources.names().join(", ");
+                return Err(CrowdError::NoSuchTrial { value: (*value).to_owned(), names });
+            }
+        }
+        if let Some(name) = last(Quantity::Trial).filter(|name| *name != self.packed.name) {
+            self.choose(name)?;
+        }
+        if let Some(directory) = last(Quantity::OutputDirectory) {
+            directory.clone_into(&mut self.output_directory);
+        }
+        Ok(())
+    }
+
+    fn set_rate(&mut self, input: Quantity, rate: f64) {
+        let Quantity::Agent(i, quantity) = input else { return };
+        let rates = self.rates.entry(i).or_default();
+        match quantity {
+            AgentQuantity::FpX => rates.force.x = rate,
+            AgentQuantity::FpY => rates.force.y = rate,
+            AgentQuantity::Mp => rates.torque = rate,
+            _ => {}
+        }
+    }
+
+    fn initialize(&mut self) -> Result<(), CrowdError> {
+        self.make_world()?;
+        if !self.output_directory.is_empty() {
+            let directory = Path::new(&self.output_directory);
+            std::fs::create_dir_all(directory).map_err(WriteError::at(directory))?;
+        }
+        if self.settings.keys().any(|&reference| self.table[reference as usize].role != Role::Input) {
+            self.warnings.extend(self.trial.advice_as_edited());
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self, step: f64, to: f64) -> Result<(), StepError<CrowdError>> {
+        self.make_world().map_err(|error| StepError::Refused(error.into()))?;
+        if let Err(error) = self.advance_world(step) {
+            let told = CrowdError::Advance(self.trial.name_body(&error));
+            // Anything else was refused before it began.
+            let failed = matches!(error, AdvanceError::NotFinite { .. });
+            return Err(if failed { StepError::Failed(told) } else { StepError::Refused(told) });
+        }
+        // A rate counts for one step.
+        self.rates.clear();
+        self.write_output(to).map_err(|error| StepError::Failed(error.into()))
+    }
+
+    fn reset(&mut self) -> Result<(), CrowdError> {
+        if self.packed.name != self.resources.first() {
+            self.packed = Arc::new(self.resources.load(self.resources.first())?.0);
+            self.fingerprint = self.packed.fingerprint().as_u128();
+        }
+        self.trial = (*self.packed).clone();
+        self.settings.clear();
+        self.threads = 1;
+        self.output_directory.clear();
+        self.rates.clear();
+        self.world = None;
+        Ok(())
+    }
+
+    fn save(&self) -> Saved {
+        self.saved()
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Result<(), CrowdError> {
+        self.go_back(saved)
+    }
+}
+
+impl Crowd {
+    fn make_world(&mut self) -> Result<&mut World, WorldError> {
+        if self.world.is_none() {
+            self.world = Some(self.trial.world()?);
+        }
+        Ok(self.world.as_mut().expect("made above"))
+    }
+
+    fn advance_world(&mut self, step: f64) -> Result<(), AdvanceError> {
+        let Some(world) = &mut self.world else { return Ok(()) };
+        world.drive_rate.fill(Wrench::default());
+        for (&i, &rate) in &self.rates {
+            world.drive_rate[i] = rate;
+        }
+        world.advance(step)
+    }
+
+    /// A number that the running world holds.
+    fn in_world(&self, quantity: Quantity) -> Option<f64> {
+        let (world, Quantity::Agent(i, quantity)) = (self.world.as_ref()?, quantity) else { return None };
+        let (pose, twist) = (&world.state().poses[i], &world.state().twists[i]);
+        let drive = &world.drive[i];
+        match quantity {
+            AgentQuantity::FpX => Some(drive.force.x),
+            AgentQuantity::FpY => Some(drive.force.y),
+            AgentQuantity::Mp => Some(drive.torque),
+            AgentQuantity::PositionX => Some(pose.position.x),
+            AgentQuantity::PositionY => Some(pose.position.y),
+            AgentQuantity::Theta => Some(pose.orientation),
+            AgentQuantity::VelocityX => Some(twist.velocity.x),
+            AgentQuantity::VelocityY => Some(twist.velocity.y),
+            AgentQuantity::Omega => Some(twist.angular_velocity),
+            _ => None,
+        }
+    }
+
+    /// A number that the world's contacts give; 0 for a quantity that they do not.
+    fn computed(&mut self, quantity: Quantity) -> Result<f64, CrowdError> {
+        let contacts = self.make_world()?.contacts();
+        Ok(match quantity {
+            Quantity::AgentContacts => f64::from(contacts.agent_contacts),
+            Quantity::WallContacts => f64::from(contacts.wall_contacts),
+            Quantity::Agent(i, AgentQuantity::AgentContacts) => f64::from(contacts.bodies[i].agent_contacts),
+            Quantity::Agent(i, AgentQuantity::WallContacts) => f64::from(contacts.bodies[i].wall_contacts),
+            Quantity::Agent(i, AgentQuantity::ContactingAgents) => {
+                f64::from(contacts.bodies[i].touching_bodies)
+            }
+            Quantity::Agent(i, AgentQuantity::NormalForce) => contacts.bodies[i].squeeze,
+            _ => 0.0,
+        })
+    }
+
+    /// Loads another packed Trial; what was set stays set.
+    fn choose(&mut self, name: &str) -> Result<(), CrowdError> {
+        let (packed, warnings) = self.resources.load(name)?;
+        if guid(&table(&packed)) != guid(&self.table) {
+            return Err(CrowdError::OtherVariables(name.to_owned()));
+        }
+        self.trial = edited(&packed, &self.settings, &self.table);
+        self.fingerprint = packed.fingerprint().as_u128();
+        self.packed = Arc::new(packed);
+        self.warnings.extend(warnings);
+        self.world = None;
+        Ok(())
+    }
+
+    /// The XML of the paper's script, named as there, at a communication point \[s\].
+    fn write_output(&self, time: f64) -> Result<(), WriteError> {
+        let (Some(world), false) = (&self.world, self.output_directory.is_empty()) else { return Ok(()) };
+        let directory = Path::new(&self.output_directory);
+        let time = output_time(time);
+        let dynamics = dynamics_xml(&self.trial.agents, &dynamics_of(world), Drive::Omitted);
+        let dynamics = Change::Write(directory.join(format!("AgentDynamics output t={time}.xml")), dynamics);
+        // One that an earlier run left behind must not be taken for this one's.
+        let place = directory.join(format!("AgentInteractions t={time}.xml"));
+        let interactions = if world.contacts().contacts.is_empty() {
+            Change::Remove(place)
+        } else {
+            Change::Write(place, interactions_xml(&self.trial, &interactions_of(world)))
+        };
+        change_all(&[dynamics, interactions])
+    }
+}
+
+/// A packed Trial with an instance's settings.
+fn edited(packed: &Trial, settings: &Settings, table: &[Variable]) -> Trial {
+    let mut trial = packed.clone();
+    for (&reference, &value) in settings {
+        if let Some(place) = in_documents_mut(&mut trial, table[reference as usize].quantity) {
+            *place = value;
+        }
+    }
+    trial
+}
+
+/// A time \[s\] as the paper's script writes it into file names, with as many decimals as it needs.
+fn output_time(time: f64) -> String {
+    let rounded = (time * 1e9).round() / 1e9;
+    if (rounded * 10.0).fract() == 0.0 { format!("{rounded:.1}") } else { format!("{rounded}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn output_times_are_the_scripts_where_those_are_exact() {
+        assert_eq!(output_time(0.1 + 0.2), "0.3");
+        assert_eq!(output_time(1.0), "1.0");
+        assert_eq!(output_time(0.05), "0.05");
+        assert_eq!(output_time(2.65), "2.65");
+    }
+}

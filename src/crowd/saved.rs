@@ -1,0 +1,95 @@
+//! A crowd's part of FMI's "FMU state": saved and restored.
+
+use super::{Crowd, CrowdError, Settings, edited};
+use crate::engine::{State, World, Wrench};
+use crate::variables::{guid, table};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// All that a crowd is, apart from where its resources lie.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Saved {
+    trial: String,
+    fingerprint: u128,
+    settings: Settings,
+    threads: i32,
+    output_directory: String,
+    rates: BTreeMap<usize, Wrench>,
+    running: Option<Running>,
+}
+
+/// What a running world's future depends on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Running {
+    drive: Vec<Wrench>,
+    state: State,
+}
+
+impl Crowd {
+    pub(super) fn saved(&self) -> Saved {
+        Saved {
+            trial: self.packed.name.clone(),
+            fingerprint: self.fingerprint,
+            settings: self.settings.clone(),
+            threads: self.threads,
+            output_directory: self.output_directory.clone(),
+            rates: self.rates.clone(),
+            running: self
+                .world
+                .as_ref()
+                .map(|world| Running { drive: world.drive.clone(), state: world.state().clone() }),
+        }
+    }
+
+    /// Nothing has changed on an error.
+    pub(super) fn go_back(&mut self, saved: &Saved) -> Result<(), CrowdError> {
+        let (packed, fingerprint) = if saved.trial == self.packed.name {
+            (self.packed.clone(), self.fingerprint)
+        } else {
+            let packed = self.resources.load(&saved.trial)?.0;
+            let fingerprint = packed.fingerprint().as_u128();
+            (Arc::new(packed), fingerprint)
+        };
+        if fingerprint != saved.fingerprint || guid(&table(&packed)) != guid(&self.table) {
+            return Err(CrowdError::OtherTrial(saved.trial.clone()));
+        }
+        let known = |reference: &u32| (*reference as usize) < self.table.len();
+        if !saved.settings.keys().all(known) {
+            return Err(CrowdError::Saved("a setting of an unknown variable"));
+        }
+        if !saved.rates.keys().all(|&i| i < packed.agents.len()) {
+            return Err(CrowdError::Saved("a rate of an unknown agent"));
+        }
+        let trial = edited(&packed, &saved.settings, &self.table);
+        let world = match &saved.running {
+            None => None,
+            Some(running) => {
+                let mut world = trial.world()?;
+                check_running(&world, running)?;
+                world.restore(running.state.clone());
+                world.drive.clone_from(&running.drive);
+                Some(world)
+            }
+        };
+        (self.packed, self.fingerprint, self.trial, self.world) = (packed, fingerprint, trial, world);
+        self.settings.clone_from(&saved.settings);
+        self.threads = saved.threads;
+        self.output_directory.clone_from(&saved.output_directory);
+        self.rates.clone_from(&saved.rates);
+        Ok(())
+    }
+}
+
+/// What comes from outside must fit the scene before the engine indexes with it.
+fn check_running(world: &World, running: &Running) -> Result<(), CrowdError> {
+    let (scene, state) = (world.scene(), &running.state);
+    let bodies = scene.bodies.len();
+    let (disks, faces) = (scene.disks.len(), scene.faces.len());
+    let fits = state.poses.len() == bodies
+        && state.twists.len() == bodies
+        && running.drive.len() == bodies
+        && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)
+        && state.face_springs.iter().all(|s| s.disk.index() < disks && s.face.index() < faces);
+    if fits { Ok(()) } else { Err(CrowdError::Saved("it does not fit the scene")) }
+}
