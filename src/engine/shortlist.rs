@@ -100,3 +100,74 @@ impl Shortlist {
         Shortlist { activity, swept }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::free_flight::Ramp;
+    use super::super::{BodySpec, DiskSpec, LawTable, PairLaw, Pose, Twist, Vec2, Wrench, vec2};
+    use super::*;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    /// A round body of 1 kg with a radius of 1 mm.
+    fn speck(translation_rate: f64) -> Scene {
+        let mut laws = LawTable::new(1);
+        let law = PairLaw {
+            normal_stiffness: 1.0,
+            tangential_stiffness: 1.0,
+            normal_damping: 0.0,
+            tangential_damping: 0.0,
+            friction: 0.0,
+        };
+        laws.set(0, 0, law);
+        let disks = vec![DiskSpec { radius: 0.001, position: Vec2::ZERO, material: 0 }];
+        let body = BodySpec { mass: 1.0, inertia: 1.0, translation_rate, rotation_rate: 0.0, disks };
+        Scene::new(&[body], &[], &laws).expect("the pair has the law")
+    }
+
+    /// By how much \[m\] the body leaves its swept circle.
+    fn outside<D: Drive>(scene: &Scene, velocity: Vec2, drive: D, duration: f64) -> f64 {
+        let (pose, twist) = (Pose::default(), Twist { velocity, angular_velocity: 0.0 });
+        let state = State::new(vec![pose], vec![twist]);
+        let circle = Shortlist::decide(scene, &state, &[drive], duration, Shortlisting::On).swept[0];
+        let body = &scene.bodies[0];
+        (0..=200)
+            .map(|k| {
+                let flight = D::flight(body, duration * f64::from(k) / 200.0);
+                let (now, _) = drive.fly(&flight, pose, twist);
+                (now.position - circle.centre).norm() + body.bounding_radius - circle.radius
+            })
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
+        /// Drives strong enough to turn round on the way, fast and slow relaxation.
+        #[test]
+        fn the_circle_holds_the_body(
+            relaxation in prop::sample::select(vec![0.0, 0.1, 4.5, 300.0]),
+            duration in 0.01..1.0f64,
+            (vx, vy) in (-3.0..3.0f64, -3.0..3.0f64),
+            (ax, ay) in (-20.0..20.0f64, -20.0..20.0f64),
+            (jx, jy) in (-40.0..40.0f64, -40.0..40.0f64),
+        ) {
+            let (scene, velocity) = (speck(relaxation), vec2(vx, vy));
+            let start = Wrench { force: vec2(ax, ay) * (1.0 / duration), torque: 0.0 };
+            let rate = Wrench { force: vec2(jx, jy) * (1.0 / (duration * duration)), torque: 0.0 };
+            let ramp = Ramp { start, rate };
+            prop_assert!(outside(&scene, velocity, start, duration) < 1e-12);
+            prop_assert!(outside(&scene, velocity, ramp, duration) < 1e-12);
+        }
+    }
+
+    /// Its velocity is zero at both ends: a bound by the velocities at the ends would not see it move.
+    #[test]
+    fn the_circle_holds_who_starts_and_ends_at_rest() {
+        let ramp = Ramp {
+            start: Wrench { force: vec2(20.0, 0.0), torque: 0.0 },
+            rate: Wrench { force: vec2(-80.0, 0.0), torque: 0.0 },
+        };
+        assert!(outside(&speck(0.0), Vec2::ZERO, ramp, 0.5) < 1e-12);
+    }
+}

@@ -3,6 +3,7 @@
 
 mod collision;
 mod friction;
+mod ramp;
 mod shortlist;
 mod symmetry;
 mod walls;

@@ -129,8 +129,32 @@ const OBLIQUE_LAW: PairLaw = PairLaw { friction: 20.0, normal_damping: 900.0, ..
 /// Of the first relative to the second: place \[m\], just inside the contact; velocity \[m/s\].
 const OBLIQUE_START: [f64; 4] = [-0.4499, 0.0, 1.0, 0.3];
 
-/// Relative place and velocity, both spins and the spring of the sticking contact: their rates of change.
-fn oblique_rates([rx, ry, vx, vy, w1, w2, s]: [f64; 7]) -> [f64; 7] {
+/// What acts on the two besides the contact.
+#[derive(Debug, Clone, Copy)]
+pub struct Push {
+    /// \[N/s\], \[N.m/s\] how the drive of each grows from zero.
+    drive_rates: [Wrench; 2],
+    /// \[1/s\] of place and orientation.
+    relaxation_rate: f64,
+}
+
+impl Push {
+    /// Nothing.
+    pub const NONE: Push =
+        Push { drive_rates: [Wrench { force: Vec2::ZERO, torque: 0.0 }; 2], relaxation_rate: FREE };
+    /// Drives that grow to the size of the contact's forces, and relaxation.
+    pub const RAMP: Push = Push {
+        drive_rates: [
+            Wrench { force: vec2(4e5, 2e5), torque: 2e4 },
+            Wrench { force: vec2(-3e5, 1e5), torque: -1e4 },
+        ],
+        relaxation_rate: 4.5,
+    };
+}
+
+/// Relative place and velocity, both spins and the spring of the sticking contact: their rates of change
+/// at a time \[s\].
+fn oblique_rates(time: f64, [rx, ry, vx, vy, w1, w2, s]: [f64; 7], push: &Push) -> [f64; 7] {
     let inertia = [0, 1].map(|i| 0.5 * OBLIQUE_MASSES[i] * OBLIQUE_RADII[i].powi(2));
     let distance = rx.hypot(ry);
     let depth = OBLIQUE_RADII[0] + OBLIQUE_RADII[1] - distance;
@@ -143,16 +167,21 @@ fn oblique_rates([rx, ry, vx, vy, w1, w2, s]: [f64; 7]) -> [f64; 7] {
     let tangential = -law.tangential_stiffness * s - law.tangential_damping * slip;
     let lightness = 1.0 / OBLIQUE_MASSES[0] + 1.0 / OBLIQUE_MASSES[1];
     let (fx, fy) = (normal * nx + tangential * tx, normal * ny + tangential * ty);
-    let spin = [0, 1].map(|i| -arms[i] * tangential / inertia[i]);
-    [vx, vy, fx * lightness, fy * lightness, spin[0], spin[1], slip]
+    let driven = [0, 1].map(|i| push.drive_rates[i].force * (time / OBLIQUE_MASSES[i]));
+    let ax = fx * lightness + driven[0].x - driven[1].x - push.relaxation_rate * vx;
+    let ay = fy * lightness + driven[0].y - driven[1].y - push.relaxation_rate * vy;
+    let spin = [(0, w1), (1, w2)].map(|(i, w)| {
+        (push.drive_rates[i].torque * time - arms[i] * tangential) / inertia[i] - push.relaxation_rate * w
+    });
+    [vx, vy, ax, ay, spin[0], spin[1], slip]
 }
 
 /// Errors \[m\] of relative place and of velocity and rim speeds over the pulsation, after 8.192 ms of an oblique
-/// contact that sticks, at 1.28e-4 s and halved five times.
+/// contact that sticks while the two are pushed, at 1.28e-4 s and halved five times.
 ///
 /// # Errors
 /// The world did not advance, or the contact did not stick.
-pub fn errors_in_oblique_contact() -> Result<Vec<(f64, f64)>> {
+pub fn errors_in_oblique_contact(push: &Push) -> Result<Vec<(f64, f64)>> {
     let time = 0.008_192;
     let [x, y, vx, vy] = OBLIQUE_START;
     // Runge–Kutta at 1 µs: exact to 1e-14 here.
@@ -161,20 +190,26 @@ pub fn errors_in_oblique_contact() -> Result<Vec<(f64, f64)>> {
     let moved = |state: [f64; 7], rates: [f64; 7], by: f64| -> [f64; 7] {
         std::array::from_fn(|k| state[k] + by * rates[k])
     };
-    for _ in 0..8192 {
-        let k1 = oblique_rates(exact);
-        let k2 = oblique_rates(moved(exact, k1, 0.5 * h));
-        let k3 = oblique_rates(moved(exact, k2, 0.5 * h));
-        let k4 = oblique_rates(moved(exact, k3, h));
+    for step in 0..8192 {
+        let t = f64::from(step) * h;
+        let k1 = oblique_rates(t, exact, push);
+        let k2 = oblique_rates(t + 0.5 * h, moved(exact, k1, 0.5 * h), push);
+        let k3 = oblique_rates(t + 0.5 * h, moved(exact, k2, 0.5 * h), push);
+        let k4 = oblique_rates(t + h, moved(exact, k3, h), push);
         exact = std::array::from_fn(|k| exact[k] + h / 6.0 * (k1[k] + 2.0 * k2[k] + 2.0 * k3[k] + k4[k]));
     }
     let pulsation = (OBLIQUE_LAW.normal_stiffness / REDUCED).sqrt();
     (0..6)
         .map(|halvings| {
             let dt = 1.28e-4 / f64::from(1 << halvings);
-            let bodies = [0, 1].map(|i| disk(OBLIQUE_MASSES[i], OBLIQUE_RADII[i]));
+            let bodies = [0, 1].map(|i| BodySpec {
+                translation_rate: push.relaxation_rate,
+                rotation_rate: push.relaxation_rate,
+                ..disk(OBLIQUE_MASSES[i], OBLIQUE_RADII[i])
+            });
             let motions = [(at(x, y), moving(vx, vy)), (at(0.0, 0.0), moving(0.0, 0.0))];
             let mut world = world(&bodies, &[], OBLIQUE_LAW, &motions, dt);
+            world.drive_rate = push.drive_rates.to_vec();
             world.advance(time)?;
             anyhow::ensure!(world.work().sliding == 0, "it slid");
             let (poses, twists) = (&world.state().poses, &world.state().twists);
@@ -188,7 +223,7 @@ pub fn errors_in_oblique_contact() -> Result<Vec<(f64, f64)>> {
 }
 
 fn oblique_order() -> Result<f64> {
-    let errors = errors_in_oblique_contact()?;
+    let errors = errors_in_oblique_contact(&Push::NONE)?;
     Ok(largest(errors.windows(2).map(|pair| (pair[0].1 / pair[1].1 - 4.0).abs())))
 }
 

@@ -1,7 +1,7 @@
 //! Free motion, the shortlist, saved states.
 
 use crate::scenes::*;
-use crate::{Check, largest};
+use crate::{Check, farthest_apart, largest};
 use anyhow::Result;
 use crowd_mechanics::engine::*;
 
@@ -51,12 +51,6 @@ fn relaxation(shortlisting: Shortlisting) -> Result<f64> {
     }
     anyhow::ensure!((world.work().shortlisted > 0) == (shortlisting == Shortlisting::On), "not as asked");
     Ok(worst)
-}
-
-fn farthest_apart(worlds: &[World; 2]) -> f64 {
-    let [with, without] = worlds;
-    let poses = with.state().poses.iter().zip(&without.state().poses);
-    largest(poses.map(|(a, b)| (a.position - b.position).norm()))
 }
 
 /// Standing people with gaps, and one who runs into them: within one communication step the push goes

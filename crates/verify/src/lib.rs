@@ -8,6 +8,7 @@ pub mod flight;
 pub mod friction;
 pub mod interfaces;
 pub mod ledger;
+pub mod ramp;
 pub mod reference;
 pub mod scenarios;
 pub mod scenes;
@@ -15,6 +16,7 @@ pub mod symmetry;
 pub mod walls;
 
 use anyhow::Result;
+use crowd_mechanics::engine::World;
 
 /// One row of the table.
 pub struct Check {
@@ -54,6 +56,7 @@ pub fn checks() -> Vec<Check> {
         friction::CHECKS,
         walls::CHECKS,
         flight::CHECKS,
+        ramp::CHECKS,
         ledger::CHECKS,
         symmetry::CHECKS,
         scenarios::CHECKS,
@@ -62,7 +65,7 @@ pub fn checks() -> Vec<Check> {
     groups.into_iter().flatten().map(|check| Check { ..*check }).collect()
 }
 
-/// The tables behind the rows about order: errors and remainders as the mechanical step is halved.
+/// The tables behind the rows about order: errors and remainders as a step is halved.
 ///
 /// # Errors
 /// A world did not advance.
@@ -75,7 +78,20 @@ pub fn tables() -> Result<String> {
         ),
         (
             "the same after 8.192 ms of an oblique contact with friction, sticking [m]",
-            collision::errors_in_oblique_contact()?,
+            collision::errors_in_oblique_contact(&collision::Push::NONE)?,
+        ),
+        (
+            "the same under a force and torque that grow from zero [m]",
+            collision::errors_in_oblique_contact(&collision::Push::RAMP)?,
+        ),
+        ("a growing push in a contact, in one step of 0.1 s and in ten [SI]", ramp::pieces_in_contact()?),
+        (
+            "error of a push that grows from zero, held over the communication step [m, rad]",
+            ramp::errors_of_push(ramp::Between::Held)?,
+        ),
+        (
+            "the same, growing during the communication step [m, rad]",
+            ramp::errors_of_push(ramp::Between::Rates)?,
         ),
         ("remainder of the energy ledger, contacts lasting", ledger::remainders(ledger::Case::Lasting)?),
         (
@@ -84,7 +100,7 @@ pub fn tables() -> Result<String> {
         ),
     ];
     for (title, rows) in series {
-        text.push_str(&format!("\n{title}\n{:>12}  {:>11}  fell by\n", "dt [s]", "found"));
+        text.push_str(&format!("\n{title}\n{:>12}  {:>11}  fell by\n", "step [s]", "found"));
         let mut last = None;
         for (dt, figure) in rows {
             let fall = last.map_or(String::new(), |last: f64| format!("{:7.2}", (last / figure).abs()));
@@ -94,6 +110,12 @@ pub fn tables() -> Result<String> {
         }
     }
     Ok(text)
+}
+
+/// \[m\] the largest distance between where two worlds have the same body.
+pub(crate) fn farthest_apart([one, other]: &[World; 2]) -> f64 {
+    let poses = one.state().poses.iter().zip(&other.state().poses);
+    largest(poses.map(|(a, b)| (a.position - b.position).norm()))
 }
 
 /// The largest of some differences; not a number if any is not.
