@@ -1,5 +1,6 @@
 //! The library's functions, declared here anew from the standard, and an instance with its log.
 
+use crowd_mechanics::pack::{Binary, Package, host_platform};
 use crowd_mechanics::trial::Trial;
 use crowd_mechanics::variables::{Kind, guid, table};
 use libloading::Library;
@@ -113,6 +114,45 @@ pub fn library_path() -> PathBuf {
         .clone()
 }
 
+/// The binary's place in an FMU.
+pub fn binary() -> PathBuf {
+    format!("binaries/{}/CrowdMechanics.so", host_platform().unwrap()).into()
+}
+
+/// Packs the paper's Trial with the built library and unzips the FMU.
+pub fn unzip_packed(directory: &Path) {
+    let fmu = directory.join("crowd.fmu");
+    let library = Binary { platform: host_platform().unwrap().into(), path: library_path() };
+    let package = Package { trials: vec![paper()], binaries: vec![library], ..Package::default() };
+    assert!(package.write(&fmu).unwrap().is_empty(), "no warning");
+    zip::ZipArchive::new(std::fs::File::open(fmu).unwrap()).unwrap().extract(directory).unwrap();
+}
+
+/// Tells a child process where its parent's packed FMU lies.
+pub const PACKED: &str = "FMI2_PACKED";
+
+/// An FMU of the paper's Trial, packed and unzipped: one for all tests of this process.
+pub fn packed() -> &'static Path {
+    static DIRECTORY: OnceLock<PathBuf> = OnceLock::new();
+    DIRECTORY.get_or_init(|| {
+        if let Some(parents) = std::env::var_os(PACKED) {
+            return parents.into();
+        }
+        // Statics are not dropped: what ended processes have left is removed here.
+        let all = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fmi2");
+        std::fs::create_dir_all(&all).unwrap();
+        for old in std::fs::read_dir(&all).unwrap().map(|entry| entry.unwrap()) {
+            if !Path::new("/proc").join(old.file_name()).exists() {
+                let _ = std::fs::remove_dir_all(old.path());
+            }
+        }
+        let own = all.join(std::process::id().to_string());
+        std::fs::create_dir_all(&own).unwrap();
+        unzip_packed(&own);
+        own
+    })
+}
+
 impl Fmu {
     pub fn load(path: &Path) -> Fmu {
         let library =
@@ -120,10 +160,10 @@ impl Fmu {
         Fmu { c: Functions::of(&library), _library: library }
     }
 
-    /// One for all tests.
+    /// One for all tests: the binary of a packed FMU.
     pub fn get() -> &'static Fmu {
         static FMU: OnceLock<Fmu> = OnceLock::new();
-        FMU.get_or_init(|| Fmu::load(&library_path()))
+        FMU.get_or_init(|| Fmu::load(&packed().join(binary())))
     }
 }
 
@@ -270,10 +310,10 @@ impl Model {
     }
 }
 
-/// The paper's resources, unchanged, for all tests.
+/// The resources of the packed FMU, for all tests.
 pub fn shared_uri() -> &'static str {
     static URI: OnceLock<String> = OnceLock::new();
-    URI.get_or_init(|| format!("file://{}", paper().parent().unwrap().display()))
+    URI.get_or_init(|| format!("file://{}", packed().join("resources").display()))
 }
 
 /// The answer to `fmi2Instantiate`: an instance with the paper's variables, or what was logged.

@@ -30,22 +30,62 @@ fn interleaved_instances_give_what_each_gives_alone() {
     assert_eq!((one, other), (alone(700.0), alone(900.0)));
 }
 
+/// Eight Trials in one FMU; in each, agent 1 stands elsewhere.
+fn eight_trials() -> Resources {
+    let resources = Resources::new();
+    for k in 1..8 {
+        let other = resources.directory().join(format!("Trial_push_{k}"));
+        copy_tree(&paper(), &other);
+        let dynamics = other.join("dynamic/AgentDynamics.xml");
+        let text = std::fs::read_to_string(&dynamics).unwrap();
+        assert!(text.contains("0.279,0.030"));
+        std::fs::write(dynamics, text.replace("0.279,0.030", &format!("0.27{k},0.030"))).unwrap();
+    }
+    resources
+}
+
 #[test]
-fn eight_threads_of_four_instances() {
-    let force = |k: u32| 700.0 + 50.0 * f64::from(k % 4);
-    let expected: Vec<Bits> = (0..4).map(|k| alone(force(k))).collect();
-    thread::scope(|scope| {
-        for _ in 0..8 {
-            scope.spawn(|| {
-                let instances: Vec<Instance> = (0..4).map(|k| start(force(k))).collect();
-                for k in 0..STEPS {
-                    instances.iter().for_each(|instance| instance.steps(k, k + 1));
-                }
-                let found: Vec<Bits> = instances.iter().map(Instance::everything).collect();
-                assert_eq!(found, expected);
-            });
-        }
+fn sixty_four_instances_in_eight_threads_with_eight_trials() {
+    let resources = eight_trials();
+    let uri = resources.uri();
+    let start = |thread: usize, k: usize| {
+        let instance =
+            instantiate(Fmu::get(), &Model::paper().guid, &uri).unwrap_or_else(|log| panic!("{log:?}"));
+        let name = if k == 0 { "Trial_push".to_owned() } else { format!("Trial_push_{k}") };
+        instance.must(instance.set_string("Trial", &name));
+        let force = 700.0 + 20.0 * thread as f64;
+        instance.must(instance.set_all(&[("TimeStepMechanical", 2e-5), ("agent[0].Fp.x", force)]));
+        instance.initialize();
+        instance
+    };
+    let alone = |thread: usize, k: usize| {
+        let instance = start(thread, k);
+        instance.steps(0, STEPS);
+        instance.everything()
+    };
+    let together: Vec<Vec<Bits>> = thread::scope(|scope| {
+        let threads: Vec<_> = (0..8)
+            .map(|thread| {
+                let start = &start;
+                scope.spawn(move || {
+                    let instances: Vec<Instance> = (0..8).map(|k| start(thread, k)).collect();
+                    for k in 0..STEPS {
+                        instances.iter().for_each(|instance| instance.steps(k, k + 1));
+                    }
+                    instances.iter().map(Instance::everything).collect()
+                })
+            })
+            .collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
     });
+    let mut seen: Vec<&Bits> = Vec::new();
+    for (thread, found) in together.iter().enumerate() {
+        for (k, found) in found.iter().enumerate() {
+            assert_eq!(*found, alone(thread, k), "instance {k} of thread {thread}");
+            assert!(!seen.contains(&found), "each differs from all others");
+            seen.push(found);
+        }
+    }
 }
 
 #[test]

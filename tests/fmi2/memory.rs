@@ -16,8 +16,9 @@ pub fn alone(test: &str) -> bool {
         return true;
     }
     let executable = std::env::current_exe().unwrap();
-    let output = Command::new(executable).args(["--exact", test, "--nocapture"]).env(CHILD, "1").output();
-    let output = output.unwrap();
+    let mut child = Command::new(executable);
+    child.args(["--exact", test, "--nocapture"]).env(CHILD, "1").env(PACKED, packed());
+    let output = child.output().unwrap();
     let told = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && told.contains("1 passed"), "{:?}\n{told}", output.status);
     false
