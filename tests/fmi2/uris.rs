@@ -1,7 +1,6 @@
 //! Where importers say that resources are, in all the ways they say it.
 
 use crate::fmu::*;
-use std::path::Path;
 
 fn opens(uri: &str) {
     if let Err(log) = instantiate(Fmu::get(), &Model::paper().guid, uri) {
@@ -66,6 +65,6 @@ fn a_relative_path_and_a_link() {
     opens(&format!("file://{path}/link/resources"));
     // From where cargo runs tests, up to the root and down again.
     let up = "../".repeat(std::env::current_dir().unwrap().components().count());
-    opens(&format!("{up}{path}/resources"));
-    opens(&format!("./{up}{path}/resources/"));
+    opens(&format!("{up}{path}/fmu/resources"));
+    opens(&format!("./{up}{path}/fmu/resources/"));
 }
