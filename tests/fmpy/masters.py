@@ -33,7 +33,8 @@ class Job:
 
 def run(tool, job):
     """What is seen after each step, and what the tool said: warnings and errors, if there are any."""
-    environment = {**os.environ, "LD_LIBRARY_PATH": os.path.join(sysconfig.get_path("data"), "lib")}
+    libraries = [os.path.join(sysconfig.get_path("data"), "lib"), os.environ.get("LD_LIBRARY_PATH")]
+    environment = {**os.environ, "LD_LIBRARY_PATH": os.pathsep.join(filter(None, libraries))}
     done = subprocess.run(
         [sys.executable, __file__, tool], input=json.dumps(asdict(job)), capture_output=True, text=True, env=environment
     )
