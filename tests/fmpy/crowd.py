@@ -173,6 +173,16 @@ def push_job(fmu, steps, **options):
     return job
 
 
+def two_pushes_job(fmu, steps):
+    """Two instances of the default FMU; in the second one agent 1 is lighter."""
+    job = push_job(fmu, steps)
+    job.fmus["second"] = str(fmu)
+    job.inputs = [pairs + [[["second", name], value] for (_, name), value in pairs] for pairs in job.inputs]
+    job.watch = job.watch + [["second", name] for _, name in job.watch]
+    job.parameters = [[["second", "agent[1].Mass"], 40.0]]
+    return job
+
+
 def outputs(agents):
     return [f"agent[{i}].{name}" for i in range(agents) for name in OUTPUTS]
 

@@ -29,6 +29,7 @@ class Job:
     connections: list = field(default_factory=list)  # [output, input], all Real
     parameters: list = field(default_factory=list)  # [variable, value], all Real
     inputs: list = field(default_factory=list)  # for each step: [variable, value], all Real
+    resets: int = 0  # ecos only: how many times to reset and do it all again
 
 
 def run(tool, job):
@@ -156,15 +157,18 @@ def by_ecos(job):
             structure.make_real_connection(name(source), name(sink))
         structure.add_parameter_set("job", {name(variable): float(value) for variable, value in job.parameters})
         with EcosSimulation(structure=structure, step_size=job.step) as simulation:
-            simulation.init(parameter_set="job")
-            for k in range(job.steps):
-                for variable, value in job.inputs[k] if job.inputs else []:
-                    simulation.set_real(name(variable), value)
-                simulation.step()
-                yield [
-                    getattr(simulation, f"get_{variables[variable][0].lower()}")(name(variable))
-                    for variable in job.watch
-                ]
+            for again in range(1 + job.resets):
+                if again:
+                    simulation.reset()
+                simulation.init(parameter_set="job")
+                for k in range(job.steps):
+                    for variable, value in job.inputs[k] if job.inputs else []:
+                        simulation.set_real(name(variable), value)
+                    simulation.step()
+                    yield [
+                        getattr(simulation, f"get_{variables[variable][0].lower()}")(name(variable))
+                        for variable in job.watch
+                    ]
             simulation.terminate()
 
 

@@ -3,7 +3,7 @@
 import sys
 
 import pytest
-from crowd import bits, push_job
+from crowd import bits, push_job, two_pushes_job
 from masters import run
 
 if sys.version_info < (3, 11):
@@ -25,3 +25,12 @@ def test_steps_that_differ_by_rounding(push_fmu, row):
     assert said == ""
     assert bits(seen) == bits(run("fmpy", job)[0])
     row("libcosimpy", "steps that differ by rounding", "same bits as FMPy with the same steps")
+
+
+def test_two_instances(push_fmu, row):
+    job = two_pushes_job(push_fmu, 40)
+    seen, said = run("libcosim", job)
+    assert said == ""
+    assert bits(seen) == bits(run("fmpy", job)[0])
+    assert all(numbers[:50] != numbers[50:] for numbers in seen[20:])
+    row("libcosimpy", "two instances in one process, a parameter set in one", "same bits as FMPy")
