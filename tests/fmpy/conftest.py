@@ -6,10 +6,57 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from crowd import REPOSITORY, TARGET, TRIAL_PUSH, Crowd
+from crowd import REPOSITORY, TARGET, TRIAL_PUSH, Crowd, ids_of, read_table
+from documented import tool_version
 from fmpy import extract
 
 SHARED = REPOSITORY.parent / "shared"
+
+
+rows = {}  # test -> its rows of the table of tools in docs/fmi.md
+
+
+@pytest.fixture
+def row(request):
+    """`row(package, tried, result)` at the end of a test makes a row of docs/fmi.md: what a tool did with our FMUs.
+
+    The words must stay the same from run to run.
+    """
+
+    def row(package, tried, result):
+        test = f"{request.path.name}::{request.node.originalname}"
+        line = [f"{package} {tool_version(package)}", tried, result, f"`{test}`"]
+        rows.setdefault(request.node.nodeid, []).append(line)
+
+    return row
+
+
+@pytest.fixture
+def rows_of_tools(request):
+    """All rows so far, sorted by tool, and whether these are all that there are."""
+    with_rows = {item.nodeid for item in request.session.items if "row" in item.fixturenames}
+    files = {item.path for item in request.session.items}
+    everything = not request.config.stash[deselected] and files >= set(Path(__file__).parent.glob("test_*.py"))
+    lines = [tuple(line) for test in rows.values() for line in test]
+    lines = sorted(dict.fromkeys(lines), key=lambda line: line[0].lower())
+    return lines, everything and with_rows == set(rows)
+
+
+deselected = pytest.StashKey()
+
+
+def pytest_configure(config):
+    config.stash[deselected] = False
+
+
+def pytest_deselected(items):
+    for item in items:
+        item.config.stash[deselected] = True
+
+
+def pytest_collection_modifyitems(items):
+    """Who reads the rows comes after all who write them."""
+    items.sort(key=lambda item: "rows_of_tools" in item.fixturenames)
 
 
 @pytest.fixture(scope="session")
@@ -71,6 +118,21 @@ def instantiate(tmp_path):
     yield instantiate
     for crowd in crowds:
         crowd.free()
+
+
+@pytest.fixture
+def pushed(lemons, tmp_path):
+    """What `lemons run` sees after each step of the push, as `masters.run` returns it."""
+
+    def pushed(steps, step):
+        table = tmp_path / "pushed.csv"
+        command = [lemons, "run", TRIAL_PUSH, "--step", repr(step), "--until", repr(steps * step), "-o", table]
+        subprocess.run(command, check=True, capture_output=True)
+        seen = read_table(table.read_text(), ids_of(TRIAL_PUSH))
+        assert len(seen) == steps + 1
+        return [[number for agent in agents for number in agent] for _, agents in seen[1:]]
+
+    return pushed
 
 
 @pytest.fixture

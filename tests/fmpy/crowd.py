@@ -20,6 +20,7 @@ from fmpy.fmi2 import (
     fmi2Error,
 )
 from fmpy.logging import addLoggerProxy
+from masters import Job
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 # CARGO_TARGET_DIR may be relative to where cargo and this suite are started.
@@ -29,6 +30,7 @@ TRIAL_PUSH = REPOSITORY / "resources" / "Trial_push"
 INPUTS = ["Fp.x", "Fp.y", "Mp"]
 MOTION = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"]
 CONTACTS = ["AgentContacts", "WallContacts", "ContactingAgents"]
+OUTPUTS = [*MOTION, *CONTACTS, "NormalForce"]
 
 numbers = count()
 messages = {}  # instance name -> what its logger was told
@@ -154,6 +156,35 @@ class Drive:
 
 def push_drive():
     return Drive(TRIAL_PUSH / "drive.csv", ids_of(TRIAL_PUSH))
+
+
+def push_job(fmu, steps, **options):
+    """The push through the default FMU, as a job for any of the masters; all outputs of all agents are watched."""
+    job = Job(fmus={"crowd": str(fmu)}, steps=steps, watch=[["crowd", name] for name in outputs(5)], **options)
+    drive = push_drive()
+    job.inputs = [
+        [
+            [["crowd", f"agent[{i}].{name}"], value]
+            for i, push in drive.at(k * job.step).items()
+            for name, value in zip(INPUTS, push)
+        ]
+        for k in range(steps)
+    ]
+    return job
+
+
+def two_pushes_job(fmu, steps):
+    """Two instances of the default FMU; in the second one agent 1 is lighter."""
+    job = push_job(fmu, steps)
+    job.fmus["second"] = str(fmu)
+    job.inputs = [pairs + [[["second", name], value] for (_, name), value in pairs] for pairs in job.inputs]
+    job.watch = job.watch + [["second", name] for _, name in job.watch]
+    job.parameters = [[["second", "agent[1].Mass"], 40.0]]
+    return job
+
+
+def outputs(agents):
+    return [f"agent[{i}].{name}" for i in range(agents) for name in OUTPUTS]
 
 
 def ids_of(trial):

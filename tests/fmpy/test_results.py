@@ -19,7 +19,7 @@ def command_run(lemons, trial, until, output):
     return read_table(output.read_text(), ids_of(trial))
 
 
-def test_push(push, engine_direct, lemons, tmp_path):
+def test_push(push, engine_direct, lemons, tmp_path, row):
     start = (0.0, push.initialize().look())
     seen = [start, *push.run(20, 0.05, push_drive())]
     assert all_finite(seen)
@@ -27,6 +27,8 @@ def test_push(push, engine_direct, lemons, tmp_path):
     direct = read_table(engine_direct(TRIAL_PUSH, 20, "--drive", TRIAL_PUSH / "drive.csv"), ids_of(TRIAL_PUSH))
     assert bits(seen) == bits(direct)
     assert bits(seen) == bits(command_run(lemons, TRIAL_PUSH, 20 * 0.05, tmp_path / "t.csv"))
+    row("fmpy", "set inputs, do steps, get outputs", "same bits as the engine without FMI")
+    row("fmi-rs", "`lemons run`, which is a master on it", "same bits as the engine without FMI")
 
 
 def test_dense_crowd(pack, instantiate, shared, engine_direct, lemons, tmp_path):
@@ -41,7 +43,7 @@ def test_dense_crowd(pack, instantiate, shared, engine_direct, lemons, tmp_path)
     assert bits(seen) == bits(command_run(lemons, trial, 20 * 0.001, tmp_path / "t.csv"))
 
 
-def test_simulate_fmu(push_fmu, engine_direct):
+def test_simulate_fmu(push_fmu, engine_direct, row):
     """fmpy's own master; it interpolates its input signals, exactly at their rows."""
     drive = push_drive()
     names = [f"agent[{i}].{name}" for i in range(5) for name in ["Fp.x", "Fp.y", "Mp"]]
@@ -58,9 +60,10 @@ def test_simulate_fmu(push_fmu, engine_direct):
     ]
     direct = read_table(engine_direct(TRIAL_PUSH, 20, "--drive", TRIAL_PUSH / "drive.csv"), ids_of(TRIAL_PUSH))
     assert bits(seen) == bits(direct)
+    row("fmpy", "`simulate_fmu` with input signals", "same bits as the engine without FMI")
 
 
-def test_instances_in_threads(instantiate, push_directory):
+def test_instances_in_threads(instantiate, push_directory, row):
     """Each instance moves between threads too: fmpy lets go of Python's lock during a call."""
     crowds = [instantiate(push_directory).initialize() for _ in range(4)]
     with ThreadPoolExecutor(4) as pool:
@@ -69,6 +72,7 @@ def test_instances_in_threads(instantiate, push_directory):
     alone = instantiate(push_directory).initialize().run(16, 0.05, push_drive())
     for seen in map(list.__add__, early, reversed(late)):
         assert bits(seen) == bits(alone)
+    row("fmpy", "four instances, moved between threads", "same bits as one alone")
 
 
 def test_two_instances_do_not_see_each_other(instantiate, push_directory):

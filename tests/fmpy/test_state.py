@@ -21,7 +21,7 @@ def run_on(crowd):
     return bits(crowd.run(STEPS, 0.05, push_drive(), first=SAVED))
 
 
-def test_state_is_restored(touching):
+def test_state_is_restored(touching, row):
     before = bits(touching.look())
     state = touching.fmu.getFMUstate()
     wanted = run_on(touching)
@@ -32,9 +32,10 @@ def test_state_is_restored(touching):
     touching.fmu.setFMUstate(state)
     assert run_on(touching) == wanted
     touching.fmu.freeFMUstate(state)
+    row("fmpy", "get and set the state in the middle of a contact", "same bits as without")
 
 
-def test_state_goes_to_another_instance_as_bytes(touching, instantiate, push_directory):
+def test_state_goes_to_another_instance_as_bytes(touching, instantiate, push_directory, row):
     state = touching.fmu.getFMUstate()
     data = touching.fmu.serializeFMUstate(state)
     touching.fmu.freeFMUstate(state)
@@ -45,6 +46,7 @@ def test_state_goes_to_another_instance_as_bytes(touching, instantiate, push_dir
     assert other.fmu.serializeFMUstate(state) == data
     other.fmu.freeFMUstate(state)
     assert run_on(other) == wanted
+    row("fmpy", "the state as bytes to another instance", "same bits as without")
 
 
 def test_state_of_a_dense_crowd(pack, instantiate, shared):
@@ -92,10 +94,11 @@ def test_state_of_another_model_is_refused(touching, pack, instantiate, shared):
         other.fmu.deSerializeFMUstate(data)
 
 
-def test_reset_gives_the_same_bits_again(push):
+def test_reset_gives_the_same_bits_again(push, row):
     first = bits(push.initialize().run(STEPS, 0.05, push_drive()))
     push.fmu.reset()
     assert bits(push.initialize().run(STEPS, 0.05, push_drive())) == first
+    row("fmpy", "reset", "same bits again")
 
 
 def test_reset_forgets_what_was_set(push):

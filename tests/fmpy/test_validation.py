@@ -7,8 +7,9 @@ from crowd import TRIAL_PUSH
 from fmpy.validation import validate_fmu
 
 
-def test_default(push_fmu):
+def test_default(push_fmu, row):
     assert validate_fmu(str(push_fmu)) == []
+    row("fmpy", "`validate_fmu`, structured names, 5 people", "no problem")
 
 
 @pytest.mark.parametrize("trial", ["data/crowds/dense_100", "data/push_wed/Trial"])
@@ -16,10 +17,12 @@ def test_shared(pack, shared, trial):
     assert validate_fmu(str(pack(shared / trial))) == []
 
 
-def test_two_trials(pack, tmp_path):
+def test_two_trials(pack, tmp_path, row):
     other = shutil.copytree(TRIAL_PUSH, tmp_path / "Trial_other")
     assert validate_fmu(str(pack(TRIAL_PUSH, other))) == []
+    row("fmpy", "`validate_fmu`, two Trials in one FMU", "no problem")
 
 
-def test_flat_names(pack):
+def test_flat_names(pack, row):
     assert validate_fmu(str(pack(TRIAL_PUSH, options=["--flat-names"]))) == []
+    row("fmpy", "`validate_fmu`, flat names, 5 people", "no problem")

@@ -1,0 +1,44 @@
+"""The tables of docs/fmi.md, which tests fill: `FMI_TABLES=write pytest tests/fmpy` writes them, else they are compared."""
+
+import os
+from importlib.metadata import PackageNotFoundError, version
+
+from crowd import REPOSITORY
+
+PAGE = REPOSITORY / "docs" / "fmi.md"
+
+
+def tool_version(package):
+    """Of a Python package, or of a crate in Cargo.lock."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        lock = (REPOSITORY / "Cargo.lock").read_text()
+        return lock.split(f'name = "{package}"\nversion = "')[1].split('"')[0]
+
+
+def table(header, rows):
+    return "\n".join(f"| {' | '.join(row)} |" for row in [header, ["---"] * len(header), *rows])
+
+
+def around(name, text):
+    """The text before, in and after the table of that name."""
+    begin, end = f"<!-- {name}: written by tests -->\n", "\n<!-- end -->"
+    assert text.count(begin) == 1, f"{PAGE.name} has no place for the table {name}"
+    before, after = text.split(begin)
+    inside, after = after.split(end, 1)
+    return before + begin, inside, end + after
+
+
+def check(name, header, rows, whole=True):
+    """The table must hold the rows, and none beside them if they are the `whole`."""
+    text = PAGE.read_text(encoding="utf-8")
+    before, inside, after = around(name, text)
+    wanted = table(header, rows)
+    if whole and os.environ.get("FMI_TABLES") == "write":
+        PAGE.write_text(before + wanted + after, encoding="utf-8")
+    elif whole:
+        assert inside.splitlines() == wanted.splitlines(), f"{PAGE.name}: FMI_TABLES=write pytest tests/fmpy writes it"
+    else:
+        missing = [line for line in wanted.splitlines() if line not in inside.splitlines()]
+        assert not missing, f"{PAGE.name} lacks {missing}: FMI_TABLES=write pytest tests/fmpy writes it"

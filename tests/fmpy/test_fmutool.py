@@ -1,0 +1,41 @@
+"""fmu-manipulation-toolbox's `fmutool -check`."""
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from crowd import TRIAL_PUSH
+
+FMUTOOL = Path(sys.executable).with_name("fmutool")
+
+
+def check(fmu):
+    done = subprocess.run([FMUTOOL, "-input", fmu, "-check"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    return done.returncode, done.stdout
+
+
+@pytest.mark.parametrize("naming", ["structured", "flat"])
+def test_check(pack, row, naming):
+    code, said = check(pack(TRIAL_PUSH, options=["--flat-names"] if naming == "flat" else []))
+    assert code == 0, said
+    assert "seems to be compliant with FMI-2.0" in said
+    assert "No semantic error" in said
+    assert "ERROR" not in said and "WARNING" not in said
+    row("fmu-manipulation-toolbox", f"`fmutool -check`, {naming} names", "compliant, no semantic error")
+
+
+def test_check_would_see_an_error(push_fmu, tmp_path):
+    """An input with `initial`, which FMI 2.0 forbids."""
+    damaged = tmp_path / "damaged.fmu"
+    with zipfile.ZipFile(push_fmu) as good, zipfile.ZipFile(damaged, "w") as bad:
+        for name in good.namelist():
+            content = good.read(name)
+            if name == "modelDescription.xml":
+                assert b'causality="input"' in content
+                content = content.replace(b'causality="input"', b'causality="input" initial="exact"', 1)
+            bad.writestr(name, content)
+    code, said = check(damaged)
+    assert code != 0
+    assert "agent[0].Fp.x" in said

@@ -1,0 +1,47 @@
+"""FMPy loads an FMU of a thousand people; `pytest -s` prints the processor time that it takes."""
+
+from time import process_time
+
+import pytest
+from fmpy import extract, instantiate_fmu, read_model_description
+
+
+@pytest.fixture
+def timed():
+    def timed(what, function, *arguments, **options):
+        start = process_time()
+        result = function(*arguments, **options)
+        print(f"{process_time() - start:6.2f} s  {what}")
+        return result
+
+    return timed
+
+
+@pytest.mark.parametrize("naming", ["structured", "flat"])
+def test_load(pack, shared, tmp_path, timed, row, naming):
+    fmu = pack(shared / "data/crowds/dense_1000", options=["--flat-names"] if naming == "flat" else [])
+    description = timed(f"read_model_description, {naming} names", read_model_description, fmu, validate=False)
+    directory = timed("extract", extract, fmu, tmp_path / "extracted")
+    warnings = []
+    crowd = timed("instantiate_fmu", instantiate_fmu, directory, description, logger=lambda *said: warnings.append(said))
+    assert description.variableNamingConvention == naming
+    names = [variable.name for variable in description.modelVariables]
+    assert sum(name.endswith("].Mp") for name in names) == 1000
+    assert len(names) > 16000
+    crowd.setupExperiment(startTime=0.0)
+    crowd.enterInitializationMode()
+    crowd.exitInitializationMode()
+    timed("doStep of 1 ms", crowd.doStep, 0.0, 0.001)
+    total = next(variable for variable in description.modelVariables if variable.name == "AgentContacts")
+    assert crowd.getInteger([total.valueReference])[0] > 500
+    crowd.terminate()
+    crowd.freeInstance()
+    row("fmpy", f"1000 people, {naming} names: read, extract, instantiate, step", "done")
+
+
+def test_validate(pack, shared, timed, row):
+    """With flat names: of structured ones FMPy parses every name, which takes most of a minute."""
+    fmu = pack(shared / "data/crowds/dense_1000", options=["--flat-names"])
+    checks = {"validate_variable_names": True, "validate_model_structure": True}
+    timed("the same, validated, flat names", read_model_description, fmu, validate=True, **checks)
+    row("fmpy", "1000 people, flat names: read with all validation", "no problem")
