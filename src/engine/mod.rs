@@ -1,9 +1,9 @@
 //! Pure mechanics: no files, no FMI, no unsafe code.
 //!
 //! A [`World`] owns a [`Scene`] (bodies, walls, laws: immutable), a drive and a [`State`] (poses, twists,
-//! springs) and advances them by one communication step at a time. Inside, a mechanical step predicts,
-//! evaluates the contact forces once, and corrects; bodies that can touch nothing are moved by the closed
-//! form. SI units throughout; angles in radians, counter-clockwise positive.
+//! springs) and advances them by one communication step at a time, over which the drive is held or changes
+//! evenly. Inside, a mechanical step predicts, evaluates the contact forces once, and corrects; bodies that
+//! can touch nothing are moved by the closed form. SI units throughout; angles in radians, counter-clockwise positive.
 
 pub mod contact_law;
 mod contacts;
