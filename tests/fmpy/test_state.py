@@ -1,6 +1,10 @@
 """Saved and restored states, step sizes, reset."""
 
+import json
+import subprocess
+import sys
 from math import inf, nan, nextafter
+from pathlib import Path
 
 import pytest
 from crowd import bits, push_drive, refused
@@ -47,6 +51,30 @@ def test_state_goes_to_another_instance_as_bytes(touching, instantiate, push_dir
     other.fmu.freeFMUstate(state)
     assert run_on(other) == wanted
     row("fmpy", "the state as bytes to another instance", "same bits as without")
+
+
+ELSEWHERE = """
+import json, sys
+sys.path.insert(0, sys.argv[3])
+from pathlib import Path
+from crowd import Crowd
+from test_state import run_on
+
+crowd = Crowd(sys.argv[1]).instantiate()
+crowd.fmu.setFMUstate(crowd.fmu.deSerializeFMUstate(Path(sys.argv[2]).read_bytes()))
+print(json.dumps(run_on(crowd)))
+crowd.free()
+"""
+
+
+def test_state_goes_to_another_process(touching, push_directory, tmp_path, row):
+    data = tmp_path / "state"
+    data.write_bytes(touching.fmu.serializeFMUstate(touching.fmu.getFMUstate()))
+    wanted = run_on(touching)
+    command = [sys.executable, "-c", ELSEWHERE, push_directory, data, Path(__file__).parent]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert json.loads(done.stdout) == json.loads(json.dumps(wanted))
+    row("fmpy", "the state as bytes to another process", "same bits as without")
 
 
 def test_state_of_a_dense_crowd(pack, instantiate, shared):

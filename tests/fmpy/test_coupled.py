@@ -1,0 +1,72 @@
+"""Decision and crowd, connected by names: thirty people leave a room, under every master the same."""
+
+import subprocess
+import sys
+
+import pytest
+from crowd import INPUTS, REPOSITORY, bits
+from masters import Job, run
+
+TRIAL_DOOR = REPOSITORY / "resources" / "Trial_door"
+POSES = ["Position.x", "Position.y", "Theta"]
+PEOPLE = 30
+
+
+@pytest.fixture(scope="module")
+def fmus(lemons, tmp_path_factory):
+    """Paths of the two FMUs; the decider first, as in the SSP that `lemons connect` makes of them."""
+    directory = tmp_path_factory.mktemp("room")
+    for command, name in [("decide", "decision"), ("pack", "crowd")]:
+        subprocess.run([lemons, command, TRIAL_DOOR, "-o", directory / f"{name}.fmu"], check=True, capture_output=True)
+    return {name: str(directory / f"{name}.fmu") for name in ["decision", "crowd"]}
+
+
+def job(fmus, steps):
+    connections = [
+        [[source, f"agent[{i}].{name}"], [sink, f"agent[{i}].{name}"]]
+        for source, sink, names in [("crowd", "decision", POSES), ("decision", "crowd", INPUTS)]
+        for i in range(PEOPLE)
+        for name in names
+    ]
+    watch = [["crowd", f"agent[{i}].{name}"] for i in range(PEOPLE) for name in [*POSES, "NormalForce"]]
+    return Job(fmus=fmus, steps=steps, watch=watch, connections=connections)
+
+
+@pytest.mark.parametrize("tool", ["libcosimpy", "ecospy"])
+def test_other_masters(fmus, row, tool):
+    if tool == "libcosimpy" and sys.version_info < (3, 11):
+        pytest.skip("libcosimpy has no wheel for this Python")
+    room = job(fmus, 64)  # 4 s: people press through the door
+    seen, said = run(tool.removesuffix("py"), room)
+    assert said == ""
+    assert max(seen[-1][4 * i] for i in range(PEOPLE)) > 5.2, "somebody is out"
+    assert max(step[4 * i + 3] for step in seen for i in range(PEOPLE)) > 100.0, "and some are squeezed"
+    assert bits(seen) == bits(run("fmpy", room)[0])
+    row(tool, "Decision and crowd, connected: 30 people and a door", "same bits as FMPy with the same algorithm")
+
+
+def printed(script, *arguments):
+    command = [sys.executable, REPOSITORY / "examples" / script, *arguments]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    title, _, *table = done.stdout.splitlines()
+    return title, [line.split() for line in table]
+
+
+def test_example_in_fmpy(fmus, tmp_path, row):
+    picture = tmp_path / "flow.png"
+    title, table = printed("coupled_fmpy.py", fmus["decision"], fmus["crowd"], picture)
+    assert title == "30 of 30 people have passed the door"
+    assert sorted(int(agent) for _, agent, _ in table) == list(range(PEOPLE))
+    times = [float(time) for *_, time in table]
+    assert times == sorted(times) and 0.5 < times[0] < times[-1] < 20
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    row("fmpy", "`examples/coupled_fmpy.py`: 30 people leave a room by a door", "all leave")
+
+
+def test_example_in_libcosim(fmus, row):
+    if sys.version_info < (3, 11):
+        pytest.skip("libcosimpy has no wheel for this Python")
+    title, table = printed("coupled_libcosim.py", fmus["decision"], fmus["crowd"])
+    assert title == "30 of 30 people have passed the door"
+    assert sorted(int(agent) for _, agent, _ in table) == list(range(PEOPLE))
+    row("libcosimpy", "`examples/coupled_libcosim.py`: 30 people leave a room by a door", "all leave")
