@@ -81,9 +81,9 @@ const AGENT_ROWS: [AgentRow; 17] = {
     use Domain::*;
     use Role::*;
     [
-        (FpX, "Fp.x", Kind::Real(NEWTON), Input, Finite, "propulsion force along x, held over a step"),
-        (FpY, "Fp.y", Kind::Real(NEWTON), Input, Finite, "propulsion force along y, held over a step"),
-        (Mp, "Mp", Kind::Real(NEWTON_METRE), Input, Finite, "propulsion torque, held over a step"),
+        (FpX, "Fp.x", Kind::Real(NEWTON), Input, Finite, "propulsion force along x"),
+        (FpY, "Fp.y", Kind::Real(NEWTON), Input, Finite, "propulsion force along y"),
+        (Mp, "Mp", Kind::Real(NEWTON_METRE), Input, Finite, "propulsion torque"),
         (PositionX, "Position.x", Kind::Real(METRE), Exact, Finite, "x of the centre of mass"),
         (PositionY, "Position.y", Kind::Real(METRE), Exact, Finite, "y of the centre of mass"),
         (Theta, "Theta", Kind::Real(RADIAN), Exact, Finite, "orientation: angle from the x axis to the gaze"),

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from crowd import REPOSITORY, TARGET, TRIAL_PUSH, Crowd, ids_of, read_table
+from crowd import REPOSITORY, TARGET, TRIAL_DOOR, TRIAL_PUSH, Crowd, ids_of, read_table
 from documented import tool_version
 from fmpy import extract
 
@@ -90,6 +90,18 @@ def pack(lemons, tmp_path):
         return pack_into(lemons, tmp_path / f"{trials[0].name}.fmu", trials, options)
 
     return pack
+
+
+@pytest.fixture
+def decide(lemons, tmp_path):
+    """Makes a Decision FMU."""
+
+    def decide(*options, trial=TRIAL_DOOR):
+        path = tmp_path / f"decision {len(list(tmp_path.iterdir()))}.fmu"
+        subprocess.run([lemons, "decide", trial, "-o", path, *options], check=True, capture_output=True, text=True)
+        return path
+
+    return decide
 
 
 @pytest.fixture(scope="session")

@@ -26,6 +26,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 # CARGO_TARGET_DIR may be relative to where cargo and this suite are started.
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR") or REPOSITORY / "target").resolve()
 TRIAL_PUSH = REPOSITORY / "resources" / "Trial_push"
+TRIAL_DOOR = REPOSITORY / "resources" / "Trial_door"
 
 INPUTS = ["Fp.x", "Fp.y", "Mp"]
 MOTION = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"]

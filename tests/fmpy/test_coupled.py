@@ -4,10 +4,9 @@ import subprocess
 import sys
 
 import pytest
-from crowd import INPUTS, REPOSITORY, bits
+from crowd import INPUTS, REPOSITORY, TRIAL_DOOR, bits
 from masters import Job, run
 
-TRIAL_DOOR = REPOSITORY / "resources" / "Trial_door"
 POSES = ["Position.x", "Position.y", "Theta"]
 PEOPLE = 30
 

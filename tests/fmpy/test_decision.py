@@ -6,24 +6,11 @@ from ctypes import byref, c_size_t
 
 import numpy as np
 import pytest
-from crowd import REPOSITORY, bits, refused
+from crowd import TRIAL_DOOR, bits, refused
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
-TRIAL_DOOR = REPOSITORY / "resources" / "Trial_door"
 DRIVE = ["Fp.x", "Fp.y", "Mp"]
-
-
-@pytest.fixture
-def decide(lemons, tmp_path):
-    """Makes a Decision FMU."""
-
-    def decide(*options, trial=TRIAL_DOOR):
-        path = tmp_path / f"decision {len(list(tmp_path.iterdir()))}.fmu"
-        subprocess.run([lemons, "decide", trial, "-o", path, *options], check=True, capture_output=True, text=True)
-        return path
-
-    return decide
 
 
 @pytest.fixture

@@ -1,6 +1,7 @@
 """docs/fmi.md says what the tests saw."""
 
 import xml.etree.ElementTree as ElementTree
+import zipfile
 
 import documented
 
@@ -27,12 +28,24 @@ REFERENCE = {
 }
 
 
-def test_flags(push_directory):
-    ours = dict(ElementTree.parse(push_directory / "modelDescription.xml").find("CoSimulation").items())
-    assert ours.pop("modelIdentifier") == "CrowdMechanics"
-    assert ours.keys() <= FLAGS.keys()
-    rows = [[f"`{flag}`", ours.get(flag, default), REFERENCE.get(flag, default)] for flag, default in FLAGS.items()]
-    documented.check("flags", ["attribute of `CoSimulation`", "`CrowdMechanics`", "Reference-FMUs"], rows)
+def flags(fmu, identifier):
+    with zipfile.ZipFile(fmu) as archive, archive.open("modelDescription.xml") as description:
+        flags = dict(ElementTree.parse(description).find("CoSimulation").items())
+    assert flags.pop("modelIdentifier") == identifier
+    assert flags.keys() <= FLAGS.keys()
+    return flags
+
+
+def test_flags(push_fmu, decide):
+    columns = {
+        "`CrowdMechanics`": flags(push_fmu, "CrowdMechanics"),
+        "`Decision`": flags(decide(), "Decision"),
+        "Reference-FMUs": REFERENCE,
+    }
+    rows = [
+        [f"`{flag}`", *(column.get(flag, default) for column in columns.values())] for flag, default in FLAGS.items()
+    ]
+    documented.check("flags", ["attribute of `CoSimulation`", *columns], rows)
 
 
 def test_rows(rows_of_tools):

@@ -53,12 +53,10 @@ for k in range(times):
 
 
 @pytest.mark.parametrize("which", ["crowd", "decision"])
-def test_nothing_is_left_behind(push_fmu, lemons, tmp_path, which, row):
+def test_nothing_is_left_behind(push_fmu, decide, tmp_path, which, row):
     fmu, times = push_fmu, TIMES
     if which == "decision":
-        fmu, times = tmp_path / "decision.fmu", TIMES // 5
-        trial = REPOSITORY / "resources" / "Trial_door"
-        subprocess.run([lemons, "decide", trial, "-o", fmu], check=True, capture_output=True)
+        fmu, times = decide(), TIMES // 5
     command = [sys.executable, "-c", LIVES, fmu, tmp_path / "lives", str(times), REPOSITORY / "tests" / "fmpy"]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
