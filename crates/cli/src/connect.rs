@@ -51,14 +51,14 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
             let between = structure.connections.iter().filter(|c| (c.from.component, c.to.component) == (i, k));
             let connectors: Vec<&str> = between.map(|c| structure.port(c.from).1.name.as_str()).collect();
             if !connectors.is_empty() {
-                println!("{} -> {}: {}", from.name, to.name, list(&connectors, "connection"));
+                println!("{}", fitted(&format!("{} -> {}", from.name, to.name), "connected", &connectors));
             }
         }
     }
     for (component, inputs) in structure.components.iter().zip(&connected.unconnected) {
         if !inputs.is_empty() {
             let names: Vec<&str> = inputs.iter().map(String::as_str).collect();
-            println!("{}: not connected: {}", component.name, list(&names, "input"));
+            println!("{}", fitted(&component.name, "inputs not connected", &names));
         }
     }
     let size = std::fs::metadata(&arguments.output)?.len();
@@ -66,12 +66,18 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// How many, and the first few by name.
-fn list(names: &[&str], what: &str) -> String {
-    const SHOWN: usize = 2;
-    let (count, end) = (names.len(), if names.len() == 1 { "" } else { "s" });
-    let more = if count > SHOWN { ", …" } else { "" };
-    format!("{count} {what}{end} ({}{more})", names[..count.min(SHOWN)].join(", "))
+/// Who, how many, what, and by name those that fit on a line.
+fn fitted(who: &str, what: &str, names: &[&str]) -> String {
+    const WIDTH: usize = 80;
+    let mut line = format!("{who}: {} {what}: {}", names.len(), names[0]);
+    for (k, name) in names.iter().enumerate().skip(1) {
+        let after = if k + 1 < names.len() { ", …".chars().count() } else { 0 };
+        if line.chars().count() + 2 + name.chars().count() + after > WIDTH {
+            return line + ", …";
+        }
+        line = format!("{line}, {name}");
+    }
+    line
 }
 
 fn stem(path: &Path) -> String {

@@ -112,7 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if coupled {
         let (components, connections) = (system.components().len(), system.connections());
         println!("components         {components:>10}     ({connections} connections, {})", arguments.algorithm);
-        println!("communication step {step:>10.3} s");
+        println!("communication step {step:>10} s");
     }
     summary(system.time() - start, wall, &seen);
     Ok(())

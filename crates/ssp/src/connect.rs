@@ -131,17 +131,17 @@ fn summary(participant: &Participant) -> String {
 fn assemble(name: &str, participants: &[Participant], pairs: &[(usize, usize, &str)]) -> Result<SystemStructure> {
     let mut structure = SystemStructure { name: name.to_owned(), ..SystemStructure::default() };
     let mut ports: HashMap<(usize, &str), Port> = HashMap::new();
-    let fed: HashSet<(usize, &str)> = pairs.iter().map(|&(_, to, name)| (to, name)).collect();
+    let used: HashSet<(usize, &str)> =
+        pairs.iter().flat_map(|&(from, to, name)| [(from, name), (to, name)]).collect();
     for (place, participant) in participants.iter().enumerate() {
         let mut connectors = Vec::new();
         for variable in &participant.interface.variables {
-            // Of the inputs only those that are fed: FMPy 0.3.32 connects every other one to a wrong output.
-            let wanted = match variable.kind {
-                Some(Kind::Output) => !matches!(variable.of, Type::Enumeration(_)),
-                Some(Kind::Input) => fed.contains(&(place, variable.name.as_str())),
-                _ => false,
-            };
-            if !wanted {
+            // Only inputs that are fed: FMPy 0.3.32 connects every other one to a wrong output. Outputs are
+            // there to be looked at, where FMPy fails at Strings, and Enumerations need their items.
+            let connected = used.contains(&(place, variable.name.as_str()));
+            let shown = variable.kind == Some(Kind::Output)
+                && matches!(variable.of, Type::Real(_) | Type::Integer | Type::Boolean);
+            if !connected && !shown {
                 continue;
             }
             ports.insert((place, &variable.name), Port { component: place, connector: connectors.len() });
