@@ -48,7 +48,8 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
     let structure = &connected.structure;
     for (i, from) in structure.components.iter().enumerate() {
         for (k, to) in structure.components.iter().enumerate() {
-            let between = structure.connections.iter().filter(|c| (c.from.component, c.to.component) == (i, k));
+            let between =
+                structure.connections.iter().filter(|c| (c.from.component, c.to.component) == (i, k));
             let connectors: Vec<&str> = between.map(|c| structure.port(c.from).1.name.as_str()).collect();
             if !connectors.is_empty() {
                 println!("{}", fitted(&format!("{} -> {}", from.name, to.name), "connected", &connectors));

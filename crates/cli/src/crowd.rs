@@ -47,9 +47,8 @@ pub struct Crowd {
 /// How many agents' outputs an FMU has under the names of our mechanics, from 0 on.
 pub fn agents_of(description: &ModelDescription) -> usize {
     let outputs = description.modelVariables.iter().filter(|v| v.causality == Causality::Output);
-    let outputs: HashSet<(&str, bool)> = outputs
-        .map(|v| (v.name.as_str(), matches!(v.variableType, VariableType::Real { .. })))
-        .collect();
+    let outputs: HashSet<(&str, bool)> =
+        outputs.map(|v| (v.name.as_str(), matches!(v.variableType, VariableType::Real { .. }))).collect();
     let has = |i: usize| {
         let reals = MOTION.iter().chain([&SQUEEZE]).map(|name| (name, true));
         let mut names = reals.chain(CONTACTS.iter().map(|name| (name, false)));

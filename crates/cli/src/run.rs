@@ -1,8 +1,8 @@
 //! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
+use crate::connect::plain_names;
 use crate::crowd::{Crowd, agents_of, trial_of};
 use crate::drive::Drive;
-use crate::connect::plain_names;
 use crate::outputs::Outputs;
 use crate::pack::write_fmu;
 use anyhow::{Context, Result, bail};
@@ -83,6 +83,9 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    if arguments.output == arguments.outputs {
+        bail!("{}: trajectories and outputs cannot go into one file", arguments.output.display());
+    }
     let coupled = arguments.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp"));
     let (mut system, start, stop) = if coupled { open_ssp(arguments)? } else { open_fmu(arguments)? };
     for setting in &arguments.settings {
@@ -108,10 +111,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for warning in system.warnings() {
         eprintln!("{warning}");
     }
-    done.with_context(|| format!("stopped at t = {:?} s; the results until then are written", system.time()))?;
+    done.with_context(|| {
+        format!("stopped at t = {:?} s; the results until then are written", system.time())
+    })?;
     if coupled {
         let (components, connections) = (system.components().len(), system.connections());
-        println!("components         {components:>10}     ({connections} connections, {})", arguments.algorithm);
+        println!(
+            "components         {components:>10}     ({connections} connections, {})",
+            arguments.algorithm
+        );
         println!("communication step {step:>10} s");
     }
     summary(system.time() - start, wall, &seen);

@@ -4,8 +4,8 @@ use crate::system::{Algorithm, Component, System, Wire};
 use crate::{Fmu, Instance};
 use anyhow::{Context, Result, anyhow, bail};
 use lemons_ssp::{
-    Affine, Archive, Connector, Interface, Kind, ParameterSet, SystemStructure, Type, Unit, Value, conversion,
-    located,
+    Affine, Archive, Connector, Interface, Kind, ParameterSet, SystemStructure, Type, Unit, Value,
+    conversion, located,
 };
 use std::path::Path;
 
@@ -99,7 +99,7 @@ fn connect(system: &mut System, structure: &SystemStructure, interfaces: &[Inter
         let from = variable(output, connection.from.component)?;
         let to = variable(input, connection.to.component)?;
         if from.of.name() != to.of.name() {
-            return Err(wrong(format!("a {} cannot feed a {}", from.of.name(), to.of.name())));
+            return Err(wrong(format!("{} does not become {}", from.of.name(), to.of.name())));
         }
         let place = types.iter().position(|of| of.name() == from.of.name());
         let place = place.ok_or_else(|| wrong(format!("type {} is not served", from.of.name())))?;
@@ -149,7 +149,8 @@ fn set_parameters(
 ) -> Result<Vec<String>> {
     let mut ignored = Vec::new();
     let own = structure.components.iter().enumerate();
-    let own = own.flat_map(|(place, component)| component.parameters.iter().map(move |set| (set, Some(place))));
+    let own =
+        own.flat_map(|(place, component)| component.parameters.iter().map(move |set| (set, Some(place))));
     for (set, owner) in own.chain(structure.parameters.iter().map(|set| (set, None))) {
         for parameter in &set.parameters {
             let wrong = |error: anyhow::Error| {

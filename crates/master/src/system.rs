@@ -298,10 +298,7 @@ struct Source {
 
 impl<S: Signal> Channel<S> {
     fn new(components: usize) -> Channel<S> {
-        Channel {
-            outputs: vec![Outputs::default(); components],
-            inputs: vec![Inputs::default(); components],
-        }
+        Channel { outputs: vec![Outputs::default(); components], inputs: vec![Inputs::default(); components] }
     }
 
     fn connect(&mut self, wires: &[Wire]) {

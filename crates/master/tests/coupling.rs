@@ -59,7 +59,7 @@ const STEP: f64 = 0.01;
 const STEPS: u32 = 60;
 
 /// Where both crowds' agents are, after each step.
-type Path2 = Vec<Vec<u64>>;
+type Seen = Vec<Vec<u64>>;
 
 fn look(instances: [&Instance; 2]) -> Vec<u64> {
     let names = (0..5).flat_map(|i| {
@@ -71,7 +71,7 @@ fn look(instances: [&Instance; 2]) -> Vec<u64> {
 
 /// What the squeezes of the first agents do to the first agent of the other crowd, written out. `a` is pushed
 /// by half the squeeze in `b` and 100 N.
-fn by_hand(fmu: &Fmu, algorithm: Algorithm) -> Path2 {
+fn by_hand(fmu: &Fmu, algorithm: Algorithm) -> Seen {
     let (a, b) = (fmu.instantiate("a").unwrap(), fmu.instantiate("b").unwrap());
     set_real(&a, "agent[0].Velocity.x", 2.0);
     set_real(&b, "agent[0].Velocity.x", 1.0);
@@ -108,7 +108,7 @@ fn by_hand(fmu: &Fmu, algorithm: Algorithm) -> Path2 {
     seen
 }
 
-fn coupled(path: &Path, algorithm: Algorithm) -> Path2 {
+fn coupled(path: &Path, algorithm: Algorithm) -> Seen {
     let mut system = assemble(path, algorithm).unwrap().system;
     system.initialize(0.0).unwrap();
     let seen = (1..=STEPS).map(|k| {
@@ -152,7 +152,7 @@ fn two_crowds_exchange_forces_as_in_a_loop_written_out() {
         seen
     });
     assert!(jacobi != gauss_seidel, "the second crowd hears of the first one a step earlier");
-    let squeezed = |seen: &Path2, crowd: usize| {
+    let squeezed = |seen: &Seen, crowd: usize| {
         seen.iter().map(|row| f64::from_bits(row[20 * crowd + 3])).fold(0.0, f64::max)
     };
     assert!(squeezed(&jacobi, 0) > 100.0 && squeezed(&jacobi, 1) > 100.0, "the coupling has forces to carry");
@@ -220,19 +220,15 @@ fn units_are_converted_on_the_way_and_parameters_on_theirs() {
     let length = |name: &str, factor: &str| {
         format!(r#"<Unit name="{name}"><BaseUnit m="1" factor="{factor}"/></Unit></UnitDefinitions>"#)
     };
+    let unit_of = |description: &str, name: &str, unit: &str| {
+        let start = description.find(&format!("name=\"{name}\"")).unwrap();
+        let real = start + description[start..].find("<Real").unwrap() + "<Real".len();
+        format!("{} unit=\"{unit}\"{}", &description[..real], &description[real..])
+    };
     let description = DESCRIPTION
         .replace("</UnitDefinitions>", &length("km", "1000"))
-        .replace("</UnitDefinitions>", &length("cm", "0.01"))
-        .replace(r#"name="real.in" valueReference="32" causality="input" variability="continuous"><Real"#, "IN")
-        .replace("IN", r#"name="real.in" valueReference="32" causality="input"><Real unit="cm""#);
-    let description = description.replacen(
-        r#"<Real start="0"/></ScalarVariable>
-    <ScalarVariable name="integer.in""#,
-        r#"<Real unit="km" start="0"/></ScalarVariable>
-    <ScalarVariable name="integer.in""#,
-        1,
-    );
-    assert!(description.contains(r#"unit="km""#) && description.contains(r#"unit="cm""#));
+        .replace("</UnitDefinitions>", &length("cm", "0.01"));
+    let description = unit_of(&unit_of(&description, "real.in", "cm"), "real.out", "km");
     write_controller(&at.join("it.fmu"), &description, true);
     let connectors = r#"<ssd:Connector name="real.in" kind="input"><ssc:Real/></ssd:Connector>
         <ssd:Connector name="real.out" kind="output"/>"#;
@@ -248,13 +244,13 @@ fn units_are_converted_on_the_way_and_parameters_on_theirs() {
                  {attributes}>{inside}</ssd:Connection>"#
         )
     };
-    let transformed = r#"<ssc:LinearTransformation factor="2" offset="-1"/>"#;
+    let transformed = r#"<ssc:LinearTransformation factor="2" offset="1"/>"#;
     // 1 km is 100000 cm; the transformation comes after that, or instead of it.
     for (attributes, inside, arrives) in [
         ("", "", 1e5),
         (r#"suppressUnitConversion="true""#, "", 1.0),
-        ("", transformed, 2e5 - 1.0),
-        (r#"suppressUnitConversion="true""#, transformed, 1.0),
+        ("", transformed, 2e5 + 1.0),
+        (r#"suppressUnitConversion="true""#, transformed, 3.0),
     ] {
         let path = write_ssp(at, &structure(connectors, [binding, ""], &connection(attributes, inside), ""));
         let assembled = assemble(&path, Algorithm::GaussSeidel).unwrap();
@@ -327,7 +323,7 @@ fn what_does_not_fit_the_fmu_is_refused() {
         (
             good[0].clone() + &connector("real.in", "input", ""),
             connection("integer.out", "real.in", ""),
-            "a Integer cannot feed a Real",
+            "Integer does not become Real",
         ),
         (
             connector("agent[0].Fp.x", "output", "") + &connector("agent[0].Theta", "input", ""),
@@ -351,6 +347,7 @@ fn what_does_not_fit_the_fmu_is_refused() {
     let text = said(&whole, binding, "");
     assert!(text.contains("<Parameter> name=\"Delay\": the FMU's variable is of type Real"), "{text}");
     // The same without the mistakes is accepted.
-    let path = write_ssp(at, &structure(&whole, ["", ""], &connection("integer.out", "integer.in", ""), units));
+    let path =
+        write_ssp(at, &structure(&whole, ["", ""], &connection("integer.out", "integer.in", ""), units));
     assert!(assemble(&path, Algorithm::Jacobi).is_ok());
 }

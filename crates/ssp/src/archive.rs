@@ -83,7 +83,8 @@ fn leads_outside(name: &str) -> bool {
 pub fn write_archive(path: &Path, structure: &SystemStructure, files: &[(String, &Path)]) -> Result<()> {
     let cannot = || format!("cannot write {}", path.display());
     let mut zip = ZipWriter::new(BufWriter::new(Staged::beside(path).with_context(cannot)?));
-    let options = SimpleFileOptions::default().last_modified_time(DateTime::default()).unix_permissions(0o644);
+    let options =
+        SimpleFileOptions::default().last_modified_time(DateTime::default()).unix_permissions(0o644);
     zip.start_file(STRUCTURE_FILE, options.compression_method(CompressionMethod::Deflated))
         .with_context(cannot)?;
     zip.write_all(structure.to_xml().as_bytes()).with_context(cannot)?;

@@ -115,20 +115,25 @@ fn disagreement(
     }
 }
 
-/// Inputs and outputs of a participant, the first few by name.
+/// Outputs and inputs of a participant, a line each: the first few by name.
 fn summary(participant: &Participant) -> String {
-    let list = |kind| -> String {
+    let line = |kind: Kind| {
         let names: Vec<&str> = of_kind(participant, kind).map(|variable| variable.name.as_str()).collect();
-        match names.len() {
-            0 => "none".into(),
-            1..=3 => names.join(", "),
-            many => format!("{}, … ({many})", names[..2].join(", ")),
-        }
+        let shown = match names.len() {
+            0 => String::new(),
+            1 | 2 => format!(": {}", names.join(", ")),
+            _ => format!(": {}, …", names[..2].join(", ")),
+        };
+        format!("{}: {} {}s{shown}", participant.name, names.len(), kind.name())
     };
-    format!("{}: outputs {}; inputs {}", participant.name, list(Kind::Output), list(Kind::Input))
+    format!("{}\n{}", line(Kind::Output), line(Kind::Input))
 }
 
-fn assemble(name: &str, participants: &[Participant], pairs: &[(usize, usize, &str)]) -> Result<SystemStructure> {
+fn assemble(
+    name: &str,
+    participants: &[Participant],
+    pairs: &[(usize, usize, &str)],
+) -> Result<SystemStructure> {
     let mut structure = SystemStructure { name: name.to_owned(), ..SystemStructure::default() };
     let mut ports: HashMap<(usize, &str), Port> = HashMap::new();
     let used: HashSet<(usize, &str)> =
@@ -163,9 +168,11 @@ fn assemble(name: &str, participants: &[Participant], pairs: &[(usize, usize, &s
             line: 0,
         });
     }
-    let times = |time: fn(&Interface) -> Option<f64>| participants.iter().filter_map(move |p| time(p.interface));
-    structure.start = times(|interface| interface.start).reduce(f64::min);
+    let times =
+        |time: fn(&Interface) -> Option<f64>| participants.iter().filter_map(move |p| time(p.interface));
     structure.stop = times(|interface| interface.stop).reduce(f64::max);
+    // pyssp_standard 0.9.1 reads both times or none.
+    structure.start = times(|interface| interface.start).reduce(f64::min).or(structure.stop.map(|_| 0.0));
     Ok(structure)
 }
 
@@ -176,7 +183,11 @@ fn connector(participant: &Participant, variable: &Variable, units: &mut Vec<Uni
         let known = units.iter().find(|unit| unit.name == name);
         match (participant.interface.unit(name), known) {
             (Some(unit), Some(known)) if !unit.is_same(known) => {
-                bail!("{}: {} means another unit by {name:?} than another FMU", variable.name, participant.name);
+                bail!(
+                    "{}: {} means another unit by {name:?} than another FMU",
+                    variable.name,
+                    participant.name
+                );
             }
             (Some(_), Some(_)) => {}
             (Some(unit), None) => units.push(unit.clone()),

@@ -22,8 +22,8 @@ mod xml;
 pub use archive::{Archive, write_archive};
 pub use connect::{Connected, Participant, connect};
 pub use document::{
-    Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure, Type,
-    Value, located,
+    Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure,
+    Type, Value, located,
 };
 pub use interface::{Interface, Variable};
 pub use unit::{Affine, Unit, conversion};

@@ -1,8 +1,8 @@
 //! `SystemStructure.ssd` and the `.ssv` files that it names -> [`SystemStructure`].
 
 use crate::document::{
-    Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure, Type,
-    Value,
+    Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure,
+    Type, Value,
 };
 use crate::unit::{Affine, Unit};
 use crate::xml::{Document, Element};
@@ -237,10 +237,7 @@ pub(crate) fn read_unit(element: Element) -> Result<Option<Unit>> {
 }
 
 /// The parameter values of a component or of the system, in the order in which they count.
-fn read_bindings(
-    owner: Element,
-    load: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
-) -> Result<Vec<ParameterSet>> {
+fn read_bindings(owner: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Vec<ParameterSet>> {
     let bindings = owner.child("ParameterBindings").into_iter();
     let mut sets = Vec::new();
     for binding in bindings.flat_map(|bindings| bindings.children("ParameterBinding")) {

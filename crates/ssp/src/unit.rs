@@ -74,7 +74,9 @@ pub fn conversion(
             .to(to)
             .ok_or_else(|| format!("{from_name:?} cannot be converted to {to_name:?}: another quantity")),
         _ if from_name == to_name => Ok(Affine::IDENTITY),
-        (None, _) => Err(format!("{from_name:?} cannot be converted to {to_name:?}: {from_name:?} is not defined")),
+        (None, _) => {
+            Err(format!("{from_name:?} cannot be converted to {to_name:?}: {from_name:?} is not defined"))
+        }
         _ => Err(format!("{from_name:?} cannot be converted to {to_name:?}: {to_name:?} is not defined")),
     }
 }

@@ -106,7 +106,8 @@ fn write_connector(out: &mut Out, connector: &Connector) -> io::Result<()> {
 
 fn write_connections(out: &mut Out, structure: &SystemStructure) -> io::Result<()> {
     for connection in &structure.connections {
-        let ((start, output), (end, input)) = (structure.port(connection.from), structure.port(connection.to));
+        let ((start, output), (end, input)) =
+            (structure.port(connection.from), structure.port(connection.to));
         let mut element = out.create_element("ssd:Connection").with_attributes([
             ("startElement", start.name.as_str()),
             ("startConnector", &output.name),
@@ -132,20 +133,22 @@ fn write_connections(out: &mut Out, structure: &SystemStructure) -> io::Result<(
 }
 
 fn write_unit(out: &mut Out, unit: &Unit) -> io::Result<()> {
-    out.create_element("ssc:Unit").with_attribute(("name", unit.name.as_str())).write_inner_content(|out| {
-        let mut base = out.create_element("ssc:BaseUnit");
-        for (name, exponent) in Unit::BASE.iter().zip(unit.exponents) {
-            if exponent != 0 {
-                base = base.with_attribute((*name, exponent.to_string().as_str()));
+    out.create_element("ssc:Unit").with_attribute(("name", unit.name.as_str())).write_inner_content(
+        |out| {
+            let mut base = out.create_element("ssc:BaseUnit");
+            for (name, exponent) in Unit::BASE.iter().zip(unit.exponents) {
+                if exponent != 0 {
+                    base = base.with_attribute((*name, exponent.to_string().as_str()));
+                }
             }
-        }
-        for (name, value, default) in [("factor", unit.factor, 1.0), ("offset", unit.offset, 0.0)] {
-            if value != default {
-                base = base.with_attribute((name, number(value).as_str()));
+            for (name, value, default) in [("factor", unit.factor, 1.0), ("offset", unit.offset, 0.0)] {
+                if value != default {
+                    base = base.with_attribute((name, number(value).as_str()));
+                }
             }
-        }
-        base.write_empty()?;
-        Ok(())
-    })?;
+            base.write_empty()?;
+            Ok(())
+        },
+    )?;
     Ok(())
 }
