@@ -1,6 +1,6 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
-use crate::system::{Algorithm, Component, System, Wire};
+use crate::system::{Algorithm, Component, System, Wire, Wires};
 use crate::{Fmu, Instance};
 use anyhow::{Context, Result, anyhow, bail};
 use lemons_ssp::{
@@ -83,8 +83,7 @@ fn check(connector: &Connector, interface: &Interface, structure: &SystemStructu
 }
 
 fn connect(system: &mut System, structure: &SystemStructure, interfaces: &[Interface]) -> Result<()> {
-    let types = [Type::Real(None), Type::Integer, Type::Boolean, Type::String];
-    let mut wires: [Vec<Wire>; 4] = Default::default();
+    let mut wires = Wires::default();
     for connection in &structure.connections {
         let line = connection.line;
         let ((source, output), (_, input)) = (structure.port(connection.from), structure.port(connection.to));
@@ -101,8 +100,15 @@ fn connect(system: &mut System, structure: &SystemStructure, interfaces: &[Inter
         if from.of.name() != to.of.name() {
             return Err(wrong(format!("{} does not become {}", from.of.name(), to.of.name())));
         }
-        let place = types.iter().position(|of| of.name() == from.of.name());
-        let place = place.ok_or_else(|| wrong(format!("type {} is not served", from.of.name())))?;
+        let list = match from.of {
+            Type::Real(_) => &mut wires.reals,
+            Type::Integer => &mut wires.integers,
+            Type::Boolean => &mut wires.booleans,
+            Type::String => &mut wires.strings,
+            Type::Enumeration(_) | Type::Binary => {
+                return Err(wrong(format!("type {} is not served", from.of.name())));
+            }
+        };
         let mut map = Affine::IDENTITY;
         if !connection.suppress_unit_conversion {
             let a = unit_of(output, &interfaces[connection.from.component], structure);
@@ -110,21 +116,18 @@ fn connect(system: &mut System, structure: &SystemStructure, interfaces: &[Inter
             map = conversion(a, b).map_err(wrong)?;
         }
         if let Some(transformation) = connection.transformation {
-            if place != 0 {
+            if !matches!(from.of, Type::Real(_)) {
                 return Err(wrong(format!("no <LinearTransformation> for type {}", from.of.name())));
             }
             map = map.then(transformation);
         }
-        let (from, to) = (from.reference, to.reference);
-        wires[place].push(Wire {
-            from: (connection.from.component, from),
-            to: (connection.to.component, to),
+        list.push(Wire {
+            from: (connection.from.component, from.reference),
+            to: (connection.to.component, to.reference),
             map,
         });
     }
-    for (of, wires) in types.iter().zip(&wires) {
-        system.connect(of, wires);
-    }
+    system.connect(&wires);
     Ok(())
 }
 

@@ -78,6 +78,7 @@ impl Fmu {
             .as_ref()
             .ok_or_else(|| anyhow!("the FMU is not for co-simulation"))?;
         let messages = Arc::new(Messages::default());
+        let prefix = format!("{}/", self.directory.path().display());
         let fmu = FMU2::<CS>::new(
             self.directory.path(),
             &co_simulation.modelIdentifier,
@@ -90,11 +91,11 @@ impl Fmu {
             !co_simulation.canNotUseMemoryManagementFunctions,
         )
         .map_err(|error| {
-            messages.explain(anyhow!("cannot instantiate the FMU: {error}: {}", root_cause(&error)))
+            let text = format!("cannot instantiate the FMU: {error}: {}", root_cause(&error));
+            messages.explain(anyhow!("{}", text.replace(&prefix, "")))
         })?;
         let references =
             self.description.modelVariables.iter().map(|v| (v.name.clone(), v.valueReference)).collect();
-        let prefix = format!("{}/", self.directory.path().display());
         Ok(Instance { fmu, messages, prefix, references })
     }
 

@@ -12,7 +12,7 @@
 use crate::assemble::component_of;
 use crate::{Fmu, Instance};
 use anyhow::{Context, Result};
-use lemons_ssp::{Affine, Type};
+use lemons_ssp::Affine;
 use std::collections::HashMap;
 
 /// In which order components exchange values and step.
@@ -51,7 +51,17 @@ pub struct System {
 pub(crate) struct Wire {
     pub(crate) from: (usize, u32),
     pub(crate) to: (usize, u32),
+    /// Of Reals.
     pub(crate) map: Affine,
+}
+
+/// Connections by type.
+#[derive(Default)]
+pub(crate) struct Wires {
+    pub(crate) reals: Vec<Wire>,
+    pub(crate) integers: Vec<Wire>,
+    pub(crate) booleans: Vec<Wire>,
+    pub(crate) strings: Vec<Wire>,
 }
 
 impl System {
@@ -78,15 +88,14 @@ impl System {
         }
     }
 
-    /// Adds connections between variables of a type.
-    pub(crate) fn connect(&mut self, of: &Type, wires: &[Wire]) {
-        match of {
-            Type::Real(_) => self.reals.connect(wires),
-            Type::Integer | Type::Enumeration(_) => self.integers.connect(wires),
-            Type::Boolean => self.booleans.connect(wires),
-            Type::String | Type::Binary => self.strings.connect(wires),
-        }
-        self.connections += wires.len();
+    /// Adds connections.
+    pub(crate) fn connect(&mut self, wires: &Wires) {
+        let Wires { reals, integers, booleans, strings } = wires;
+        self.reals.connect(reals);
+        self.integers.connect(integers);
+        self.booleans.connect(booleans);
+        self.strings.connect(strings);
+        self.connections += [reals, integers, booleans, strings].map(Vec::len).iter().sum::<usize>();
     }
 
     /// In the order of the file.
@@ -166,9 +175,13 @@ impl System {
     pub fn warnings(&self) -> Vec<String> {
         let all = self.components.iter().flat_map(|component| {
             let warnings = component.instance.warnings().into_iter();
-            warnings.map(|warning| match self.components.len() {
-                1 => warning,
-                _ => format!("{}: {warning}", component.name),
+            warnings.map(|warning| {
+                let text = warning.strip_prefix("warning: ").unwrap_or(&warning);
+                if self.components.len() == 1 {
+                    warning
+                } else {
+                    format!("warning: {}: {text}", component.name)
+                }
             })
         });
         all.collect()
