@@ -3,10 +3,13 @@
 //! Exit codes: 0 done; 1 something failed (a file, a run); 2 the command line is wrong; 3 a Trial has errors.
 
 mod check;
+mod connect;
+mod crowd;
 mod decide;
 mod describe;
 mod drive;
 mod info;
+mod outputs;
 mod pack;
 mod results;
 mod run;
@@ -15,7 +18,7 @@ mod verify;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Contact mechanics of dense crowds: Trials, FMUs, runs.
+/// Contact mechanics of dense crowds: Trials, FMUs, runs, coupling.
 ///
 /// Exit codes: 0 done; 1 something failed; 2 the command line is wrong; 3 a Trial has errors.
 #[derive(Parser)]
@@ -27,8 +30,10 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a Trial directory or an FMU and write the trajectories
+    /// Run a Trial directory, an FMU or coupled FMUs and write the trajectories
     Run(run::Arguments),
+    /// Couple FMUs: connect each output with the input of the same name, write an SSP
+    Connect(connect::Arguments),
     /// Say all that is wrong with Trial directories
     Check(check::Arguments),
     /// Make an FMU of one or more Trial directories
@@ -58,6 +63,7 @@ impl std::error::Error for TrialHasErrors {}
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Connect(arguments) => connect::connect(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Decide(arguments) => decide::decide(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),

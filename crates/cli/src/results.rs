@@ -1,48 +1,27 @@
-//! `trajectories.csv`.
+//! The CSV files of a run.
 
 use anyhow::{Context, Result};
 use crowd_mechanics::files::Staged;
-use std::io::{BufWriter, Write};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-const HEADER: &str = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force";
-
-/// What the FMU says of one agent at one communication point.
-pub struct Row<'a> {
-    pub time: f64,
-    pub id: &'a str,
-    /// x, y, vx, vy, theta, omega
-    pub motion: [f64; 6],
-    /// disk–disk, disk–face, different agents
-    pub contacts: [i32; 3],
-    pub normal_force: f64,
-}
-
 /// A CSV that appears under its name only when it is complete.
-pub struct Results {
+pub struct Table {
     out: csv::Writer<BufWriter<Staged>>,
     path: PathBuf,
 }
 
-impl Results {
-    pub fn create(path: &Path) -> Result<Results> {
-        let cannot = || format!("cannot write {}", path.display());
-        let mut file = BufWriter::new(Staged::beside(path).with_context(cannot)?);
-        writeln!(file, "{HEADER}").with_context(cannot)?;
-        Ok(Results {
-            out: csv::WriterBuilder::new().has_headers(false).from_writer(file),
-            path: path.to_owned(),
-        })
+impl Table {
+    pub fn create(path: &Path, header: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Result<Table> {
+        let file = Staged::beside(path).with_context(|| format!("cannot write {}", path.display()))?;
+        let out = csv::WriterBuilder::new().from_writer(BufWriter::new(file));
+        let mut table = Table { out, path: path.to_owned() };
+        table.write(header)?;
+        Ok(table)
     }
 
-    pub fn write(&mut self, row: &Row) -> Result<()> {
-        // `{:?}` reads back to the same double.
-        let numbers = std::iter::once(format!("{:?}", row.time))
-            .chain([row.id.to_owned()])
-            .chain(row.motion.iter().map(|value| format!("{value:?}")))
-            .chain(row.contacts.iter().map(ToString::to_string))
-            .chain([format!("{:?}", row.normal_force)]);
-        self.out.write_record(numbers).with_context(|| format!("cannot write {}", self.path.display()))
+    pub fn write(&mut self, row: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Result<()> {
+        self.out.write_record(row).with_context(|| format!("cannot write {}", self.path.display()))
     }
 
     pub fn finish(self) -> Result<()> {

@@ -1,41 +1,78 @@
-//! `lemons run`: an FMU, stepped like any FMI master would.
+//! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
+use crate::connect::plain_names;
+use crate::crowd::{Crowd, agents_of, trial_of};
 use crate::drive::Drive;
+use crate::outputs::Outputs;
 use crate::pack::write_fmu;
-use crate::results::{Results, Row};
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::engine::{Pose, State, Twist, World, vec2};
+use clap::ValueEnum;
+use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use crowd_mechanics::pack::{DRIVE_FILE, Naming};
 use crowd_mechanics::trial::Trial;
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_master::{Fmu, Instance, own_binary};
+use lemons_master::{Algorithm, Assembled, Fmu, System, assemble, own_binary};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// A Trial directory, or an FMU
-    #[arg(value_name = "TRIAL or FILE.fmu")]
+    /// A Trial directory, an FMU, or FMUs coupled by an SSP
+    #[arg(value_name = "TRIAL, FILE.fmu or FILE.ssp")]
     input: PathBuf,
-    /// How long to simulate, in seconds
-    #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = positive)]
-    until: f64,
-    /// Communication step, in seconds; default: the Trial's TimeStep
+    /// When to stop, in seconds; default: what the SSP says, else 5
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    until: Option<f64>,
+    /// Communication step, in seconds; default: the Trial's TimeStep, of several FMUs the smallest
+    /// stepSize
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     step: Option<f64>,
+    /// How coupled FMUs exchange values: all from the last communication point, or one after the
+    /// other in the order of the SSP, each from the newest
+    #[arg(long, value_name = "ALGORITHM", default_value = "jacobi")]
+    algorithm: Order,
     /// Propulsion over time: CSV with t,agent,Fp.x,Fp.y,Mp, linearly interpolated, zero outside;
-    /// agents it does not name keep AgentDynamics.xml's. Default: the Trial's drive.csv, if any
+    /// agents it does not name keep AgentDynamics.xml's. Default: the Trial's drive.csv, if any; none
+    /// in an SSP
     #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
     drive: Option<PathBuf>,
     /// Ignore the Trial's drive.csv
     #[arg(long)]
     no_drive: bool,
-    /// A parameter, as in: --set contact.human_naked.human_naked.KineticFriction=0.6
+    /// A parameter, as in: --set contact.human_naked.human_naked.KineticFriction=0.6; in an SSP after
+    /// the component's name and a dot
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
-    /// Where the trajectories go
+    /// Where the trajectories go; of several crowds to FILE_NAME.csv
     #[arg(short, long, default_value = "trajectories.csv", value_name = "FILE.csv")]
     output: PathBuf,
+    /// Where the outputs of FMUs go that are no crowd
+    #[arg(long, default_value = "outputs.csv", value_name = "FILE.csv")]
+    outputs: PathBuf,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Order {
+    Jacobi,
+    GaussSeidel,
+}
+
+impl From<Order> for Algorithm {
+    fn from(order: Order) -> Algorithm {
+        match order {
+            Order::Jacobi => Algorithm::Jacobi,
+            Order::GaussSeidel => Algorithm::GaussSeidel,
+        }
+    }
+}
+
+impl std::fmt::Display for Order {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Order::Jacobi => "Jacobi",
+            Order::GaussSeidel => "Gauss-Seidel",
+        })
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -46,186 +83,244 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let packed = tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
-    let path = if arguments.input.is_dir() {
-        let path = packed.path().join("crowd.fmu");
-        write_fmu(std::slice::from_ref(&arguments.input), vec![own_binary()?], Naming::Structured, &path)?;
-        path
-    } else {
-        arguments.input.clone()
-    };
-    let fmu = Fmu::open(&path)?;
-    let instance = fmu.instantiate("crowd")?;
-    let mut chosen = None;
-    for setting in &arguments.settings {
-        let (name, value) =
-            setting.split_once('=').with_context(|| format!("--set {setting}: expected NAME=VALUE"))?;
-        let kind =
-            fmu.kind(name).with_context(|| format!("the FMU has no variable {name:?}; see lemons info"))?;
-        instance.set(kind, name, value)?;
-        if name == "Trial" {
-            chosen = Some(value);
-        }
+    if arguments.output == arguments.outputs {
+        bail!("{}: trajectories and outputs cannot go into one file", arguments.output.display());
     }
-    let resources = fmu.resources()?;
-    let (trial, _) = resources.load(chosen.unwrap_or(resources.first()))?;
-    let drive = drive_of(arguments, &trial)?;
-    let step = arguments.step.unwrap_or(trial.parameters.time_step);
+    let coupled = arguments.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp"));
+    let (mut system, start, stop) = if coupled { open_ssp(arguments)? } else { open_fmu(arguments)? };
+    for setting in &arguments.settings {
+        set(&system, setting, coupled)?;
+    }
+    let until = arguments.until.or(stop).unwrap_or(DEFAULT_STOP_TIME);
+    if until <= start {
+        bail!("nothing to simulate: it starts at {start:?} s and stops at {until:?} s (--until)");
+    }
+    system.initialize(start)?;
+    let trials = system.components().iter().map(trial_of).collect::<Result<Vec<_>>>()?;
+    let drive = if coupled { Drive::default() } else { drive_of(arguments, trials[0].as_ref())? };
+    let pushes = Pushes::new(&system, trials[0].as_ref(), drive)?;
+    let step = step_of(arguments, &system, &trials)?;
 
-    let mut crowd = Crowd::new(&instance, &trial, drive)?;
-    instance.initialize()?;
-    let mut results = Results::create(&arguments.output)?;
+    let mut watch = Watch::create(&system, trials, arguments)?;
     let started = Instant::now();
-    let run = crowd.run(arguments.until, step, &mut results);
+    let done = advance(&mut system, start, until, step, &pushes, &mut watch);
     let wall = started.elapsed();
     // What was simulated before a failure is worth having.
-    results.finish()?;
-    if run.is_ok() {
-        instance.terminate()?;
-    }
-    for warning in instance.warnings() {
+    let seen = watch.finish()?;
+    let done = done.and_then(|()| system.terminate());
+    for warning in system.warnings() {
         eprintln!("{warning}");
     }
-    run.with_context(|| {
-        format!("stopped at t = {:?} s; the trajectories until then are written", crowd.time)
+    done.with_context(|| {
+        format!("stopped at t = {:?} s; the results until then are written", system.time())
     })?;
-    crowd.summary(wall, &arguments.output);
+    if coupled {
+        let (components, connections) = (system.components().len(), system.connections());
+        println!(
+            "components         {components:>10}     ({connections} connections, {})",
+            arguments.algorithm
+        );
+        println!("communication step {step:>10} s");
+    }
+    summary(system.time() - start, wall, &seen);
     Ok(())
 }
 
-fn drive_of(arguments: &Arguments, trial: &Trial) -> Result<Drive> {
-    let own = trial.directory.join(DRIVE_FILE);
-    let drive = match &arguments.drive {
-        Some(path) => Drive::read(path)?,
-        None if !arguments.no_drive && own.is_file() => Drive::read(&own)?,
-        None => Drive::default(),
+/// The system, where it starts \[s\] and where it stops \[s\] if it says that.
+type Opened = (System, f64, Option<f64>);
+
+/// A Trial is packed first: it runs as everybody's FMU of it would.
+fn open_fmu(arguments: &Arguments) -> Result<Opened> {
+    let packed = tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
+    let fmu = if arguments.input.is_dir() {
+        let path = packed.path().join("crowd.fmu");
+        write_fmu(std::slice::from_ref(&arguments.input), vec![own_binary()?], Naming::Structured, &path)?;
+        Fmu::open(&path)?
+    } else {
+        Fmu::open(&arguments.input)?
     };
-    if let Some(unknown) = drive.agents().find(|id| trial.agents.iter().all(|agent| agent.id != *id)) {
-        let file = arguments.drive.as_ref().unwrap_or(&own).display();
-        bail!("drive file {file}: there is no agent {unknown:?} in Agents.xml");
+    Ok((System::of_one("crowd", fmu)?, 0.0, None))
+}
+
+fn open_ssp(arguments: &Arguments) -> Result<Opened> {
+    if arguments.drive.is_some() {
+        bail!("--drive is for a Trial or an FMU: in an SSP inputs are fed by connections");
+    }
+    let Assembled { system, start, stop, ignored } = assemble(&arguments.input, arguments.algorithm.into())?;
+    for parameter in ignored {
+        eprintln!("warning: {parameter}");
+    }
+    Ok((system, start.unwrap_or(0.0), stop))
+}
+
+/// `--set`
+fn set(system: &System, setting: &str, coupled: bool) -> Result<()> {
+    let (name, value) =
+        setting.split_once('=').with_context(|| format!("--set {setting}: expected NAME=VALUE"))?;
+    let (component, name) = if coupled {
+        let names: Vec<&str> = system.components().iter().map(|c| c.name.as_str()).collect();
+        system.find(name).with_context(|| {
+            format!("--set {setting}: expected COMPONENT.NAME=VALUE; components are {}", names.join(", "))
+        })?
+    } else {
+        (&system.components()[0], name)
+    };
+    let unknown = || format!("the FMU has no variable {name:?}; see lemons info");
+    let kind = component.fmu.kind(name).with_context(unknown)?;
+    component.instance.set(kind, name, value)
+}
+
+fn drive_of(arguments: &Arguments, trial: Option<&Trial>) -> Result<Drive> {
+    let own = trial.map(|trial| trial.directory.join(DRIVE_FILE)).filter(|own| own.is_file());
+    let path = match (&arguments.drive, &own) {
+        (Some(path), _) => path,
+        (None, Some(own)) if !arguments.no_drive => own,
+        _ => return Ok(Drive::default()),
+    };
+    let drive = Drive::read(path)?;
+    let known = |id: &str| trial.is_some_and(|trial| trial.agents.iter().any(|agent| agent.id == id));
+    if let Some(unknown) = drive.agents().find(|id| !known(id)) {
+        bail!("drive file {}: there is no agent {unknown:?} in Agents.xml", path.display());
     }
     Ok(drive)
 }
 
-/// The agents of an instance, and what has been seen of them.
-struct Crowd<'a> {
-    instance: &'a Instance,
-    trial: &'a Trial,
-    drive: Drive,
-    /// For overlaps, which are no variables of the FMU.
-    shadow: World,
-    inputs: Vec<u32>,
-    motions: Vec<u32>,
-    contacts: Vec<u32>,
-    squeezes: Vec<u32>,
-    time: f64,
-    largest_overlap: f64,
-    greatest_squeeze: f64,
-    most_squeezed: Option<(usize, f64)>,
+/// \[s\] `--step`, else the smallest that a component asks for.
+fn step_of(arguments: &Arguments, system: &System, trials: &[Option<Trial>]) -> Result<f64> {
+    if let Some(step) = arguments.step {
+        return Ok(step);
+    }
+    let steps = system.components().iter().zip(trials).filter_map(|(component, trial)| match trial {
+        Some(trial) => Some(trial.parameters.time_step),
+        None => {
+            let experiment = component.fmu.description.defaultExperiment.as_ref()?;
+            experiment.stepSize.as_ref()?.trim().parse().ok()
+        }
+    });
+    let smallest = steps.filter(|step: &f64| *step > 0.0 && step.is_finite()).reduce(f64::min);
+    smallest.context("no FMU has a DefaultExperiment with a stepSize: give --step")
 }
 
-const INPUTS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];
-const MOTION: [&str; 6] = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"];
-const CONTACTS: [&str; 3] = ["AgentContacts", "WallContacts", "ContactingAgents"];
+/// Steps to `until`; the last step is shortened to end there.
+fn advance(
+    system: &mut System,
+    start: f64,
+    until: f64,
+    step: f64,
+    pushes: &Pushes,
+    watch: &mut Watch,
+) -> Result<()> {
+    let steps = ((until - start) / step - 1e-9).ceil().max(1.0) as u64;
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
+    let progress = ProgressBar::new(steps).with_style(style);
+    watch.look(system)?;
+    for k in 0..steps {
+        let end = if k + 1 == steps { until } else { start + (k + 1) as f64 * step };
+        pushes.send(system)?;
+        system.step_to(end)?;
+        watch.look(system)?;
+        progress.set_message(format!("t = {end:.2} s"));
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    Ok(())
+}
 
-impl<'a> Crowd<'a> {
-    fn new(instance: &'a Instance, trial: &'a Trial, drive: Drive) -> Result<Self> {
-        let references = |names: &[&str], wanted: &dyn Fn(usize) -> bool| -> Result<Vec<u32>> {
-            let agents = (0..trial.agents.len()).filter(|&i| wanted(i));
-            agents
-                .flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")))
-                .map(|name| instance.reference(&name))
-                .collect()
-        };
-        let driven = |i: usize| drive.at(&trial.agents[i].id, 0.0).is_some();
-        Ok(Crowd {
-            inputs: references(&INPUTS, &driven)?,
-            motions: references(&MOTION, &|_| true)?,
-            contacts: references(&CONTACTS, &|_| true)?,
-            squeezes: references(&["NormalForce"], &|_| true)?,
-            shadow: trial.world()?,
-            instance,
-            trial,
+/// The drive, into the first component.
+struct Pushes {
+    drive: Drive,
+    /// Of the agents that the drive names.
+    ids: Vec<String>,
+    inputs: Vec<u32>,
+}
+
+impl Pushes {
+    fn new(system: &System, trial: Option<&Trial>, drive: Drive) -> Result<Pushes> {
+        let instance = &system.components()[0].instance;
+        let agents = trial.iter().flat_map(|trial| trial.agents.iter().enumerate());
+        let driven: Vec<_> = agents.filter(|(_, agent)| drive.at(&agent.id, 0.0).is_some()).collect();
+        let names = driven
+            .iter()
+            .flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(move |name| format!("agent[{i}].{name}")));
+        Ok(Pushes {
+            inputs: names.map(|name| instance.reference(&name)).collect::<Result<_>>()?,
+            ids: driven.iter().map(|(_, agent)| agent.id.clone()).collect(),
             drive,
-            time: 0.0,
-            largest_overlap: 0.0,
-            greatest_squeeze: 0.0,
-            most_squeezed: None,
         })
     }
 
-    /// Steps to `until`; the last step is shortened to end there.
-    fn run(&mut self, until: f64, step: f64, results: &mut Results) -> Result<()> {
-        let steps = (until / step - 1e-9).ceil().max(1.0) as u64;
-        let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
-        let progress = ProgressBar::new(steps).with_style(style);
-        self.look(results)?;
-        for k in 0..steps {
-            let end = if k + 1 == steps { until } else { (k + 1) as f64 * step };
-            self.push()?;
-            self.instance.step(self.time, end - self.time)?;
-            self.time = end;
-            self.look(results)?;
-            progress.set_message(format!("t = {end:.2} s"));
-            progress.inc(1);
-        }
-        progress.finish_and_clear();
-        Ok(())
-    }
-
-    /// Sets the inputs of the agents that the drive names.
-    fn push(&self) -> Result<()> {
+    fn send(&self, system: &System) -> Result<()> {
         if self.inputs.is_empty() {
             return Ok(());
         }
-        let pushes = self.trial.agents.iter().filter_map(|agent| self.drive.at(&agent.id, self.time));
+        let pushes = self.ids.iter().filter_map(|id| self.drive.at(id, system.time()));
         let values: Vec<f64> = pushes.flatten().collect();
-        self.instance.set_real(&self.inputs, &values)
+        system.components()[0].instance.set_real(&self.inputs, &values)
     }
+}
 
-    /// Reads the outputs, notes the extremes, writes the rows.
-    fn look(&mut self, results: &mut Results) -> Result<()> {
-        let agents = self.trial.agents.len();
-        let mut motions = vec![0.0; self.motions.len()];
-        let mut contacts = vec![0; self.contacts.len()];
-        let mut squeezes = vec![0.0; agents];
-        self.instance.get_real(&self.motions, &mut motions)?;
-        self.instance.get_integer(&self.contacts, &mut contacts)?;
-        self.instance.get_real(&self.squeezes, &mut squeezes)?;
-        let (motions, _) = motions.as_chunks::<6>();
-        let (contacts, _) = contacts.as_chunks::<3>();
-        for i in 0..agents {
-            results.write(&Row {
-                time: self.time,
-                id: &self.trial.agents[i].id,
-                motion: motions[i],
-                contacts: contacts[i],
-                normal_force: squeezes[i],
-            })?;
-            if squeezes[i] > self.greatest_squeeze {
-                self.greatest_squeeze = squeezes[i];
-                self.most_squeezed = Some((i, self.time));
+/// What is recorded of a run.
+struct Watch {
+    /// With the component's name if there are several.
+    crowds: Vec<(Option<String>, Crowd)>,
+    outputs: Option<Outputs>,
+}
+
+impl Watch {
+    fn create(system: &System, trials: Vec<Option<Trial>>, arguments: &Arguments) -> Result<Watch> {
+        let agents: Vec<usize> =
+            system.components().iter().map(|component| agents_of(&component.fmu.description)).collect();
+        let several = agents.iter().filter(|agents| **agents > 0).count() > 1;
+        let mut crowds = Vec::new();
+        let mut others = Vec::new();
+        let names = plain_names(system.components().iter().map(|component| component.name.as_str()));
+        for (place, trial) in trials.into_iter().enumerate() {
+            if agents[place] == 0 {
+                others.push(place);
+                continue;
             }
+            let path =
+                if several { with_name(&arguments.output, &names[place]) } else { arguments.output.clone() };
+            let name = several.then(|| system.components()[place].name.clone());
+            crowds.push((name, Crowd::create(system, place, agents[place], trial, &path)?));
         }
-        let poses = motions.iter().map(|m| Pose { position: vec2(m[0], m[1]), orientation: m[4] }).collect();
-        let twists =
-            motions.iter().map(|m| Twist { velocity: vec2(m[2], m[3]), angular_velocity: m[5] }).collect();
-        self.shadow.restore(State::new(poses, twists));
-        self.largest_overlap = self.largest_overlap.max(self.shadow.contacts().largest_overlap());
-        Ok(())
+        Ok(Watch { crowds, outputs: Outputs::create(system, others, &arguments.outputs)? })
     }
 
-    fn summary(&self, wall: Duration, output: &Path) {
-        let seconds = wall.as_secs_f64();
-        println!("simulated time     {:>10.3} s", self.time);
-        println!("wall time          {seconds:>10.3} s");
-        println!("real-time factor   {:>10.2}", self.time / seconds);
-        println!("largest overlap    {:>10.3} mm   (at communication points)", 1e3 * self.largest_overlap);
-        print!("greatest squeeze   {:>10.1} N", self.greatest_squeeze);
-        match self.most_squeezed {
-            Some((i, time)) => println!("   (agent {} at t = {time:.3} s)", self.trial.agents[i].id),
-            None => println!(),
+    fn look(&mut self, system: &System) -> Result<()> {
+        for (_, crowd) in &mut self.crowds {
+            crowd.look(system)?;
         }
-        println!("trajectories       {}", output.display());
+        self.outputs.as_mut().map_or(Ok(()), |outputs| outputs.look(system))
     }
+
+    /// Puts all files in their places; answers lines of the summary.
+    fn finish(self) -> Result<Vec<String>> {
+        let mut lines = Vec::new();
+        for (name, crowd) in self.crowds {
+            lines.extend(name.map(|name| format!("crowd              {name}")));
+            lines.extend(crowd.finish()?);
+        }
+        if let Some(outputs) = self.outputs {
+            lines.push(outputs.finish()?);
+        }
+        Ok(lines)
+    }
+}
+
+fn summary(simulated: f64, wall: Duration, seen: &[String]) {
+    let seconds = wall.as_secs_f64();
+    println!("simulated time     {simulated:>10.3} s");
+    println!("wall time          {seconds:>10.3} s");
+    println!("real-time factor   {:>10.2}", simulated / seconds);
+    for line in seen {
+        println!("{line}");
+    }
+}
+
+/// `dir/file.csv` -> `dir/file_name.csv`
+fn with_name(path: &Path, name: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let end = path.extension().map(|end| format!(".{}", end.to_string_lossy())).unwrap_or_default();
+    path.with_file_name(format!("{stem}_{name}{end}"))
 }

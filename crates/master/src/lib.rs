@@ -1,4 +1,10 @@
-//! An FMI 2.0 master on `fmi-rs`: knows of an FMU what its model description says.
+//! An FMI 2.0 master on `fmi-rs`: knows of an FMU what its model description says, couples several by SSP.
+
+mod assemble;
+mod system;
+
+pub use assemble::{Assembled, assemble};
+pub use system::{Algorithm, Component, System};
 
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::pack::{Binary, host_platform};
@@ -8,6 +14,7 @@ use fmi_rs::fmi2::types::fmi2Status;
 use fmi_rs::fmi2::{CS, FMU2};
 use fmi_rs::model_description::fmi2::{ModelDescription, VariableType};
 use fmi_rs::zip::extract_zip_archive;
+use lemons_ssp::Interface;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
@@ -18,6 +25,8 @@ pub struct Fmu {
     directory: TempDir,
     /// What `modelDescription.xml` says.
     pub description: ModelDescription,
+    /// Of the variables, by name.
+    places: HashMap<String, usize>,
 }
 
 impl Fmu {
@@ -26,12 +35,26 @@ impl Fmu {
     /// # Errors
     /// No FMU there.
     pub fn open(path: &Path) -> Result<Fmu> {
+        Self::unzip(path).with_context(|| path.display().to_string())
+    }
+
+    /// As [`Fmu::open`], for a file whose name is of no interest to those who read messages.
+    fn unzip(path: &Path) -> Result<Fmu> {
         let directory = TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
-        extract_zip_archive(path, directory.path())
-            .map_err(|error| anyhow!("{}: {}", path.display(), root_cause(&error)))?;
+        extract_zip_archive(path, directory.path()).map_err(|error| anyhow!("{}", root_cause(&error)))?;
         let description = ModelDescription::from_path(&directory.path().join("modelDescription.xml"))
-            .map_err(|error| anyhow!("{}: modelDescription.xml: {error}", path.display()))?;
-        Ok(Fmu { directory, description })
+            .map_err(|error| anyhow!("modelDescription.xml: {error}"))?;
+        let names = description.modelVariables.iter().enumerate();
+        let places = names.map(|(place, variable)| (variable.name.clone(), place)).collect();
+        Ok(Fmu { directory, description, places })
+    }
+
+    /// The variables and units, as SSP sees them.
+    ///
+    /// # Errors
+    /// The model description is broken.
+    pub fn interface(&self) -> Result<Interface> {
+        Interface::read(&std::fs::read(self.directory.path().join("modelDescription.xml"))?)
     }
 
     /// The Trials that are packed in it.
@@ -55,6 +78,7 @@ impl Fmu {
             .as_ref()
             .ok_or_else(|| anyhow!("the FMU is not for co-simulation"))?;
         let messages = Arc::new(Messages::default());
+        let prefix = format!("{}/", self.directory.path().display());
         let fmu = FMU2::<CS>::new(
             self.directory.path(),
             &co_simulation.modelIdentifier,
@@ -67,17 +91,17 @@ impl Fmu {
             !co_simulation.canNotUseMemoryManagementFunctions,
         )
         .map_err(|error| {
-            messages.explain(anyhow!("cannot instantiate the FMU: {error}: {}", root_cause(&error)))
+            let text = format!("cannot instantiate the FMU: {error}: {}", root_cause(&error));
+            messages.explain(anyhow!("{}", text.replace(&prefix, "")))
         })?;
         let references =
             self.description.modelVariables.iter().map(|v| (v.name.clone(), v.valueReference)).collect();
-        let prefix = format!("{}/", self.directory.path().display());
         Ok(Instance { fmu, messages, prefix, references })
     }
 
     /// The type of a variable.
     pub fn kind(&self, name: &str) -> Option<&VariableType> {
-        self.description.modelVariables.iter().find(|v| v.name == name).map(|v| &v.variableType)
+        self.places.get(name).map(|&place| &self.description.modelVariables[place].variableType)
     }
 }
 
@@ -158,6 +182,11 @@ impl Instance {
                 self.fmu.setInteger(&reference, &[text.parse().with_context(number_wanted)?])
             }
             VariableType::String { .. } => self.fmu.setString(&reference, &[text]),
+            VariableType::Boolean { .. } => match text {
+                "true" | "1" => self.fmu.setBoolean(&reference, &[1]),
+                "false" | "0" => self.fmu.setBoolean(&reference, &[0]),
+                _ => bail!("{name}={text}: neither true nor false"),
+            },
             other => bail!("{name}: variables of type {} cannot be set here", other.name()),
         };
         self.done(status, "fmi2Set")
@@ -168,8 +197,24 @@ impl Instance {
     /// # Errors
     /// The FMU's refusal.
     pub fn initialize(&self) -> Result<()> {
-        self.done(self.fmu.setupExperiment(None, 0.0, None), "fmi2SetupExperiment")?;
-        self.done(self.fmu.enterInitializationMode(), "fmi2EnterInitializationMode")?;
+        self.enter_initialization(0.0)?;
+        self.exit_initialization()
+    }
+
+    /// `fmi2SetupExperiment` at a time \[s\] and `fmi2EnterInitializationMode`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn enter_initialization(&self, start: f64) -> Result<()> {
+        self.done(self.fmu.setupExperiment(None, start, None), "fmi2SetupExperiment")?;
+        self.done(self.fmu.enterInitializationMode(), "fmi2EnterInitializationMode")
+    }
+
+    /// `fmi2ExitInitializationMode`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn exit_initialization(&self) -> Result<()> {
         self.done(self.fmu.exitInitializationMode(), "fmi2ExitInitializationMode")
     }
 
@@ -195,6 +240,46 @@ impl Instance {
     /// The FMU's refusal.
     pub fn get_integer(&self, references: &[u32], values: &mut [i32]) -> Result<()> {
         self.done(self.fmu.getInteger(references, values), "fmi2GetInteger")
+    }
+
+    /// `fmi2SetInteger`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn set_integer(&self, references: &[u32], values: &[i32]) -> Result<()> {
+        self.done(self.fmu.setInteger(references, values), "fmi2SetInteger")
+    }
+
+    /// `fmi2GetBoolean`; anything but 0 is true.
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn get_boolean(&self, references: &[u32], values: &mut [i32]) -> Result<()> {
+        self.done(self.fmu.getBoolean(references, values), "fmi2GetBoolean")
+    }
+
+    /// `fmi2SetBoolean`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn set_boolean(&self, references: &[u32], values: &[i32]) -> Result<()> {
+        self.done(self.fmu.setBoolean(references, values), "fmi2SetBoolean")
+    }
+
+    /// `fmi2GetString`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn get_string(&self, references: &[u32], values: &mut [String]) -> Result<()> {
+        self.done(self.fmu.getString(references, values), "fmi2GetString")
+    }
+
+    /// `fmi2SetString`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn set_string(&self, references: &[u32], values: &[&str]) -> Result<()> {
+        self.done(self.fmu.setString(references, values), "fmi2SetString")
     }
 
     /// `fmi2DoStep` from a time over a step, both \[s\].

@@ -1,0 +1,100 @@
+//! `lemons connect`: FMUs -> an SSP.
+
+use anyhow::{Context, Result, bail};
+use lemons_master::Fmu;
+use lemons_ssp::{Participant, write_archive};
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// FMUs for co-simulation; Gauss-Seidel steps them in this order
+    #[arg(required = true, num_args = 2.., value_name = "FILE.fmu")]
+    fmus: Vec<PathBuf>,
+    /// The SSP to write
+    #[arg(short, long, value_name = "FILE.ssp")]
+    output: PathBuf,
+}
+
+pub fn connect(arguments: &Arguments) -> Result<()> {
+    let mut interfaces = Vec::new();
+    for path in &arguments.fmus {
+        let shown = || path.display().to_string();
+        let interface = Fmu::open(path)?.interface().with_context(shown)?;
+        if !interface.co_simulation {
+            bail!("{}: the FMU is not for co-simulation", path.display());
+        }
+        interfaces.push(interface);
+    }
+    let stems: Vec<String> = arguments.fmus.iter().map(|path| stem(path)).collect();
+    let names = plain_names(stems.iter().map(String::as_str));
+    let participants: Vec<Participant> = names
+        .iter()
+        .zip(&interfaces)
+        .map(|(name, interface)| Participant {
+            name: name.clone(),
+            source: format!("resources/{name}.fmu"),
+            interface,
+        })
+        .collect();
+    let connected = lemons_ssp::connect(&stem(&arguments.output), &participants)?;
+    let files: Vec<(String, &Path)> = participants
+        .iter()
+        .zip(&arguments.fmus)
+        .map(|(participant, path)| (participant.source.clone(), path.as_path()))
+        .collect();
+    write_archive(&arguments.output, &connected.structure, &files)?;
+
+    let structure = &connected.structure;
+    for (i, from) in structure.components.iter().enumerate() {
+        for (k, to) in structure.components.iter().enumerate() {
+            let between =
+                structure.connections.iter().filter(|c| (c.from.component, c.to.component) == (i, k));
+            let connectors: Vec<&str> = between.map(|c| structure.port(c.from).1.name.as_str()).collect();
+            if !connectors.is_empty() {
+                println!("{}", fitted(&format!("{} -> {}", from.name, to.name), "connected", &connectors));
+            }
+        }
+    }
+    for (component, inputs) in structure.components.iter().zip(&connected.unconnected) {
+        if !inputs.is_empty() {
+            let names: Vec<&str> = inputs.iter().map(String::as_str).collect();
+            println!("{}", fitted(&component.name, "inputs not connected", &names));
+        }
+    }
+    let size = std::fs::metadata(&arguments.output)?.len();
+    println!("{}: {:.1} MB", arguments.output.display(), size as f64 / 1e6);
+    Ok(())
+}
+
+/// Who, how many, what, and by name those that fit on a line.
+fn fitted(who: &str, what: &str, names: &[&str]) -> String {
+    const WIDTH: usize = 80;
+    let mut line = format!("{who}: {} {what}: {}", names.len(), names[0]);
+    for (k, name) in names.iter().enumerate().skip(1) {
+        let after = if k + 1 < names.len() { ", …".chars().count() } else { 0 };
+        if line.chars().count() + 2 + name.chars().count() + after > WIDTH {
+            return line + ", …";
+        }
+        line = format!("{line}, {name}");
+    }
+    line
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The names with letters, digits, `_` and `-` only, made different where they are not: they become names of
+/// components, of files, and stand in URIs and before the dots of variables.
+pub fn plain_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut taken = HashSet::new();
+    let plain = names.map(|name| {
+        let plain = |c: char| if c.is_ascii_alphanumeric() || "_-".contains(c) { c } else { '_' };
+        let name: String = name.chars().map(plain).collect();
+        let candidates = (1..).map(|n| if n == 1 { name.clone() } else { format!("{name}_{n}") });
+        // There are more candidates than names.
+        candidates.into_iter().find(|candidate| taken.insert(candidate.clone())).unwrap_or_default()
+    });
+    plain.collect()
+}

@@ -1,0 +1,161 @@
+//! `lemons connect` and `lemons run FILE.ssp` as their users meet them.
+
+#[path = "../../../tests/coupling/controller.rs"]
+mod controller;
+
+use controller::{DESCRIPTION, write_controller, write_zip};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn lemons(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_lemons")).args(arguments).current_dir(directory).output().unwrap()
+}
+
+fn out(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn err(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stdout));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!said.contains("panicked"), "{said}");
+    said
+}
+
+/// `crowd.fmu` of the default Trial, and `controller.fmu`.
+fn fmus(binary: bool) -> TempDir {
+    let directory = TempDir::new().unwrap();
+    let trial = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
+    out(&lemons(directory.path(), &["pack", trial.to_str().unwrap(), "-o", "crowd.fmu"]));
+    write_controller(&directory.path().join("controller.fmu"), DESCRIPTION, binary);
+    directory
+}
+
+const CONNECT: [&str; 5] = ["connect", "controller.fmu", "crowd.fmu", "-o", "coupled.ssp"];
+
+#[test]
+fn connect_says_what_it_did_and_writes_the_same_bytes() {
+    let directory = fmus(false);
+    let at = directory.path();
+    let said = out(&lemons(at, &CONNECT));
+    let expected = [
+        "controller -> crowd: 15 connected: agent[0].Fp.x, agent[0].Fp.y, agent[0].Mp, …",
+        "crowd -> controller: 15 connected: agent[0].Position.x, agent[0].Position.y, …",
+        "controller: 4 inputs not connected: real.in, integer.in, boolean.in, string.in",
+    ];
+    assert_eq!(said.lines().take(3).collect::<Vec<_>>(), expected);
+    assert!(said.lines().nth(3).unwrap().starts_with("coupled.ssp: "), "{said}");
+    assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
+    let first = fs::read(at.join("coupled.ssp")).unwrap();
+    out(&lemons(at, &CONNECT));
+    assert!(first == fs::read(at.join("coupled.ssp")).unwrap(), "same input, same bytes");
+}
+
+#[test]
+fn a_controller_that_wants_nothing_changes_nothing() {
+    let directory = fmus(true);
+    let at = directory.path();
+    out(&lemons(at, &CONNECT));
+    let alone = ["run", "crowd.fmu", "--no-drive", "--until", "0.5", "--step", "0.03125"];
+    let alone = [&alone[..], &["--set", "agent[1].Velocity.x=2", "-o", "alone.csv"]].concat();
+    out(&lemons(at, &alone));
+    let run = ["run", "coupled.ssp", "--until", "0.5", "--set", "crowd.agent[1].Velocity.x=2"];
+    let idle = [&run[..], &["--set", "controller.Stiffness=0"]].concat();
+    let said = out(&lemons(at, &idle));
+    let read = |name: &str| fs::read_to_string(at.join(name)).unwrap();
+    assert!(read("alone.csv") == read("trajectories.csv"), "to the last bit");
+    let expected = [
+        "components                  2     (30 connections, Jacobi)",
+        "communication step    0.03125 s",
+        "simulated time          0.500 s",
+    ];
+    assert_eq!(said.lines().take(3).collect::<Vec<_>>(), expected, "{said}");
+    for line in ["wall time", "real-time factor", "largest overlap", "greatest squeeze   ", "trajectories  "]
+    {
+        assert!(said.contains(line), "{said}");
+    }
+    assert!(said.contains("\noutputs            outputs.csv   (20 columns)\n"), "{said}");
+    assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
+    let outputs = read("outputs.csv");
+    assert!(outputs.starts_with("t,controller.agent[0].Fp.x,controller.agent[0].Fp.y,"), "{outputs}");
+    assert_eq!(outputs.lines().count(), 1 + 17);
+    assert!(outputs.lines().last().unwrap().ends_with(",1.0,1,true,x"), "{outputs}");
+    // One that wants something does, and the algorithms differ.
+    out(&lemons(at, &run));
+    let jacobi = read("trajectories.csv");
+    out(&lemons(at, &[&run[..], &["--algorithm", "gauss-seidel"]].concat()));
+    let texts = [read("alone.csv"), jacobi, read("trajectories.csv")];
+    assert!(texts[0] != texts[1] && texts[1] != texts[2] && texts[0] != texts[2]);
+}
+
+#[test]
+fn several_crowds_have_several_files() {
+    let directory = fmus(false);
+    let at = directory.path();
+    let fmu = fs::read(at.join("crowd.fmu")).unwrap();
+    let structure = r#"<s:SystemStructureDescription xmlns:s="http://ssp-standard.org/SSP1/SystemStructureDescription"
+        version="1.0" name="two"><s:System name="two"><s:Elements>
+        <s:Component name="left/hall" source="crowd.fmu"/><s:Component name="right" source="crowd.fmu"/>
+        </s:Elements></s:System><s:DefaultExperiment startTime="1" stopTime="1.2"/>
+        </s:SystemStructureDescription>"#;
+    write_zip(&at.join("two.ssp"), &[("SystemStructure.ssd", structure.as_bytes()), ("crowd.fmu", &fmu)]);
+    let said = out(&lemons(at, &["run", "two.ssp", "--set", "right.agent[1].Velocity.x=2", "-o", "t.csv"]));
+    assert!(said.contains("simulated time          0.200 s"), "{said}");
+    assert!(said.contains("crowd              left/hall\n"), "{said}");
+    let read = |name: &str| fs::read_to_string(at.join(name)).unwrap();
+    let (left, right) = (read("t_left_hall.csv"), read("t_right.csv"));
+    assert!(left.contains("\n1.2,4,") && left != right, "{left}");
+    assert!(!at.join("t.csv").exists() && !at.join("outputs.csv").exists());
+}
+
+#[test]
+fn mistakes_have_clear_messages() {
+    let directory = fmus(true);
+    let at = directory.path();
+    out(&lemons(at, &CONNECT));
+    let said = |arguments: &[&str]| err(&lemons(at, arguments));
+    let run = |more: &[&str]| said(&[&["run", "coupled.ssp"], more].concat());
+    assert!(
+        run(&["--set", "Stiffness=1"]).contains("COMPONENT.NAME=VALUE; components are controller, crowd")
+    );
+    assert!(run(&["--set", "crowd.nothing=1"]).contains("no variable \"nothing\""));
+    assert!(run(&["--drive", "x.csv"]).contains("inputs are fed by connections"));
+    assert!(run(&["--until", "0.5", "-o", "no/such/directory.csv"]).contains("no/such/directory.csv"));
+    assert!(run(&["-o", "same.csv", "--outputs", "same.csv"]).contains("same.csv"));
+    let mass = run(&["--set", "crowd.agent[0].Mass=-1"]);
+    assert!(mass.contains("agent[0].Mass = -1.0: must be positive"), "{mass}");
+    assert!(said(&["run", "nothing.ssp"]).contains("nothing.ssp"));
+    fs::write(at.join("broken.ssp"), "no zip").unwrap();
+    assert!(said(&["run", "broken.ssp"]).contains("broken.ssp"));
+    let structure = br#"<SystemStructureDescription version="1.0"><System><Elements>
+        <Component name="a" source="a.fmu"/></Elements></System></SystemStructureDescription>"#;
+    write_zip(&at.join("empty.ssp"), &[("SystemStructure.ssd", structure)]);
+    let missing = said(&["run", "empty.ssp"]);
+    let place = "empty.ssp: SystemStructure.ssd:2: <Component> source=\"a.fmu\": there is no a.fmu";
+    assert!(missing.contains(place), "{missing}");
+    write_zip(&at.join("zip.ssp"), &[("SystemStructure.ssd", structure), ("a.fmu", b"no zip")]);
+    assert!(said(&["run", "zip.ssp"]).contains("<Component> source=\"a.fmu\""));
+
+    let connect = |fmus: &[&str]| said(&[&["connect", "-o", "bad.ssp"], fmus].concat());
+    assert!(connect(&["crowd.fmu", "nothing.fmu"]).contains("nothing.fmu"));
+    assert!(
+        connect(&["crowd.fmu", "crowd.fmu"])
+            .contains("\ncrowd_2: 15 inputs: agent[0].Fp.x, agent[0].Fp.y, …")
+    );
+    let other =
+        DESCRIPTION.replace("<Unit name=\"m\"><BaseUnit m=\"1\"/>", "<Unit name=\"m\"><BaseUnit s=\"1\"/>");
+    write_controller(&at.join("other.fmu"), &other, false);
+    let units = connect(&["other.fmu", "crowd.fmu"]);
+    assert!(units.contains("crowd and other do not mean the same by its unit \"m\""), "{units}");
+    let exchange = DESCRIPTION.replace("<CoSimulation", "<ModelExchange");
+    write_controller(&at.join("exchange.fmu"), &exchange, false);
+    assert!(connect(&["exchange.fmu", "crowd.fmu"]).contains("not for co-simulation"));
+    assert!(connect(&["controller.fmu", "crowd.fmu", "controller.fmu"]).contains("is fed by two outputs"));
+    assert!(!at.join("bad.ssp").exists() && !at.join("trajectories.csv").exists());
+    assert!(
+        fs::read_dir(at).unwrap().all(|file| !file.unwrap().file_name().to_string_lossy().starts_with('.'))
+    );
+}

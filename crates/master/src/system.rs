@@ -1,0 +1,358 @@
+//! Several FMUs that step together: co-simulation with a fixed communication step.
+//!
+//! Each component keeps the newest values of its connected outputs here, read by one call for each type. Then
+//!
+//! - Jacobi: all inputs are set, all components step, all outputs are read;
+//! - Gauss-Seidel: of each component, in the order of the file, the inputs are set, it steps, its outputs are
+//!   read: those after it get them in the same communication step.
+//!
+//! The first values: while every component is in initialization mode, outputs are read and inputs set as often
+//! as there are components (values then have passed the longest chain without a loop), or until nothing changes.
+
+use crate::assemble::component_of;
+use crate::{Fmu, Instance};
+use anyhow::{Context, Result};
+use lemons_ssp::Affine;
+use std::collections::HashMap;
+
+/// In which order components exchange values and step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Algorithm {
+    /// All from the values at the last communication point.
+    #[default]
+    Jacobi,
+    /// One after the other, each from the newest values.
+    GaussSeidel,
+}
+
+/// An instance in a system.
+pub struct Component {
+    /// Unique in the system.
+    pub name: String,
+    /// Dropped before the files of its FMU.
+    pub instance: Instance,
+    /// What it is an instance of.
+    pub fmu: Fmu,
+}
+
+/// Components and the connections between them.
+pub struct System {
+    components: Vec<Component>,
+    algorithm: Algorithm,
+    reals: Channel<Reals>,
+    integers: Channel<Integers>,
+    booleans: Channel<Booleans>,
+    strings: Channel<Strings>,
+    connections: usize,
+    time: f64,
+}
+
+/// A connection, by component and value reference.
+pub(crate) struct Wire {
+    pub(crate) from: (usize, u32),
+    pub(crate) to: (usize, u32),
+    /// Of Reals.
+    pub(crate) map: Affine,
+}
+
+/// Connections by type.
+#[derive(Default)]
+pub(crate) struct Wires {
+    pub(crate) reals: Vec<Wire>,
+    pub(crate) integers: Vec<Wire>,
+    pub(crate) booleans: Vec<Wire>,
+    pub(crate) strings: Vec<Wire>,
+}
+
+impl System {
+    /// One FMU alone.
+    ///
+    /// # Errors
+    /// The FMU's refusal to be instantiated.
+    pub fn of_one(name: &str, fmu: Fmu) -> Result<System> {
+        let instance = fmu.instantiate(name)?;
+        Ok(System::new(vec![Component { name: name.to_owned(), fmu, instance }], Algorithm::Jacobi))
+    }
+
+    pub(crate) fn new(components: Vec<Component>, algorithm: Algorithm) -> System {
+        let count = components.len();
+        System {
+            components,
+            algorithm,
+            reals: Channel::new(count),
+            integers: Channel::new(count),
+            booleans: Channel::new(count),
+            strings: Channel::new(count),
+            connections: 0,
+            time: 0.0,
+        }
+    }
+
+    /// Adds connections.
+    pub(crate) fn connect(&mut self, wires: &Wires) {
+        let Wires { reals, integers, booleans, strings } = wires;
+        self.reals.connect(reals);
+        self.integers.connect(integers);
+        self.booleans.connect(booleans);
+        self.strings.connect(strings);
+        self.connections += [reals, integers, booleans, strings].map(Vec::len).iter().sum::<usize>();
+    }
+
+    /// In the order of the file.
+    pub fn components(&self) -> &[Component] {
+        &self.components
+    }
+
+    /// The component and the variable that a name `component.variable` leads to.
+    pub fn find<'a>(&self, name: &'a str) -> Option<(&Component, &'a str)> {
+        component_of(&self.components, name).map(|(place, variable)| (&self.components[place], variable))
+    }
+
+    /// How many there are.
+    pub fn connections(&self) -> usize {
+        self.connections
+    }
+
+    /// \[s\] the last communication point
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Initializes all components at a time \[s\]; see the module for the first values.
+    ///
+    /// # Errors
+    /// A component's refusal.
+    pub fn initialize(&mut self, start: f64) -> Result<()> {
+        self.time = start;
+        self.each(|system, c| system.components[c].instance.enter_initialization(start))?;
+        for _ in 0..self.components.len() {
+            let mut news = false;
+            self.each(|system, c| {
+                news |= system.read(c)?;
+                Ok(())
+            })?;
+            if !news {
+                break;
+            }
+            self.each(System::send)?;
+        }
+        self.each(|system, c| system.components[c].instance.exit_initialization())?;
+        self.each(|system, c| system.read(c).map(drop))
+    }
+
+    /// One communication step, to a time \[s\].
+    ///
+    /// # Errors
+    /// A component's refusal or failure.
+    pub fn step_to(&mut self, end: f64) -> Result<()> {
+        let (start, step) = (self.time, end - self.time);
+        let advance = |system: &mut System, c: usize| system.components[c].instance.step(start, step);
+        match self.algorithm {
+            Algorithm::Jacobi => {
+                self.each(System::send)?;
+                self.each(advance)?;
+                self.each(|system, c| system.read(c).map(drop))?;
+            }
+            Algorithm::GaussSeidel => self.each(|system, c| {
+                system.send(c)?;
+                advance(system, c)?;
+                system.read(c).map(drop)
+            })?,
+        }
+        self.time = end;
+        Ok(())
+    }
+
+    /// Terminates all components.
+    ///
+    /// # Errors
+    /// A component's refusal.
+    pub fn terminate(&mut self) -> Result<()> {
+        self.each(|system, c| system.components[c].instance.terminate())
+    }
+
+    /// What the components have warned of since the last call.
+    pub fn warnings(&self) -> Vec<String> {
+        let all = self.components.iter().flat_map(|component| {
+            let warnings = component.instance.warnings().into_iter();
+            warnings.map(|warning| {
+                let text = warning.strip_prefix("warning: ").unwrap_or(&warning);
+                if self.components.len() == 1 {
+                    warning
+                } else {
+                    format!("warning: {}: {text}", component.name)
+                }
+            })
+        });
+        all.collect()
+    }
+
+    /// Does something with each component in turn; an error says which one it was, if there are several.
+    fn each(&mut self, mut what: impl FnMut(&mut System, usize) -> Result<()>) -> Result<()> {
+        for c in 0..self.components.len() {
+            let done = what(self, c);
+            if self.components.len() == 1 {
+                return done;
+            }
+            done.with_context(|| format!("component {:?}", self.components[c].name))?;
+        }
+        Ok(())
+    }
+
+    /// Reads the connected outputs of a component; whether one is new.
+    fn read(&mut self, c: usize) -> Result<bool> {
+        let instance = &self.components[c].instance;
+        let real = self.reals.read(c, instance)?;
+        let integer = self.integers.read(c, instance)?;
+        let boolean = self.booleans.read(c, instance)?;
+        let string = self.strings.read(c, instance)?;
+        Ok(real || integer || boolean || string)
+    }
+
+    /// Sets the connected inputs of a component.
+    fn send(&mut self, c: usize) -> Result<()> {
+        let instance = &self.components[c].instance;
+        self.reals.send(c, instance)?;
+        self.integers.send(c, instance)?;
+        self.booleans.send(c, instance)?;
+        self.strings.send(c, instance)
+    }
+}
+
+/// The FMI functions of a type.
+trait Signal {
+    type Value: Clone + Default + PartialEq;
+    fn get(instance: &Instance, references: &[u32], values: &mut [Self::Value]) -> Result<()>;
+    fn set(instance: &Instance, references: &[u32], values: &[Self::Value]) -> Result<()>;
+    /// What arrives of a value that is sent.
+    fn arrive(value: &Self::Value, _: Affine) -> Self::Value {
+        value.clone()
+    }
+}
+
+struct Reals;
+struct Integers;
+struct Booleans;
+struct Strings;
+
+impl Signal for Reals {
+    type Value = f64;
+    fn get(instance: &Instance, references: &[u32], values: &mut [f64]) -> Result<()> {
+        instance.get_real(references, values)
+    }
+    fn set(instance: &Instance, references: &[u32], values: &[f64]) -> Result<()> {
+        instance.set_real(references, values)
+    }
+    fn arrive(value: &f64, map: Affine) -> f64 {
+        map.apply(*value)
+    }
+}
+
+impl Signal for Integers {
+    type Value = i32;
+    fn get(instance: &Instance, references: &[u32], values: &mut [i32]) -> Result<()> {
+        instance.get_integer(references, values)
+    }
+    fn set(instance: &Instance, references: &[u32], values: &[i32]) -> Result<()> {
+        instance.set_integer(references, values)
+    }
+}
+
+impl Signal for Booleans {
+    type Value = i32;
+    fn get(instance: &Instance, references: &[u32], values: &mut [i32]) -> Result<()> {
+        instance.get_boolean(references, values)
+    }
+    fn set(instance: &Instance, references: &[u32], values: &[i32]) -> Result<()> {
+        instance.set_boolean(references, values)
+    }
+}
+
+impl Signal for Strings {
+    type Value = String;
+    fn get(instance: &Instance, references: &[u32], values: &mut [String]) -> Result<()> {
+        instance.get_string(references, values)
+    }
+    fn set(instance: &Instance, references: &[u32], values: &[String]) -> Result<()> {
+        let values: Vec<&str> = values.iter().map(String::as_str).collect();
+        instance.set_string(references, &values)
+    }
+}
+
+/// The connected variables of one type, by component.
+struct Channel<S: Signal> {
+    outputs: Vec<Outputs<S::Value>>,
+    inputs: Vec<Inputs<S::Value>>,
+}
+
+/// The connected outputs of a component.
+#[derive(Clone, Default)]
+struct Outputs<T> {
+    references: Vec<u32>,
+    newest: Vec<T>,
+    before: Vec<T>,
+}
+
+/// The connected inputs of a component.
+#[derive(Clone, Default)]
+struct Inputs<T> {
+    references: Vec<u32>,
+    sources: Vec<Source>,
+    values: Vec<T>,
+}
+
+/// Which output feeds an input.
+#[derive(Clone, Copy)]
+struct Source {
+    component: usize,
+    place: usize,
+    map: Affine,
+}
+
+impl<S: Signal> Channel<S> {
+    fn new(components: usize) -> Channel<S> {
+        Channel { outputs: vec![Outputs::default(); components], inputs: vec![Inputs::default(); components] }
+    }
+
+    fn connect(&mut self, wires: &[Wire]) {
+        // One output may feed several inputs and is read once.
+        let mut places = HashMap::new();
+        for wire in wires {
+            let outputs = &mut self.outputs[wire.from.0];
+            let place = *places.entry(wire.from).or_insert_with(|| {
+                outputs.references.push(wire.from.1);
+                outputs.newest.push(S::Value::default());
+                outputs.references.len() - 1
+            });
+            let inputs = &mut self.inputs[wire.to.0];
+            inputs.references.push(wire.to.1);
+            inputs.sources.push(Source { component: wire.from.0, place, map: wire.map });
+        }
+    }
+
+    fn read(&mut self, c: usize, instance: &Instance) -> Result<bool> {
+        let outputs = &mut self.outputs[c];
+        if outputs.references.is_empty() {
+            return Ok(false);
+        }
+        let first = outputs.before.is_empty();
+        outputs.before.clone_from(&outputs.newest);
+        S::get(instance, &outputs.references, &mut outputs.newest)?;
+        Ok(first || outputs.before != outputs.newest)
+    }
+
+    fn send(&mut self, c: usize, instance: &Instance) -> Result<()> {
+        let Inputs { references, sources, values } = &mut self.inputs[c];
+        if references.is_empty() {
+            return Ok(());
+        }
+        values.clear();
+        let outputs = &self.outputs;
+        values.extend(
+            sources
+                .iter()
+                .map(|source| S::arrive(&outputs[source.component].newest[source.place], source.map)),
+        );
+        S::set(instance, references, values)
+    }
+}

@@ -1,0 +1,29 @@
+//! SSP 1.0 (System Structure and Parameterization): FMUs and the connections between them in one archive.
+//!
+//! - [`SystemStructure`]: what `SystemStructure.ssd` says, checked: connections lead from an output to an input
+//! - [`Interface`]: the variables and units of an FMU
+//! - [`connect`]: interfaces -> the structure that connects equal names
+//! - [`Archive`], [`write_archive`]: the `.ssp`
+//!
+//! Served of the standard: components that are FMUs for co-simulation, connections with unit conversion and
+//! linear transformation, parameter values (inline or `.ssv`), the default experiment. Refused, with a message
+//! that names the element: nested systems, signal dictionaries, connections from the system's own inputs,
+//! parameter mappings, mapping transformations.
+
+mod archive;
+mod connect;
+mod document;
+mod interface;
+mod read;
+mod unit;
+mod write;
+mod xml;
+
+pub use archive::{Archive, write_archive};
+pub use connect::{Connected, Participant, connect};
+pub use document::{
+    Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure,
+    Type, Value, located,
+};
+pub use interface::{Interface, Variable};
+pub use unit::{Affine, Unit, conversion};

@@ -1,0 +1,291 @@
+//! `SystemStructure.ssd` and the `.ssv` files that it names -> [`SystemStructure`].
+
+use crate::document::{
+    Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure,
+    Type, Value,
+};
+use crate::unit::{Affine, Unit};
+use crate::xml::{Document, Element};
+use anyhow::{Context, Result};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+const FMU_TYPE: &str = "application/x-fmu-sharedlibrary";
+const PARAMETER_TYPE: &str = "application/x-ssp-parameter-set";
+
+/// Reads a structure; `load` answers the content of the files that it names.
+///
+/// # Errors
+/// It is broken, or it holds what is not served.
+pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<SystemStructure> {
+    let document = Document::parse(STRUCTURE_FILE, bytes)?;
+    let root = document.root("SystemStructureDescription")?;
+    if !root.text("version")?.trim().starts_with("1.") {
+        return Err(root.wrong("version", "only SSP 1.x is served"));
+    }
+    let system = root.child("System").with_context(|| root.problem("has no <System>"))?;
+    let mut structure = SystemStructure {
+        name: root.optional("name").unwrap_or_default().to_owned(),
+        units: read_units(root)?,
+        parameters: read_bindings(system, load)?,
+        ..SystemStructure::default()
+    };
+    if let Some(experiment) = root.child("DefaultExperiment") {
+        structure.start = experiment.number("startTime")?;
+        structure.stop = experiment.number("stopTime")?;
+    }
+    let mut names = Names::default();
+    for element in system.child("Elements").into_iter().flat_map(Element::elements) {
+        if element.name() != "Component" {
+            return Err(match element.optional("name") {
+                Some(_) => element.wrong("name", "is not served: only components that are FMUs are"),
+                None => element.problem("is not served: only components that are FMUs are"),
+            });
+        }
+        let component = read_component(element, load)?;
+        names.add(&component, structure.components.len(), element)?;
+        structure.components.push(component);
+    }
+    if structure.components.is_empty() {
+        return Err(system.problem("has no <Component>"));
+    }
+    let outside = read_connectors(system)?;
+    let mut fed = HashMap::new();
+    for element in system.child("Connections").into_iter().flat_map(|list| list.children("Connection")) {
+        let Some(connection) = read_connection(element, &structure, &names, &outside)? else { continue };
+        if let Some(first) = fed.insert(connection.to, connection.line) {
+            let (component, connector) = structure.port(connection.to);
+            return Err(element.problem(format!(
+                "feeds the input {:?} of {:?}, which line {first} feeds already",
+                connector.name, component.name
+            )));
+        }
+        structure.connections.push(connection);
+    }
+    Ok(structure)
+}
+
+/// The places of components and connectors by name.
+#[derive(Default)]
+struct Names<'a> {
+    components: HashMap<&'a str, usize>,
+    connectors: Vec<HashMap<String, usize>>,
+}
+
+impl<'a> Names<'a> {
+    fn add(&mut self, component: &Component, place: usize, element: Element<'a>) -> Result<()> {
+        if self.components.insert(element.text("name")?, place).is_some() {
+            return Err(element.wrong("name", "two components have this name"));
+        }
+        let connectors = component.connectors.iter().enumerate();
+        self.connectors.push(connectors.map(|(place, connector)| (connector.name.clone(), place)).collect());
+        Ok(())
+    }
+}
+
+fn read_component(element: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Component> {
+    if element.text("name")?.is_empty() {
+        return Err(element.wrong("name", "must not be empty"));
+    }
+    if element.optional("type").is_some_and(|of| of != FMU_TYPE) {
+        return Err(element.wrong("type", "is not served: only FMUs are"));
+    }
+    if element.optional("implementation") == Some("ModelExchange") {
+        return Err(element.wrong("implementation", "is not served: only co-simulation is"));
+    }
+    Ok(Component {
+        name: element.text("name")?.to_owned(),
+        source: element.text("source")?.to_owned(),
+        connectors: read_connectors(element)?,
+        parameters: read_bindings(element, load)?,
+        line: element.line(),
+    })
+}
+
+/// The connectors of a component or of the system.
+fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
+    let mut names = HashMap::new();
+    let list = owner.child("Connectors").into_iter().flat_map(|list| list.children("Connector"));
+    list.map(|element| {
+        let name = element.text("name")?;
+        match names.entry(name) {
+            Entry::Vacant(place) => place.insert(()),
+            Entry::Occupied(_) => return Err(element.wrong("name", "two connectors have this name")),
+        };
+        let kind = element.text("kind")?;
+        let kind = Kind::NAMES.iter().find(|(name, _)| *name == kind).map(|(_, kind)| *kind);
+        Ok(Connector {
+            name: name.to_owned(),
+            kind: kind.with_context(|| element.wrong("kind", "is no kind of connector"))?,
+            of: read_type(element)?,
+            line: element.line(),
+        })
+    })
+    .collect()
+}
+
+fn read_type(connector: Element) -> Result<Option<Type>> {
+    for element in connector.elements() {
+        return Ok(Some(match element.name() {
+            "ConnectorGeometry" | "Annotations" => continue,
+            "Real" => Type::Real(element.optional("unit").map(str::to_owned)),
+            "Integer" => Type::Integer,
+            "Boolean" => Type::Boolean,
+            "String" => Type::String,
+            "Enumeration" => Type::Enumeration(element.text("name")?.to_owned()),
+            "Binary" => Type::Binary,
+            _ => return Err(element.problem("is no type of SSP 1.0")),
+        }));
+    }
+    Ok(None)
+}
+
+/// `None` for what leads to an output of the system: nobody is outside to see it.
+fn read_connection(
+    element: Element,
+    structure: &SystemStructure,
+    names: &Names,
+    outside: &[Connector],
+) -> Result<Option<Connection>> {
+    let start = read_end(element, "startElement", "startConnector", names)?;
+    let end = read_end(element, "endElement", "endConnector", names)?;
+    let (start, end) = match (start, end) {
+        (Some(start), Some(end)) => (start, end),
+        (Some(_), None) | (None, Some(_)) => {
+            let attribute = if start.is_none() { "startConnector" } else { "endConnector" };
+            let name = element.text(attribute)?;
+            let connector = outside.iter().find(|connector| connector.name == name);
+            let connector =
+                connector.with_context(|| element.wrong(attribute, "the system has no such connector"))?;
+            if connector.kind == Kind::Output {
+                return Ok(None);
+            }
+            return Err(element.wrong(attribute, "connectors of the system are not served, except outputs"));
+        }
+        (None, None) => {
+            return Err(element.problem("connects connectors of the system, which is not served"));
+        }
+    };
+    // Start and end say nothing about the direction, the connectors' kinds do.
+    let kind = |port| structure.port(port).1.kind;
+    let (from, to) = match (kind(start), kind(end)) {
+        (Kind::Output, Kind::Input) => (start, end),
+        (Kind::Input, Kind::Output) => (end, start),
+        (a, b) => {
+            let text = format!(
+                "connects {} {:?} with {} {:?}: only an output and an input are served",
+                a.name(),
+                structure.port(start).1.name,
+                b.name(),
+                structure.port(end).1.name
+            );
+            return Err(element.problem(text));
+        }
+    };
+    let mut transformation = None;
+    for child in element.elements() {
+        match child.name() {
+            "ConnectionGeometry" | "Annotations" => {}
+            "LinearTransformation" => {
+                transformation = Some(Affine {
+                    factor: child.number("factor")?.unwrap_or(1.0),
+                    offset: child.number("offset")?.unwrap_or(0.0),
+                });
+            }
+            _ => return Err(child.problem("is not served")),
+        }
+    }
+    Ok(Some(Connection {
+        from,
+        to,
+        transformation,
+        suppress_unit_conversion: element.boolean("suppressUnitConversion")?.unwrap_or(false),
+        line: element.line(),
+    }))
+}
+
+/// One end of a connection; `None` for a connector of the system itself.
+fn read_end(element: Element, owner: &str, connector: &str, names: &Names) -> Result<Option<Port>> {
+    let name = element.text(connector)?;
+    let Some(owner_name) = element.optional(owner) else { return Ok(None) };
+    let component = names.components.get(owner_name).copied();
+    let component = component.with_context(|| element.wrong(owner, "there is no such component"))?;
+    let place = names.connectors[component].get(name).copied();
+    let missing = || element.wrong(connector, format!("component {owner_name:?} has no such connector"));
+    Ok(Some(Port { component, connector: place.with_context(missing)? }))
+}
+
+fn read_units(owner: Element) -> Result<Vec<Unit>> {
+    let units = owner.child("Units").into_iter().flat_map(|units| units.children("Unit"));
+    units.filter_map(|unit| read_unit(unit).transpose()).collect()
+}
+
+/// `Unit`, which SSP took from FMI 2.0; `None` for one that FMI allows without a definition.
+pub(crate) fn read_unit(element: Element) -> Result<Option<Unit>> {
+    let mut unit =
+        Unit { name: element.text("name")?.to_owned(), exponents: [0; 8], factor: 1.0, offset: 0.0 };
+    let Some(base) = element.child("BaseUnit") else { return Ok(None) };
+    for (exponent, name) in unit.exponents.iter_mut().zip(Unit::BASE) {
+        *exponent = base.parsed(name, "a whole number")?.unwrap_or(0);
+    }
+    unit.factor = base.number("factor")?.unwrap_or(1.0);
+    unit.offset = base.number("offset")?.unwrap_or(0.0);
+    if unit.factor == 0.0 {
+        return Err(base.wrong("factor", "must not be zero"));
+    }
+    Ok(Some(unit))
+}
+
+/// The parameter values of a component or of the system, in the order in which they count.
+fn read_bindings(owner: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Vec<ParameterSet>> {
+    let bindings = owner.child("ParameterBindings").into_iter();
+    let mut sets = Vec::new();
+    for binding in bindings.flat_map(|bindings| bindings.children("ParameterBinding")) {
+        if binding.optional("type").is_some_and(|of| of != PARAMETER_TYPE) {
+            return Err(binding.wrong("type", "is not served: only parameter sets of SSP are"));
+        }
+        if binding.optional("sourceBase").is_some_and(|base| base != "SSD") {
+            return Err(binding.wrong("sourceBase", "is not served: only files of the archive are"));
+        }
+        if let Some(mapping) = binding.child("ParameterMapping") {
+            return Err(mapping.problem("is not served"));
+        }
+        let prefix = binding.optional("prefix").unwrap_or_default();
+        if let Some(source) = binding.optional("source") {
+            let bytes = load(source).map_err(|error| binding.wrong("source", format!("{error:#}")))?;
+            let document = Document::parse(source, &bytes)?;
+            sets.push(read_parameters(document.root("ParameterSet")?, prefix)?);
+        } else {
+            let values = binding.child("ParameterValues");
+            let set = values.and_then(|values| values.child("ParameterSet"));
+            let set = set.with_context(|| binding.problem("has neither a source nor a <ParameterSet>"))?;
+            sets.push(read_parameters(set, prefix)?);
+        }
+    }
+    Ok(sets)
+}
+
+fn read_parameters(set: Element, prefix: &str) -> Result<ParameterSet> {
+    let list = set.child("Parameters").into_iter().flat_map(|list| list.children("Parameter"));
+    let parameters = list.map(|element| {
+        let typed = element.elements().find(|child| child.name() != "Annotations");
+        let typed = typed.with_context(|| element.problem("has no value"))?;
+        let missing = || typed.problem("has no value");
+        let value = match typed.name() {
+            "Real" => {
+                let value = typed.number("value")?.with_context(missing)?;
+                Value::Real(value, typed.optional("unit").map(str::to_owned))
+            }
+            "Integer" => Value::Integer(typed.parsed("value", "a whole number")?.with_context(missing)?),
+            "Boolean" => Value::Boolean(typed.boolean("value")?.with_context(missing)?),
+            "String" => Value::String(typed.text("value")?.to_owned()),
+            _ => return Err(typed.problem("is not served as a parameter's type")),
+        };
+        Ok(Parameter { name: format!("{prefix}{}", element.text("name")?), value, line: element.line() })
+    });
+    Ok(ParameterSet {
+        parameters: parameters.collect::<Result<_>>()?,
+        units: read_units(set)?,
+        file: set.file().to_owned(),
+    })
+}
