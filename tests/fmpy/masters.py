@@ -15,6 +15,8 @@ import subprocess
 import sys
 import sysconfig
 from dataclasses import asdict, dataclass, field
+from tempfile import TemporaryDirectory
+from zipfile import ZipFile
 
 
 @dataclass
@@ -29,6 +31,7 @@ class Job:
     connections: list = field(default_factory=list)  # [output, input], all Real
     parameters: list = field(default_factory=list)  # [variable, value], all Real
     inputs: list = field(default_factory=list)  # for each step: [variable, value], all Real
+    ssp: str = ""  # libcosim and ecos: an archive that connects these FMUs, instead of the connections above
     resets: int = 0  # ecos only: how many times to reset and do it all again
 
 
@@ -56,8 +59,6 @@ def describe(job):
 
 
 def by_fmpy(job):
-    from tempfile import TemporaryDirectory
-
     from fmpy import extract, instantiate_fmu, read_model_description
 
     variables = describe(job)
@@ -116,9 +117,16 @@ def by_libcosim(job):
     variables = describe(job)
     nanoseconds = round(job.step * 1e9)
     assert nanoseconds / 1e9 == job.step, "libcosim's times are whole nanoseconds"
-    execution = CosimExecution.from_step_size(nanoseconds)
-    slaves = {instance: CosimLocalSlave(path, instance) for instance, path in job.fmus.items()}
-    indices = {instance: execution.add_local_slave(slave) for instance, slave in slaves.items()}
+    with TemporaryDirectory() as directory:
+        if job.ssp:
+            with ZipFile(job.ssp) as archive:
+                archive.extractall(directory)
+            execution = CosimExecution.from_ssp_file(directory, nanoseconds)
+            indices = {info.name.decode(): info.index for info in execution.slave_infos()}
+        else:
+            execution = CosimExecution.from_step_size(nanoseconds)
+            slaves = {instance: CosimLocalSlave(path, instance) for instance, path in job.fmus.items()}
+            indices = {instance: execution.add_local_slave(slave) for instance, slave in slaves.items()}
 
     def place(variable):
         return indices[variable[0]], variables[variable][1]
@@ -151,16 +159,17 @@ def by_ecos(job):
     variables = describe(job)
     name = "::".join
     with EcosSimulationStructure() as structure:
+        system = {"ssp_path": job.ssp} if job.ssp else {"structure": structure}
         for instance, path in job.fmus.items():
             structure.add_model(instance, path)
         for source, sink in job.connections:
             structure.make_real_connection(name(source), name(sink))
         structure.add_parameter_set("job", {name(variable): float(value) for variable, value in job.parameters})
-        with EcosSimulation(structure=structure, step_size=job.step) as simulation:
+        with EcosSimulation(**system, step_size=job.step) as simulation:
             for again in range(1 + job.resets):
                 if again:
                     simulation.reset()
-                simulation.init(parameter_set="job")
+                simulation.init(parameter_set=None if job.ssp else "job")
                 for k in range(job.steps):
                     for variable, value in job.inputs[k] if job.inputs else []:
                         simulation.set_real(name(variable), value)

@@ -2,9 +2,10 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
-from crowd import INPUTS, REPOSITORY, TRIAL_DOOR, bits
+from crowd import INPUTS, REPOSITORY, TRIAL_DOOR, bits, ids_of, read_table
 from masters import Job, run
 
 POSES = ["Position.x", "Position.y", "Theta"]
@@ -42,6 +43,51 @@ def test_other_masters(fmus, row, tool):
     assert max(step[4 * i + 3] for step in seen for i in range(PEOPLE)) > 100.0, "and some are squeezed"
     assert bits(seen) == bits(run("fmpy", room)[0])
     row(tool, "Decision and crowd, connected: 30 people and a door", "same bits as FMPy with the same algorithm")
+
+
+@pytest.fixture(scope="module")
+def coupled(lemons, fmus):
+    """What `lemons connect` makes of the two."""
+    path = Path(fmus["crowd"]).with_name("coupled.ssp")
+    command = [lemons, "connect", fmus["decision"], fmus["crowd"], "-o", path]
+    subprocess.run(command, check=True, capture_output=True)
+    return path
+
+
+@pytest.fixture(scope="module")
+def run_by_lemons(lemons, coupled, tmp_path_factory):
+    def run(steps, *options):
+        directory = tmp_path_factory.mktemp("run")
+        command = [lemons, "run", coupled, "--step", "0.0625", "--until", str(steps / 16), *options]
+        subprocess.run(command, check=True, capture_output=True, cwd=directory)
+        seen = read_table((directory / "trajectories.csv").read_text(), ids_of(TRIAL_DOOR))
+        # x, y, theta, squeeze
+        return [[number for agent in agents for number in [*agent[:2], agent[4], agent[9]]] for _, agents in seen[1:]]
+
+    return run
+
+
+@pytest.mark.parametrize("tool", ["libcosimpy", "ecospy"])
+def test_the_ssp_in_other_masters(fmus, coupled, run_by_lemons, row, tool):
+    if tool == "libcosimpy" and sys.version_info < (3, 11):
+        pytest.skip("libcosimpy has no wheel for this Python")
+    room = job(fmus, 64)
+    room.connections, room.ssp = [], str(coupled)
+    seen, said = run(tool.removesuffix("py"), room)
+    assert said == ""
+    assert bits(seen) == bits(run_by_lemons(64, "--algorithm", "jacobi"))
+    row(tool, "the SSP of `lemons connect`: 30 people and a door", "same bits as `lemons run`, Jacobi")
+
+
+def test_the_two_algorithms(run_by_lemons, fmus, row):
+    """Gauss–Seidel, the decider first, is the loop of examples/coupled_fmpy.py: drives from the poses of the same instant."""
+    jacobi, seidel = (run_by_lemons(32, "--algorithm", name) for name in ["jacobi", "gauss-seidel"])
+    assert bits(jacobi) != bits(seidel)
+    room = job(fmus, 32)
+    assert bits(jacobi) == bits(run("fmpy", room)[0])
+    room.sequential = True
+    assert bits(seidel) == bits(run("fmpy", room)[0])
+    row("fmi-rs", "`lemons run` of an SSP: Decision and crowd, Jacobi and Gauss-Seidel", "same bits as FMPy's loops")
 
 
 def printed(script, *arguments):
