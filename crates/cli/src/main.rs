@@ -14,6 +14,7 @@ mod pack;
 mod results;
 mod run;
 mod verify;
+mod watch;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -1,10 +1,9 @@
 //! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
-use crate::connect::plain_names;
-use crate::crowd::{Crowd, agents_of, trial_of};
+use crate::crowd::trial_of;
 use crate::drive::Drive;
-use crate::outputs::Outputs;
 use crate::pack::write_fmu;
+use crate::watch::Watch;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
@@ -12,7 +11,7 @@ use crowd_mechanics::pack::{DRIVE_FILE, Naming};
 use crowd_mechanics::trial::Trial;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_master::{Algorithm, Assembled, Fmu, System, assemble, own_binary};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 #[derive(clap::Args)]
@@ -101,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let pushes = Pushes::new(&system, trials[0].as_ref(), drive)?;
     let step = step_of(arguments, &system, &trials)?;
 
-    let mut watch = Watch::create(&system, trials, arguments)?;
+    let mut watch = Watch::create(&system, trials, &arguments.output, &arguments.outputs)?;
     let started = Instant::now();
     let done = advance(&mut system, start, until, step, &pushes, &mut watch);
     let wall = started.elapsed();
@@ -259,55 +258,6 @@ impl Pushes {
     }
 }
 
-/// What is recorded of a run.
-struct Watch {
-    /// With the component's name if there are several.
-    crowds: Vec<(Option<String>, Crowd)>,
-    outputs: Option<Outputs>,
-}
-
-impl Watch {
-    fn create(system: &System, trials: Vec<Option<Trial>>, arguments: &Arguments) -> Result<Watch> {
-        let agents: Vec<usize> =
-            system.components().iter().map(|component| agents_of(&component.fmu.description)).collect();
-        let several = agents.iter().filter(|agents| **agents > 0).count() > 1;
-        let mut crowds = Vec::new();
-        let mut others = Vec::new();
-        let names = plain_names(system.components().iter().map(|component| component.name.as_str()));
-        for (place, trial) in trials.into_iter().enumerate() {
-            if agents[place] == 0 {
-                others.push(place);
-                continue;
-            }
-            let path =
-                if several { with_name(&arguments.output, &names[place]) } else { arguments.output.clone() };
-            let name = several.then(|| system.components()[place].name.clone());
-            crowds.push((name, Crowd::create(system, place, agents[place], trial, &path)?));
-        }
-        Ok(Watch { crowds, outputs: Outputs::create(system, others, &arguments.outputs)? })
-    }
-
-    fn look(&mut self, system: &System) -> Result<()> {
-        for (_, crowd) in &mut self.crowds {
-            crowd.look(system)?;
-        }
-        self.outputs.as_mut().map_or(Ok(()), |outputs| outputs.look(system))
-    }
-
-    /// Puts all files in their places; answers lines of the summary.
-    fn finish(self) -> Result<Vec<String>> {
-        let mut lines = Vec::new();
-        for (name, crowd) in self.crowds {
-            lines.extend(name.map(|name| format!("crowd              {name}")));
-            lines.extend(crowd.finish()?);
-        }
-        if let Some(outputs) = self.outputs {
-            lines.push(outputs.finish()?);
-        }
-        Ok(lines)
-    }
-}
-
 fn summary(simulated: f64, wall: Duration, seen: &[String]) {
     let seconds = wall.as_secs_f64();
     println!("simulated time     {simulated:>10.3} s");
@@ -316,11 +266,4 @@ fn summary(simulated: f64, wall: Duration, seen: &[String]) {
     for line in seen {
         println!("{line}");
     }
-}
-
-/// `dir/file.csv` -> `dir/file_name.csv`
-fn with_name(path: &Path, name: &str) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let end = path.extension().map(|end| format!(".{}", end.to_string_lossy())).unwrap_or_default();
-    path.with_file_name(format!("{stem}_{name}{end}"))
 }

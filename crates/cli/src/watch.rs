@@ -1,0 +1,71 @@
+//! What a run records: trajectories of crowds, outputs of the others.
+
+use crate::connect::plain_names;
+use crate::crowd::{Crowd, agents_of};
+use crate::outputs::Outputs;
+use anyhow::Result;
+use crowd_mechanics::trial::Trial;
+use lemons_master::System;
+use std::path::{Path, PathBuf};
+
+/// What is recorded of a run.
+pub struct Watch {
+    /// With the component's name if there are several.
+    crowds: Vec<(Option<String>, Crowd)>,
+    outputs: Option<Outputs>,
+}
+
+impl Watch {
+    /// Of an initialized system, with the Trials that its components run.
+    pub fn create(
+        system: &System,
+        trials: Vec<Option<Trial>>,
+        trajectories: &Path,
+        outputs: &Path,
+    ) -> Result<Watch> {
+        let agents: Vec<usize> =
+            system.components().iter().map(|component| agents_of(&component.fmu.description)).collect();
+        let several = agents.iter().filter(|agents| **agents > 0).count() > 1;
+        let mut crowds = Vec::new();
+        let mut others = Vec::new();
+        let names = plain_names(system.components().iter().map(|component| component.name.as_str()));
+        for (place, trial) in trials.into_iter().enumerate() {
+            if agents[place] == 0 {
+                others.push(place);
+                continue;
+            }
+            let path = if several { with_name(trajectories, &names[place]) } else { trajectories.to_owned() };
+            let name = several.then(|| system.components()[place].name.clone());
+            crowds.push((name, Crowd::create(system, place, agents[place], trial, &path)?));
+        }
+        Ok(Watch { crowds, outputs: Outputs::create(system, others, outputs)? })
+    }
+
+    /// At a communication point.
+    pub fn look(&mut self, system: &System) -> Result<()> {
+        for (_, crowd) in &mut self.crowds {
+            crowd.look(system)?;
+        }
+        self.outputs.as_mut().map_or(Ok(()), |outputs| outputs.look(system))
+    }
+
+    /// Puts all files in their places; answers lines of the summary.
+    pub fn finish(self) -> Result<Vec<String>> {
+        let mut lines = Vec::new();
+        for (name, crowd) in self.crowds {
+            lines.extend(name.map(|name| format!("crowd              {name}")));
+            lines.extend(crowd.finish()?);
+        }
+        if let Some(outputs) = self.outputs {
+            lines.push(outputs.finish()?);
+        }
+        Ok(lines)
+    }
+}
+
+/// `dir/file.csv` -> `dir/file_name.csv`
+fn with_name(path: &Path, name: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let end = path.extension().map(|end| format!(".{}", end.to_string_lossy())).unwrap_or_default();
+    path.with_file_name(format!("{stem}_{name}{end}"))
+}
