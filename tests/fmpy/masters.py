@@ -31,6 +31,7 @@ class Job:
     connections: list = field(default_factory=list)  # [output, input], all Real
     parameters: list = field(default_factory=list)  # [variable, value], all Real
     inputs: list = field(default_factory=list)  # for each step: [variable, value], all Real
+    sequential: bool = False  # FMPy only: Gauss–Seidel, each FMU gets the newest outputs just before its step
     ssp: str = ""  # libcosim and ecos: an archive that connects these FMUs, instead of the connections above
     resets: int = 0  # ecos only: how many times to reset and do it all again
 
@@ -96,9 +97,12 @@ def by_fmpy(job):
                 step = (k + 1) * round(job.step * 1e9) / 1e9 - time
             if job.inputs:
                 put(job.inputs[k])
-            for fmu in fmus.values():
+            for instance, fmu in fmus.items():
+                if job.sequential:
+                    put([(sink, get(source)) for source, sink in job.connections if sink[0] == instance])
                 fmu.doStep(time, step)
-            pass_on()
+            if not job.sequential:
+                pass_on()
             yield [get(variable) for variable in job.watch]
         for fmu in fmus.values():
             fmu.terminate()

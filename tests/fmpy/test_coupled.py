@@ -1,5 +1,6 @@
 """Decision and crowd, connected by names: thirty people leave a room, under every master the same."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -106,6 +107,15 @@ def test_example_in_fmpy(fmus, tmp_path, row):
     assert times == sorted(times) and 0.5 < times[0] < times[-1] < 20
     assert picture.read_bytes().startswith(b"\x89PNG")
     row("fmpy", "`examples/coupled_fmpy.py`: 30 people leave a room by a door", "all leave")
+
+
+def test_example_as_an_ssp(lemons, tmp_path):
+    script = REPOSITORY / "examples" / "coupled.sh"
+    environment = {**os.environ, "LEMONS": str(lemons)}
+    done = subprocess.run([script, tmp_path], check=True, capture_output=True, text=True, env=environment)
+    assert "180 connections, Gauss-Seidel" in done.stdout
+    seen = read_table((tmp_path / "trajectories.csv").read_text(), ids_of(TRIAL_DOOR))
+    assert all(agent[0] > 5.2 for agent in seen[-1][1]), "all have left"
 
 
 def test_example_in_libcosim(fmus, row):

@@ -26,6 +26,12 @@ def test_check(pack, row, naming):
     row("fmu-manipulation-toolbox", f"`fmutool -check`, {naming} names", "compliant, no semantic error")
 
 
+def test_check_of_decision(decide, row):
+    code, said = check(decide())
+    assert code == 0 and "No semantic error" in said, said
+    row("fmu-manipulation-toolbox", "`fmutool -check`, Decision", "compliant, no semantic error")
+
+
 def test_check_would_see_an_error(push_fmu, tmp_path):
     """An input with `initial`, which FMI 2.0 forbids."""
     damaged = tmp_path / "damaged.fmu"

@@ -35,7 +35,7 @@ def coupled(lemons, push_fmu, tmp_path_factory):
     return ssp
 
 
-def test_structure_is_valid_for_pyssp_standard(coupled):
+def test_structure_is_valid_for_pyssp_standard(coupled, row):
     ssp_module = pytest.importorskip("pyssp_standard.ssp")
     with ssp_module.SSP(coupled, mode="r") as ssp:
         assert sorted(ssp.resources) == ["controller.fmu", "crowd.fmu"]
@@ -56,9 +56,10 @@ def test_structure_is_valid_for_pyssp_standard(coupled):
     assert connectors["crowd", "agent[3].Mp"].kind == "input"
     assert connectors["crowd", "agent[3].Mp"].type_.unit == "N.m"
     assert connectors["crowd", "agent[3].AgentContacts"].kind == "output"
+    row("pyssp_standard", "the SSP of `lemons connect`: schema, connections", "compliant, all inputs connected")
 
 
-def test_structure_is_valid_for_fmpy(coupled):
+def test_structure_is_valid_for_fmpy(coupled, row):
     structure = read_ssd(str(coupled), validate=True)
     assert [(c.name, c.source) for c in structure.system.elements] == [
         ("controller", "resources/controller.fmu"),
@@ -67,9 +68,10 @@ def test_structure_is_valid_for_fmpy(coupled):
     assert len(structure.system.connections) == 30
     newton = {unit.name: unit for unit in structure.units}["N"]
     assert (newton.kg, newton.m, newton.s, newton.rad) == (1, 1, -2, 0)
+    row("fmpy", "`read_ssd` of the SSP of `lemons connect`, with validation", "no problem")
 
 
-def test_fmpy_simulates_the_same(coupled, lemons, tmp_path):
+def test_fmpy_simulates_the_same(coupled, lemons, tmp_path, row):
     """FMPy's `simulate_ssp` is a Jacobi master that starts with zero at every connector.
 
     A controller that waits for two steps gives it the initial forces that it assumes: from then on all bits are equal.
@@ -105,3 +107,4 @@ def test_fmpy_simulates_the_same(coupled, lemons, tmp_path):
     subprocess.run(gauss_seidel, check=True, capture_output=True, cwd=tmp_path)
     other = read_table((tmp_path / "trajectories.csv").read_text(), ids_of(TRIAL_PUSH))
     assert bits(other) != bits(seen)
+    row("fmpy", "`simulate_ssp`: a controller FMU in C and the crowd", "same bits as `lemons run`, Jacobi")
