@@ -630,7 +630,6 @@ fn run_on<M: Fuzzed>(damaged: &Damaged) {
     assert_eq!(serialized(session.importer(), &state), again);
     session.importer().free_state(&mut state, Nulls::NONE);
     session.make(&Call::SetState(0));
-    finite(session.importer(), &session.fmu);
     for call in [
         Call::Plain(Plain::ExitInitializationMode),
         Call::Step(1),

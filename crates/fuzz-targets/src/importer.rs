@@ -197,9 +197,8 @@ impl<M: Model> Importer<M> {
             categories.iter().map(|text| text.map_or(null(), CStr::as_ptr)).collect();
         let count = pointers.len();
         // SAFETY: as many texts as said.
-        let status = unsafe {
-            c::set_debug_logging::<M>(self.raw, on.into(), count, nulls.or(0, pointers.as_ptr()))
-        };
+        let status =
+            unsafe { c::set_debug_logging::<M>(self.raw, on.into(), count, nulls.or(0, pointers.as_ptr())) };
         let has = |wanted| categories.contains(&Some(wanted)) || categories.contains(&Some(c"logAll"));
         if status == Status::Ok {
             let all = !on || categories.is_empty();
@@ -301,14 +300,14 @@ impl<M: Model> Importer<M> {
         let (at, orders) = (nulls.or(0, references.as_ptr()), nulls.or(1, orders.as_ptr()));
         let from = nulls.or(2, values.as_ptr());
         // SAFETY: arrays as long as said.
-        let status =
-            unsafe { c::set_real_input_derivatives::<M>(self.raw, at, values.len(), orders, from) };
+        let status = unsafe { c::set_real_input_derivatives::<M>(self.raw, at, values.len(), orders, from) };
         self.answered_arrays(status, values.len(), nulls, 3)
     }
 
     /// `fmi2GetRealOutputDerivatives` and `fmi2GetDirectionalDerivative`, which this FMU does not offer.
     pub(crate) fn get_derivatives(&self, references: &[u32], nulls: Nulls) {
-        let (count, orders, seeds) = (references.len(), vec![1; references.len()], vec![1.0; references.len()]);
+        let (count, orders, seeds) =
+            (references.len(), vec![1; references.len()], vec![1.0; references.len()]);
         let mut values = seeds.clone();
         let at: *const c_uint = nulls.or(0, references.as_ptr());
         let to = nulls.or_mut(1, values.as_mut_ptr());
@@ -379,9 +378,8 @@ impl<M: Model> Importer<M> {
     pub(crate) fn serialized_size(&self, state: &State, nulls: Nulls) -> (Status, usize) {
         let mut size = 0;
         // SAFETY: NULL or a state, NULL or the place of a number.
-        let status = unsafe {
-            c::serialized_fmu_state_size::<M>(self.raw, state.0, nulls.or_mut(0, &raw mut size))
-        };
+        let status =
+            unsafe { c::serialized_fmu_state_size::<M>(self.raw, state.0, nulls.or_mut(0, &raw mut size)) };
         (self.answered_arrays(status, 1, nulls, 1), size)
     }
 

@@ -114,7 +114,12 @@ fn crowd() -> Fmu {
     trial.dynamics[1].position.x = 0.5;
     trial.write(&resources.join("Trial_b")).expect("a Trial can be written");
     let output = output.to_str().expect("UTF-8").to_owned();
-    Fmu::new(directory, &resources, &table, &["", &output, "Trial_a", "Trial_b", "Trial_c", "../resources/Trial_a"])
+    Fmu::new(
+        directory,
+        &resources,
+        &table,
+        &["", &output, "Trial_a", "Trial_b", "Trial_c", "../resources/Trial_a"],
+    )
 }
 
 /// The people that a plan is made for.
@@ -132,7 +137,8 @@ pub(crate) fn people() -> Vec<Person> {
 
 fn decision() -> Fmu {
     let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
-    let wishes = "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
+    let wishes =
+        "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
     let wishes = Wishes::from_toml(wishes).expect("good wishes");
     let plan = Plan::new(&people(), &wishes, 0.05).expect("a good plan");
     let text = plan.to_toml().expect("a plan can be written");
