@@ -145,10 +145,7 @@ impl Model for Crowd {
         let last =
             |wanted| values.iter().rev().find(|(quantity, _)| *quantity == wanted).map(|(_, value)| *value);
         for (_, value) in values.iter().filter(|(quantity, _)| *quantity == Quantity::Trial) {
-            if !self.resources.names().iter().any(|name| name == value) {
-                let names = self.resources.names().join(", ");
-                return Err(CrowdError::NoSuchTrial { value: (*value).to_owned(), names });
-            }
+            self.known_trial(value)?;
         }
         if let Some(name) = last(Quantity::Trial).filter(|name| *name != self.packed.name) {
             self.choose(name)?;
@@ -268,6 +265,14 @@ impl Crowd {
             Quantity::Agent(i, AgentQuantity::NormalForce) => contacts.bodies[i].squeeze,
             _ => 0.0,
         })
+    }
+
+    fn known_trial(&self, name: &str) -> Result<(), CrowdError> {
+        if self.resources.names().iter().any(|known| known == name) {
+            return Ok(());
+        }
+        let names = self.resources.names().join(", ");
+        Err(CrowdError::NoSuchTrial { value: name.to_owned(), names })
     }
 
     /// Loads another packed Trial; what was set stays set.

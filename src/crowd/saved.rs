@@ -2,7 +2,7 @@
 
 use super::{Crowd, CrowdError, Settings, edited};
 use crate::engine::{State, World, Wrench};
-use crate::variables::{guid, table};
+use crate::variables::{Kind, guid, table};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -47,6 +47,8 @@ impl Crowd {
         let (packed, fingerprint) = if saved.trial == self.packed.name {
             (self.packed.clone(), self.fingerprint)
         } else {
+            // A name that is none of theirs might lead out of the resources.
+            self.known_trial(&saved.trial)?;
             let packed = self.resources.load(&saved.trial)?.0;
             let fingerprint = packed.fingerprint().as_u128();
             (Arc::new(packed), fingerprint)
@@ -54,12 +56,16 @@ impl Crowd {
         if fingerprint != saved.fingerprint || guid(&table(&packed)) != guid(&self.table) {
             return Err(CrowdError::OtherTrial(saved.trial.clone()));
         }
-        let known = |reference: &u32| (*reference as usize) < self.table.len();
-        if !saved.settings.keys().all(known) {
-            return Err(CrowdError::Saved("a setting of an unknown variable"));
+        for (&reference, &value) in &saved.settings {
+            let variable = self.table.get(reference as usize).filter(|row| matches!(row.kind, Kind::Real(_)));
+            let variable = variable.ok_or(CrowdError::Saved("a setting of an unknown variable"))?;
+            variable.domain.check(value).map_err(|_| CrowdError::Saved("a setting out of its domain"))?;
         }
-        if !saved.rates.keys().all(|&i| i < packed.agents.len()) {
-            return Err(CrowdError::Saved("a rate of an unknown agent"));
+        if !saved.rates.iter().all(|(&i, rate)| i < packed.agents.len() && finite(rate)) {
+            return Err(CrowdError::Saved("a rate of an unknown agent, or one that is not finite"));
+        }
+        if saved.threads < 1 || saved.output_directory.contains('\0') {
+            return Err(CrowdError::Saved("a number of threads or an OutputDirectory that nobody can set"));
         }
         let trial = edited(&packed, &saved.settings, &self.table);
         let world = match &saved.running {
@@ -91,5 +97,17 @@ fn check_running(world: &World, running: &Running) -> Result<(), CrowdError> {
         && running.drive.len() == bodies
         && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)
         && state.face_springs.iter().all(|s| s.disk.index() < disks && s.face.index() < faces);
-    if fits { Ok(()) } else { Err(CrowdError::Saved("it does not fit the scene")) }
+    if !fits {
+        return Err(CrowdError::Saved("it does not fit the scene"));
+    }
+    let finite = running.drive.iter().all(finite)
+        && state.poses.iter().all(|pose| pose.position.is_finite() && pose.orientation.is_finite())
+        && state.twists.iter().all(|twist| twist.velocity.is_finite() && twist.angular_velocity.is_finite())
+        && state.disk_springs.iter().all(|spring| spring.elongation.is_finite())
+        && state.face_springs.iter().all(|spring| spring.elongation.is_finite());
+    if finite { Ok(()) } else { Err(CrowdError::Saved("a number that is not finite")) }
+}
+
+fn finite(wrench: &Wrench) -> bool {
+    wrench.force.is_finite() && wrench.torque.is_finite()
 }

@@ -359,6 +359,18 @@ impl ContactReport {
         });
     }
 
+    /// A body on which a force is no finite number, if there is one.
+    pub(super) fn not_finite(&self, scene: &Scene) -> Option<BodyId> {
+        let finite =
+            |contact: &&Contact| contact.normal_force.is_finite() && contact.tangential_force.is_finite();
+        let contact = self.contacts.iter().find(|contact| !finite(contact));
+        let receiver = contact.map(|contact| match contact.pair {
+            Pair::Disks { first, .. } => scene.body_of(first),
+            Pair::Face { disk, .. } => scene.body_of(disk),
+        });
+        receiver.or_else(|| self.bodies.iter().position(|body| !body.squeeze.is_finite()).map(BodyId::from))
+    }
+
     /// \[m\] the deepest overlap; zero without contacts.
     pub fn largest_overlap(&self) -> f64 {
         self.contacts.iter().map(|contact| contact.depth).fold(0.0, f64::max)

@@ -31,7 +31,7 @@ pub enum AdvanceError {
         /// \[s\]
         mechanical_step: f64,
     },
-    /// The motion of a body is no longer a finite number: the mechanical step is too long, or forces are absurd.
+    /// The motion of a body, or a force on it, is no longer a finite number: the mechanical step is too long, or forces are absurd.
     #[error("its motion is no longer finite: is the mechanical step short enough?")]
     NotFinite {
         /// Which.
@@ -180,7 +180,12 @@ impl World {
         }
         let instant =
             Instant { scene: &self.scene, placement: &self.scratch.placement, twists: &state.twists };
-        self.contacts = instant.report(&self.scratch.pairs);
+        let contacts = instant.report(&self.scratch.pairs);
+        // Forces that the next step would find absurd.
+        if let Some(body) = contacts.not_finite(&self.scene) {
+            return Err(AdvanceError::NotFinite { body });
+        }
+        self.contacts = contacts;
         self.state = state;
         Ok(())
     }
@@ -206,6 +211,38 @@ impl World {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::{BodySpec, DiskSpec, LawTable, PairLaw, Pose, Twist, vec2};
+
+    /// Two equal and opposite forces that move nobody: their sum of sizes is beyond all numbers.
+    #[test]
+    fn a_squeeze_beyond_all_numbers_is_an_error_and_changes_nothing() {
+        let mut laws = LawTable::new(1);
+        let (stiffness, none) = (1e308, 0.0);
+        laws.set(
+            0,
+            0,
+            PairLaw {
+                normal_stiffness: stiffness,
+                tangential_stiffness: stiffness,
+                normal_damping: none,
+                tangential_damping: none,
+                friction: none,
+            },
+        );
+        let body = BodySpec {
+            mass: 1e300,
+            inertia: 1.0,
+            translation_rate: 0.0,
+            rotation_rate: 0.0,
+            disks: vec![DiskSpec { radius: 1.0, position: vec2(0.0, 0.0), material: 0 }],
+        };
+        let scene = Scene::new(&[body.clone(), body.clone(), body], &[], &laws).unwrap();
+        let poses = [-1.0, 0.0, 1.0].map(|x| Pose { position: vec2(x, 0.0), orientation: 0.0 });
+        let mut world = World::new(scene, State::new(poses.to_vec(), vec![Twist::default(); 3]), 1e-12);
+        let before = world.state().clone();
+        assert_eq!(world.advance(1e-12), Err(AdvanceError::NotFinite { body: BodyId(1) }));
+        assert_eq!(*world.state(), before);
+    }
 
     #[test]
     fn step_counts_are_integers() {

@@ -207,6 +207,49 @@ fn forged_states_do_not_crash() {
     assert!(accepted > 0, "most numbers may be other numbers");
 }
 
+/// With a part replaced where it first stands, and the checksum that belongs to it.
+fn forged(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
+    assert_eq!(from.len(), to.len());
+    let place = bytes.windows(from.len()).position(|part| part == from).expect("it is there");
+    let mut forged = bytes.to_vec();
+    forged[place..place + to.len()].copy_from_slice(to);
+    let end = forged.len() - 4;
+    let checksum = crc32fast::hash(&forged[..end]);
+    forged[end..].copy_from_slice(&checksum.to_le_bytes());
+    forged
+}
+
+/// What `fmi2Set…` refuses, a state does not bring in.
+#[test]
+fn states_with_impossible_numbers_are_refused() {
+    let original = touching();
+    let bytes = original.bytes();
+    let place = original.get("agent[1].Position.x");
+    for (was, value, word) in [
+        (1e-5, f64::NAN, "domain"),
+        (1e-5, -1e-5, "domain"),
+        ((MEETING - 1) as f64 * STEP + STEP, f64::INFINITY, "time"),
+        (place, f64::NAN, "finite"),
+        (700.0, f64::NEG_INFINITY, "domain"),
+    ] {
+        let forged = forged(&bytes, &was.to_le_bytes(), &value.to_le_bytes());
+        let message = original.refused(original.restore_bytes(&forged));
+        assert!(message.contains("damaged") && message.contains(word), "{was} {value}: {message}");
+        assert!(original.bytes() == bytes);
+    }
+}
+
+/// A state does not lead out of the resources, even to a Trial that is the same.
+#[test]
+fn states_name_packed_trials() {
+    let resources = Resources::new();
+    let instance = instantiate(Fmu::get(), &Model::paper().guid, &resources.uri()).unwrap();
+    copy_tree(&paper(), &resources.root.path().join("outside"));
+    let forged = forged(&instance.bytes(), b"Trial_push", b"../outside");
+    let message = instance.refused(instance.restore_bytes(&forged));
+    assert!(message.contains("must be one of the packed Trials: Trial_push"), "{message}");
+}
+
 #[test]
 fn states_of_another_model_are_refused() {
     let ours = touching();

@@ -86,6 +86,22 @@ fn steps_that_would_never_end_are_refused() {
     assert!(message.contains("too many steps"), "{message}");
 }
 
+/// The time after it would be infinite, and a state of it could not be restored.
+#[test]
+fn steps_beyond_all_numbers_are_refused() {
+    let instance = Instance::new(Fmu::get());
+    instance.must(instance.set("TimeStepMechanical", 1e308));
+    instance.must(set_up(&instance, 1e308, None));
+    let c = &instance.fmu.c;
+    unsafe {
+        instance.must((c.fmi2EnterInitializationMode)(instance.raw));
+        instance.must((c.fmi2ExitInitializationMode)(instance.raw));
+    }
+    let message = instance.refused(instance.try_step(1e308, 1e308));
+    assert!(message.contains("finite time"), "{message}");
+    assert_eq!(last_time(&instance), 1e308);
+}
+
 /// Any other H is served too, and two halves lead about where one whole leads.
 #[test]
 fn the_step_may_vary() {

@@ -197,7 +197,9 @@ pub enum DecisionError {
     Read { path: PathBuf, error: std::io::Error },
     #[error("{path}: {error}", path = path.display())]
     Plan { path: PathBuf, error: PlanError },
-    #[error("the state is damaged or not one of this FMU: other agents or way-points")]
+    #[error(
+        "the state is damaged or not one of this FMU: other agents or way-points, or numbers that nobody can set"
+    )]
     Saved,
 }
 
@@ -351,7 +353,46 @@ impl Model for Decision {
         if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
             return Err(DecisionError::Saved);
         }
-        self.agents.clone_from(saved);
+        let mut restored = Decision { plan: self.plan.clone(), agents: saved.clone() };
+        for row in self.table() {
+            if restored.place(row.quantity).is_some_and(|value| row.domain.check(*value).is_err()) {
+                return Err(DecisionError::Saved);
+            }
+        }
+        self.agents = restored.agents;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{Person, Wishes};
+
+    #[test]
+    fn states_with_impossible_numbers_are_refused() {
+        let person = Person {
+            id: "0".into(),
+            mass: 70.0,
+            moment_of_inertia: 1.3,
+            floor_damping: 2.0,
+            angular_damping: 4.0,
+            pose: Pose::default(),
+        };
+        let wishes = Wishes::from_toml("waypoints = [{ x = 1, y = 2 }]").unwrap();
+        let mut decision = Decision::new(Plan::new(&[person], &wishes, 0.05).unwrap());
+        let good = decision.save();
+        let forgeries: [fn(&mut Agent); 3] = [
+            |agent| agent.pose.x = f64::NAN,
+            |agent| agent.walker.mass = 0.0,
+            |agent| agent.walker.waypoints[0].radius = -1.0,
+        ];
+        for forge in forgeries {
+            let mut forged = good.clone();
+            forge(&mut forged[0]);
+            assert!(decision.restore(&forged).is_err(), "{forged:?}");
+            assert_eq!(decision.save(), good);
+        }
+        decision.restore(&good).unwrap();
     }
 }

@@ -35,7 +35,7 @@ pub enum SlaveError<E> {
     StartTime(f64),
     #[error("stop time {stop:?} s: must be finite and not before the start time {start:?} s")]
     StopTime { start: f64, stop: f64 },
-    #[error("a communication step of {0:?} s: must be positive and finite")]
+    #[error("a communication step of {0:?} s: must be positive and finite, and end at a finite time")]
     StepSize(f64),
     #[error("the communication point {given:?} s is not the slave's time {expected:?} s")]
     CommunicationPoint { given: f64, expected: f64 },
@@ -355,6 +355,9 @@ impl<M: Model> Slave<M> {
         if (from - self.time).abs() > tolerance || from.is_nan() {
             return Err(SlaveError::CommunicationPoint { given: from, expected: self.time });
         }
+        if !(from + step).is_finite() {
+            return Err(SlaveError::StepSize(step));
+        }
         let stop = self.experiment.and_then(|experiment| experiment.stop);
         if let Some(stop) = stop.filter(|stop| from + step > stop + tolerance) {
             return Err(SlaveError::BeyondStopTime { from, step, stop });
@@ -385,9 +388,15 @@ impl<M: Model> Slave<M> {
     /// `fmi2SetFMUstate`
     ///
     /// # Errors
-    /// Wrong phase, a snapshot of another model; then nothing has changed.
+    /// Wrong phase, a snapshot of another model or of times that no instance can have; then nothing has changed.
     pub fn restore(&mut self, snapshot: &Snapshot<M::Saved>) -> Answer<M, ()> {
         self.check(Function::State)?;
+        let possible = snapshot.experiment.is_none_or(|Experiment { start, stop }| {
+            start.is_finite() && stop.is_none_or(|stop| stop.is_finite() && stop >= start)
+        });
+        if !(possible && snapshot.time.is_finite()) {
+            return Err(SlaveError::Snapshot("a time that is not possible"));
+        }
         self.model.restore(&snapshot.model)?;
         (self.phase, self.time, self.experiment) = (snapshot.phase, snapshot.time, snapshot.experiment);
         Ok(())

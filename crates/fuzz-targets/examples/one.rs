@@ -1,0 +1,12 @@
+//! Runs one input of a fuzzer without it: `cargo run -p lemons-fuzz-targets --example one TARGET FILE`.
+//! With `FUZZ_TOLD=1` in the environment every answer of an FMU is shown, with what it logged.
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let (Some(target), Some(file)) = (arguments.next(), arguments.next()) else {
+        panic!("give a target and a file");
+    };
+    let targets = lemons_fuzz_targets::TARGETS;
+    let (_, run) = targets.iter().find(|(name, _)| *name == target).expect("a target");
+    run(&std::fs::read(file).expect("a file that can be read"));
+}

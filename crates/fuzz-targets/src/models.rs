@@ -1,0 +1,148 @@
+//! Two small FMUs, unpacked: what the calls are made on.
+
+use crowd_mechanics::crowd::Crowd;
+use crowd_mechanics::engine::vec2;
+use crowd_mechanics::trial::{Trial, Wall};
+use crowd_mechanics::variables::table;
+use lemons_decision::decision::PLAN_FILE;
+use lemons_decision::plan::{Person, Plan, Wishes};
+use lemons_decision::{Decision, rule::Pose};
+use lemons_fmi2::Model;
+use lemons_fmi2::variables::{Kind, Variable, guid};
+use std::ffi::CString;
+use std::fmt::Debug;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::OnceLock;
+use tempfile::TempDir;
+
+/// An unpacked FMU, and what its model description says.
+pub(crate) struct Fmu {
+    _directory: TempDir,
+    pub uri: CString,
+    pub guid: CString,
+    /// How many value references there are.
+    pub count: u32,
+    pub reals: Vec<u32>,
+    pub integers: Vec<u32>,
+    pub strings: Vec<u32>,
+    /// The reference of the mechanical step, which bounds the work of a communication step.
+    pub mechanical_step: Option<u32>,
+    /// The reference of OutputDirectory, where files are written.
+    pub output: Option<u32>,
+    /// Values for strings: nothing, a directory of our own, names of Trials.
+    pub texts: Vec<CString>,
+}
+
+/// OutputDirectory is nothing or a directory of our own: the first two of [`Fmu::texts`].
+pub(crate) const OUTPUTS: usize = 2;
+
+/// A model to be fuzzed.
+pub(crate) trait Fuzzed: Model {
+    /// Its FMU, one for each thread: gone with the thread.
+    fn fmu() -> Rc<Fmu>;
+}
+
+thread_local! {
+    static CROWD: Rc<Fmu> = Rc::new(crowd());
+    static DECISION: Rc<Fmu> = Rc::new(decision());
+}
+
+impl Fuzzed for Crowd {
+    fn fmu() -> Rc<Fmu> {
+        CROWD.with(Rc::clone)
+    }
+}
+
+impl Fuzzed for Decision {
+    fn fmu() -> Rc<Fmu> {
+        DECISION.with(Rc::clone)
+    }
+}
+
+impl Fmu {
+    fn new<Q: Debug>(directory: TempDir, resources: &Path, table: &[Variable<Q>], texts: &[&str]) -> Fmu {
+        let text = |text: &str| CString::new(text).expect("no zero inside");
+        let of_kind = |wanted: fn(Kind) -> bool| {
+            let rows = table.iter().zip(0..).filter(|(row, _)| wanted(row.kind));
+            rows.map(|(_, reference)| reference).collect::<Vec<u32>>()
+        };
+        let named = |name: &str| table.iter().zip(0..).find(|(row, _)| row.name == name).map(|(_, at)| at);
+        Fmu {
+            _directory: directory,
+            uri: text(&format!("file://{}", resources.display())),
+            guid: text(&guid(table).braced().to_string()),
+            count: u32::try_from(table.len()).expect("a small table"),
+            reals: of_kind(|kind| matches!(kind, Kind::Real(_))),
+            integers: of_kind(|kind| kind == Kind::Integer),
+            strings: of_kind(|kind| kind == Kind::String),
+            mechanical_step: named("TimeStepMechanical"),
+            output: named("OutputDirectory"),
+            texts: texts.iter().map(|value| text(value)).collect(),
+        }
+    }
+}
+
+/// Two people of the paper's Trial that touch each other, one of them also a wall: few numbers, fast steps.
+pub(crate) fn small_trial() -> Trial {
+    static TRIAL: OnceLock<Trial> = OnceLock::new();
+    TRIAL.get_or_init(made_small).clone()
+}
+
+fn made_small() -> Trial {
+    let paper = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
+    let (mut trial, _) = Trial::read(&paper).expect("the paper's Trial");
+    trial.agents.truncate(2);
+    trial.dynamics.truncate(2);
+    trial.dynamics[1].position = vec2(0.248, 0.03);
+    trial.geometry.walls = vec![Wall {
+        id: "edge".into(),
+        material_id: "concrete".into(),
+        corners: vec![vec2(-0.1225, 1.0), vec2(-0.1225, -1.0), vec2(1.0, -1.0)],
+    }];
+    (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (0.01, 1e-4);
+    trial
+}
+
+fn crowd() -> Fmu {
+    let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
+    let (resources, output) = (directory.path().join("resources"), directory.path().join("output"));
+    std::fs::create_dir_all(&output).expect("its directory");
+    let mut trial = small_trial();
+    let table = table(&trial);
+    trial.write(&resources.join("Trial_a")).expect("a Trial can be written");
+    trial.dynamics[1].position.x = 0.5;
+    trial.write(&resources.join("Trial_b")).expect("a Trial can be written");
+    let output = output.to_str().expect("UTF-8").to_owned();
+    Fmu::new(
+        directory,
+        &resources,
+        &table,
+        &["", &output, "Trial_a", "Trial_b", "Trial_c", "../resources/Trial_a"],
+    )
+}
+
+/// The people that a plan is made for.
+pub(crate) fn people() -> Vec<Person> {
+    let person = |id: &str, x| Person {
+        id: id.into(),
+        mass: 70.0,
+        moment_of_inertia: 1.3,
+        floor_damping: 2.0,
+        angular_damping: 4.0,
+        pose: Pose { x, y: 0.0, theta: 0.0 },
+    };
+    vec![person("0", 0.0), person("two words", 1.0)]
+}
+
+fn decision() -> Fmu {
+    let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
+    let wishes =
+        "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
+    let wishes = Wishes::from_toml(wishes).expect("good wishes");
+    let plan = Plan::new(&people(), &wishes, 0.05).expect("a good plan");
+    let text = plan.to_toml().expect("a plan can be written");
+    std::fs::write(directory.path().join(PLAN_FILE), text).expect("a file can be written");
+    let (table, path) = (lemons_decision::decision::table(&plan), directory.path().to_owned());
+    Fmu::new(directory, &path, &table, &["", "text"])
+}

@@ -1,0 +1,55 @@
+//! What the fuzzers have kept, inputs and past crashers, once more.
+
+#![cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+
+use lemons_fuzz_targets::TARGETS;
+use std::path::{Path, PathBuf};
+
+fn inputs(target: &str) -> Vec<PathBuf> {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target);
+    let entries = std::fs::read_dir(&directory).unwrap_or_else(|error| panic!("{directory:?}: {error}"));
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+fn replay(target: &str) {
+    let (_, run) = TARGETS.iter().find(|(name, _)| *name == target).expect("a target");
+    let files = inputs(target);
+    assert!(files.len() >= 5, "the inputs of {target} are gone: {files:?}");
+    for file in files {
+        // Shown when it fails.
+        println!("{}", file.display());
+        run(&std::fs::read(&file).unwrap());
+    }
+}
+
+#[test]
+fn fmi_calls() {
+    replay("fmi_calls");
+}
+
+#[test]
+fn decision_calls() {
+    replay("decision_calls");
+}
+
+#[test]
+fn states() {
+    replay("states");
+}
+
+#[test]
+fn trial_xml() {
+    replay("trial_xml");
+}
+
+#[test]
+fn fmu_archive() {
+    replay("fmu_archive");
+}
+
+#[test]
+fn decision_toml() {
+    replay("decision_toml");
+}
