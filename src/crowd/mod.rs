@@ -169,10 +169,7 @@ impl Model for Crowd {
 
     fn initialize(&mut self) -> Result<(), CrowdError> {
         self.make_world()?;
-        if !self.output_directory.is_empty() {
-            let directory = Path::new(&self.output_directory);
-            std::fs::create_dir_all(directory).map_err(WriteError::at(directory))?;
-        }
+        make_directory(&self.output_directory)?;
         if self.settings.keys().any(|&reference| self.table[reference as usize].role != Role::Input) {
             self.warnings.extend(self.trial.advice_as_edited());
         }
@@ -304,6 +301,16 @@ impl Crowd {
             Change::Write(place, interactions_xml(&self.trial, &interactions_of(world)))
         };
         change_all(&[dynamics, interactions])
+    }
+}
+
+/// Makes an OutputDirectory, if there is to be one.
+fn make_directory(name: &str) -> Result<(), WriteError> {
+    let directory = Path::new(name);
+    if name.is_empty() {
+        Ok(())
+    } else {
+        std::fs::create_dir_all(directory).map_err(WriteError::at(directory))
     }
 }
 

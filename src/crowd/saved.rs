@@ -1,6 +1,6 @@
 //! A crowd's part of FMI's "FMU state": saved and restored.
 
-use super::{Crowd, CrowdError, Settings, edited};
+use super::{Crowd, CrowdError, Settings, edited, make_directory};
 use crate::engine::{State, World, Wrench};
 use crate::variables::{Kind, guid, table};
 use serde::{Deserialize, Serialize};
@@ -78,6 +78,9 @@ impl Crowd {
                 Some(world)
             }
         };
+        if world.is_some() {
+            make_directory(&saved.output_directory)?;
+        }
         (self.packed, self.fingerprint, self.trial, self.world) = (packed, fingerprint, trial, world);
         self.settings.clone_from(&saved.settings);
         self.threads = saved.threads;

@@ -172,6 +172,46 @@ fn damaged_states_are_refused() {
     assert_eq!(instance.everything(), now);
 }
 
+#[test]
+fn a_state_of_another_version_is_refused_though_its_checksum_is_right() {
+    let instance = touching();
+    let (bytes, now) = (instance.bytes(), instance.everything());
+    for place in 8..12 {
+        let mut other = bytes.clone();
+        other[place] ^= 1;
+        let end = other.len() - 4;
+        let checksum = crc32fast::hash(&other[..end]);
+        other[end..].copy_from_slice(&checksum.to_le_bytes());
+        let message = instance.refused(instance.restore_bytes(&other));
+        assert!(message.contains("another version"), "{message}");
+    }
+    assert_eq!(instance.everything(), now);
+}
+
+/// The directory may have gone since, or be another machine's.
+#[test]
+fn a_restored_state_finds_its_output_directory() {
+    let directory = tempfile::tempdir().unwrap();
+    let output = directory.path().join("made/by the FMU");
+    let instance = Instance::new(Fmu::get());
+    instance.must(instance.set_string("OutputDirectory", output.to_str().unwrap()));
+    instance.push_and_initialize();
+    instance.steps(0, 2);
+    let bytes = instance.bytes();
+    std::fs::remove_dir_all(directory.path().join("made")).unwrap();
+    let other = Instance::new(Fmu::get());
+    other.must(other.restore_bytes(&bytes));
+    other.steps(2, 3);
+    assert!(output.join("AgentDynamics output t=0.03.xml").is_file());
+    // Where it cannot be made the state is refused, and nothing has changed.
+    std::fs::remove_dir_all(directory.path().join("made")).unwrap();
+    std::fs::write(directory.path().join("made"), "a file").unwrap();
+    let (third, fresh) = (Instance::new(Fmu::get()), Instance::new(Fmu::get()));
+    let message = third.refused(third.restore_bytes(&bytes));
+    assert!(message.contains("OutputDirectory") && message.contains("by the FMU"), "{message}");
+    assert!(third.bytes() == fresh.bytes());
+}
+
 /// Bytes that somebody made up, checksum and all: refused or run, but not a crash and no fatal fault.
 #[test]
 fn forged_states_do_not_crash() {

@@ -5,7 +5,7 @@ use crate::rule::{Pose, Walker};
 use lemons_fmi2::location::{LocationError, directories};
 use lemons_fmi2::variables::units::*;
 use lemons_fmi2::variables::{Domain, Kind, Role, Unit, Variable};
-use lemons_fmi2::{Model, Phase, StepError};
+use lemons_fmi2::{Model, Phase, StepError, fingerprint};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use thiserror::Error;
@@ -197,10 +197,22 @@ pub enum DecisionError {
     Read { path: PathBuf, error: std::io::Error },
     #[error("{path}: {error}", path = path.display())]
     Plan { path: PathBuf, error: PlanError },
+    #[error("the state belongs to another model: its plan is not this one")]
+    OtherPlan,
+    #[error("{agent}: {name} is not finite: mass, desired speed, damping or a way-point is absurd")]
+    NotFinite { agent: String, name: &'static str },
     #[error(
         "the state is damaged or not one of this FMU: other agents or way-points, or numbers that nobody can set"
     )]
     Saved,
+}
+
+/// All that a decision is, apart from where its resources lie.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Saved {
+    /// Of the plan that it started from.
+    fingerprint: u128,
+    agents: Vec<Agent>,
 }
 
 /// An agent while the FMU lives; also what is saved of it.
@@ -222,6 +234,8 @@ impl Agent {
 /// The paper's eq. 4 for a crowd.
 pub struct Decision {
     plan: Plan,
+    /// Of the plan.
+    fingerprint: u128,
     agents: Vec<Agent>,
 }
 
@@ -230,7 +244,8 @@ impl Decision {
     pub fn new(plan: Plan) -> Decision {
         let agents =
             plan.agents.iter().map(|agent| Agent { pose: agent.pose, walker: agent.walker.clone(), next: 0 });
-        Decision { agents: agents.collect(), plan }
+        let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
+        Decision { agents: agents.collect(), plan, fingerprint }
     }
 
     /// Where a number that can be set stands; `None` for a computed one.
@@ -258,11 +273,11 @@ impl Decision {
 
 impl Model for Decision {
     type Quantity = Quantity;
-    type Saved = Vec<Agent>;
+    type Saved = Saved;
     type Error = DecisionError;
 
     const INTERPOLATES_INPUTS: bool = false;
-    const STATE_VERSION: u32 = 1;
+    const STATE_VERSION: u32 = 2;
 
     fn load(location: &str) -> Result<Decision, DecisionError> {
         let candidates = directories(location)?;
@@ -291,11 +306,15 @@ impl Model for Decision {
         let Quantity::Agent(i, quantity) = quantity else { return Ok(0.0) };
         let agent = &self.agents[i];
         let drive = agent.walker.drive(agent.next(), agent.pose);
-        Ok(match quantity {
-            AgentQuantity::FpX => drive.force[0],
-            AgentQuantity::FpY => drive.force[1],
-            _ => drive.torque,
-        })
+        let (name, value) = match quantity {
+            AgentQuantity::FpX => ("Fp.x", drive.force[0]),
+            AgentQuantity::FpY => ("Fp.y", drive.force[1]),
+            _ => ("Mp", drive.torque),
+        };
+        if value.is_finite() {
+            return Ok(value);
+        }
+        Err(DecisionError::NotFinite { agent: format!("agent[{i}]"), name })
     }
 
     fn integer(&mut self, quantity: Quantity) -> Result<i32, DecisionError> {
@@ -341,11 +360,15 @@ impl Model for Decision {
         Ok(())
     }
 
-    fn save(&self) -> Vec<Agent> {
-        self.agents.clone()
+    fn save(&self) -> Saved {
+        Saved { fingerprint: self.fingerprint, agents: self.agents.clone() }
     }
 
-    fn restore(&mut self, saved: &Vec<Agent>) -> Result<(), DecisionError> {
+    fn restore(&mut self, saved: &Saved) -> Result<(), DecisionError> {
+        let Saved { fingerprint, agents: saved } = saved;
+        if *fingerprint != self.fingerprint {
+            return Err(DecisionError::OtherPlan);
+        }
         let alike = |(a, b): (&Agent, &Agent)| {
             let count = b.walker.waypoints.len();
             a.walker.waypoints.len() == count && a.next <= count
@@ -353,7 +376,7 @@ impl Model for Decision {
         if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
             return Err(DecisionError::Saved);
         }
-        let mut restored = Decision { plan: self.plan.clone(), agents: saved.clone() };
+        let mut restored = Decision { agents: saved.clone(), ..Decision::new(self.plan.clone()) };
         for row in self.table() {
             if restored.place(row.quantity).is_some_and(|value| row.domain.check(*value).is_err()) {
                 return Err(DecisionError::Saved);
@@ -369,8 +392,7 @@ mod tests {
     use super::*;
     use crate::plan::{Person, Wishes};
 
-    #[test]
-    fn states_with_impossible_numbers_are_refused() {
+    fn decision(wishes: &str) -> Decision {
         let person = Person {
             id: "0".into(),
             mass: 70.0,
@@ -379,8 +401,30 @@ mod tests {
             angular_damping: 4.0,
             pose: Pose::default(),
         };
-        let wishes = Wishes::from_toml("waypoints = [{ x = 1, y = 2 }]").unwrap();
-        let mut decision = Decision::new(Plan::new(&[person], &wishes, 0.05).unwrap());
+        let wishes = Wishes::from_toml(wishes).unwrap();
+        Decision::new(Plan::new(&[person], &wishes, 0.05).unwrap())
+    }
+
+    #[test]
+    fn a_state_of_another_plan_is_refused() {
+        let (one, mut other) =
+            (decision("waypoints = [{ x = 1, y = 2 }]"), decision("waypoints = [{ x = 1, y = 3 }]"));
+        let before = other.save();
+        assert!(matches!(other.restore(&one.save()), Err(DecisionError::OtherPlan)));
+        assert_eq!(other.save(), before);
+    }
+
+    #[test]
+    fn a_drive_beyond_all_numbers_is_an_error_that_names_it() {
+        let mut decision = decision("waypoints = [{ x = -1e308, y = 0 }]");
+        decision.set_real(0, Quantity::Agent(0, AgentQuantity::PositionX), 1.7e308, Phase::StepComplete);
+        let error = decision.real(Quantity::Agent(0, AgentQuantity::FpX)).unwrap_err().to_string();
+        assert!(error.contains("agent[0]") && error.contains("Fp.x"), "{error}");
+    }
+
+    #[test]
+    fn states_with_impossible_numbers_are_refused() {
+        let mut decision = decision("waypoints = [{ x = 1, y = 2 }]");
         let good = decision.save();
         let forgeries: [fn(&mut Agent); 3] = [
             |agent| agent.pose.x = f64::NAN,
@@ -389,7 +433,7 @@ mod tests {
         ];
         for forge in forgeries {
             let mut forged = good.clone();
-            forge(&mut forged[0]);
+            forge(&mut forged.agents[0]);
             assert!(decision.restore(&forged).is_err(), "{forged:?}");
             assert_eq!(decision.save(), good);
         }

@@ -7,11 +7,11 @@
 //! - [`lifecycle`]: which function is allowed in which state, as data
 //! - [`model`]: what a model must offer
 //! - [`slave`]: one instance: lifecycle, variables, stepping, states
-//! - [`component`]: the C functions' bodies: pointers in, statuses out
-//! - [`export!`](crate::export): the 34 C functions for a model
 //! - [`description`]: table -> `modelDescription.xml`
 //! - [`location`]: resource URI -> directories
 //! - [`archive`]: an `.fmu`, the same bytes for the same content
+//! - [`component`]: the C functions' bodies: pointers in, statuses out
+//! - [`export!`](crate::export): the 34 C functions for a model
 
 pub mod archive;
 pub mod component;
@@ -25,5 +25,5 @@ pub mod variables;
 
 pub use component::{CallbackFunctions, Status, silence_panics};
 pub use lifecycle::Phase;
-pub use model::{Model, StepError};
+pub use model::{Model, StepError, fingerprint};
 pub use slave::{Slave, SlaveError, Snapshot};

@@ -5,6 +5,12 @@ use crate::variables::Variable;
 use serde::{Serialize, de::DeserializeOwned};
 use std::error::Error;
 use std::fmt::Debug;
+use uuid::Uuid;
+
+/// A number that tells contents apart: by it a saved state knows what it was saved of.
+pub fn fingerprint(content: &[u8]) -> u128 {
+    Uuid::new_v5(&Uuid::NAMESPACE_OID, content).as_u128()
+}
 
 /// Why a model did not advance.
 #[derive(Debug, Clone, PartialEq, Eq)]

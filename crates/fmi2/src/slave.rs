@@ -1,6 +1,6 @@
 //! One FMU instance, whatever the C interface: lifecycle, variables, stepping, states.
 //!
-//! Every refused call leaves everything as it was.
+//! Every refused call leaves the instance as it was.
 
 use crate::lifecycle::{Function, Phase, allowed};
 use crate::model::{Model, StepError};
