@@ -17,6 +17,7 @@ pub struct Arguments {
 }
 
 pub fn connect(arguments: &Arguments) -> Result<()> {
+    check_output(arguments)?;
     let mut interfaces = Vec::new();
     for path in &arguments.fmus {
         let shown = || path.display().to_string();
@@ -59,11 +60,25 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
     for (component, inputs) in structure.components.iter().zip(&connected.unconnected) {
         if !inputs.is_empty() {
             let names: Vec<&str> = inputs.iter().map(String::as_str).collect();
-            println!("{}", fitted(&component.name, "inputs not connected", &names));
+            let who = format!("warning: {}", component.name);
+            eprintln!("{}", fitted(&who, "inputs not connected", &names));
         }
     }
     let size = std::fs::metadata(&arguments.output)?.len();
     println!("{}: {:.1} MB", arguments.output.display(), size as f64 / 1e6);
+    Ok(())
+}
+
+/// Whether the output can be an SSP, and no FMU is lost to it.
+fn check_output(Arguments { fmus, output }: &Arguments) -> Result<()> {
+    if !output.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
+        bail!("{}: the name of an SSP ends in .ssp", output.display());
+    }
+    // What is not there yet is no input.
+    let Ok(there) = output.canonicalize() else { return Ok(()) };
+    if fmus.iter().any(|path| path.canonicalize().is_ok_and(|path| path == there)) {
+        bail!("{}: is one of the FMUs to connect, it would be overwritten", output.display());
+    }
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! A crowd among the components of a run: its trajectories and extremes, from the outputs of its FMU.
 
-use crate::results::Table;
+use crate::results::{Table, Tables};
 use anyhow::Result;
 use crowd_mechanics::engine::{Pose, State, Twist, World, vec2};
 use crowd_mechanics::trial::Trial;
@@ -76,6 +76,7 @@ impl Crowd {
         agents: usize,
         trial: Option<Trial>,
         path: &Path,
+        tables: &mut Tables,
     ) -> Result<Crowd> {
         let component = &system.components()[place];
         let trial = trial.filter(|trial| trial.agents.len() == agents);
@@ -94,7 +95,7 @@ impl Crowd {
             shadow: trial.as_ref().map(Trial::world).transpose()?,
             place,
             ids,
-            trajectories: Table::create(path, HEADER)?,
+            trajectories: tables.create(path, HEADER)?,
             path: path.to_owned(),
             largest_overlap: 0.0,
             greatest_squeeze: 0.0,

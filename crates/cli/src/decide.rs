@@ -1,8 +1,9 @@
 //! `lemons decide`: a Trial and its people's wishes -> a Decision FMU.
 
 use crate::TrialHasErrors;
+use crate::binary::DECISION;
 use crate::pack::{FmuArguments, say_size};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
 use crowd_mechanics::trial::Trial;
 use lemons_decision::rule::Pose;
@@ -12,7 +13,26 @@ use std::path::PathBuf;
 /// In a Trial's directory, if it is not named otherwise.
 const WISHES_FILE: &str = "decision.toml";
 
+/// Wishes of everybody, as short as they can be.
+const SHORTEST: &str = "  desired_speed = 1.34
+  waypoints = [{ x = 6.0, y = 2.5 }]";
+
+const WISHES: &str = "\
+decision.toml: for everybody, then for agents by their Id in Agents.xml. An agent \
+walks to its way-points one after the other; each is reached within its radius.
+
+  desired_speed = 1.34    # m/s; default 1.34
+  waypoints = [           # m; default of radius 0.3
+    { x = 6.0, y = 2.5, radius = 0.45 },
+    { x = 20.0, y = 2.5 },
+  ]
+
+  [agents.7]              # what it does not say is as for everybody
+  desired_speed = 0.9
+  waypoints = [{ x = 0.0, y = 1.0 }]";
+
 #[derive(clap::Args)]
+#[command(after_help = WISHES)]
 pub struct Arguments {
     /// The Trial whose people decide
     #[arg(value_name = "TRIAL")]
@@ -28,7 +48,7 @@ pub struct Arguments {
 }
 
 pub fn decide(arguments: &Arguments) -> Result<()> {
-    let (trial, _) = match Trial::read(&arguments.trial) {
+    let (trial, warnings) = match Trial::read(&arguments.trial) {
         Ok(read) => read,
         Err(problems) => {
             eprintln!("{problems}");
@@ -36,12 +56,21 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
             return Err(TrialHasErrors.into());
         }
     };
+    for warning in warnings.iter() {
+        eprintln!("{warning}");
+    }
     let path = arguments.plan.clone().unwrap_or_else(|| arguments.trial.join(WISHES_FILE));
+    if arguments.plan.is_none() && !path.exists() {
+        bail!(
+            "there is no {}; --plan FILE.toml names another. For everybody it says:\n{SHORTEST}",
+            path.display()
+        );
+    }
     let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
     let plan = Wishes::from_toml(&text)
         .and_then(|wishes| Plan::new(&people(&trial), &wishes, trial.parameters.time_step))
         .with_context(|| path.display().to_string())?;
-    let binaries = arguments.fmu.binaries("lemons_decision_fmu")?;
+    let binaries = arguments.fmu.binaries(&DECISION)?;
     let unwritten = || format!("cannot write {}", arguments.output.display());
     let mut file = Staged::beside(&arguments.output).with_context(unwritten)?;
     lemons_decision::pack::write_fmu(&plan, arguments.fmu.naming(), &binaries, &mut file)

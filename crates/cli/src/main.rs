@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 something failed (a file, a run); 2 the command line is wrong; 3 a Trial has errors.
 
+mod binary;
 mod check;
 mod connect;
 mod crowd;
@@ -31,22 +32,22 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a Trial directory, an FMU or coupled FMUs and write the trajectories
-    Run(run::Arguments),
-    /// Couple FMUs: connect each output with the input of the same name, write an SSP
-    Connect(connect::Arguments),
-    /// Say all that is wrong with Trial directories
-    Check(check::Arguments),
     /// Make an FMU of one or more Trial directories
     Pack(pack::Arguments),
-    /// Measure the mechanics against closed forms, conservation laws and independent integrators
-    Verify(verify::Arguments),
-    /// Print the modelDescription.xml that a Trial's FMU has
-    Describe(describe::Arguments),
     /// Make an FMU that decides where people want to go: way-points and speeds
     Decide(decide::Arguments),
+    /// Couple FMUs: connect each output with the input of the same name, write an SSP
+    Connect(connect::Arguments),
+    /// Run a Trial directory, an FMU or coupled FMUs and write the trajectories
+    Run(run::Arguments),
     /// List the variables of an FMU
     Info(info::Arguments),
+    /// Say all that is wrong with Trial directories
+    Check(check::Arguments),
+    /// Print the modelDescription.xml that a Trial's FMU has
+    Describe(describe::Arguments),
+    /// Measure the mechanics against closed forms, conservation laws and independent integrators
+    Verify(verify::Arguments),
 }
 
 /// A Trial has errors; they have been printed.
@@ -63,14 +64,14 @@ impl std::error::Error for TrialHasErrors {}
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Connect(arguments) => connect::connect(&arguments),
-        Command::Check(arguments) => check::check(&arguments),
-        Command::Decide(arguments) => decide::decide(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
+        Command::Decide(arguments) => decide::decide(&arguments),
+        Command::Connect(arguments) => connect::connect(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Info(arguments) => info::info(&arguments),
+        Command::Check(arguments) => check::check(&arguments),
         Command::Describe(arguments) => describe::describe(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
-        Command::Info(arguments) => info::info(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,6 +1,6 @@
 //! The outputs of components that are no crowd: one CSV, one column for each.
 
-use crate::results::Table;
+use crate::results::{Table, Tables};
 use anyhow::Result;
 use fmi_rs::model_description::fmi2::{Causality, VariableType};
 use lemons_master::System;
@@ -32,7 +32,12 @@ struct References {
 
 impl Outputs {
     /// Of the components at these places; `None` if they have no outputs.
-    pub fn create(system: &System, places: Vec<usize>, path: &Path) -> Result<Option<Outputs>> {
+    pub fn create(
+        system: &System,
+        places: Vec<usize>,
+        path: &Path,
+        tables: &mut Tables,
+    ) -> Result<Option<Outputs>> {
         let mut header = vec!["t".to_owned()];
         let mut all = Vec::new();
         for place in places {
@@ -62,7 +67,7 @@ impl Outputs {
         if count == 0 {
             return Ok(None);
         }
-        let table = Table::create(path, header)?;
+        let table = tables.create(path, header)?;
         Ok(Some(Outputs { components: all, table, path: path.to_owned(), count }))
     }
 

@@ -1,6 +1,7 @@
 //! `lemons pack`: Trials -> FMU.
 
 use crate::TrialHasErrors;
+use crate::binary::{CROWD, Library};
 use anyhow::Result;
 use crowd_mechanics::pack::{Binary, Naming, PackError, Package};
 use crowd_mechanics::trial::Trial;
@@ -36,9 +37,13 @@ impl FmuArguments {
         if self.flat_names { Naming::Flat } else { Naming::Structured }
     }
 
-    /// Those that were given, else the library built with this program.
-    pub fn binaries(&self, library: &str) -> Result<Vec<Binary>> {
-        if self.binaries.is_empty() { Ok(vec![binary_beside(library)?]) } else { Ok(self.binaries.clone()) }
+    /// Those that were given, checked, else the library built with this program.
+    pub fn binaries(&self, library: &Library) -> Result<Vec<Binary>> {
+        if self.binaries.is_empty() {
+            return Ok(vec![binary_beside(library.name)?]);
+        }
+        self.binaries.iter().try_for_each(|binary| library.check(binary))?;
+        Ok(self.binaries.clone())
     }
 }
 
@@ -48,7 +53,7 @@ fn parse_binary(text: &str) -> Result<Binary, String> {
 }
 
 pub fn pack(arguments: &Arguments) -> Result<()> {
-    let binaries = arguments.fmu.binaries("crowd_mechanics")?;
+    let binaries = arguments.fmu.binaries(&CROWD)?;
     let warnings = write_fmu(&arguments.trials, binaries, arguments.fmu.naming(), &arguments.output)?;
     for warning in warnings {
         eprintln!("{warning}");

@@ -3,6 +3,7 @@
 use crate::crowd::trial_of;
 use crate::drive::Drive;
 use crate::pack::write_fmu;
+use crate::results::Tables;
 use crate::watch::Watch;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
@@ -82,9 +83,6 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if arguments.output == arguments.outputs {
-        bail!("{}: trajectories and outputs cannot go into one file", arguments.output.display());
-    }
     let coupled = arguments.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp"));
     let (mut system, start, stop) = if coupled { open_ssp(arguments)? } else { open_fmu(arguments)? };
     for setting in &arguments.settings {
@@ -100,7 +98,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let pushes = Pushes::new(&system, trials[0].as_ref(), drive)?;
     let step = step_of(arguments, &system, &trials)?;
 
-    let mut watch = Watch::create(&system, trials, &arguments.output, &arguments.outputs)?;
+    let inputs = std::iter::once(&arguments.input).chain(&arguments.drive).map(PathBuf::as_path);
+    let tables = Tables::beside(inputs);
+    let mut watch = Watch::create(&system, trials, &arguments.output, &arguments.outputs, tables)?;
     let started = Instant::now();
     let done = advance(&mut system, start, until, step, &pushes, &mut watch);
     let wall = started.elapsed();
@@ -156,17 +156,22 @@ fn open_ssp(arguments: &Arguments) -> Result<Opened> {
 fn set(system: &System, setting: &str, coupled: bool) -> Result<()> {
     let (name, value) =
         setting.split_once('=').with_context(|| format!("--set {setting}: expected NAME=VALUE"))?;
-    let (component, name) = if coupled {
+    let (place, name) = if coupled {
         let names: Vec<&str> = system.components().iter().map(|c| c.name.as_str()).collect();
         system.find(name).with_context(|| {
             format!("--set {setting}: expected COMPONENT.NAME=VALUE; components are {}", names.join(", "))
         })?
     } else {
-        (&system.components()[0], name)
+        (0, name)
     };
+    let component = &system.components()[place];
     let unknown = || format!("the FMU has no variable {name:?}; see lemons info");
     let kind = component.fmu.kind(name).with_context(unknown)?;
-    component.instance.set(kind, name, value)
+    component.instance.set(kind, name, value)?;
+    if system.feeds(place, name) {
+        eprintln!("warning: --set {setting}: overwritten by the connection that feeds {name}");
+    }
+    Ok(())
 }
 
 fn drive_of(arguments: &Arguments, trial: Option<&Trial>) -> Result<Drive> {

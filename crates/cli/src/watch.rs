@@ -3,6 +3,7 @@
 use crate::connect::plain_names;
 use crate::crowd::{Crowd, agents_of};
 use crate::outputs::Outputs;
+use crate::results::Tables;
 use anyhow::Result;
 use crowd_mechanics::trial::Trial;
 use lemons_master::System;
@@ -22,6 +23,7 @@ impl Watch {
         trials: Vec<Option<Trial>>,
         trajectories: &Path,
         outputs: &Path,
+        mut tables: Tables,
     ) -> Result<Watch> {
         let agents: Vec<usize> =
             system.components().iter().map(|component| agents_of(&component.fmu.description)).collect();
@@ -36,9 +38,9 @@ impl Watch {
             }
             let path = if several { with_name(trajectories, &names[place]) } else { trajectories.to_owned() };
             let name = several.then(|| system.components()[place].name.clone());
-            crowds.push((name, Crowd::create(system, place, agents[place], trial, &path)?));
+            crowds.push((name, Crowd::create(system, place, agents[place], trial, &path, &mut tables)?));
         }
-        Ok(Watch { crowds, outputs: Outputs::create(system, others, outputs)? })
+        Ok(Watch { crowds, outputs: Outputs::create(system, others, outputs, &mut tables)? })
     }
 
     /// At a communication point.

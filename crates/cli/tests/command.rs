@@ -210,3 +210,74 @@ fn info_lists_the_variables() {
     assert!(!said.contains("agent[1].Mass"), "{said}");
     assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
 }
+
+#[test]
+fn commands_stand_in_the_order_of_their_use() {
+    let directory = TempDir::new().unwrap();
+    let help = out(&lemons(directory.path(), &["--help"]));
+    let words = help.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let words: Vec<&str> = words.filter_map(|line| line.split_whitespace().next()).take(8).collect();
+    assert_eq!(words, ["pack", "decide", "connect", "run", "info", "check", "describe", "verify"]);
+}
+
+/// The crowd's library, out of its FMU.
+fn crowd_library(at: &Path) -> Vec<u8> {
+    assert_code(&lemons(at, &["pack", default_trial().to_str().unwrap(), "-o", "push.fmu"]), 0);
+    let mut fmu = zip::ZipArchive::new(fs::File::open(at.join("push.fmu")).unwrap()).unwrap();
+    let names: Vec<String> = fmu.file_names().map(|name| name.unwrap().into_owned()).collect();
+    let name = names.iter().find(|name| name.starts_with("binaries/")).unwrap();
+    let mut bytes = Vec::new();
+    std::io::copy(&mut fmu.by_name(name).unwrap(), &mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn decide_says_what_it_needs_and_what_it_doubts() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let help = out(&lemons(at, &["decide", "--help"]));
+    // The example of the help is one.
+    let example: Vec<&str> = help.split_once("desired_speed").unwrap().1.lines().map(str::trim).collect();
+    let wishes = format!("desired_speed{}", example.join("\n")).replace("agents.7", "agents.3");
+    assert!(wishes.contains("default 1.34") && wishes.contains("radius 0.3"), "{help}");
+    assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
+    fs::write(at.join("wishes.toml"), wishes).unwrap();
+
+    trial(at, "close", "dynamic/AgentDynamics.xml", "1.448,0.012", "1.3,0.012");
+    let output = lemons(at, &["check", "close"]);
+    assert_code(&output, 0);
+    let warning = out(&output).lines().next().unwrap().to_owned();
+    assert!(warning.starts_with("warning: "), "{warning}");
+
+    let output = lemons(at, &["decide", "close", "-o", "x.fmu"]);
+    assert_code(&output, 1);
+    let said = err(&output);
+    for words in
+        ["close/decision.toml", "--plan FILE.toml", "\n  desired_speed = 1.34\n  waypoints = [{ x = "]
+    {
+        assert!(said.contains(words), "{said}");
+    }
+    let library = crowd_library(at);
+    fs::write(at.join("crowd.library"), &library).unwrap();
+    fs::write(at.join("decision.library"), [&library[..], b"decision.toml"].concat()).unwrap();
+    let binary = |file: &str| format!("--binary={}={file}", crowd_mechanics::pack::host_platform().unwrap());
+    let decide = ["decide", "close", "-o", "x.fmu", "--plan", "wishes.toml"];
+    let output = lemons(at, &[&decide[..], &[&binary("crowd.library")]].concat());
+    assert_code(&output, 1);
+    assert!(err(&output).contains("is not the library lemons_decision_fmu"), "{}", err(&output));
+    for wrong in ["win64=wishes.toml", "win64=crowd.library", "linux32=decision.library"] {
+        let output = lemons(at, &[&decide[..], &["--binary", wrong]].concat());
+        assert_code(&output, 1);
+        assert!(
+            err(&output).contains(&format!("--binary {wrong}: is no shared library")),
+            "{}",
+            err(&output)
+        );
+    }
+    assert!(!at.join("x.fmu").exists());
+    let output = lemons(at, &[&decide[..], &[&binary("decision.library")]].concat());
+    assert_code(&output, 0);
+    assert!(err(&output).contains(&warning), "{}", err(&output));
+    let good = default_trial();
+    assert_code(&lemons(at, &["pack", good.to_str().unwrap(), "-o", "y.fmu", &binary("crowd.library")]), 0);
+}

@@ -40,14 +40,16 @@ const CONNECT: [&str; 5] = ["connect", "controller.fmu", "crowd.fmu", "-o", "cou
 fn connect_says_what_it_did_and_writes_the_same_bytes() {
     let directory = fmus(false);
     let at = directory.path();
-    let said = out(&lemons(at, &CONNECT));
+    let output = lemons(at, &CONNECT);
+    let said = out(&output);
     let expected = [
         "controller -> crowd: 15 connected: agent[0].Fp.x, agent[0].Fp.y, agent[0].Mp, …",
         "crowd -> controller: 15 connected: agent[0].Position.x, agent[0].Position.y, …",
-        "controller: 4 inputs not connected: real.in, integer.in, boolean.in, string.in",
     ];
-    assert_eq!(said.lines().take(3).collect::<Vec<_>>(), expected);
-    assert!(said.lines().nth(3).unwrap().starts_with("coupled.ssp: "), "{said}");
+    assert_eq!(said.lines().take(2).collect::<Vec<_>>(), expected);
+    let warning = "warning: controller: 4 inputs not connected: real.in, integer.in, boolean.in, …\n";
+    assert_eq!(String::from_utf8_lossy(&output.stderr), warning);
+    assert!(said.lines().nth(2).unwrap().starts_with("coupled.ssp: "), "{said}");
     assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
     let first = fs::read(at.join("coupled.ssp")).unwrap();
     out(&lemons(at, &CONNECT));
@@ -109,6 +111,95 @@ fn several_crowds_have_several_files() {
     let (left, right) = (read("t_left_hall.csv"), read("t_right.csv"));
     assert!(left.contains("\n1.2,4,") && left != right, "{left}");
     assert!(!at.join("t.csv").exists() && !at.join("outputs.csv").exists());
+}
+
+#[test]
+fn connect_writes_over_no_input() {
+    let directory = fmus(false);
+    let at = directory.path();
+    fs::copy(at.join("crowd.fmu"), at.join("crowd.ssp")).unwrap();
+    let before = fs::read(at.join("crowd.fmu")).unwrap();
+    let said =
+        |crowd: &str, output: &str| err(&lemons(at, &["connect", "controller.fmu", crowd, "-o", output]));
+    for output in ["crowd.fmu", "x.fmu", "x"] {
+        let said = said("crowd.fmu", output);
+        assert!(said.contains(output) && said.contains("ends in .ssp"), "{said}");
+    }
+    // However it is spelled.
+    for output in ["crowd.ssp", "./crowd.ssp", &format!("{}/crowd.ssp", at.display())] {
+        let said = said("crowd.ssp", output);
+        assert!(said.contains(output) && said.contains("would be overwritten"), "{said}");
+    }
+    for file in ["crowd.fmu", "crowd.ssp"] {
+        assert!(fs::read(at.join(file)).unwrap() == before, "{file} is as it was");
+    }
+    assert!(!at.join("x.fmu").exists() && !at.join("x").exists());
+}
+
+#[test]
+fn results_go_into_files_of_their_own() {
+    let directory = fmus(true);
+    let at = directory.path();
+    out(&lemons(at, &CONNECT));
+    fs::create_dir(at.join("sub")).unwrap();
+    let before = fs::read(at.join("coupled.ssp")).unwrap();
+    let absolute = at.join("trajectories.csv");
+    for (options, words) in [
+        (["--outputs", "./trajectories.csv"], "other results go there"),
+        (["--outputs", "sub/../trajectories.csv"], "other results go there"),
+        (["--outputs", absolute.to_str().unwrap()], "other results go there"),
+        (["--outputs", "./coupled.ssp"], "the run reads it"),
+        (["-o", "coupled.ssp"], "the run reads it"),
+    ] {
+        let said = err(&lemons(at, &[&["run", "coupled.ssp", "--until", "0.1"], &options[..]].concat()));
+        assert!(said.contains(options[1]) && said.contains(words), "{said}");
+        assert!(!at.join("trajectories.csv").exists());
+    }
+    assert!(fs::read(at.join("coupled.ssp")).unwrap() == before);
+    // The file of one of several crowds.
+    let structure = br#"<SystemStructureDescription version="1.0"><System><Elements>
+        <Component name="left" source="crowd.fmu"/><Component name="right" source="crowd.fmu"/>
+        <Component name="controller" source="controller.fmu"/></Elements></System>
+        </SystemStructureDescription>"#;
+    let [crowd, controller] = ["crowd.fmu", "controller.fmu"].map(|name| fs::read(at.join(name)).unwrap());
+    let files =
+        [("SystemStructure.ssd", &structure[..]), ("crowd.fmu", &crowd), ("controller.fmu", &controller)];
+    write_zip(&at.join("three.ssp"), &files);
+    let three = ["run", "three.ssp", "--until", "0.1", "-o", "t.csv", "--outputs"];
+    let said = err(&lemons(at, &[&three[..], &["./t_right.csv"]].concat()));
+    assert!(said.contains("./t_right.csv: other results go there"), "{said}");
+    out(&lemons(at, &[&three[..], &["t.csv"]].concat()));
+}
+
+#[test]
+fn a_value_that_a_connection_overwrites_is_warned_of() {
+    let directory = fmus(true);
+    let at = directory.path();
+    out(&lemons(at, &CONNECT));
+    let warnings = |setting: &str| {
+        let output = lemons(at, &["run", "coupled.ssp", "--until", "0.1", "--set", setting]);
+        out(&output);
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    assert_eq!(
+        warnings("crowd.agent[0].Fp.x=3"),
+        "warning: --set crowd.agent[0].Fp.x=3: overwritten by the connection that feeds agent[0].Fp.x\n"
+    );
+    for free in ["crowd.agent[0].Velocity.x=1", "controller.real.in=1", "controller.integer.in=1"] {
+        assert_eq!(warnings(free), "", "{free}");
+    }
+}
+
+#[test]
+fn what_is_no_fmu_is_called_what_it_is() {
+    let directory = fmus(false);
+    let at = directory.path();
+    out(&lemons(at, &CONNECT));
+    let said = err(&lemons(at, &["info", "coupled.ssp"]));
+    assert!(said.contains("coupled.ssp: this is an SSP archive: lemons run FILE.ssp"), "{said}");
+    write_zip(&at.join("some.zip"), &[("text", b"")]);
+    let said = err(&lemons(at, &["run", "some.zip"]));
+    assert!(said.contains("some.zip: there is no modelDescription.xml in it: no FMU"), "{said}");
 }
 
 #[test]

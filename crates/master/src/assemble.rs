@@ -1,10 +1,10 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
-use crate::system::{Algorithm, Component, System, Wire, Wires};
-use crate::{Fmu, Instance};
+use crate::fmu::{Fmu, Instance};
+use crate::system::{Algorithm, Component, System, Wire, Wires, component_of};
 use anyhow::{Context, Result, anyhow, bail};
 use lemons_ssp::{
-    Affine, Archive, Connector, Interface, Kind, ParameterSet, SystemStructure, Type, Unit, Value,
+    Affine, Allowance, Archive, Connector, Interface, Kind, ParameterSet, SystemStructure, Type, Unit, Value,
     conversion, located,
 };
 use std::path::Path;
@@ -32,13 +32,14 @@ pub fn assemble(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
 fn assemble_archive(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
     let mut archive = Archive::open(path)?;
     let structure = archive.structure()?;
+    let mut allowance = Allowance::new(Allowance::FMUS);
     let mut components = Vec::with_capacity(structure.components.len());
     let mut interfaces = Vec::with_capacity(structure.components.len());
     for described in &structure.components {
         let wrong = |error: anyhow::Error| {
             located(described.line, "Component", "source", &described.source, format!("{error:#}"))
         };
-        let fmu = unpack(&mut archive, &described.source).map_err(wrong)?;
+        let fmu = unpack(&mut archive, &described.source, &mut allowance).map_err(wrong)?;
         let interface = fmu.interface().map_err(wrong)?;
         for connector in &described.connectors {
             check(connector, &interface, &structure)?;
@@ -53,10 +54,10 @@ fn assemble_archive(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
     Ok(Assembled { system, start: structure.start, stop: structure.stop, ignored })
 }
 
-fn unpack(archive: &mut Archive, source: &str) -> Result<Fmu> {
+fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
     let mut file = tempfile::NamedTempFile::with_prefix("lemons-").context("cannot make a temporary file")?;
-    archive.copy(source, &mut file)?;
-    Fmu::unzip(file.path())
+    archive.copy(source, &mut file, allowance)?;
+    Fmu::unzip(file.path(), allowance)
 }
 
 /// Whether the FMU has the variable that a connector names, of that kind, type and unit.
@@ -180,15 +181,6 @@ fn set_parameters(
     Ok(ignored)
 }
 
-/// The component that a name `component.variable` leads to, and the variable's name: of several the longest.
-pub(crate) fn component_of<'a>(components: &[Component], name: &'a str) -> Option<(usize, &'a str)> {
-    let candidates = components.iter().enumerate().filter_map(|(place, component)| {
-        let variable = name.strip_prefix(component.name.as_str())?.strip_prefix('.')?;
-        Some((place, variable))
-    });
-    candidates.min_by_key(|(_, variable)| variable.len())
-}
-
 fn set_parameter(
     instance: &Instance,
     interface: &Interface,
@@ -202,8 +194,7 @@ fn set_parameter(
     match (value, &variable.of) {
         (Value::Real(value, unit), Type::Real(own)) => {
             let defined = |name: &String| {
-                let here = set.units.iter().find(|unit| unit.name == *name);
-                here.or_else(|| structure.unit(name)).or_else(|| interface.unit(name))
+                set.units.get(name).or_else(|| structure.unit(name)).or_else(|| interface.unit(name))
             };
             let own_definition = own.as_ref().and_then(|name| interface.unit(name));
             let map = conversion(

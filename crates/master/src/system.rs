@@ -9,9 +9,9 @@
 //! The first values: while every component is in initialization mode, outputs are read and inputs set as often
 //! as there are components (values then have passed the longest chain without a loop), or until nothing changes.
 
-use crate::assemble::component_of;
-use crate::{Fmu, Instance};
+use crate::fmu::{Fmu, Instance};
 use anyhow::{Context, Result};
+use fmi_rs::model_description::fmi2::VariableType;
 use lemons_ssp::Affine;
 use std::collections::HashMap;
 
@@ -103,9 +103,26 @@ impl System {
         &self.components
     }
 
-    /// The component and the variable that a name `component.variable` leads to.
-    pub fn find<'a>(&self, name: &'a str) -> Option<(&Component, &'a str)> {
-        component_of(&self.components, name).map(|(place, variable)| (&self.components[place], variable))
+    /// The place of the component and the variable that a name `component.variable` leads to.
+    pub fn find<'a>(&self, name: &'a str) -> Option<(usize, &'a str)> {
+        component_of(&self.components, name)
+    }
+
+    /// Whether a connection feeds a variable of the component at this place.
+    pub fn feeds(&self, place: usize, variable: &str) -> bool {
+        let component = &self.components[place];
+        let (Some(kind), Ok(reference)) =
+            (component.fmu.kind(variable), component.instance.reference(variable))
+        else {
+            return false;
+        };
+        match kind {
+            VariableType::Real { .. } => self.reals.feeds(place, reference),
+            VariableType::Integer { .. } => self.integers.feeds(place, reference),
+            VariableType::Boolean { .. } => self.booleans.feeds(place, reference),
+            VariableType::String { .. } => self.strings.feeds(place, reference),
+            VariableType::Enumeration { .. } => false,
+        }
     }
 
     /// How many there are.
@@ -219,6 +236,15 @@ impl System {
     }
 }
 
+/// The component that a name `component.variable` leads to, and the variable's name: of several the longest.
+pub(crate) fn component_of<'a>(components: &[Component], name: &'a str) -> Option<(usize, &'a str)> {
+    let candidates = components.iter().enumerate().filter_map(|(place, component)| {
+        let variable = name.strip_prefix(component.name.as_str())?.strip_prefix('.')?;
+        Some((place, variable))
+    });
+    candidates.min_by_key(|(_, variable)| variable.len())
+}
+
 /// The FMI functions of a type.
 trait Signal {
     type Value: Clone + Default + PartialEq;
@@ -328,6 +354,10 @@ impl<S: Signal> Channel<S> {
             inputs.references.push(wire.to.1);
             inputs.sources.push(Source { component: wire.from.0, place, map: wire.map });
         }
+    }
+
+    fn feeds(&self, c: usize, reference: u32) -> bool {
+        self.inputs[c].references.contains(&reference)
     }
 
     fn read(&mut self, c: usize, instance: &Instance) -> Result<bool> {

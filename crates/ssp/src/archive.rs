@@ -1,12 +1,13 @@
 //! The `.ssp`: a zip of `SystemStructure.ssd` and what it names.
 
+use crate::allowance::Allowance;
 use crate::document::{STRUCTURE_FILE, SystemStructure};
 use crate::read::read;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
 use percent_encoding::percent_decode_str;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
@@ -37,21 +38,21 @@ impl Archive {
     /// # Errors
     /// There is none, it is broken, or it holds what is not served.
     pub fn structure(&mut self) -> Result<SystemStructure> {
-        let bytes = self.read(STRUCTURE_FILE)?;
-        read(&bytes, &mut |source| self.read(source))
-    }
-
-    fn read(&mut self, source: &str) -> Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        self.copy(source, &mut bytes)?;
-        Ok(bytes)
+        let mut allowance = Allowance::new(Allowance::STRUCTURE);
+        let mut load = |source: &str| {
+            let mut bytes = Vec::new();
+            self.copy(source, &mut bytes, &mut allowance)?;
+            Ok(bytes)
+        };
+        let bytes = load(STRUCTURE_FILE)?;
+        read(&bytes, &mut load)
     }
 
     /// Copies out a file that the structure names by a relative URI.
     ///
     /// # Errors
-    /// There is no such file, or it is broken.
-    pub fn copy(&mut self, source: &str, to: &mut impl Write) -> Result<()> {
+    /// There is no such file, it is broken, or larger than the allowance.
+    pub fn copy(&mut self, source: &str, to: &mut impl Write, allowance: &mut Allowance) -> Result<()> {
         let decoded = percent_decode_str(source).decode_utf8_lossy();
         // Some tools do not encode: there a percent sign is itself.
         let names = [decoded.as_ref(), source].map(|name| name.trim_start_matches("./").to_owned());
@@ -60,17 +61,16 @@ impl Archive {
         }
         let name = names.iter().find(|name| self.zip.index_for_name(name).is_some());
         let name = name.with_context(|| format!("there is no {} in the archive", names[0]))?;
-        let mut entry = self.zip.by_name(name)?;
+        let entry = self.zip.by_name(name)?;
         if !entry.is_file() {
             bail!("{name} is no file");
         }
-        io::copy(&mut entry, to).map_err(|error| anyhow!("{name}: {error}"))?;
-        Ok(())
+        allowance.copy(name, entry, to)
     }
 }
 
-/// Of the name of an entry: absolute, with a drive, or with a step upwards.
-fn leads_outside(name: &str) -> bool {
+/// Of the name of an entry of an archive: absolute, with a drive, or with a step upwards.
+pub fn leads_outside(name: &str) -> bool {
     let drive = name.as_bytes().get(1) == Some(&b':');
     drive || name.starts_with(['/', '\\']) || name.split(['/', '\\']).any(|part| part == "..")
 }

@@ -4,7 +4,7 @@ use crate::document::{Component, Connection, Connector, Kind, Port, SystemStruct
 use crate::interface::{Interface, Variable};
 use crate::unit::{Affine, Unit, conversion};
 use anyhow::{Result, bail};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// An FMU to connect.
 pub struct Participant<'a> {
@@ -177,11 +177,14 @@ fn assemble(
 }
 
 /// The connector of a variable; its unit joins the units of the system.
-fn connector(participant: &Participant, variable: &Variable, units: &mut Vec<Unit>) -> Result<Connector> {
+fn connector(
+    participant: &Participant,
+    variable: &Variable,
+    units: &mut BTreeMap<String, Unit>,
+) -> Result<Connector> {
     let mut of = variable.of.clone();
     if let Some(name) = of.unit() {
-        let known = units.iter().find(|unit| unit.name == name);
-        match (participant.interface.unit(name), known) {
+        match (participant.interface.unit(name), units.get(name)) {
             (Some(unit), Some(known)) if !unit.is_same(known) => {
                 bail!(
                     "{}: {} means another unit by {name:?} than another FMU",
@@ -190,7 +193,9 @@ fn connector(participant: &Participant, variable: &Variable, units: &mut Vec<Uni
                 );
             }
             (Some(_), Some(_)) => {}
-            (Some(unit), None) => units.push(unit.clone()),
+            (Some(unit), None) => {
+                units.insert(name.to_owned(), unit.clone());
+            }
             // SSP wants a definition of every unit that it names.
             (None, _) => of = Type::Real(None),
         }

@@ -2,6 +2,7 @@
 
 use crate::unit::{Affine, Unit};
 use anyhow::anyhow;
+use std::collections::BTreeMap;
 use std::fmt::Display;
 
 /// The default structure of an archive.
@@ -17,8 +18,8 @@ pub struct SystemStructure {
     pub components: Vec<Component>,
     /// From outputs to inputs.
     pub connections: Vec<Connection>,
-    /// What connectors name.
-    pub units: Vec<Unit>,
+    /// What connectors name, by name.
+    pub units: BTreeMap<String, Unit>,
     /// \[s\] `DefaultExperiment`
     pub start: Option<f64>,
     /// \[s\] `DefaultExperiment`
@@ -148,8 +149,8 @@ pub struct Connection {
 pub struct ParameterSet {
     /// In the order of the file.
     pub parameters: Vec<Parameter>,
-    /// What its Reals name.
-    pub units: Vec<Unit>,
+    /// What its Reals name, by name.
+    pub units: BTreeMap<String, Unit>,
     /// The file that holds it.
     pub file: String,
 }
@@ -185,7 +186,7 @@ impl SystemStructure {
 
     /// A unit by name.
     pub fn unit(&self, name: &str) -> Option<&Unit> {
-        self.units.iter().find(|unit| unit.name == name)
+        self.units.get(name)
     }
 }
 

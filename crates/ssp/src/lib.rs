@@ -4,12 +4,14 @@
 //! - [`Interface`]: the variables and units of an FMU
 //! - [`connect`]: interfaces -> the structure that connects equal names
 //! - [`Archive`], [`write_archive`]: the `.ssp`
+//! - [`Allowance`]: how much an archive may unpack to
 //!
 //! Served of the standard: components that are FMUs for co-simulation, connections with unit conversion and
 //! linear transformation, parameter values (inline or `.ssv`), the default experiment. Refused, with a message
 //! that names the element: nested systems, signal dictionaries, connections from the system's own inputs,
 //! parameter mappings, mapping transformations.
 
+mod allowance;
 mod archive;
 mod connect;
 mod document;
@@ -19,7 +21,8 @@ mod unit;
 mod write;
 mod xml;
 
-pub use archive::{Archive, write_archive};
+pub use allowance::Allowance;
+pub use archive::{Archive, leads_outside, write_archive};
 pub use connect::{Connected, Participant, connect};
 pub use document::{
     Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure,

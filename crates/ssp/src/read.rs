@@ -7,8 +7,8 @@ use crate::document::{
 use crate::unit::{Affine, Unit};
 use crate::xml::{Document, Element};
 use anyhow::{Context, Result};
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 
 const FMU_TYPE: &str = "application/x-fmu-sharedlibrary";
 const PARAMETER_TYPE: &str = "application/x-ssp-parameter-set";
@@ -50,6 +50,7 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
         return Err(system.problem("has no <Component>"));
     }
     let outside = read_connectors(system)?;
+    let outside = outside.iter().map(|connector| (connector.name.as_str(), connector.kind)).collect();
     let mut fed = HashMap::new();
     for element in system.child("Connections").into_iter().flat_map(|list| list.children("Connection")) {
         let Some(connection) = read_connection(element, &structure, &names, &outside)? else { continue };
@@ -145,7 +146,7 @@ fn read_connection(
     element: Element,
     structure: &SystemStructure,
     names: &Names,
-    outside: &[Connector],
+    outside: &HashMap<&str, Kind>,
 ) -> Result<Option<Connection>> {
     let start = read_end(element, "startElement", "startConnector", names)?;
     let end = read_end(element, "endElement", "endConnector", names)?;
@@ -154,10 +155,9 @@ fn read_connection(
         (Some(_), None) | (None, Some(_)) => {
             let attribute = if start.is_none() { "startConnector" } else { "endConnector" };
             let name = element.text(attribute)?;
-            let connector = outside.iter().find(|connector| connector.name == name);
-            let connector =
-                connector.with_context(|| element.wrong(attribute, "the system has no such connector"))?;
-            if connector.kind == Kind::Output {
+            let kind = outside.get(name);
+            let kind = kind.with_context(|| element.wrong(attribute, "the system has no such connector"))?;
+            if *kind == Kind::Output {
                 return Ok(None);
             }
             return Err(element.wrong(attribute, "connectors of the system are not served, except outputs"));
@@ -215,9 +215,15 @@ fn read_end(element: Element, owner: &str, connector: &str, names: &Names) -> Re
     Ok(Some(Port { component, connector: place.with_context(missing)? }))
 }
 
-fn read_units(owner: Element) -> Result<Vec<Unit>> {
-    let units = owner.child("Units").into_iter().flat_map(|units| units.children("Unit"));
-    units.filter_map(|unit| read_unit(unit).transpose()).collect()
+/// By name; of two with one name the first.
+fn read_units(owner: Element) -> Result<BTreeMap<String, Unit>> {
+    let mut units = BTreeMap::new();
+    for element in owner.child("Units").into_iter().flat_map(|units| units.children("Unit")) {
+        if let Some(unit) = read_unit(element)? {
+            units.entry(unit.name.clone()).or_insert(unit);
+        }
+    }
+    Ok(units)
 }
 
 /// `Unit`, which SSP took from FMI 2.0; `None` for one that FMI allows without a definition.

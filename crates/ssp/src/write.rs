@@ -43,7 +43,7 @@ fn write(out: &mut Out, structure: &SystemStructure) -> io::Result<()> {
         })?;
         if !structure.units.is_empty() {
             out.create_element("ssd:Units").write_inner_content(|out| {
-                structure.units.iter().try_for_each(|unit| write_unit(out, unit))
+                structure.units.values().try_for_each(|unit| write_unit(out, unit))
             })?;
         }
         let times = [("startTime", structure.start), ("stopTime", structure.stop)];

@@ -1,6 +1,6 @@
 //! Structures and archives, good and bad, as their users meet them.
 
-use lemons_ssp::{Archive, Interface, Participant, SystemStructure, connect, write_archive};
+use lemons_ssp::{Allowance, Archive, Interface, Participant, SystemStructure, connect, write_archive};
 use std::fs::File;
 use std::io::Write;
 use std::path::Path;
@@ -200,12 +200,38 @@ fn archives_are_checked_before_anything_is_taken_out() {
     zip(&path, &[("SystemStructure.ssd", FOREIGN), ("values.ssv", VALUES), ("resources/a b.fmu", "it")]);
     let mut copied = Vec::new();
     let mut archive = Archive::open(&path).unwrap();
-    archive.copy("./resources/a%20b.fmu", &mut copied).unwrap();
+    let mut allowance = Allowance::new(3);
+    archive.copy("./resources/a%20b.fmu", &mut copied, &mut allowance).unwrap();
     assert_eq!(copied, b"it");
+    let said = archive.copy("resources/a b.fmu", &mut copied, &mut allowance).unwrap_err().to_string();
+    assert!(said.contains("resources/a b.fmu: is refused: more than"), "{said}");
     // An archive cut in the middle.
     let bytes = std::fs::read(&path).unwrap();
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
     assert!(Archive::open(&path).is_err());
+}
+
+#[test]
+fn archives_that_unpack_to_a_lot_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("x.ssp");
+    let said = |structure: &str, values: &str| {
+        zip(&path, &[("SystemStructure.ssd", structure), ("values.ssv", values)]);
+        assert!(path.metadata().unwrap().len() < 1_000_000, "it is a small file");
+        match Archive::open(&path).unwrap().structure() {
+            Ok(_) => panic!("accepted"),
+            Err(error) => format!("{error:#}"),
+        }
+    };
+    let spaces = " ".repeat(64_000_000);
+    let large = said(&format!("{FOREIGN}{spaces}"), VALUES);
+    assert_eq!(large, "SystemStructure.ssd: is refused: more than 64 MB to unpack in all");
+    let large = said(FOREIGN, &spaces);
+    assert!(large.contains("source=\"values.ssv\": values.ssv: is refused: more than 64 MB"), "{large}");
+    // Small as a text, large as a tree.
+    let elements = FOREIGN.replacen("<Elements>", &format!("<Elements>{}", "<a/>".repeat(4_000_000)), 1);
+    let large = said(&elements, VALUES);
+    assert!(large.contains("nodes limit reached"), "{large}");
 }
 
 /// A model description of Reals: name, causality, unit.

@@ -1,0 +1,153 @@
+//! Whether a shared library is what an FMU needs: of its platform, and the one of its model.
+
+use anyhow::{Context, Result, anyhow, bail};
+use crowd_mechanics::pack::Binary;
+use lemons_decision::decision::PLAN_FILE;
+use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
+use object::{Architecture, BinaryFormat, FileKind, Object};
+
+/// A shared library of this workspace.
+pub struct Library {
+    /// Of the crate.
+    pub name: &'static str,
+    /// A text that only this one holds.
+    mark: &'static str,
+}
+
+/// Of the crowd; the mark is the function that it exports beside FMI's.
+pub const CROWD: Library = Library { name: "crowd_mechanics", mark: "CrowdMechanics" };
+/// Of the decision; the mark is the file of its resources.
+pub const DECISION: Library = Library { name: "lemons_decision_fmu", mark: PLAN_FILE };
+
+/// The file format and the processors of FMI's platforms.
+const PLATFORMS: [(&str, BinaryFormat, &[Architecture]); 9] = {
+    use Architecture::{Aarch64, I386, X86_64};
+    use BinaryFormat::{Elf, MachO, Pe};
+    [
+        ("linux64", Elf, &[X86_64]),
+        ("linux32", Elf, &[I386]),
+        ("aarch64-linux", Elf, &[Aarch64]),
+        ("x86_64-linux", Elf, &[X86_64]),
+        ("win64", Pe, &[X86_64]),
+        ("win32", Pe, &[I386]),
+        // FMI 2.0 names no other platform for Macs.
+        ("darwin64", MachO, &[X86_64, Aarch64]),
+        ("aarch64-darwin", MachO, &[Aarch64]),
+        ("x86_64-darwin", MachO, &[X86_64]),
+    ]
+};
+
+impl Library {
+    /// Whether a file is this library, for its platform.
+    ///
+    /// # Errors
+    /// It is not; a platform that FMI does not know is left to those who pack.
+    pub fn check(&self, binary: &Binary) -> Result<()> {
+        let Binary { platform, path } = binary;
+        let known = PLATFORMS.iter().find(|(name, ..)| name == platform);
+        let Some((_, format, processors)) = known else { return Ok(()) };
+        let shown = path.display();
+        let bytes = std::fs::read(path).with_context(|| format!("cannot read {shown}"))?;
+        let wrong = || anyhow!("--binary {platform}={shown}: is no shared library for {platform}");
+        let parts = parts(&bytes).with_context(wrong)?;
+        let fits = |part: &(BinaryFormat, Architecture)| part.0 == *format && processors.contains(&part.1);
+        if !parts.iter().any(fits) {
+            return Err(wrong());
+        }
+        if !bytes.windows(self.mark.len()).any(|text| text == self.mark.as_bytes()) {
+            bail!("--binary {platform}={shown}: is not the library {}", self.name);
+        }
+        Ok(())
+    }
+}
+
+/// Formats and processors of a shared library; a Mac's may hold several.
+fn parts(bytes: &[u8]) -> object::Result<Vec<(BinaryFormat, Architecture)>> {
+    let one = |bytes: &[u8]| object::File::parse(bytes).map(|file| (file.format(), file.architecture()));
+    match FileKind::parse(bytes)? {
+        FileKind::MachOFat32 => {
+            MachOFatFile32::parse(bytes)?.arches().iter().map(|arch| one(arch.data(bytes)?)).collect()
+        }
+        FileKind::MachOFat64 => {
+            MachOFatFile64::parse(bytes)?.arches().iter().map(|arch| one(arch.data(bytes)?)).collect()
+        }
+        _ => Ok(vec![one(bytes)?]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A header with nothing behind it: 64 bit, of this processor.
+    fn elf(machine: u8) -> Vec<u8> {
+        let mut bytes = vec![0; 64];
+        bytes[..7].copy_from_slice(b"\x7fELF\x02\x01\x01");
+        (bytes[16], bytes[18], bytes[20], bytes[52]) = (3, machine, 1, 64);
+        bytes
+    }
+
+    fn pe() -> Vec<u8> {
+        let mut bytes = vec![0; 512];
+        bytes[..2].copy_from_slice(b"MZ");
+        bytes[60] = 64;
+        bytes[64..70].copy_from_slice(b"PE\0\0\x64\x86");
+        // The size and the magic of the optional header.
+        bytes[84] = 240;
+        bytes[88..90].copy_from_slice(&[0x0b, 0x02]);
+        bytes
+    }
+
+    fn mach(processor: u8) -> Vec<u8> {
+        let mut bytes = vec![0; 32];
+        bytes[..8].copy_from_slice(&[0xcf, 0xfa, 0xed, 0xfe, processor, 0, 0, 1]);
+        bytes
+    }
+
+    /// One of several processors: a list of them, then the files.
+    fn fat(files: &[(u8, Vec<u8>)]) -> Vec<u8> {
+        let mut bytes = vec![0xca, 0xfe, 0xba, 0xbe, 0, 0, 0, files.len() as u8];
+        for (k, (processor, file)) in files.iter().enumerate() {
+            let offset = 256 * (k as u32 + 1);
+            for word in [0x0100_0000 | u32::from(*processor), 0, offset, file.len() as u32, 0] {
+                bytes.extend(word.to_be_bytes());
+            }
+        }
+        for (_, file) in files {
+            bytes.resize(bytes.len().next_multiple_of(256), 0);
+            bytes.extend(file);
+        }
+        bytes
+    }
+
+    #[test]
+    fn a_library_is_for_its_platform() {
+        let directory = tempfile::TempDir::new().unwrap();
+        let path = directory.path().join("library");
+        let (x86, arm) = (7, 12);
+        for (bytes, fits) in [
+            (elf(62), &["linux64", "x86_64-linux"][..]),
+            (elf(183), &["aarch64-linux"]),
+            (pe(), &["win64"]),
+            (mach(x86), &["darwin64", "x86_64-darwin"]),
+            (mach(arm), &["darwin64", "aarch64-darwin"]),
+            (fat(&[(x86, mach(x86)), (arm, mach(arm))]), &["darwin64", "aarch64-darwin", "x86_64-darwin"]),
+            (b"decision.toml, a text".to_vec(), &[]),
+            (b"MZ".to_vec(), &[]),
+            (vec![], &[]),
+        ] {
+            for (platform, ..) in PLATFORMS {
+                let binary = Binary { platform: platform.into(), path: path.clone() };
+                std::fs::write(&path, [&bytes[..], b"decision.toml"].concat()).unwrap();
+                let done = DECISION.check(&binary).map_err(|error| error.to_string());
+                assert_eq!(done.is_ok(), fits.contains(&platform), "{platform}: {done:?}");
+                let Err(said) = CROWD.check(&binary).map_err(|error| error.to_string()) else {
+                    panic!("{platform}: no mark of the crowd's")
+                };
+                let why =
+                    if done.is_ok() { "is not the library crowd_mechanics" } else { "is no shared library" };
+                assert!(said.contains(why) && said.contains(&format!("--binary {platform}=")), "{said}");
+            }
+        }
+    }
+}

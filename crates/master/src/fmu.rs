@@ -1,0 +1,301 @@
+//! An FMU and its instances, by `fmi-rs`.
+
+use crate::unzip::{DESCRIPTION_FILE, unzip};
+use anyhow::{Context, Result, anyhow, bail};
+use crowd_mechanics::resources::Resources;
+use fmi_rs::fmi2::log::Logger;
+use fmi_rs::fmi2::types::fmi2Status;
+use fmi_rs::fmi2::{CS, FMU2};
+use fmi_rs::model_description::fmi2::{ModelDescription, VariableType};
+use lemons_ssp::{Allowance, Interface};
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+use tempfile::TempDir;
+
+/// An FMU, unzipped.
+pub struct Fmu {
+    directory: TempDir,
+    /// What `modelDescription.xml` says.
+    pub description: ModelDescription,
+    /// Of the variables, by name.
+    places: HashMap<String, usize>,
+}
+
+impl Fmu {
+    /// Unzips an FMU and reads its description.
+    ///
+    /// # Errors
+    /// No FMU there.
+    pub fn open(path: &Path) -> Result<Fmu> {
+        let mut allowance = Allowance::new(Allowance::FMUS);
+        Self::unzip(path, &mut allowance).with_context(|| path.display().to_string())
+    }
+
+    /// As [`Fmu::open`], for a file whose name is of no interest to those who read messages.
+    pub(crate) fn unzip(path: &Path, allowance: &mut Allowance) -> Result<Fmu> {
+        let directory = TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
+        unzip(path, directory.path(), allowance)?;
+        let description = ModelDescription::from_path(&directory.path().join(DESCRIPTION_FILE))
+            .map_err(|error| anyhow!("{DESCRIPTION_FILE}: {error}"))?;
+        let names = description.modelVariables.iter().enumerate();
+        let places = names.map(|(place, variable)| (variable.name.clone(), place)).collect();
+        Ok(Fmu { directory, description, places })
+    }
+
+    /// The variables and units, as SSP sees them.
+    ///
+    /// # Errors
+    /// The model description is broken.
+    pub fn interface(&self) -> Result<Interface> {
+        Interface::read(&std::fs::read(self.directory.path().join(DESCRIPTION_FILE))?)
+    }
+
+    /// The Trials that are packed in it.
+    ///
+    /// # Errors
+    /// There are none.
+    pub fn resources(&self) -> Result<Resources> {
+        let path = self.directory.path().join("resources");
+        let path = path.to_str().ok_or_else(|| anyhow!("{} is not UTF-8", path.display()))?;
+        Ok(Resources::from_uri(path)?)
+    }
+
+    /// A new instance.
+    ///
+    /// # Errors
+    /// What the FMU says.
+    pub fn instantiate(&self, name: &str) -> Result<Instance> {
+        let co_simulation = self
+            .description
+            .coSimulation
+            .as_ref()
+            .ok_or_else(|| anyhow!("the FMU is not for co-simulation"))?;
+        let messages = Arc::new(Messages::default());
+        let prefix = format!("{}/", self.directory.path().display());
+        let fmu = FMU2::<CS>::new(
+            self.directory.path(),
+            &co_simulation.modelIdentifier,
+            name,
+            &self.description.guid,
+            false,
+            false,
+            false,
+            messages.clone(),
+            !co_simulation.canNotUseMemoryManagementFunctions,
+        )
+        .map_err(|error| {
+            let text = format!("cannot instantiate the FMU: {error}: {}", root_cause(&error));
+            messages.explain(anyhow!("{}", text.replace(&prefix, "")))
+        })?;
+        let references =
+            self.description.modelVariables.iter().map(|v| (v.name.clone(), v.valueReference)).collect();
+        Ok(Instance { fmu, messages, prefix, references })
+    }
+
+    /// The type of a variable.
+    pub fn kind(&self, name: &str) -> Option<&VariableType> {
+        self.places.get(name).map(|&place| &self.description.modelVariables[place].variableType)
+    }
+}
+
+fn root_cause(error: &dyn std::error::Error) -> String {
+    let mut cause = error;
+    while let Some(source) = cause.source() {
+        cause = source;
+    }
+    cause.to_string()
+}
+
+/// What the FMU logs. Errors become the run's error; warnings are kept for the end.
+#[derive(Default)]
+struct Messages {
+    errors: Mutex<Vec<String>>,
+    warnings: Mutex<Vec<String>>,
+}
+
+impl Logger for Messages {
+    fn log_call(&self, _: fmi2Status, _: &str) {}
+
+    fn log_message(&self, status: fmi2Status, _: &str, message: &str) {
+        let list = match status {
+            fmi2Status::Ok => return,
+            fmi2Status::Warning | fmi2Status::Discard => &self.warnings,
+            _ => &self.errors,
+        };
+        if let Ok(mut list) = list.lock() {
+            list.push(message.to_owned());
+        }
+    }
+}
+
+impl Messages {
+    fn explain(&self, error: anyhow::Error) -> anyhow::Error {
+        let said = self.errors.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default();
+        if said.is_empty() { error } else { anyhow!("{}", said.join("\n")) }
+    }
+}
+
+/// An instance of an FMU.
+pub struct Instance {
+    fmu: Arc<FMU2<CS>>,
+    messages: Arc<Messages>,
+    /// Where the FMU was unzipped: of no interest to those who read messages.
+    prefix: String,
+    references: HashMap<String, u32>,
+}
+
+impl Instance {
+    /// The value reference of a variable.
+    ///
+    /// # Errors
+    /// There is no such variable.
+    pub fn reference(&self, name: &str) -> Result<u32> {
+        self.references.get(name).copied().ok_or_else(|| anyhow!("the FMU has no variable {name:?}"))
+    }
+
+    fn done(&self, status: fmi2Status, what: &str) -> Result<()> {
+        match status {
+            fmi2Status::Ok | fmi2Status::Warning => Ok(()),
+            other => Err(self.messages.explain(anyhow!("{what} answered {other:?}"))),
+        }
+    }
+
+    /// Sets a variable from its text.
+    ///
+    /// # Errors
+    /// A text that is no value of the type, or the FMU's refusal.
+    pub fn set(&self, kind: &VariableType, name: &str, text: &str) -> Result<()> {
+        let reference = [self.reference(name)?];
+        let number_wanted = || format!("{name}={text}: not a number");
+        let status = match kind {
+            VariableType::Real { .. } => {
+                self.fmu.setReal(&reference, &[text.parse().with_context(number_wanted)?])
+            }
+            VariableType::Integer { .. } => {
+                self.fmu.setInteger(&reference, &[text.parse().with_context(number_wanted)?])
+            }
+            VariableType::String { .. } => self.fmu.setString(&reference, &[text]),
+            VariableType::Boolean { .. } => match text {
+                "true" | "1" => self.fmu.setBoolean(&reference, &[1]),
+                "false" | "0" => self.fmu.setBoolean(&reference, &[0]),
+                _ => bail!("{name}={text}: neither true nor false"),
+            },
+            other => bail!("{name}: variables of type {} cannot be set here", other.name()),
+        };
+        self.done(status, "fmi2Set")
+    }
+
+    /// From `fmi2SetupExperiment` to `fmi2ExitInitializationMode`, at time 0.
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn initialize(&self) -> Result<()> {
+        self.enter_initialization(0.0)?;
+        self.exit_initialization()
+    }
+
+    /// `fmi2SetupExperiment` at a time \[s\] and `fmi2EnterInitializationMode`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn enter_initialization(&self, start: f64) -> Result<()> {
+        self.done(self.fmu.setupExperiment(None, start, None), "fmi2SetupExperiment")?;
+        self.done(self.fmu.enterInitializationMode(), "fmi2EnterInitializationMode")
+    }
+
+    /// `fmi2ExitInitializationMode`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn exit_initialization(&self) -> Result<()> {
+        self.done(self.fmu.exitInitializationMode(), "fmi2ExitInitializationMode")
+    }
+
+    /// `fmi2SetReal`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn set_real(&self, references: &[u32], values: &[f64]) -> Result<()> {
+        self.done(self.fmu.setReal(references, values), "fmi2SetReal")
+    }
+
+    /// `fmi2GetReal`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn get_real(&self, references: &[u32], values: &mut [f64]) -> Result<()> {
+        self.done(self.fmu.getReal(references, values), "fmi2GetReal")
+    }
+
+    /// `fmi2GetInteger`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn get_integer(&self, references: &[u32], values: &mut [i32]) -> Result<()> {
+        self.done(self.fmu.getInteger(references, values), "fmi2GetInteger")
+    }
+
+    /// `fmi2SetInteger`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn set_integer(&self, references: &[u32], values: &[i32]) -> Result<()> {
+        self.done(self.fmu.setInteger(references, values), "fmi2SetInteger")
+    }
+
+    /// `fmi2GetBoolean`; anything but 0 is true.
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn get_boolean(&self, references: &[u32], values: &mut [i32]) -> Result<()> {
+        self.done(self.fmu.getBoolean(references, values), "fmi2GetBoolean")
+    }
+
+    /// `fmi2SetBoolean`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn set_boolean(&self, references: &[u32], values: &[i32]) -> Result<()> {
+        self.done(self.fmu.setBoolean(references, values), "fmi2SetBoolean")
+    }
+
+    /// `fmi2GetString`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn get_string(&self, references: &[u32], values: &mut [String]) -> Result<()> {
+        self.done(self.fmu.getString(references, values), "fmi2GetString")
+    }
+
+    /// `fmi2SetString`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn set_string(&self, references: &[u32], values: &[&str]) -> Result<()> {
+        self.done(self.fmu.setString(references, values), "fmi2SetString")
+    }
+
+    /// `fmi2DoStep` from a time over a step, both \[s\].
+    ///
+    /// # Errors
+    /// The FMU's refusal or failure.
+    pub fn step(&self, time: f64, step: f64) -> Result<()> {
+        self.done(self.fmu.doStep(time, step, 1), "fmi2DoStep")
+    }
+
+    /// `fmi2Terminate`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn terminate(&self) -> Result<()> {
+        self.done(self.fmu.terminate(), "fmi2Terminate")
+    }
+
+    /// What the FMU has warned of since the last call.
+    pub fn warnings(&self) -> Vec<String> {
+        let said =
+            self.messages.warnings.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default();
+        said.iter().map(|message| message.replace(&self.prefix, "")).collect()
+    }
+}
