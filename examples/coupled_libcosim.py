@@ -4,10 +4,12 @@
     python examples/coupled_libcosim.py decision.fmu crowd.fmu
 
 `lemons decide resources/Trial_door -o decision.fmu` and `lemons pack resources/Trial_door -o crowd.fmu` make the two.
-Prints when each has passed the door. libcosim passes outputs on after each step, so people see where they were one
-step ago: times differ a little from those of coupled_fmpy.py.
+Prints when each has passed the door. Times differ by seconds from those of coupled_fmpy.py: libcosim passes outputs on
+after each step, so Decision answers one step late, and its steps, differences of whole nanoseconds, differ by rounding.
+That little changes who goes first through the door, and so all that follows.
 """
 
+import argparse
 import sys
 
 from fmpy import read_model_description
@@ -19,9 +21,13 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 
 STEP, END, DOOR = 0.05, 60.0, 5.2  # s, s, m: the door's far side
 
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("decision", metavar="decision.fmu")
+parser.add_argument("crowd", metavar="crowd.fmu")
+fmus = vars(parser.parse_args())
+
 log_output_level(CosimLogLevel.WARNING)
 execution = CosimExecution.from_step_size(round(STEP * 1e9))  # in nanoseconds
-fmus = {"decision": sys.argv[1], "crowd": sys.argv[2]}
 variables = {fmu: read_model_description(path).modelVariables for fmu, path in fmus.items()}
 index = {fmu: execution.add_local_slave(CosimLocalSlave(path, fmu)) for fmu, path in fmus.items()}
 
@@ -31,6 +37,10 @@ def named(fmu, causality):
     return {v.name: v.valueReference for v in variables[fmu] if v.causality == causality and v.type == "Real"}
 
 
+drives = named("decision", "output").keys() & named("crowd", "input").keys()
+people = sum(name.endswith("].Fp.x") for name in drives)
+if not people:
+    sys.exit("{decision} drives nobody of {crowd}: no agent[…].Fp.x in common; decision.fmu first, then crowd.fmu".format(**fmus))
 for source, sink in [("crowd", "decision"), ("decision", "crowd")]:
     outputs, inputs = named(source, "output"), named(sink, "input")
     for name in outputs.keys() & inputs.keys():
@@ -40,7 +50,6 @@ observer = CosimObserver.create_last_value()
 execution.add_observer(observer)
 
 positions = named("crowd", "output")
-people = sum(name.endswith("].Position.x") for name in positions)
 places = [positions[f"agent[{i}].Position.x"] for i in range(people)]
 left = {}
 for k in range(round(END / STEP)):

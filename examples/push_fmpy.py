@@ -5,8 +5,8 @@
 `lemons pack resources/Trial_push -o crowd.fmu` makes such a crowd.fmu.
 """
 
+import argparse
 import shutil
-import sys
 from math import pi, sin
 
 import matplotlib.pyplot as plt
@@ -14,11 +14,16 @@ from fmpy import extract, instantiate_fmu, read_model_description
 
 PEAK, DURATION, STEP, END = 1200.0, 0.6, 0.02, 2.0  # N, s, s, s
 
-description = read_model_description(sys.argv[1])
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("crowd", metavar="crowd.fmu")
+parser.add_argument("plot", metavar="plot.png", nargs="?", default="push.png")
+arguments = parser.parse_args()
+
+description = read_model_description(arguments.crowd)
 reference = {variable.name: variable.valueReference for variable in description.modelVariables}
 xs = [vr for name, vr in reference.items() if name.startswith("agent[") and name.endswith("].Position.x")]
 
-directory = extract(sys.argv[1])
+directory = extract(arguments.crowd)
 crowd = instantiate_fmu(directory, description)
 crowd.setupExperiment(startTime=0.0)
 crowd.enterInitializationMode()
@@ -45,4 +50,4 @@ axes.set(xlabel="time [s]", ylabel="displacement x(t) − x(0) [m]", title="A pu
 axes.grid(alpha=0.3)
 axes.spines[["top", "right"]].set_visible(False)
 figure.legend(loc="outside right center", frameon=False)
-figure.savefig(sys.argv[2] if len(sys.argv) > 2 else "push.png", dpi=150)
+figure.savefig(arguments.plot, dpi=150)

@@ -2,7 +2,7 @@
 
 All go the same way, Jacobi's: in initialization mode the outputs are passed on to the inputs they are connected with; then,
 at each communication point, the inputs that the job sets are set, every FMU does the step, and the outputs are passed on.
-FMPy has no master for several FMUs: `by_fmpy` is this algorithm in so many words. The others' are their fixed-step algorithms.
+FMPy's own `simulate_ssp` starts with zeros: `by_fmpy` is this algorithm in so many words. The others' are their fixed-step algorithms.
 
 Each runs in a process of its own, `python masters.py TOOL`: a crash of a tool is not one of the test suite, and ecos
 finds its libraries only through an LD_LIBRARY_PATH that is there from the start. The job comes in and the numbers go out as JSON,
@@ -32,6 +32,7 @@ class Job:
     parameters: list = field(default_factory=list)  # [variable, value], all Real
     inputs: list = field(default_factory=list)  # for each step: [variable, value], all Real
     sequential: bool = False  # FMPy only: Gauss–Seidel, each FMU gets the newest outputs just before its step
+    zeros: bool = False  # FMPy only: the first values of connected inputs are zero, as in its `simulate_ssp`
     ssp: str = ""  # libcosim and ecos: an archive that connects these FMUs, instead of the connections above
     resets: int = 0  # ecos only: how many times to reset and do it all again
 
@@ -87,9 +88,12 @@ def by_fmpy(job):
         put(job.parameters)
         for fmu in fmus.values():
             fmu.enterInitializationMode()
-        pass_on()
+        if not job.zeros:
+            pass_on()
         for fmu in fmus.values():
             fmu.exitInitializationMode()
+        if job.zeros:
+            put([(sink, 0.0) for _, sink in job.connections])
         for k in range(job.steps):
             time, step = k * job.step, job.step
             if job.nanoseconds:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from crowd import INPUTS, REPOSITORY, TRIAL_DOOR, bits, ids_of, read_table
+from fmpy.ssp.simulation import simulate_ssp
 from masters import Job, run
 
 POSES = ["Position.x", "Position.y", "Theta"]
@@ -78,6 +79,24 @@ def test_the_ssp_in_other_masters(fmus, coupled, run_by_lemons, row, tool):
     assert said == ""
     assert bits(seen) == bits(run_by_lemons(64, "--algorithm", "jacobi"))
     row(tool, "the SSP of `lemons connect`: 30 people and a door", "same bits as `lemons run`, Jacobi")
+
+
+def test_the_ssp_in_fmpy(fmus, coupled, run_by_lemons, row):
+    """`simulate_ssp` is Jacobi's algorithm too, but zero is the first value at every connector: Decision first sees everybody
+    at the origin. The loop of `masters.by_fmpy` that starts so gives its bits; the same loop, started from the true poses,
+    gives those of `lemons run`. So the first values are the one difference.
+    """
+    room = job(fmus, 64)
+    result = simulate_ssp(str(coupled), stop_time=room.steps * room.step, step_size=room.step)
+    theirs = [[seen[".".join(variable)].item() for variable in room.watch] for seen in result]
+    assert len(theirs) == room.steps
+    assert max(theirs[-1][4 * i] for i in range(PEOPLE)) > 5.2, "somebody is out"
+    assert max(step[4 * i + 3] for step in theirs for i in range(PEOPLE)) > 100.0, "and some are squeezed"
+    by_lemons = run_by_lemons(64, "--algorithm", "jacobi")
+    assert bits(run("fmpy", room)[0]) == bits(by_lemons) != bits(theirs)
+    room.zeros = True
+    assert bits(run("fmpy", room)[0]) == bits(theirs)
+    row("fmpy", "`simulate_ssp` of the SSP of `lemons connect`: 30 people and a door", "same bits as FMPy's loop that starts with zeros")
 
 
 def test_the_two_algorithms(run_by_lemons, fmus, row):

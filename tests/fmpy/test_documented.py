@@ -18,8 +18,8 @@ FLAGS = {
     "canSerializeFMUstate": "false",
     "providesDirectionalDerivative": "false",
 }
-# BouncingBall/FMI2.xml, VanDerPol/FMI2.xml and Feedthrough/FMI2.xml of modelica/Reference-FMUs at commit 5fc4622d6fd0:
-# the same attributes in all three.
+# Read by hand from BouncingBall/FMI2.xml, VanDerPol/FMI2.xml and Feedthrough/FMI2.xml of modelica/Reference-FMUs at commit
+# 5fc4622d6fd0be90d017811f62e51bae60765d92: the same attributes in all three.
 REFERENCE = {
     "canHandleVariableCommunicationStepSize": "true",
     "canNotUseMemoryManagementFunctions": "true",

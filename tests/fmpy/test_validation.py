@@ -17,10 +17,12 @@ def test_shared(pack, shared, trial):
     assert validate_fmu(str(pack(shared / trial))) == []
 
 
-def test_two_trials(pack, tmp_path, row):
+@pytest.mark.parametrize("options", [[], ["--flat-names"]])
+def test_two_trials(pack, tmp_path, options, row):
     other = shutil.copytree(TRIAL_PUSH, tmp_path / "Trial_other")
-    assert validate_fmu(str(pack(TRIAL_PUSH, other))) == []
-    row("fmpy", "`validate_fmu`, two Trials in one FMU", "no problem")
+    assert validate_fmu(str(pack(TRIAL_PUSH, other, options=options))) == []
+    naming = "flat" if options else "structured"
+    row("fmpy", f"`validate_fmu`, two Trials in one FMU, {naming} names", "no problem")
 
 
 def test_flat_names(pack, row):
