@@ -14,7 +14,7 @@ if [[ ${1:-} == --asan ]]; then
     export RUSTFLAGS="-Zsanitizer=address -Clink-arg=-rdynamic"
     export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:${ASAN_OPTIONS:-}
     # The sanitizer keeps freed memory for a while, and never forgets a library: the resident set says nothing.
-    exec cargo test --locked --target "$host" --target-dir target/asan -p crowd-mechanics --test fmi2 -- \
+    exec cargo test --locked --target "$host" --target-dir "${CARGO_TARGET_DIR:-target}/asan" -p crowd-mechanics --test fmi2 -- \
         --skip leave_nothing_behind --skip loaded_and_unloaded_without_end
 fi
 
@@ -46,7 +46,7 @@ for target in "${targets[@]}"; do
     # Inputs with a name are seeds and past crashers: they stay.
     find "$committed" -type f -regextype posix-extended -regex '.*/[0-9a-f]{40}' -delete
     # Names are hashes: a sample, much the same from run to run.
-    find "$grown" -type f -size -"${kilobytes}"k -printf '%f\n' | sort | head -n "$files" |
+    find "$grown" -type f -size -"${kilobytes}"k -printf '%f\n' | sort | sed -n "1,${files}p" |
         while read -r file; do cp -n "$grown/$file" "$committed"; done
 done
 if ((${#failed[@]})); then

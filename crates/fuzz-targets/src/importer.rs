@@ -23,6 +23,7 @@ impl Log {
 /// The standard's logger is variadic, which stable Rust cannot define. The library passes one argument
 /// after the format; by the C calling conventions of Linux on x86_64 and aarch64 it is where a callee of
 /// six fixed pointers looks for it.
+type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, ...);
 type FixedLogger =
     unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, *const c_char);
 
@@ -127,7 +128,7 @@ impl<M: Model> Importer<M> {
     ) -> Option<Importer<M>> {
         let log = Box::<Log>::default();
         // SAFETY: see `FixedLogger`.
-        let logger = unsafe { std::mem::transmute::<FixedLogger, _>(self::log) };
+        let logger = unsafe { std::mem::transmute::<FixedLogger, Logger>(self::log) };
         let callbacks = CallbackFunctions {
             logger: Some(logger),
             allocate_memory: null(),
