@@ -62,7 +62,7 @@ pub(super) fn ramps(scene: &Scene, drive: &[Wrench], rates: &[Wrench]) -> Vec<Ra
 
 #[inline]
 fn per_mass_and_inertia(body: &Body, wrench: &Wrench) -> Wrench {
-    Wrench { force: wrench.force * (1.0 / body.mass), torque: wrench.torque / body.inertia }
+    Wrench { force: wrench.force * body.inverse_mass, torque: wrench.torque * body.inverse_inertia }
 }
 
 /// One communication step under way.
@@ -103,7 +103,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
         if !scratch.active.is_empty() {
             self.flights = bodies.iter().map(|body| D::flight(body, self.dt)).collect();
         }
-        scratch.pairs.load(state);
+        scratch.pairs.load(self.scene, state);
         scratch.predicted.copy_from_slice(&state.twists);
         scratch.accelerations.fill(Wrench::default());
         for &b in &scratch.active {
