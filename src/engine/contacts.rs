@@ -3,11 +3,14 @@
 use super::contact_law::{Reaction, react};
 use super::overlap::{Meeting, Overlap, books_contact, meet, nearest_on_face};
 use super::pairs::{DiskPair, DiskPairDetail, FacePair, Pairs, Spring};
+use super::vec2::SMALL_TURN;
 use super::{BodyId, DiskId, FaceId, FacePart, PairLaw, Pose, Regime, Rotation, Scene, Twist, Vec2, Wrench};
 
 /// Where the disks are, from the poses of their bodies.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Placement {
+    /// Of each body.
+    turn: Vec<Rotation>,
     /// \[m\] from the centre of mass to the disk's centre.
     pub arm: Vec<Vec2>,
     /// \[m\] the disk's centre.
@@ -16,17 +19,43 @@ pub(super) struct Placement {
 
 impl Placement {
     pub fn new(scene: &Scene) -> Placement {
-        Placement { arm: vec![Vec2::ZERO; scene.disks.len()], centre: vec![Vec2::ZERO; scene.disks.len()] }
+        let (bodies, disks) = (scene.bodies.len(), scene.disks.len());
+        Placement {
+            turn: vec![Rotation::NONE; bodies],
+            arm: vec![Vec2::ZERO; disks],
+            centre: vec![Vec2::ZERO; disks],
+        }
     }
 
     /// Puts a body's disks where its pose says.
     #[inline]
     pub fn place(&mut self, scene: &Scene, body: usize, pose: Pose) {
-        let turn = Rotation::by(pose.orientation);
-        for disk in scene.bodies[body].disks.clone() {
-            let arm = scene.disks[disk].offset.rotated(turn);
-            self.arm[disk] = arm;
-            self.centre[disk] = pose.position + arm;
+        self.turn[body] = Rotation::by(pose.orientation);
+        self.put_disks(scene, body, pose.position);
+    }
+
+    /// Puts a body's disks where its pose says, which has turned by an angle \[rad\] since they were put.
+    ///
+    /// Turning the last sine and cosine is cheaper than new ones; rounding adds up over a communication
+    /// step (1e-14 after 10 000 steps), at whose ends bodies are placed anew.
+    #[inline]
+    pub fn follow(&mut self, scene: &Scene, body: usize, pose: Pose, turned: f64) {
+        if turned.abs() > SMALL_TURN {
+            return self.place(scene, body, pose);
+        }
+        self.turn[body] = self.turn[body].further(turned);
+        self.put_disks(scene, body, pose.position);
+    }
+
+    #[inline]
+    fn put_disks(&mut self, scene: &Scene, body: usize, position: Vec2) {
+        let turn = self.turn[body];
+        let range = scene.bodies[body].disks.clone();
+        let disks = scene.offsets[range.clone()].iter();
+        let places = self.arm[range.clone()].iter_mut().zip(&mut self.centre[range]);
+        for (offset, (arm, centre)) in disks.zip(places) {
+            *arm = offset.rotated(turn);
+            *centre = position + *arm;
         }
     }
 }
@@ -96,7 +125,7 @@ impl Instant<'_> {
         twist.velocity + arm.perp() * twist.angular_velocity
     }
 
-    #[inline]
+    #[inline(always)]
     fn disks(&self, pair: &DiskPair, detail: &DiskPairDetail, memory: Memory) -> Finding {
         let (i, j) = (pair.first.index(), pair.second.index());
         let overlap = match meet(self.placement.centre[i] - self.placement.centre[j], pair.reach) {
@@ -232,7 +261,7 @@ struct Memory<'a> {
 }
 
 /// The law at a contact; `velocity` \[m/s\] of the receiver relative to the other at the contact point.
-#[inline]
+#[inline(always)]
 fn touch(
     law: &PairLaw,
     overlap: Overlap,
@@ -268,7 +297,7 @@ fn touching_for(depth: f64, normal_speed: f64, dt: f64) -> f64 {
 }
 
 /// Writes what the evaluation `now` has found into the pair's spring.
-#[inline]
+#[inline(always)]
 fn settle(
     finding: Finding,
     spring: &mut Spring,

@@ -124,10 +124,11 @@ impl<D: Drive> CommunicationStep<'_, D> {
             let kicked = kicked(state.twists[b], kick, half);
             let drive = self.drives[b].after(begun);
             let (pose, twist) = drive.fly(&self.flights[b], state.poses[b], kicked);
+            let turned = pose.orientation - state.poses[b].orientation;
             state.poses[b] = pose;
             state.twists[b] = twist;
             scratch.predicted[b] = self::kicked(twist, kick, half);
-            scratch.placement.place(self.scene, b, pose);
+            scratch.placement.follow(self.scene, b, pose, turned);
         }
     }
 
@@ -242,8 +243,8 @@ impl<D: Drive> CommunicationStep<'_, D> {
                 let flight = D::flight(body, duration);
                 (state.poses[b], state.twists[b]) =
                     self.drives[b].fly(&flight, state.poses[b], state.twists[b]);
-                self.scratch.placement.place(self.scene, b, state.poses[b]);
             }
+            self.scratch.placement.place(self.scene, b, state.poses[b]);
         }
         self.scratch.pairs.store(state);
         state.steps += steps;

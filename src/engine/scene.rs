@@ -148,6 +148,8 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Grouped by body.
     pub disks: Vec<Disk>,
+    /// \[m\] [`Disk::offset`] of each disk, side by side: what turning a body reads.
+    pub(super) offsets: Vec<Vec2>,
     /// Grouped by wall.
     pub faces: Vec<Face>,
     /// First face of each wall.
@@ -190,6 +192,7 @@ impl Scene {
         let mut scene = Scene {
             bodies: Vec::with_capacity(bodies.len()),
             disks: Vec::with_capacity(bodies.iter().map(|body| body.disks.len()).sum()),
+            offsets: Vec::new(),
             faces: Vec::new(),
             wall_faces: Vec::with_capacity(walls.len()),
             corners: Vec::new(),
@@ -199,6 +202,7 @@ impl Scene {
         for spec in bodies {
             scene.add_body(spec);
         }
+        scene.offsets = scene.disks.iter().map(|disk| disk.offset).collect();
         for spec in walls {
             scene.add_wall(spec);
         }
