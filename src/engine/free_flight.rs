@@ -218,6 +218,8 @@ mod tests {
         Body {
             mass: 1.0,
             inertia: 1.0,
+            inverse_mass: 1.0,
+            inverse_inertia: 1.0,
             translation_rate,
             rotation_rate,
             disks: 0..1,

@@ -1,6 +1,7 @@
 //! The mechanical step: predict, evaluate, correct.
 //!
-//! Velocity Verlet written as half kick by the contacts, free flight, half kick. The flight is the
+//! Velocity Verlet written as half kick by the contacts, free flight, half kick; half kicks that follow
+//! each other are one. The flight is the
 //! closed form of drive and relaxation, so a body that touches nothing moves exactly and the step is
 //! plain velocity Verlet where there is neither drive nor relaxation. Contact forces are taken
 //! once per step, from positions and *predicted* velocities of the same instant (Vyas, Ottino, Lueptow,
@@ -22,9 +23,8 @@ pub(super) struct Scratch {
     /// Who moves by mechanical steps, ascending.
     active: Vec<usize>,
     predicted: Vec<Twist>,
+    /// By the contacts, at the present instant; taken by the next kick.
     wrenches: Vec<Wrench>,
-    /// By the contacts, at the present instant.
-    accelerations: Vec<Wrench>,
     /// When the pairs were listed.
     listed_at: Vec<Pose>,
 }
@@ -36,7 +36,6 @@ impl Scratch {
             placement: Placement::new(scene),
             predicted: vec![Twist::default(); bodies],
             wrenches: vec![Wrench::default(); bodies],
-            accelerations: vec![Wrench::default(); bodies],
             listed_at: vec![Pose::default(); bodies],
             ..Scratch::default()
         }
@@ -62,7 +61,7 @@ pub(super) fn ramps(scene: &Scene, drive: &[Wrench], rates: &[Wrench]) -> Vec<Ra
 
 #[inline]
 fn per_mass_and_inertia(body: &Body, wrench: &Wrench) -> Wrench {
-    Wrench { force: wrench.force * (1.0 / body.mass), torque: wrench.torque / body.inertia }
+    Wrench { force: wrench.force * body.inverse_mass, torque: wrench.torque * body.inverse_inertia }
 }
 
 /// One communication step under way.
@@ -85,11 +84,16 @@ impl<D: Drive> CommunicationStep<'_, D> {
         self.begin(state);
         if !self.scratch.active.is_empty() {
             for step in 1..=steps {
-                self.predict(state, step);
-                self.keep_neighbours(state, step);
-                self.evaluate();
-                self.correct(state);
+                // Between two steps the second half kick of the one and the first of the other are one.
+                let kick = if step == 1 { Kick::Half } else { Kick::Full };
+                let neighbours = self.predict(state, step, kick);
+                if neighbours == Neighbours::MayBeMissing {
+                    self.list_neighbours(state, step);
+                }
+                self.work.steps += 1;
+                self.evaluate(Stretch::Over(self.dt));
             }
+            self.correct(state);
         }
         self.end(state, steps);
     }
@@ -103,46 +107,37 @@ impl<D: Drive> CommunicationStep<'_, D> {
         if !scratch.active.is_empty() {
             self.flights = bodies.iter().map(|body| D::flight(body, self.dt)).collect();
         }
-        scratch.pairs.load(state);
+        scratch.pairs.load(self.scene, state);
         scratch.predicted.copy_from_slice(&state.twists);
-        scratch.accelerations.fill(Wrench::default());
+        scratch.wrenches.fill(Wrench::default());
         for &b in &scratch.active {
             scratch.placement.place(self.scene, b, state.poses[b]);
         }
         self.list_neighbours(state, 0);
-        self.evaluate_with(Stretch::Hold);
+        self.evaluate(Stretch::Hold);
     }
 
-    /// Half kick, free flight; the velocity a second half kick would give is the predicted one.
-    fn predict(&mut self, state: &mut State, step: u64) {
+    /// Kick, free flight; the velocity that another half kick would give is the predicted one.
+    fn predict(&mut self, state: &mut State, step: u64, kick: Kick) -> Neighbours {
         let half = 0.5 * self.dt;
+        let kick = if kick == Kick::Half { half } else { self.dt };
         // Of a whole number, so that rounding does not add up.
         let begun = (step - 1) as f64 * self.dt;
         let scratch = &mut *self.scratch;
+        let mut neighbours = Neighbours::Listed;
         for &b in &scratch.active {
-            let kick = scratch.accelerations[b];
-            let kicked = kicked(state.twists[b], kick, half);
-            let drive = self.drives[b].after(begun);
-            let (pose, twist) = drive.fly(&self.flights[b], state.poses[b], kicked);
-            state.poses[b] = pose;
-            state.twists[b] = twist;
-            scratch.predicted[b] = self::kicked(twist, kick, half);
-            scratch.placement.place(self.scene, b, pose);
+            let body = &self.scene.bodies[b];
+            let acceleration = per_mass_and_inertia(body, &std::mem::take(&mut scratch.wrenches[b]));
+            let (before, kicked) = (state.poses[b], kicked(state.twists[b], acceleration, kick));
+            let (pose, twist) = self.drives[b].after(begun).fly(&self.flights[b], before, kicked);
+            (state.poses[b], state.twists[b]) = (pose, twist);
+            scratch.predicted[b] = self::kicked(twist, acceleration, half);
+            scratch.placement.follow(self.scene, b, pose, pose.orientation - before.orientation);
+            if moved_too_far(body.reach, &scratch.listed_at[b], &pose) {
+                neighbours = Neighbours::MayBeMissing;
+            }
         }
-    }
-
-    /// Lists the pairs anew if a disk may have moved further than half the skin since the last time.
-    fn keep_neighbours(&mut self, state: &mut State, step: u64) {
-        let moved_too_far = self.scratch.active.iter().any(|&b| {
-            let (now, then) = (&state.poses[b], &self.scratch.listed_at[b]);
-            let by_turning = self.scene.bodies[b].reach * (now.orientation - then.orientation).abs();
-            let left = 0.5 * SKIN - by_turning;
-            // Negated so that a pose that is not a number counts as moved.
-            !(left > 0.0 && (now.position - then.position).norm_squared() < left * left)
-        });
-        if moved_too_far {
-            self.list_neighbours(state, step);
-        }
+        neighbours
     }
 
     /// Lists the pairs of the active bodies, after taking in every free body that one of them nears.
@@ -204,32 +199,22 @@ impl<D: Drive> CommunicationStep<'_, D> {
         let at = scratch.active.partition_point(|&other| other < b);
         scratch.active.insert(at, b);
         scratch.predicted[b] = state.twists[b];
-        scratch.accelerations[b] = Wrench::default();
+        scratch.wrenches[b] = Wrench::default();
         scratch.placement.place(self.scene, b, state.poses[b]);
     }
 
-    fn evaluate(&mut self) {
-        self.work.steps += 1;
-        self.evaluate_with(Stretch::Over(self.dt));
-    }
-
-    /// The contact forces at the present positions and predicted velocities, per mass and inertia.
-    fn evaluate_with(&mut self, stretch: Stretch) {
-        let Scratch { placement, pairs, predicted, wrenches, active, accelerations, .. } = &mut *self.scratch;
-        for &b in active.iter() {
-            wrenches[b] = Wrench::default();
-        }
+    /// Adds the contact forces at the present positions and predicted velocities to the wrenches.
+    fn evaluate(&mut self, stretch: Stretch) {
+        let Scratch { placement, pairs, predicted, wrenches, .. } = &mut *self.scratch;
         let instant = Instant { scene: self.scene, placement, twists: predicted };
         instant.evaluate(pairs, stretch, wrenches, self.work);
-        for &b in active.iter() {
-            accelerations[b] = per_mass_and_inertia(&self.scene.bodies[b], &wrenches[b]);
-        }
     }
 
-    /// The second half kick, by the forces of the new instant.
+    /// The last half kick.
     fn correct(&mut self, state: &mut State) {
         for &b in &self.scratch.active {
-            state.twists[b] = kicked(state.twists[b], self.scratch.accelerations[b], 0.5 * self.dt);
+            let acceleration = per_mass_and_inertia(&self.scene.bodies[b], &self.scratch.wrenches[b]);
+            state.twists[b] = kicked(state.twists[b], acceleration, 0.5 * self.dt);
         }
     }
 
@@ -242,12 +227,38 @@ impl<D: Drive> CommunicationStep<'_, D> {
                 let flight = D::flight(body, duration);
                 (state.poses[b], state.twists[b]) =
                     self.drives[b].fly(&flight, state.poses[b], state.twists[b]);
-                self.scratch.placement.place(self.scene, b, state.poses[b]);
             }
+            self.scratch.placement.place(self.scene, b, state.poses[b]);
         }
         self.scratch.pairs.store(state);
         state.steps += steps;
     }
+}
+
+/// How long contact forces act on the velocity at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kick {
+    /// Half a mechanical step.
+    Half,
+    /// From the middle of one step to the middle of the next.
+    Full,
+}
+
+/// Whether the list of neighbours still holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Neighbours {
+    /// Every pair that may touch is in it.
+    Listed,
+    /// A disk may have moved further than half the skin since it was made.
+    MayBeMissing,
+}
+
+/// Whether a disk may have moved further than half the skin; `reach` \[m\] of the farthest from the centre of mass.
+#[inline]
+fn moved_too_far(reach: f64, then: &Pose, now: &Pose) -> bool {
+    let left = 0.5 * SKIN - reach * (now.orientation - then.orientation).abs();
+    // Negated so that a pose that is not a number counts as moved.
+    !(left > 0.0 && (now.position - then.position).norm_squared() < left * left)
 }
 
 #[inline]

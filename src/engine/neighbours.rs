@@ -94,7 +94,7 @@ pub(super) fn list_pairs(
     near_faces: &[(BodyId, FaceId)],
     pairs: &mut Pairs,
 ) {
-    let mut disks = Vec::with_capacity(pairs.disks.len());
+    let mut disks = Vec::with_capacity(pairs.disks.len() + 16);
     for &(a, b) in near_bodies {
         for i in scene.bodies[a.index()].disks.clone() {
             for j in scene.bodies[b.index()].disks.clone() {
@@ -106,7 +106,6 @@ pub(super) fn list_pairs(
             }
         }
     }
-    pairs.disks.replace(disks);
     let mut faces = Vec::with_capacity(pairs.faces.len());
     for &(body, face) in near_faces {
         for i in scene.bodies[body.index()].disks.clone() {
@@ -116,7 +115,7 @@ pub(super) fn list_pairs(
             }
         }
     }
-    pairs.faces.replace(faces);
+    pairs.replace(scene, disks, faces);
 }
 
 #[cfg(test)]

@@ -86,6 +86,10 @@ pub struct Body {
     pub mass: f64,
     /// \[kg.m2\]
     pub inertia: f64,
+    /// \[1/kg\]
+    pub inverse_mass: f64,
+    /// \[1/(kg.m2)\]
+    pub inverse_inertia: f64,
     /// \[1/s\]
     pub translation_rate: f64,
     /// \[1/s\]
@@ -144,6 +148,8 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Grouped by body.
     pub disks: Vec<Disk>,
+    /// \[m\] [`Disk::offset`] of each disk, side by side: what turning a body reads.
+    pub(super) offsets: Vec<Vec2>,
     /// Grouped by wall.
     pub faces: Vec<Face>,
     /// First face of each wall.
@@ -186,6 +192,7 @@ impl Scene {
         let mut scene = Scene {
             bodies: Vec::with_capacity(bodies.len()),
             disks: Vec::with_capacity(bodies.iter().map(|body| body.disks.len()).sum()),
+            offsets: Vec::new(),
             faces: Vec::new(),
             wall_faces: Vec::with_capacity(walls.len()),
             corners: Vec::new(),
@@ -195,6 +202,7 @@ impl Scene {
         for spec in bodies {
             scene.add_body(spec);
         }
+        scene.offsets = scene.disks.iter().map(|disk| disk.offset).collect();
         for spec in walls {
             scene.add_wall(spec);
         }
@@ -233,6 +241,8 @@ impl Scene {
         self.bodies.push(Body {
             mass: spec.mass,
             inertia: spec.inertia,
+            inverse_mass: 1.0 / spec.mass,
+            inverse_inertia: 1.0 / spec.inertia,
             translation_rate: spec.translation_rate,
             rotation_rate: spec.rotation_rate,
             bounding_radius: own.iter().map(|disk| disk.offset.norm() + disk.radius).fold(0.0, f64::max),
@@ -275,7 +285,19 @@ impl Scene {
     /// The law of two materials.
     #[inline]
     pub fn law(&self, first: usize, second: usize) -> &PairLaw {
-        &self.laws[first * self.materials + second]
+        self.law_at(self.law_between(first, second))
+    }
+
+    /// The place of the law of two materials.
+    #[inline]
+    pub(super) fn law_between(&self, first: usize, second: usize) -> u32 {
+        (first * self.materials + second) as u32
+    }
+
+    /// The law at a place.
+    #[inline]
+    pub(super) fn law_at(&self, place: u32) -> &PairLaw {
+        &self.laws[place as usize]
     }
 
     /// The body that carries a disk.

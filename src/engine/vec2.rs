@@ -63,6 +63,40 @@ impl Vec2 {
     }
 }
 
+/// \[rad\] The largest angle for [`Rotation::further`].
+pub const SMALL_TURN: f64 = 1e-3;
+
+/// \[rad\] Below this the parts of a quarter turn leave no error.
+const FEW_TURNS: f64 = 1000.0;
+
+/// Taylor's series of (sin x − x)/x³ in x²; what is left out is below 1e-19 at an eighth of a turn.
+const SINE: [f64; 8] = [
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+    1.0 / 355_687_428_096_000.0,
+];
+/// Taylor's series of (cos x − 1 + x²/2)/x⁴ in x²; what is left out is below 3e-18.
+const COSINE: [f64; 7] = [
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 87_178_291_200.0,
+    1.0 / 20_922_789_888_000.0,
+];
+
+/// Horner's rule.
+#[inline]
+fn polynomial(coefficients: &[f64], x: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
+}
+
 /// A rotation, counter-clockwise, by its sine and cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rotation {
@@ -73,11 +107,51 @@ pub struct Rotation {
 }
 
 impl Rotation {
-    /// By an angle \[rad\]. `libm`, not the platform's library: the same bits on every machine.
+    /// By nothing.
+    pub const NONE: Rotation = Rotation { sin: 0.0, cos: 1.0 };
+
+    /// By an angle \[rad\], to about 1e-16. Own polynomials and `libm`, not the platform's library: the same
+    /// bits on every machine.
     #[inline]
     pub fn by(angle: f64) -> Rotation {
+        if angle.abs() < FEW_TURNS {
+            return Rotation::by_few_turns(angle);
+        }
         let (sin, cos) = libm::sincos(angle);
         Rotation { sin, cos }
+    }
+
+    /// Turned further by a small angle \[rad\], kept at unit length to first order. A turn as large as
+    /// [`SMALL_TURN`] leaves an error of 1e-17 in the angle.
+    #[inline]
+    pub fn further(self, angle: f64) -> Rotation {
+        let square = angle * angle;
+        let sin = angle - angle * square * (1.0 / 6.0);
+        let cos = 1.0 - square * (0.5 - square * (1.0 / 24.0));
+        let (s, c) = (self.sin * cos + self.cos * sin, self.cos * cos - self.sin * sin);
+        let longer = 1.5 - 0.5 * (s * s + c * c);
+        Rotation { sin: s * longer, cos: c * longer }
+    }
+
+    /// Without the cases that `libm` must tell apart: an eighth of a turn at most is left to two polynomials.
+    #[inline]
+    fn by_few_turns(angle: f64) -> Rotation {
+        use std::f64::consts::FRAC_2_PI;
+        // Adding and taking away rounds to a whole number of quarter turns; its low bits stand in the sum.
+        const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
+        // A quarter turn in two parts; the first has 33 bits, so that its multiples are exact.
+        const QUARTER: f64 = 1.570_796_326_734_125_6;
+        const QUARTER_REST: f64 = 6.077_100_506_506_192e-11;
+        let shifted = angle * FRAC_2_PI + ROUND;
+        let quarters = shifted - ROUND;
+        let rest = (angle - quarters * QUARTER) - quarters * QUARTER_REST;
+        let square = rest * rest;
+        let sin = rest + rest * square * polynomial(&SINE, square);
+        let cos = 1.0 - 0.5 * square + square * square * polynomial(&COSINE, square);
+        let quarters = shifted.to_bits();
+        let (sin, cos) = if quarters & 1 == 0 { (sin, cos) } else { (cos, -sin) };
+        let sign = (quarters & 2) << 62;
+        Rotation { sin: f64::from_bits(sin.to_bits() ^ sign), cos: f64::from_bits(cos.to_bits() ^ sign) }
     }
 }
 
@@ -124,5 +198,24 @@ impl SubAssign for Vec2 {
     #[inline]
     fn sub_assign(&mut self, other: Vec2) {
         *self = *self - other;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_those_of_libm() {
+        let mut worst = 0.0f64;
+        for k in -400_000..=400_000 {
+            let angle = f64::from(k) * 0.002_499_99;
+            let (turn, (sin, cos)) = (Rotation::by(angle), libm::sincos(angle));
+            worst = worst.max((turn.sin - sin).abs()).max((turn.cos - cos).abs());
+        }
+        assert!(worst < 2.3e-16, "{worst}");
+        assert_eq!(Rotation::by(0.0), Rotation { sin: 0.0, cos: 1.0 });
+        assert!(Rotation::by(f64::NAN).sin.is_nan());
+        assert!(Rotation::by(f64::INFINITY).cos.is_nan());
     }
 }

@@ -126,7 +126,7 @@ impl World {
     pub fn restore(&mut self, mut state: State) {
         let scratch = &mut self.scratch;
         let scene = &self.scene;
-        scratch.pairs.load(&state);
+        scratch.pairs.load(scene, &state);
         let circles: Vec<Circle> = state
             .poses
             .iter()

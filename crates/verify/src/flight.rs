@@ -105,7 +105,7 @@ fn restored() -> Result<f64> {
 
 /// The bits of a dense crowd of 144 after 1000 mechanical steps, in debug and release builds, on every machine.
 /// A change here is a change of results: it goes into the CHANGELOG with how much.
-const GOLDEN: u64 = 0x14bf_aa80_bee8_6212;
+const GOLDEN: u64 = 0xbbfb_17c3_a583_75b3;
 
 fn golden() -> Result<f64> {
     let mut world = lattice(12, 0.4, 1e-5);
