@@ -276,7 +276,7 @@ fn bounded<M: Fuzzed>(importer: &Importer<M>, fmu: &Fmu, step: f64) -> (f64, f64
     let (status, value) = importer.get_real(&[reference], Nulls::NONE);
     let steps = step / value[0];
     match status {
-        Status::Ok if steps < 1.0 || steps >= REFUSED => (step, 1.0),
+        Status::Ok if !(1.0..REFUSED).contains(&steps) => (step, 1.0),
         Status::Ok if steps > STEP_WORK => (value[0] * STEP_WORK, STEP_WORK),
         Status::Ok if steps >= 1.0 => (step, steps),
         _ => (step, 1.0),
