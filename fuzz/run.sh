@@ -19,8 +19,8 @@ if [[ ${1:-} == --asan ]]; then
 fi
 
 seconds=${FUZZ_SECONDS:-60}
-# Of each target's inputs so many are kept, each smaller than this.
-files=15 kilobytes=3
+# Of each target's inputs so many are kept: the longest below this size.
+files=12 bytes=2000
 # Temporary directories of fuzzers that crash stay behind.
 TMPDIR=$(mktemp -d)
 export TMPDIR
@@ -45,9 +45,8 @@ for target in "${targets[@]}"; do
     cargo fuzz cmin --fuzz-dir fuzz "$target" "$grown" -- -max_len=8192 -timeout=20 || failed+=("$target")
     # Inputs with a name are seeds and past crashers: they stay.
     find "$committed" -type f -regextype posix-extended -regex '.*/[0-9a-f]{40}' -delete
-    # Names are hashes: a sample, much the same from run to run.
-    find "$grown" -type f -size -"${kilobytes}"k -printf '%f\n' | sort | sed -n "1,${files}p" |
-        while read -r file; do cp -n "$grown/$file" "$committed"; done
+    find "$grown" -type f -size -"${bytes}"c -printf '%s %f\n' | sort -k1,1nr -k2 | sed -n "1,${files}p" |
+        while read -r _ file; do cp -n "$grown/$file" "$committed"; done
 done
 if ((${#failed[@]})); then
     printf 'fuzz/run.sh: crashes in: %s; the inputs are in fuzz/artifacts\n' "${failed[*]}" >&2

@@ -1,6 +1,6 @@
 //! Sequences of FMI calls, and damaged states.
 
-use crate::importer::{Importer, Nulls, Plain, State, StatusOf};
+use crate::importer::{Importer, Nulls, Plain, State, StatusOf, telling};
 use crate::models::{Fmu, Fuzzed, OUTPUTS};
 use crate::show_panics;
 use arbitrary::{Arbitrary, Unstructured};
@@ -161,6 +161,8 @@ enum Call {
     Start,
     /// Half of it.
     Prepare,
+    /// One number of one variable: arrays are mostly refused for one of their elements.
+    Set(u8, Real),
     Setup(Real, Real, Option<Real>),
     Plain(Plain),
     Logging(bool, Vec<Text>, Nulls),
@@ -193,6 +195,8 @@ struct Slot {
     state: State,
     /// Whether `fmi2GetFMUstate` gave it, here or elsewhere.
     genuine: bool,
+    /// Whether files would be written only where they may.
+    in_its_place: bool,
 }
 
 /// An instance and its states.
@@ -205,7 +209,10 @@ impl<M: Fuzzed> Instance<M> {
     fn new(fmu: &Fmu) -> Instance<M> {
         let name = [Some(c"crowd"), Some(&*fmu.guid), Some(&*fmu.uri)];
         let importer = Importer::new(name, 1, 0).expect("an instance");
-        Instance { importer, slots: [(); 3].map(|()| Slot { state: State::NULL, genuine: false }) }
+        Instance {
+            importer,
+            slots: [(); 3].map(|()| Slot { state: State::NULL, genuine: false, in_its_place: true }),
+        }
     }
 }
 
@@ -278,7 +285,7 @@ fn bounded<M: Fuzzed>(importer: &Importer<M>, fmu: &Fmu, step: f64) -> (f64, f64
     match status {
         Status::Ok if !(1.0..REFUSED).contains(&steps) => (step, 1.0),
         Status::Ok if steps > STEP_WORK => (value[0] * STEP_WORK, STEP_WORK),
-        Status::Ok if steps >= 1.0 => (step, steps),
+        Status::Ok => (step, steps),
         _ => (step, 1.0),
     }
 }
@@ -331,6 +338,9 @@ impl<M: Fuzzed> Session<M> {
         }
         let before = bytes(self.importer());
         let status = self.perform(call, &before);
+        if telling() {
+            eprintln!("{call:?}: {status:?}");
+        }
         if matches!(status, Status::Error | Status::Discard) {
             self.unchanged(call, &before);
         }
@@ -399,6 +409,10 @@ impl<M: Fuzzed> Session<M> {
                 let references = self.references(references.iter().copied(), &fmu.strings);
                 self.importer().get_string(&references, *nulls).0
             }
+            Call::Set(place, value) => {
+                let reference = fmu.reals[usize::from(*place) % fmu.reals.len()];
+                self.importer().set_real(&[reference], &[value.value()], Nulls::NONE)
+            }
             Call::SetReal(settings, nulls) => {
                 let references = self.references(settings.iter().map(|(at, _)| *at), &fmu.reals);
                 let values: Vec<f64> = settings.iter().take(MOST).map(|(_, real)| real.value()).collect();
@@ -436,12 +450,17 @@ impl<M: Fuzzed> Session<M> {
                 let Instance { importer, slots } = &mut self.instances[self.at];
                 let slot = &mut slots[usize::from(*slot) % 3];
                 let status = importer.get_state(&mut slot.state, *nulls);
-                slot.genuine |= status == Status::Ok;
+                if status == Status::Ok {
+                    (slot.genuine, slot.in_its_place) = (true, true);
+                }
                 status
             }
             Call::SetState(slot) => {
                 let Instance { importer, slots } = &self.instances[self.at];
                 let slot = &slots[usize::from(*slot) % 3];
+                if !slot.in_its_place {
+                    return Status::Ok;
+                }
                 let status = importer.set_state(&slot.state);
                 assert!(status == Status::Ok || slot.state.is_null() || !slot.genuine, "it was saved");
                 status
@@ -472,7 +491,11 @@ impl<M: Fuzzed> Session<M> {
                 let slot = &mut slots[usize::from(*slot) % 3];
                 let status = importer.deserialize(&bytes, &mut slot.state, *nulls);
                 if status == Status::Ok {
+                    let content = bytes.get(HEADER..).unwrap_or_default();
                     slot.genuine = edits.is_empty();
+                    slot.in_its_place = M::output_directory(content).is_some_and(|name| {
+                        fmu.texts[..OUTPUTS].iter().any(|own| own.as_bytes() == name.as_bytes())
+                    });
                 }
                 status
             }
@@ -673,6 +696,18 @@ mod tests {
         let (_, contacts) = session.importer().get_integer(&session.fmu.integers, Nulls::NONE);
         // Threads, contacts of agents, contacts with walls.
         assert!(contacts[1] > 0 && contacts[2] > 0, "{contacts:?}");
+    }
+
+    /// Else no restored state would be looked at, or directories be made anywhere.
+    #[test]
+    fn the_output_directory_of_a_state_is_found() {
+        let session = Session::<Crowd>::new();
+        let text = (Reference::Any(u8::try_from(session.fmu.output.unwrap()).unwrap()), Text::Known(1));
+        assert_eq!(session.set_string(&[text], Nulls::NONE), Status::Ok);
+        for (bytes, place) in [(&session.pristine, 0), (&bytes(session.importer()), 1)] {
+            let found = Crowd::output_directory(&bytes[HEADER..]).unwrap();
+            assert_eq!(found.as_bytes(), session.fmu.texts[place].as_bytes());
+        }
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crowd_mechanics::variables::table;
 use lemons_decision::{Decision, Plan, Wishes};
 use lemons_fmi2::Model;
 use lemons_master::Fmu;
+use lemons_ssp::Archive;
 use std::collections::HashSet;
 use std::io::Write;
 use std::path::Path;
@@ -94,7 +95,7 @@ pub fn fmu_archive(data: &[u8]) {
     show_panics();
     let directory = directory();
     let path = directory.path().join("x.fmu");
-    let bytes = if way % 2 == 0 { content.to_vec() } else { archive(content) };
+    let bytes = if way % 2 == 0 { content.to_vec() } else { archive("modelDescription.xml", content) };
     std::fs::write(&path, bytes).expect("a file");
     if let Ok(fmu) = Fmu::open(&path)
         && let Ok(resources) = fmu.resources()
@@ -103,11 +104,41 @@ pub fn fmu_archive(data: &[u8]) {
     }
 }
 
-fn archive(model_description: &[u8]) -> Vec<u8> {
+/// An `.ssp`: the bytes themselves, an archive in which they are the structure, or the interface of an FMU.
+pub fn ssp_archive(data: &[u8]) {
+    let Some((&way, content)) = data.split_first() else { return };
+    show_panics();
+    let content = match way % 3 {
+        0 => content.to_vec(),
+        1 => archive(lemons_ssp::STRUCTURE_FILE, content),
+        _ => {
+            let _ = lemons_ssp::Interface::read(content);
+            return;
+        }
+    };
+    let directory = directory();
+    let path = directory.path().join("x.ssp");
+    std::fs::write(&path, content).expect("a file");
+    let structure = Archive::open(&path).and_then(|mut archive| archive.structure());
+    match structure {
+        Ok(structure) => {
+            let text = structure.to_xml();
+            roxmltree::Document::parse(&text).unwrap_or_else(|error| panic!("{error} in {text}"));
+            for connection in &structure.connections {
+                for port in [connection.from, connection.to] {
+                    structure.port(port);
+                }
+            }
+        }
+        Err(error) => assert!(!format!("{error:#}").is_empty()),
+    }
+}
+
+fn archive(name: &str, content: &[u8]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     let stored = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
-    archive.start_file("modelDescription.xml", stored).expect("an entry");
-    archive.write_all(model_description).expect("written into memory");
+    archive.start_file(name, stored).expect("an entry");
+    archive.write_all(content).expect("written into memory");
     archive.finish().expect("an archive").into_inner()
 }
 
@@ -129,7 +160,8 @@ pub fn decision_toml(data: &[u8]) {
     assert_eq!(Plan::from_toml(&written).as_ref(), Ok(&plan), "{written}");
     let mut decision = Decision::new(plan);
     for row in decision.table() {
-        decision.real(row.quantity).expect("a number");
+        // Absurd ones are refused.
+        assert!(decision.real(row.quantity).map_or(true, f64::is_finite));
     }
     decision.advance(1.0, 1.0).expect("a decision");
 }

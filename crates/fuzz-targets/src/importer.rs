@@ -8,7 +8,7 @@ use lemons_fmi2::{CallbackFunctions, Model, Status};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::marker::PhantomData;
 use std::ptr::{null, null_mut};
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 /// What the logger was told, of the categories that are listened to.
 #[derive(Default)]
@@ -46,6 +46,12 @@ unsafe extern "C" fn log(
     if let Ok(mut told) = log.0.lock() {
         told.push((status, text));
     }
+}
+
+/// Whether calls, answers and messages are shown: see `examples/one.rs`.
+pub(crate) fn telling() -> bool {
+    static TELLING: OnceLock<bool> = OnceLock::new();
+    *TELLING.get_or_init(|| std::env::var_os("FUZZ_TOLD").is_some())
 }
 
 /// Which pointers of a call are NULL, one bit each; mostly none.
@@ -162,8 +168,8 @@ impl<M: Model> Importer<M> {
     /// What every answer promises.
     fn answered(&self, status: Status) -> Status {
         let told = self.log.take();
-        if std::env::var_os("FUZZ_TOLD").is_some() {
-            eprintln!("{status:?} {told:?}");
+        if telling() && !told.is_empty() {
+            eprintln!("    {told:?}");
         }
         let tells = |wanted| told.iter().any(|(status, _)| *status == wanted);
         assert!(!matches!(status, Status::Fatal | Status::Pending), "{status:?}: {told:?}");

@@ -6,6 +6,7 @@
 //! - [`states`]: damaged states with a good checksum
 //! - [`trial_xml`]: any bytes as one file of a Trial
 //! - [`fmu_archive`]: any bytes as an `.fmu`, or as its `modelDescription.xml`
+//! - [`ssp_archive`]: any bytes as an `.ssp`, as its structure, or as an FMU's interface
 //! - [`decision_toml`]: any text as wishes or as a plan
 
 #![cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
@@ -16,18 +17,19 @@ mod importer;
 mod models;
 
 pub use calls::{decision_calls, fmi_calls, states};
-pub use files::{decision_toml, fmu_archive, trial_xml};
+pub use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
 
 /// A fuzz target.
 pub type Target = fn(&[u8]);
 
 /// The targets, by the names of their fuzzers and of the directories of their inputs.
-pub const TARGETS: [(&str, Target); 6] = [
+pub const TARGETS: [(&str, Target); 7] = [
     ("fmi_calls", fmi_calls),
     ("decision_calls", decision_calls),
     ("states", states),
     ("trial_xml", trial_xml),
     ("fmu_archive", fmu_archive),
+    ("ssp_archive", ssp_archive),
     ("decision_toml", decision_toml),
 ];
 

@@ -9,6 +9,7 @@ use lemons_decision::plan::{Person, Plan, Wishes};
 use lemons_decision::{Decision, rule::Pose};
 use lemons_fmi2::Model;
 use lemons_fmi2::variables::{Kind, Variable, guid};
+use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::fmt::Debug;
 use std::path::Path;
@@ -41,6 +42,9 @@ pub(crate) const OUTPUTS: usize = 2;
 pub(crate) trait Fuzzed: Model {
     /// Its FMU, one for each thread: gone with the thread.
     fn fmu() -> Rc<Fmu>;
+
+    /// The OutputDirectory in the content of a serialised state: restoring the state makes it.
+    fn output_directory(content: &[u8]) -> Option<String>;
 }
 
 thread_local! {
@@ -52,11 +56,22 @@ impl Fuzzed for Crowd {
     fn fmu() -> Rc<Fmu> {
         CROWD.with(Rc::clone)
     }
+
+    fn output_directory(content: &[u8]) -> Option<String> {
+        /// Phase, time, experiment; then of `crowd::Saved`: Trial, fingerprint, settings, threads.
+        type Before = (u32, f64, Option<(f64, Option<f64>)>, String, u128, BTreeMap<u32, f64>, i32);
+        let (_, rest) = postcard::take_from_bytes::<Before>(content).ok()?;
+        Some(postcard::take_from_bytes(rest).ok()?.0)
+    }
 }
 
 impl Fuzzed for Decision {
     fn fmu() -> Rc<Fmu> {
         DECISION.with(Rc::clone)
+    }
+
+    fn output_directory(_: &[u8]) -> Option<String> {
+        Some(String::new())
     }
 }
 

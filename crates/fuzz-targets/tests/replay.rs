@@ -50,6 +50,11 @@ fn fmu_archive() {
 }
 
 #[test]
+fn ssp_archive() {
+    replay("ssp_archive");
+}
+
+#[test]
 fn decision_toml() {
     replay("decision_toml");
 }
