@@ -10,10 +10,10 @@
 
 use super::contacts::{Instant, Placement, Stretch};
 use super::free_flight::{Drive, Ramp};
-use super::neighbours::{Circle, SKIN, for_each_near_pair, list_pairs};
+use super::neighbours::{Circle, SKIN, for_each_near_pair, list_pairs, near_faces};
 use super::pairs::Pairs;
 use super::shortlist::{Activity, Shortlist};
-use super::{Body, BodyId, FaceId, Pose, Scene, State, Twist, Work, Wrench};
+use super::{Body, BodyId, Pose, Scene, State, Twist, Work, Wrench};
 
 /// Arrays that a communication step works in; what they hold between two steps is never used.
 #[derive(Debug, Clone, Default)]
@@ -171,15 +171,10 @@ impl<D: Drive> CommunicationStep<'_, D> {
                 circles[b] = self.circle_now(state, b);
             }
         }
-        let mut near_faces = Vec::new();
         for &b in &self.scratch.active {
             self.scratch.listed_at[b] = state.poses[b];
-            for face in 0..self.scene.faces.len() {
-                if circles[b].nears_face(self.scene, face, SKIN) {
-                    near_faces.push((BodyId::from(b), FaceId::from(face)));
-                }
-            }
         }
+        let near_faces = near_faces(self.scene, &circles, self.scratch.active.iter().copied());
         let Scratch { placement, pairs, .. } = &mut *self.scratch;
         list_pairs(self.scene, placement, &near_bodies, &near_faces, pairs);
     }

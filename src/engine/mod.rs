@@ -7,6 +7,7 @@
 
 pub mod contact_law;
 mod contacts;
+mod face_grid;
 mod free_flight;
 mod ids;
 mod mechanical_step;

@@ -86,6 +86,21 @@ pub(super) fn for_each_near_pair(circles: &[Circle], margin: f64, mut meet: impl
     }
 }
 
+/// The faces that the circles of some bodies come nearer to than the skin.
+pub(super) fn near_faces(
+    scene: &Scene,
+    circles: &[Circle],
+    bodies: impl Iterator<Item = usize>,
+) -> Vec<(BodyId, FaceId)> {
+    let (mut near, mut scratch) = (Vec::new(), Vec::new());
+    for b in bodies {
+        let candidates = scene.face_grid.candidates(&circles[b], SKIN, &mut scratch).iter();
+        let faces = candidates.filter(|face| circles[b].nears_face(scene, face.index(), SKIN));
+        near.extend(faces.map(|&face| (BodyId::from(b), face)));
+    }
+    near
+}
+
 /// Lists every disk pair and every disk–face pair of the near bodies that comes within the skin.
 pub(super) fn list_pairs(
     scene: &Scene,

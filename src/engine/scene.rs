@@ -1,5 +1,6 @@
 //! What does not change while time runs: bodies, disks, walls and the laws between materials.
 
+use super::face_grid::FaceGrid;
 use super::{BodyId, CornerId, DiskId, FaceId, Rotation, Vec2, WallId};
 use std::ops::Range;
 use thiserror::Error;
@@ -158,6 +159,7 @@ pub struct Scene {
     pub corners: Vec<Corner>,
     laws: Vec<PairLaw>,
     materials: usize,
+    pub(super) face_grid: FaceGrid,
 }
 
 /// Why a scene cannot be built.
@@ -198,6 +200,7 @@ impl Scene {
             corners: Vec::new(),
             laws: Vec::new(),
             materials: laws.materials,
+            face_grid: FaceGrid::default(),
         };
         for spec in bodies {
             scene.add_body(spec);
@@ -206,6 +209,7 @@ impl Scene {
         for spec in walls {
             scene.add_wall(spec);
         }
+        scene.face_grid = FaceGrid::new(&scene.faces);
         if scene.disks.len() > u32::MAX as usize || scene.faces.len() > u32::MAX as usize {
             return Err(SceneError::TooMany("disks or faces"));
         }

@@ -7,7 +7,7 @@
 //! closed form's pose of that instant. So a push that travels through a row within one step is not missed.
 
 use super::free_flight::Drive;
-use super::neighbours::{Circle, SKIN, for_each_near_pair};
+use super::neighbours::{Circle, SKIN, for_each_near_pair, near_faces};
 use super::{Scene, State};
 
 /// A body whose path is longer than this many times the largest body's radius is not shortlisted: its
@@ -85,17 +85,15 @@ impl Shortlist {
                 }
             })
             .collect();
-        let short: Vec<usize> = (0..swept.len()).filter(|&b| activity[b] == Activity::Free).collect();
+        let mut short: Vec<usize> = (0..swept.len()).filter(|&b| activity[b] == Activity::Free).collect();
         let circles: Vec<Circle> = short.iter().map(|&b| swept[b]).collect();
         for_each_near_pair(&circles, SKIN, |a, b| {
             activity[short[a]] = Activity::Active;
             activity[short[b]] = Activity::Active;
         });
-        for &b in &short {
-            let nears_wall = || (0..scene.faces.len()).any(|face| swept[b].nears_face(scene, face, SKIN));
-            if activity[b] == Activity::Free && nears_wall() {
-                activity[b] = Activity::Active;
-            }
+        short.retain(|&b| activity[b] == Activity::Free);
+        for (b, _) in near_faces(scene, &swept, short.into_iter()) {
+            activity[b.index()] = Activity::Active;
         }
         Shortlist { activity, swept }
     }

@@ -3,9 +3,9 @@
 use super::contacts::{ContactReport, Instant, Stretch};
 use super::free_flight::Drive;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
-use super::neighbours::{Circle, SKIN, for_each_near_pair, list_pairs};
+use super::neighbours::{Circle, SKIN, for_each_near_pair, list_pairs, near_faces};
 use super::shortlist::Shortlist;
-use super::{BodyId, FaceId, Scene, Shortlisting, State, Work, Wrench};
+use super::{BodyId, Scene, Shortlisting, State, Work, Wrench};
 use thiserror::Error;
 
 /// More mechanical steps than this in one communication step are refused: they would never end.
@@ -138,14 +138,7 @@ impl World {
             .collect();
         let mut near_bodies = Vec::new();
         for_each_near_pair(&circles, SKIN, |a, b| near_bodies.push((BodyId::from(a), BodyId::from(b))));
-        let mut near_faces = Vec::new();
-        for (b, circle) in circles.iter().enumerate() {
-            near_faces.extend(
-                (0..scene.faces.len())
-                    .filter(|&face| circle.nears_face(scene, face, SKIN))
-                    .map(|face| (BodyId::from(b), FaceId::from(face))),
-            );
-        }
+        let near_faces = near_faces(scene, &circles, 0..circles.len());
         list_pairs(scene, &scratch.placement, &near_bodies, &near_faces, &mut scratch.pairs);
         let instant = Instant { scene, placement: &scratch.placement, twists: &state.twists };
         let mut unused = vec![Wrench::default(); scene.bodies.len()];

@@ -1,0 +1,183 @@
+//! Which faces are near a circle: cells over the walls, made once with the scene.
+
+use super::neighbours::Circle;
+use super::{Face, FaceId, Vec2};
+
+/// Rectangular cells over all walls, each with the faces that pass through it, ascending.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct FaceGrid {
+    low: Vec2,
+    /// \[m\] of a cell, along x and y.
+    size: Vec2,
+    columns: usize,
+    rows: usize,
+    /// Where the faces of each cell begin in `faces`; one more at the end.
+    starts: Vec<u32>,
+    faces: Vec<FaceId>,
+}
+
+/// Cells for each face: more make queries shorter and the grid larger.
+const CELLS_PER_FACE: usize = 4;
+/// Along one side: a face passes through no more than twice as many cells.
+const MOST_CELLS_PER_SIDE: f64 = 1000.0;
+
+impl FaceGrid {
+    pub fn new(faces: &[Face]) -> FaceGrid {
+        let ends = || faces.iter().flat_map(|face| [face.start, face.end]);
+        let Some(first) = ends().next() else { return FaceGrid::default() };
+        let (low, high) = ends().fold((first, first), |(low, high), end| {
+            (
+                Vec2 { x: low.x.min(end.x), y: low.y.min(end.y) },
+                Vec2 { x: high.x.max(end.x), y: high.y.max(end.y) },
+            )
+        });
+        // As square as the whole allows; a wall along an axis makes one row of cells.
+        let cells = (CELLS_PER_FACE * faces.len()) as f64;
+        let (width, height) = (high.x - low.x, high.y - low.y);
+        let side = (width * height / cells).sqrt().max(width.max(height) / cells);
+        let count = |length: f64| (length / side).ceil().max(1.0).min(MOST_CELLS_PER_SIDE) as usize;
+        let (columns, rows) = (count(width), count(height));
+        let size = Vec2 { x: width / columns as f64, y: height / rows as f64 };
+        let mut grid = FaceGrid { low, size, columns, rows, ..FaceGrid::default() };
+        let mut entries: Vec<(usize, FaceId)> = Vec::new();
+        for (place, face) in faces.iter().enumerate() {
+            grid.for_each_cell(face, |cell| entries.push((cell, FaceId::from(place))));
+        }
+        entries.sort_unstable();
+        entries.dedup();
+        grid.starts = vec![0; columns * rows + 1];
+        for (cell, _) in &entries {
+            grid.starts[cell + 1] += 1;
+        }
+        for cell in 0..columns * rows {
+            grid.starts[cell + 1] += grid.starts[cell];
+        }
+        grid.faces = entries.into_iter().map(|(_, face)| face).collect();
+        grid
+    }
+
+    /// The column of a coordinate; those outside belong to the outermost, and what is no number to the first.
+    fn column(&self, x: f64) -> usize {
+        (((x - self.low.x) / self.size.x).max(0.0) as usize).min(self.columns - 1)
+    }
+
+    fn row(&self, y: f64) -> usize {
+        (((y - self.low.y) / self.size.y).max(0.0) as usize).min(self.rows - 1)
+    }
+
+    /// The cells that a face passes through, and perhaps their neighbours along the rows.
+    fn for_each_cell(&self, face: &Face, mut visit: impl FnMut(usize)) {
+        let (from, to) =
+            if face.start.y <= face.end.y { (face.start, face.end) } else { (face.end, face.start) };
+        let rise = to.y - from.y;
+        let x_at = |y: f64| {
+            let share = ((y - from.y) / rise).clamp(0.0, 1.0);
+            from.x + (to.x - from.x) * share
+        };
+        let (first, last) = (self.row(from.y), self.row(to.y));
+        for row in first..=last {
+            // Where it enters the row and where it leaves it.
+            let enters = if row == first { from.x } else { x_at(self.low.y + row as f64 * self.size.y) };
+            let leaves = if row == last { to.x } else { x_at(self.low.y + (row + 1) as f64 * self.size.y) };
+            // A column more on both sides: rounding may have put the crossing into the one beside.
+            let left = self.column(enters.min(leaves)).saturating_sub(1);
+            let right = (self.column(enters.max(leaves)) + 1).min(self.columns - 1);
+            (left..=right).for_each(|column| visit(row * self.columns + column));
+        }
+    }
+
+    /// Every face that a circle comes nearer to than a margin \[m\], ascending, and perhaps others; `found` is
+    /// scratch.
+    pub fn candidates<'a>(&self, circle: &Circle, margin: f64, found: &'a mut Vec<FaceId>) -> &'a [FaceId] {
+        found.clear();
+        if self.columns == 0 {
+            return found;
+        }
+        let (centre, reach) = (circle.centre, circle.radius + margin);
+        let (left, right) = (self.column(centre.x - reach), self.column(centre.x + reach));
+        // A row more on both sides, for rounding as above.
+        let bottom = self.row(centre.y - reach).saturating_sub(1);
+        let top = (self.row(centre.y + reach) + 1).min(self.rows - 1);
+        for row in bottom..=top {
+            let cells = row * self.columns + left..=row * self.columns + right;
+            let (from, to) = (self.starts[*cells.start()], self.starts[cells.end() + 1]);
+            found.extend_from_slice(&self.faces[from as usize..to as usize]);
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LawTable, Scene, WallSpec, vec2};
+    use super::*;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    fn walls(corners: &[Vec<Vec2>]) -> Scene {
+        let specs: Vec<WallSpec> =
+            corners.iter().map(|corners| WallSpec { material: 0, corners: corners.clone() }).collect();
+        Scene::new(&[], &specs, &LawTable::new(1)).unwrap()
+    }
+
+    /// The candidates that are near are all that are near.
+    fn finds_all(scene: &Scene, circle: &Circle, margin: f64) {
+        let near = |face: &FaceId| circle.nears_face(scene, face.index(), margin);
+        let expected: Vec<FaceId> = (0..scene.faces.len()).map(FaceId::from).filter(near).collect();
+        let mut scratch = Vec::new();
+        let candidates = scene.face_grid.candidates(circle, margin, &mut scratch);
+        assert!(candidates.is_sorted());
+        let found: Vec<FaceId> = candidates.iter().copied().filter(near).collect();
+        assert_eq!(found, expected, "{circle:?}");
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
+        #[test]
+        fn every_near_face_is_found(
+            corners in prop::collection::vec(prop::collection::vec((-3.0..3.0f64, -3.0..3.0f64), 2..6), 0..12),
+            circles in prop::collection::vec((-4.0..4.0f64, -4.0..4.0f64, 0.01..0.8f64), 1..20),
+            scale in prop::sample::select(vec![1e-3, 1.0, 1e4]),
+            flat in prop::sample::select(vec![0.0, 1.0]),
+        ) {
+            let place = |&(x, y): &(f64, f64)| vec2(x * scale, y * scale * flat);
+            let scene = walls(&corners.iter().map(|wall| wall.iter().map(place).collect()).collect::<Vec<_>>());
+            for (x, y, radius) in circles {
+                finds_all(&scene, &Circle { centre: vec2(x * scale, y * scale), radius: radius * scale }, 0.01);
+            }
+        }
+    }
+
+    #[test]
+    fn strange_walls_and_circles() {
+        let scenes = [
+            walls(&[]),
+            walls(&[vec![vec2(1.0, 1.0), vec2(1.0, 1.0)]]),
+            walls(&[vec![vec2(0.0, -5.0), vec2(0.0, 5.0)]]),
+            walls(&[
+                vec![vec2(-1e308, 0.0), vec2(1e308, 1.0), vec2(1e308, -1e308)],
+                vec![vec2(0.0, 0.0), vec2(1.0, 0.0)],
+            ]),
+        ];
+        for scene in &scenes {
+            for (x, y) in [(1.0, 1.0), (0.0, 0.0), (1e300, -1e300), (f64::NAN, 0.0), (f64::INFINITY, 0.0)] {
+                finds_all(scene, &Circle { centre: vec2(x, y), radius: 0.3 }, 0.01);
+            }
+        }
+    }
+
+    /// Only near ones cost: of a thousand faces a person looks at some.
+    #[test]
+    fn far_faces_are_no_candidates() {
+        let zigzag: Vec<Vec2> = (0..=1000).map(|k| vec2(0.1 * f64::from(k), f64::from(k % 2))).collect();
+        let scene = walls(&[zigzag]);
+        let circle = Circle { centre: vec2(50.0, 0.5), radius: 0.3 };
+        let mut scratch = Vec::new();
+        let candidates = scene.face_grid.candidates(&circle, 0.01, &mut scratch).len();
+        assert!((6..40).contains(&candidates), "{candidates}");
+        finds_all(&scene, &circle, 0.01);
+    }
+}
