@@ -35,7 +35,9 @@ impl FaceGrid {
         let cells = (CELLS_PER_FACE * faces.len()) as f64;
         let (width, height) = (high.x - low.x, high.y - low.y);
         let side = (width * height / cells).sqrt().max(width.max(height) / cells);
-        let count = |length: f64| (length / side).ceil().max(1.0).min(MOST_CELLS_PER_SIDE) as usize;
+        // Walls of no extent have no number of cells: one.
+        let count = |length: f64| (length / side).ceil().clamp(1.0, MOST_CELLS_PER_SIDE) as usize;
+        let count = |length| count(length).max(1);
         let (columns, rows) = (count(width), count(height));
         let size = Vec2 { x: width / columns as f64, y: height / rows as f64 };
         let mut grid = FaceGrid { low, size, columns, rows, ..FaceGrid::default() };

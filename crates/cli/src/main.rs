@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 something failed (a file, a run); 2 the command line is wrong; 3 a Trial has errors.
 
+mod bench;
 mod binary;
 mod check;
 mod connect;
@@ -48,6 +49,8 @@ enum Command {
     Describe(describe::Arguments),
     /// Measure the mechanics against closed forms, conservation laws and independent integrators
     Verify(verify::Arguments),
+    /// Measure what a mechanical step costs
+    Bench(bench::Arguments),
 }
 
 /// A Trial has errors; they have been printed.
@@ -71,6 +74,7 @@ fn main() -> ExitCode {
         Command::Info(arguments) => info::info(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Describe(arguments) => describe::describe(&arguments),
+        Command::Bench(arguments) => bench::bench(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
     };
     match done {

@@ -1,0 +1,203 @@
+//! Crowds to measure the engine on, and how long it takes.
+//!
+//! The crowds are made here, of the paper's agent 0 with seeded places and drives, and need no files. A case
+//! is measured in processor time of the thread, on a shared machine too: the median of several runs.
+
+use anyhow::Result;
+use cpu_time::ThreadTime;
+use crowd_mechanics::engine::{Pose, Twist, Vec2, World, Wrench, vec2};
+use lemons_verify::scenes::{BODIES, at, pedestrian, wall, world};
+
+/// \[s\] of all crowds but the push.
+const MECHANICAL_STEP: f64 = 1e-5;
+/// \[1/s\]
+const RATE: f64 = 4.5;
+/// \[kg\]
+const MASS: f64 = 89.0;
+
+/// What other engines need for a crowd of this kind \[ns\] per agent and mechanical step, measured once
+/// on a machine of this kind, one core, 2026: not measured again here.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Others {
+    /// The published C++ engine as shipped.
+    pub published: f64,
+    /// The same with the best compiler flags.
+    pub published_best: f64,
+    /// LAMMPS 2025-07-22, rigid/small and gran/hooke/history, where it was measured.
+    pub lammps: Option<f64>,
+}
+
+/// A crowd to be measured.
+pub struct Case {
+    /// What kind of crowd.
+    pub name: &'static str,
+    /// How many agents.
+    pub agents: usize,
+    /// Makes it.
+    pub make: fn(usize) -> Result<World>,
+    /// Mechanical steps of one measurement.
+    pub steps: u64,
+    /// Where there are figures.
+    pub others: Option<Others>,
+}
+
+/// All cases, small crowds first.
+pub fn cases() -> Vec<Case> {
+    let others = |published, published_best, lammps| Some(Others { published, published_best, lammps });
+    let case = |name, agents, make, steps, others| Case { name, agents, make, steps, others };
+    vec![
+        case("push, step 2e-6 s", 5, |_| Ok(push()), 200_000, others(10_000.0, 1_600.0, None)),
+        case("dense", 10, dense, 20_000, None),
+        case("dense", 100, dense, 10_000, others(120_000.0, 34_000.0, Some(720.0))),
+        case("dense", 1_000, dense, 1_000, others(180_000.0, 72_000.0, Some(750.0))),
+        case("dense", 10_000, dense, 100, None),
+        case("dense", 100_000, dense, 20, None),
+        case("sparse", 1_000, sparse, 2_000, others(5_500.0, 1_200.0, Some(590.0))),
+        case("pressed on a wall", 1_000, pressed, 1_000, None),
+    ]
+}
+
+/// Numbers in [−1, 1) that look like random ones: the same on every machine (SplitMix64).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / (1u64 << 63) as f64 - 1.0
+    }
+}
+
+/// Pedestrians on a lattice \[m\] in a closed box, turned and shifted a little, each pushing to a side of its own.
+fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
+    let columns = ((agents as f64 * spacing.y / spacing.x).sqrt().round() as usize).max(1);
+    let rows = agents.div_ceil(columns);
+    let mut numbers = Numbers(30);
+    let motions: Vec<(Pose, Twist)> = (0..agents)
+        .map(|k| {
+            let place = at(
+                spacing.x * ((k % columns) as f64 + 0.5) + 0.01 * numbers.next(),
+                spacing.y * ((k / columns) as f64 + 0.5) + 0.01 * numbers.next(),
+            );
+            (Pose { orientation: turned * numbers.next(), ..place }, Twist::default())
+        })
+        .collect();
+    let (width, height) = (spacing.x * columns as f64, spacing.y * rows as f64);
+    let around = wall(&[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height), (0.0, 0.0)]);
+    let mut world =
+        world(&vec![pedestrian(MASS, RATE); agents], &[around], BODIES, &motions, MECHANICAL_STEP);
+    for drive in &mut world.drive {
+        *drive = Wrench {
+            force: vec2(push * numbers.next(), push * numbers.next()),
+            torque: 0.02 * push * numbers.next(),
+        };
+    }
+    world
+}
+
+/// Lets a crowd come to its contacts, in coarse steps.
+fn settled(mut world: World, duration: f64) -> Result<World> {
+    world.mechanical_step = 1e-4;
+    for _ in 0..5 {
+        world.advance(duration / 5.0)?;
+    }
+    world.mechanical_step = MECHANICAL_STEP;
+    Ok(world)
+}
+
+/// Six people per square metre who push to and fro.
+///
+/// # Errors
+/// The crowd flies apart.
+pub fn dense(agents: usize) -> Result<World> {
+    settled(crowd(agents, vec2(0.32, 0.521), 0.5, 800.0), 0.5)
+}
+
+/// One person on two square metres, walking.
+///
+/// # Errors
+/// The crowd flies apart.
+pub fn sparse(agents: usize) -> Result<World> {
+    settled(crowd(agents, vec2(1.4, 1.4), 3.0, 500.0), 0.2)
+}
+
+/// Everybody pushes to one wall.
+///
+/// # Errors
+/// The crowd flies apart.
+pub fn pressed(agents: usize) -> Result<World> {
+    let mut world = crowd(agents, vec2(0.276, 0.505), 0.1, 0.0);
+    world.drive.fill(Wrench { force: vec2(-200.0, 0.0), torque: 0.0 });
+    settled(world, 1.0)
+}
+
+/// The paper's five people in a row, the first pushed with 700 N.
+fn push() -> World {
+    let motions: Vec<(Pose, Twist)> =
+        (0..5).map(|k| (at(0.28 * f64::from(k), 0.0), Twist::default())).collect();
+    let mut world = world(&vec![pedestrian(MASS, RATE); 5], &[], BODIES, &motions, 2e-6);
+    world.drive[0].force.x = 700.0;
+    world
+}
+
+/// What a case took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// \[ns\] processor time per agent and mechanical step: the median of the runs.
+    pub nanoseconds: f64,
+    /// Pairs looked at, per agent and step.
+    pub pairs: f64,
+    /// Contacts, per agent and step.
+    pub contacts: f64,
+    /// Neighbour lists made in a thousand steps.
+    pub rebuilds: f64,
+}
+
+/// Measures a case, in communication steps of all its mechanical steps.
+///
+/// # Errors
+/// The crowd flies apart.
+pub fn measure(case: &Case, runs: usize) -> Result<Figures> {
+    let mut world = (case.make)(case.agents)?;
+    let step = world.mechanical_step * case.steps as f64;
+    world.advance(step)?;
+    let before = *world.work();
+    let mut times = Vec::with_capacity(runs);
+    for _ in 0..runs {
+        let start = ThreadTime::now();
+        world.advance(step)?;
+        times.push(start.elapsed().as_secs_f64());
+    }
+    times.sort_by(f64::total_cmp);
+    let (steps, work) = ((case.steps * runs as u64) as f64, world.work());
+    let each = case.agents as f64 * steps;
+    Ok(Figures {
+        nanoseconds: times[runs / 2] * 1e9 / (case.agents as f64 * case.steps as f64),
+        pairs: (work.pairs - before.pairs) as f64 / each,
+        contacts: (work.contacts - before.contacts) as f64 / each,
+        rebuilds: (work.rebuilds - before.rebuilds) as f64 * 1000.0 / steps,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the crowds are called is what they are; counts, never times.
+    #[test]
+    fn crowds_are_what_they_are_called() {
+        for case in cases().into_iter().filter(|case| case.agents <= 1_000) {
+            let figures = measure(&Case { steps: 100, ..case }, 1).unwrap();
+            let (pairs, contacts) = match case.name {
+                "dense" => (1.5..4.0, 0.3..2.0),
+                "pressed on a wall" => (2.0..6.0, 1.0..4.0),
+                "sparse" => (0.0..0.2, 0.0..0.05),
+                _ => (0.0..6.0, 0.0..2.0),
+            };
+            let name = format!("{} {}: {figures:?}", case.name, case.agents);
+            assert!(pairs.contains(&figures.pairs) && contacts.contains(&figures.contacts), "{name}");
+        }
+    }
+}
