@@ -122,7 +122,7 @@ impl Rotation {
     }
 
     /// Turned further by a small angle \[rad\], kept at unit length to first order. A turn as large as
-    /// [`SMALL_TURN`] leaves an error of 1e-17 in the angle.
+    /// `SMALL_TURN` leaves an error of 1e-17 in the angle.
     #[inline]
     pub fn further(self, angle: f64) -> Rotation {
         let square = angle * angle;
