@@ -52,7 +52,8 @@ pub fn cases() -> Vec<Case> {
         case("dense", 1_000, dense, 1_000, others(180_000.0, 72_000.0, Some(750.0))),
         case("dense", 10_000, dense, 100, None),
         case("dense", 100_000, dense, 20, None),
-        case("sparse", 1_000, sparse, 2_000, others(5_500.0, 1_200.0, Some(590.0))),
+        // Nobody meets anybody here, so the others' sparse crowds are no comparison.
+        case("sparse", 1_000, sparse, 2_000, None),
         case("pressed on a wall", 1_000, pressed, 1_000, None),
     ]
 }
