@@ -6,57 +6,67 @@ use super::pairs::{DiskPair, DiskPairDetail, FacePair, Pairs, Spring};
 use super::vec2::SMALL_TURN;
 use super::{BodyId, DiskId, FaceId, FacePart, PairLaw, Pose, Regime, Rotation, Scene, Twist, Vec2, Wrench};
 
-/// Where the disks are, from the poses of their bodies.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Placement {
-    /// Of each body.
-    turn: Vec<Rotation>,
-    /// \[m\] from the centre of mass to the disk's centre.
-    pub arm: Vec<Vec2>,
-    /// \[m\] the disk's centre.
-    pub centre: Vec<Vec2>,
+/// Where a body stands and how it moves at one instant: all that a look at its contacts needs of it, in one
+/// cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Standing {
+    /// \[m\] of the centre of mass.
+    position: Vec2,
+    /// By the orientation.
+    turn: Rotation,
+    /// Of the same instant.
+    pub twist: Twist,
 }
 
-impl Placement {
-    pub fn new(scene: &Scene) -> Placement {
-        let (bodies, disks) = (scene.bodies.len(), scene.disks.len());
-        Placement {
-            turn: vec![Rotation::NONE; bodies],
-            arm: vec![Vec2::ZERO; disks],
-            centre: vec![Vec2::ZERO; disks],
-        }
+impl Default for Standing {
+    fn default() -> Standing {
+        Standing { position: Vec2::ZERO, turn: Rotation::NONE, twist: Twist::default() }
+    }
+}
+
+impl Standing {
+    /// Where a pose says.
+    pub fn at(pose: Pose, twist: Twist) -> Standing {
+        Standing { position: pose.position, turn: Rotation::by(pose.orientation), twist }
     }
 
-    /// Puts a body's disks where its pose says.
-    #[inline]
-    pub fn place(&mut self, scene: &Scene, body: usize, pose: Pose) {
-        self.turn[body] = Rotation::by(pose.orientation);
-        self.put_disks(scene, body, pose.position);
-    }
-
-    /// Puts a body's disks where its pose says, which has turned by an angle \[rad\] since they were put.
+    /// Goes on to a pose, turned by an angle \[rad\] since the last one.
     ///
     /// Turning the last sine and cosine is cheaper than new ones; rounding adds up over a communication
     /// step (1e-14 after 10 000 steps), at whose ends bodies are placed anew.
-    #[inline]
-    pub fn follow(&mut self, scene: &Scene, body: usize, pose: Pose, turned: f64) {
+    #[inline(always)]
+    pub fn follow(&mut self, pose: Pose, turned: f64, twist: Twist) {
         if turned.abs() > SMALL_TURN {
-            return self.place(scene, body, pose);
+            self.face(pose.orientation);
+        } else {
+            self.turn = self.turn.further(turned);
         }
-        self.turn[body] = self.turn[body].further(turned);
-        self.put_disks(scene, body, pose.position);
+        (self.position, self.twist) = (pose.position, twist);
     }
 
+    #[cold]
+    #[inline(never)]
+    fn face(&mut self, orientation: f64) {
+        self.turn = Rotation::by(orientation);
+    }
+
+    /// \[m\] from the centre of mass to the centre of a disk, given its [`super::Disk::offset`].
     #[inline]
-    fn put_disks(&mut self, scene: &Scene, body: usize, position: Vec2) {
-        let turn = self.turn[body];
-        let range = scene.bodies[body].disks.clone();
-        let disks = scene.offsets[range.clone()].iter();
-        let places = self.arm[range.clone()].iter_mut().zip(&mut self.centre[range]);
-        for (offset, (arm, centre)) in disks.zip(places) {
-            *arm = offset.rotated(turn);
-            *centre = position + *arm;
-        }
+    fn arm(&self, offset: Vec2) -> Vec2 {
+        offset.rotated(self.turn)
+    }
+
+    /// \[m\] the centre of a disk, given its [`super::Disk::offset`].
+    #[inline]
+    pub fn centre(&self, offset: Vec2) -> Vec2 {
+        self.position + self.arm(offset)
+    }
+
+    /// \[m/s\] of the body's point at an arm from its centre of mass.
+    #[inline]
+    fn velocity_at(&self, arm: Vec2) -> Vec2 {
+        self.twist.velocity + arm.perp() * self.twist.angular_velocity
     }
 }
 
@@ -82,10 +92,30 @@ pub struct Work {
     pub sliding: u64,
     /// Pairs whose centres coincided: no normal, no force.
     pub coincident: u64,
-    /// Neighbour lists made.
+    /// Lists of candidates made.
     pub rebuilds: u64,
+    /// Lists of near pairs taken out of the candidates.
+    pub refreshes: u64,
+    /// Candidates looked at for that.
+    pub candidates: u64,
     /// Bodies moved by the closed form over a whole communication step.
     pub shortlisted: u64,
+}
+
+impl std::iter::Sum for Work {
+    fn sum<I: Iterator<Item = Work>>(works: I) -> Work {
+        works.fold(Work::default(), |sum, work| Work {
+            steps: sum.steps + work.steps,
+            pairs: sum.pairs + work.pairs,
+            contacts: sum.contacts + work.contacts,
+            sliding: sum.sliding + work.sliding,
+            coincident: sum.coincident + work.coincident,
+            rebuilds: sum.rebuilds + work.rebuilds,
+            refreshes: sum.refreshes + work.refreshes,
+            candidates: sum.candidates + work.candidates,
+            shortlisted: sum.shortlisted + work.shortlisted,
+        })
+    }
 }
 
 /// A touching pair.
@@ -109,119 +139,180 @@ enum Finding {
     Touching(Touch),
 }
 
+/// Two disks, seen from each other.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Sight {
+    /// \[m\] from the other's centre to the receiver's.
+    between: Vec2,
+    /// \[m\] from the receiver's centre of mass to its disk's centre.
+    arm: Vec2,
+    /// \[m\] from the other's centre of mass to its disk's centre.
+    other_arm: Vec2,
+}
+
+/// Pairs that are looked at together: what is found of them stays in the nearest cache.
+const AT_ONCE: usize = 32;
+
+/// A wrench that a body of another block is to receive.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Crossing {
+    body: BodyId,
+    wrench: Wrench,
+}
+
+/// What an evaluation adds up, for the bodies of a block.
+pub(super) struct Sums<'a> {
+    /// The first body of the block.
+    pub start: usize,
+    /// Of the bodies of the block.
+    pub wrenches: &'a mut [Wrench],
+    /// For bodies of later blocks.
+    pub crossing: &'a mut Vec<Crossing>,
+    pub work: &'a mut Work,
+}
+
+impl Sums<'_> {
+    /// Each force is computed once and given to the two bodies with opposite signs: Newton's third law to the
+    /// last bit.
+    #[inline(always)]
+    fn add(&mut self, receiver: BodyId, giver: Option<BodyId>, touch: &Touch) {
+        let force = touch.force();
+        let wrench = &mut self.wrenches[receiver.index() - self.start];
+        wrench.force += force;
+        wrench.torque += touch.arm.cross(force);
+        let Some(giver) = giver else { return };
+        let torque = touch.other_arm.cross(force);
+        match self.wrenches.get_mut(giver.index() - self.start) {
+            Some(wrench) => {
+                wrench.force -= force;
+                wrench.torque -= torque;
+            }
+            None => {
+                self.crossing.push(Crossing { body: giver, wrench: Wrench { force: -force, torque: -torque } });
+            }
+        }
+    }
+}
+
+/// Adds what has crossed the bounds of blocks, in the order of the pairs.
+pub(super) fn add_crossing(crossing: &[Crossing], wrenches: &mut [Wrench]) {
+    for Crossing { body, wrench } in crossing {
+        let sum = &mut wrenches[body.index()];
+        sum.force += wrench.force;
+        sum.torque += wrench.torque;
+    }
+}
+
 /// The instant at which contacts are looked at.
 pub(super) struct Instant<'a> {
     pub scene: &'a Scene,
-    pub placement: &'a Placement,
-    /// Of the same instant as the placement.
-    pub twists: &'a [Twist],
+    /// Of each body.
+    pub standing: &'a [Standing],
+    /// How many times contacts have been looked at before.
+    pub before: u64,
 }
 
 impl Instant<'_> {
-    /// \[m/s\] of the body's point at an arm from its centre of mass.
-    #[inline]
-    fn velocity_at(&self, body: BodyId, arm: Vec2) -> Vec2 {
-        let twist = &self.twists[body.index()];
-        twist.velocity + arm.perp() * twist.angular_velocity
+    /// What two disks look like from each other.
+    #[inline(always)]
+    fn sight(&self, pair: &DiskPair) -> Sight {
+        let (i, j) = (&self.standing[pair.first_body.index()], &self.standing[pair.second_body.index()]);
+        let (arm, other_arm) = (i.arm(pair.first_offset), j.arm(pair.second_offset));
+        Sight { between: (i.position + arm) - (j.position + other_arm), arm, other_arm }
     }
 
     #[inline(always)]
-    fn disks(&self, pair: &DiskPair, detail: &DiskPairDetail, memory: Memory) -> Finding {
-        let (i, j) = (pair.first.index(), pair.second.index());
-        let overlap = match meet(self.placement.centre[i] - self.placement.centre[j], pair.reach) {
+    fn disks(&self, pair: &DiskPair, detail: &DiskPairDetail, sight: &Sight, memory: Memory) -> Finding {
+        let overlap = match meet(sight.between, pair.reach) {
             Meeting::Apart => return Finding::Apart,
             Meeting::Coincident => return Finding::Coincident,
             Meeting::Touching(overlap) => overlap,
         };
-        let arm = self.placement.arm[i] + overlap.contact_point(detail.first_radius);
-        let other_arm = self.placement.arm[j] - overlap.contact_point(detail.second_radius);
-        let velocity =
-            self.velocity_at(detail.first_body, arm) - self.velocity_at(detail.second_body, other_arm);
+        let (i, j) = (&self.standing[pair.first_body.index()], &self.standing[pair.second_body.index()]);
+        let arm = sight.arm + overlap.contact_point(detail.first_radius);
+        let other_arm = sight.other_arm - overlap.contact_point(detail.second_radius);
+        let velocity = i.velocity_at(arm) - j.velocity_at(other_arm);
         let law = self.scene.law_at(detail.law);
         Finding::Touching(touch(law, overlap, FacePart::Inside, arm, other_arm, velocity, memory))
     }
 
     #[inline]
     fn face(&self, pair: &FacePair, memory: Memory) -> Finding {
-        let (i, face) = (pair.disk.index(), pair.face.index());
-        let (disk, wall) = (&self.scene.disks[i], &self.scene.faces[face]);
-        let centre = self.placement.centre[i];
+        let (disk, face) = (&self.scene.disks[pair.disk.index()], pair.face.index());
+        let (wall, standing) = (&self.scene.faces[face], &self.standing[disk.body.index()]);
+        let arm = standing.arm(disk.offset);
+        let centre = standing.position + arm;
         let (nearest, part) = nearest_on_face(wall, centre);
         let meeting = meet(centre - nearest, disk.radius);
         if meeting == Meeting::Apart || !books_contact(self.scene, face, nearest, part, centre) {
             return Finding::Apart;
         }
         let Meeting::Touching(overlap) = meeting else { return Finding::Coincident };
-        let arm = self.placement.arm[i] + overlap.contact_point(disk.radius);
-        let velocity = self.velocity_at(disk.body, arm);
+        let arm = arm + overlap.contact_point(disk.radius);
         let law = self.scene.law(disk.material, wall.material);
-        Finding::Touching(touch(law, overlap, part, arm, Vec2::ZERO, velocity, memory))
+        Finding::Touching(touch(law, overlap, part, arm, Vec2::ZERO, standing.velocity_at(arm), memory))
     }
 
-    /// Sums the contact wrenches on every body and lets the springs advance as `stretch` says.
-    ///
-    /// Each force is computed once and given to the two bodies with opposite signs: Newton's third law
-    /// to the last bit.
-    pub fn evaluate(&self, pairs: &mut Pairs, stretch: Stretch, wrenches: &mut [Wrench], work: &mut Work) {
-        work.pairs += (pairs.disks.len() + pairs.faces.len()) as u64;
-        let (before, now) = pairs.next_evaluation();
-        self.find_overlapping(pairs);
-        for &k in &pairs.overlapping {
-            let k = k as usize;
-            let (pair, detail) = (&pairs.disks[k], &pairs.disk_details[k]);
-            let spring = &mut pairs.disk_springs[k];
-            let finding = self.disks(pair, detail, Memory { spring, before, stretch });
-            let Some(touch) = settle(finding, spring, now, stretch, work) else { continue };
-            let force = touch.force();
-            let receiver = &mut wrenches[detail.first_body.index()];
-            receiver.force += force;
-            receiver.torque += touch.arm.cross(force);
-            let giver = &mut wrenches[detail.second_body.index()];
-            giver.force -= force;
-            giver.torque -= touch.other_arm.cross(force);
+    /// Sums the contact wrenches of a block's pairs and lets their springs advance as `stretch` says.
+    pub fn evaluate(&self, pairs: &mut Pairs, stretch: Stretch, sums: &mut Sums) {
+        let before = self.before;
+        let now = before + 1;
+        sums.work.pairs += (pairs.disks.len() + pairs.faces.len()) as u64;
+        pairs.overlapping.resize(AT_ONCE, (0, Sight::default()));
+        for start in (0..pairs.disks.len()).step_by(AT_ONCE) {
+            for (k, sight) in self.find_overlapping(&pairs.disks, start, &mut pairs.overlapping) {
+                let (pair, detail) = (&pairs.disks[*k], &pairs.disk_details[*k]);
+                let spring = &mut pairs.disk_springs[*k];
+                let finding = self.disks(pair, detail, sight, Memory { spring, before, stretch });
+                let Some(touch) = settle(finding, spring, now, stretch, sums.work) else { continue };
+                sums.add(pair.first_body, Some(pair.second_body), &touch);
+            }
         }
         for (pair, spring) in pairs.faces.iter().zip(&mut pairs.face_springs) {
             let finding = self.face(pair, Memory { spring, before, stretch });
-            let Some(touch) = settle(finding, spring, now, stretch, work) else { continue };
-            let force = touch.force();
-            let receiver = &mut wrenches[self.scene.body_of(pair.disk).index()];
-            receiver.force += force;
-            receiver.torque += touch.arm.cross(force);
+            let Some(touch) = settle(finding, spring, now, stretch, sums.work) else { continue };
+            sums.add(self.scene.body_of(pair.disk), None, &touch);
         }
     }
 
-    /// Finds the disk pairs that overlap. Without a branch: which pairs touch cannot be guessed.
-    fn find_overlapping(&self, pairs: &mut Pairs) {
-        let centre = &self.placement.centre[..];
-        pairs.overlapping.resize(pairs.disks.len(), 0);
+    /// Finds those of the next [`AT_ONCE`] pairs that overlap, with their places. Without a branch: which pairs
+    /// touch cannot be guessed.
+    #[inline(always)]
+    fn find_overlapping<'a>(
+        &self,
+        pairs: &[DiskPair],
+        start: usize,
+        overlapping: &'a mut [(usize, Sight)],
+    ) -> &'a [(usize, Sight)] {
         let mut found = 0;
-        for (pair, k) in pairs.disks.iter().zip(0..) {
-            let between = centre[pair.first.index()] - centre[pair.second.index()];
-            pairs.overlapping[found] = k;
-            found += usize::from(between.norm_squared() < pair.reach * pair.reach);
+        for (k, pair) in pairs.iter().enumerate().skip(start).take(AT_ONCE) {
+            let sight = self.sight(pair);
+            overlapping[found] = (k, sight);
+            found += usize::from(sight.between.norm_squared() < pair.reach * pair.reach);
         }
-        pairs.overlapping.truncate(found);
+        &overlapping[..found]
     }
 
-    /// The contacts as they are now; changes nothing.
-    pub fn report(&self, pairs: &Pairs) -> ContactReport {
+    /// The contacts of all blocks as they are now; changes nothing.
+    pub fn report<'a>(&self, blocks: impl Iterator<Item = &'a Pairs> + Clone) -> ContactReport {
         let mut report = ContactReport::empty(self.scene.bodies.len());
         let mut touching_bodies = Vec::new();
-        let memory = |spring| Memory { spring, before: pairs.evaluation, stretch: Stretch::Hold };
-        let disks = pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
-        for ((pair, detail), spring) in disks {
-            if let Finding::Touching(touch) = self.disks(pair, detail, memory(spring)) {
-                let bodies = [detail.first_body, detail.second_body];
+        let memory = |spring| Memory { spring, before: self.before, stretch: Stretch::Hold };
+        let disks =
+            |pairs: &'a Pairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
+        for ((pair, detail), spring) in blocks.clone().flat_map(disks) {
+            if let Finding::Touching(touch) = self.disks(pair, detail, &self.sight(pair), memory(spring)) {
+                let bodies = [pair.first_body, pair.second_body];
                 touching_bodies.push(bodies);
                 for body in bodies {
                     report.bodies[body.index()].agent_contacts += 1;
                     report.bodies[body.index()].squeeze += touch.reaction.normal.abs();
                 }
                 report.agent_contacts += 1;
-                report.add(Pair::Disks { first: pair.first, second: pair.second }, &touch);
+                report.add(Pair::Disks { first: detail.first, second: detail.second }, &touch);
             }
         }
-        for (&pair, spring) in pairs.faces.iter().zip(&pairs.face_springs) {
+        for (&pair, spring) in blocks.flat_map(|pairs| pairs.faces.iter().zip(&pairs.face_springs)) {
             if let Finding::Touching(touch) = self.face(&pair, memory(spring)) {
                 let FacePair { disk, face } = pair;
                 let body = &mut report.bodies[self.scene.body_of(disk).index()];

@@ -1,6 +1,6 @@
 //! The closed form of a motion without contact: a drive that is held or changes evenly, linear relaxation.
 
-use super::{Body, Pose, Twist, Vec2, Wrench};
+use super::{Body, Pose, Scene, Twist, Vec2, Wrench};
 
 /// The solution of `dv/dt = a − λ v`, `dr/dt = v` over a duration, for constant `a` and `λ ≥ 0`:
 /// `v = kept·v₀ + velocity_time·a` and `r = r₀ + velocity_time·v₀ + drive_time·a`.
@@ -107,12 +107,17 @@ pub(super) struct Ramp {
 /// What the drive does to a body per mass and inertia: held (a [`Wrench`]) or changing evenly (a [`Ramp`]).
 ///
 /// A type for each, so that a held drive costs nothing that it does not need.
-pub(super) trait Drive: Copy {
+pub(super) trait Drive: Copy + Send + Sync {
     /// The closed form of the motion under such a drive over a duration.
-    type Flight;
+    type Flight: Send + Sync;
 
     /// Over a duration \[s\].
     fn flight(body: &Body, duration: f64) -> Self::Flight;
+
+    /// The flights of all bodies over a duration \[s\]: each has the one at its place [`Body::flyer`].
+    fn flights(scene: &Scene, duration: f64) -> Vec<Self::Flight> {
+        scene.flyers.iter().map(|body| Self::flight(&scene.bodies[body.index()], duration)).collect()
+    }
 
     /// Where the body is and how it moves at the end of a flight.
     fn fly(self, flight: &Self::Flight, pose: Pose, twist: Twist) -> (Pose, Twist);
@@ -222,6 +227,7 @@ mod tests {
             inverse_inertia: 1.0,
             translation_rate,
             rotation_rate,
+            flyer: 0,
             disks: 0..1,
             bounding_radius: 0.2,
             reach: 0.0,

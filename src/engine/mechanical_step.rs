@@ -8,37 +8,24 @@
 //! Umbanhowar, Comput. Phys. Commun. 310 (2025) 109524), which keeps second order for forces that
 //! depend on velocity.
 
-use super::contacts::{Instant, Placement, Stretch};
+use super::blocks::{BLOCK, Blocks};
+use super::contacts::{Standing, Stretch};
 use super::free_flight::{Drive, Ramp};
-use super::neighbours::{Circle, SKIN, for_each_near_pair, list_pairs, near_faces};
-use super::pairs::Pairs;
+use super::neighbours::{CellGrid, Circle, NEAR, SKIN};
 use super::shortlist::{Activity, Shortlist};
-use super::{Body, BodyId, Pose, Scene, State, Twist, Work, Wrench};
+use super::{Body, BodyId, Pose, Scene, State, Threads, Twist, Work, Wrench};
 
 /// Arrays that a communication step works in; what they hold between two steps is never used.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
-    pub placement: Placement,
-    pub pairs: Pairs,
-    /// Who moves by mechanical steps, ascending.
-    active: Vec<usize>,
-    predicted: Vec<Twist>,
-    /// By the contacts, at the present instant; taken by the next kick.
-    wrenches: Vec<Wrench>,
-    /// When the pairs were listed.
+    pub blocks: Blocks,
+    /// When the candidates were listed.
     listed_at: Vec<Pose>,
 }
 
 impl Scratch {
     pub fn new(scene: &Scene) -> Scratch {
-        let bodies = scene.bodies.len();
-        Scratch {
-            placement: Placement::new(scene),
-            predicted: vec![Twist::default(); bodies],
-            wrenches: vec![Wrench::default(); bodies],
-            listed_at: vec![Pose::default(); bodies],
-            ..Scratch::default()
-        }
+        Scratch { blocks: Blocks::new(scene), listed_at: vec![Pose::default(); scene.bodies.len()] }
     }
 }
 
@@ -64,31 +51,71 @@ fn per_mass_and_inertia(body: &Body, wrench: &Wrench) -> Wrench {
     Wrench { force: wrench.force * body.inverse_mass, torque: wrench.torque * body.inverse_inertia }
 }
 
+/// A body that moves by mechanical steps.
+pub(super) struct Mover<D: Drive> {
+    body: BodyId,
+    /// Place of its flight over one mechanical step: [`Body::flyer`].
+    flyer: u32,
+    /// \[m\] [`Body::reach`]
+    reach: f64,
+    /// \[1/kg\]
+    inverse_mass: f64,
+    /// \[1/(kg.m2)\]
+    inverse_inertia: f64,
+    /// As it is when the communication step begins.
+    drive: D,
+}
+
+impl<D: Drive> Mover<D> {
+    fn new(scene: &Scene, drives: &[D], b: usize) -> Mover<D> {
+        let body = &scene.bodies[b];
+        Mover {
+            body: BodyId::from(b),
+            flyer: body.flyer,
+            reach: body.reach,
+            inverse_mass: body.inverse_mass,
+            inverse_inertia: body.inverse_inertia,
+            drive: drives[b],
+        }
+    }
+
+    #[inline]
+    fn acceleration(&self, wrench: &Wrench) -> Wrench {
+        Wrench { force: wrench.force * self.inverse_mass, torque: wrench.torque * self.inverse_inertia }
+    }
+}
+
 /// One communication step under way.
 pub(super) struct CommunicationStep<'a, D: Drive> {
     pub scene: &'a Scene,
+    pub threads: &'a Threads,
     /// Of each body, as they are when the step begins.
     pub drives: &'a [D],
-    /// Of each body, over one mechanical step; empty at first, and as long as everybody is free.
+    /// Who moves by mechanical steps: of each block, ascending.
+    pub movers: Vec<Vec<Mover<D>>>,
+    /// Over one mechanical step; empty as long as everybody is free.
     pub flights: Vec<D::Flight>,
     pub shortlist: Shortlist,
     pub scratch: &'a mut Scratch,
     pub work: &'a mut Work,
     /// \[s\] the mechanical step.
     pub dt: f64,
+    /// \[m\] how far a disk may move before the list of near pairs is renewed.
+    pub leeway: f64,
 }
 
 impl<D: Drive> CommunicationStep<'_, D> {
     /// Moves the state over `steps` mechanical steps.
     pub fn run(mut self, state: &mut State, steps: u64) {
         self.begin(state);
-        if !self.scratch.active.is_empty() {
+        if self.movers.iter().any(|movers| !movers.is_empty()) {
             for step in 1..=steps {
                 // Between two steps the second half kick of the one and the first of the other are one.
                 let kick = if step == 1 { Kick::Half } else { Kick::Full };
-                let neighbours = self.predict(state, step, kick);
-                if neighbours == Neighbours::MayBeMissing {
-                    self.list_neighbours(state, step);
+                self.leeway -= self.predict(state, step, kick);
+                // Negated so that a leeway that is not a number is none.
+                if !(self.leeway > 0.0) {
+                    self.renew_lists(state, step);
                 }
                 self.work.steps += 1;
                 self.evaluate(Stretch::Over(self.dt));
@@ -100,67 +127,87 @@ impl<D: Drive> CommunicationStep<'_, D> {
 
     /// Lists the active bodies and evaluates the contact forces of the first instant.
     fn begin(&mut self, state: &mut State) {
-        let scratch = &mut *self.scratch;
-        let bodies = &self.scene.bodies;
-        scratch.active =
-            (0..bodies.len()).filter(|&b| self.shortlist.activity[b] == Activity::Active).collect();
-        if !scratch.active.is_empty() {
-            self.flights = bodies.iter().map(|body| D::flight(body, self.dt)).collect();
+        let blocks = &mut self.scratch.blocks;
+        blocks.load(self.scene, state);
+        blocks.wrenches.fill(Wrench::default());
+        self.movers.resize_with(blocks.blocks.len(), Vec::new);
+        for (b, activity) in self.shortlist.activity.iter().enumerate() {
+            if *activity == Activity::Active {
+                self.movers[b / BLOCK].push(Mover::new(self.scene, self.drives, b));
+                blocks.standing[b] = Standing::at(state.poses[b], state.twists[b]);
+            }
         }
-        scratch.pairs.load(self.scene, state);
-        scratch.predicted.copy_from_slice(&state.twists);
-        scratch.wrenches.fill(Wrench::default());
-        for &b in &scratch.active {
-            scratch.placement.place(self.scene, b, state.poses[b]);
+        if self.movers.iter().any(|movers| !movers.is_empty()) {
+            self.flights = D::flights(self.scene, self.dt);
         }
-        self.list_neighbours(state, 0);
+        self.list_candidates(state, 0);
+        self.take_near();
         self.evaluate(Stretch::Hold);
     }
 
-    /// Kick, free flight; the velocity that another half kick would give is the predicted one.
-    fn predict(&mut self, state: &mut State, step: u64, kick: Kick) -> Neighbours {
+    /// Kick, free flight; the velocity that another half kick would give is the predicted one. Answers how far
+    /// \[m\] a disk may have moved.
+    fn predict(&mut self, state: &mut State, step: u64, kick: Kick) -> f64 {
         let half = 0.5 * self.dt;
         let kick = if kick == Kick::Half { half } else { self.dt };
         // Of a whole number, so that rounding does not add up.
         let begun = (step - 1) as f64 * self.dt;
-        let scratch = &mut *self.scratch;
-        let mut neighbours = Neighbours::Listed;
-        for &b in &scratch.active {
-            let body = &self.scene.bodies[b];
-            let acceleration = per_mass_and_inertia(body, &std::mem::take(&mut scratch.wrenches[b]));
-            let (before, kicked) = (state.poses[b], kicked(state.twists[b], acceleration, kick));
-            let (pose, twist) = self.drives[b].after(begun).fly(&self.flights[b], before, kicked);
-            (state.poses[b], state.twists[b]) = (pose, twist);
-            scratch.predicted[b] = self::kicked(twist, acceleration, half);
-            scratch.placement.follow(self.scene, b, pose, pose.orientation - before.orientation);
-            if moved_too_far(body.reach, &scratch.listed_at[b], &pose) {
-                neighbours = Neighbours::MayBeMissing;
+        let flights = &self.flights[..];
+        let Blocks { blocks, standing, wrenches, .. } = &mut self.scratch.blocks;
+        let places = state.poses.chunks_mut(BLOCK).zip(state.twists.chunks_mut(BLOCK));
+        let forces = standing.chunks_mut(BLOCK).zip(wrenches.chunks_mut(BLOCK));
+        let bodies = self.movers.iter().zip(places.zip(forces));
+        self.threads.each(blocks.iter_mut().zip(bodies).enumerate(), |(k, (block, bodies))| {
+            let (movers, ((poses, twists), (standing, wrenches))) = bodies;
+            // Of squares, so that there is one root for all.
+            let (mut moved, mut turned) = (0.0f64, 0.0f64);
+            for mover in movers {
+                let b = mover.body.index() - k * BLOCK;
+                let acceleration = mover.acceleration(&std::mem::take(&mut wrenches[b]));
+                let (before, kicked) = (poses[b], kicked(twists[b], acceleration, kick));
+                let (pose, twist) = mover.drive.after(begun).fly(&flights[mover.flyer as usize], before, kicked);
+                (poses[b], twists[b]) = (pose, twist);
+                let turn = pose.orientation - before.orientation;
+                standing[b].follow(pose, turn, self::kicked(twist, acceleration, half));
+                moved = moved.max((pose.position - before.position).norm_squared());
+                turned = turned.max(mover.reach * turn.abs());
             }
-        }
-        neighbours
+            block.moved = moved.sqrt() + turned;
+        });
+        blocks.iter().map(|block| block.moved).fold(0.0, f64::max)
     }
 
-    /// Lists the pairs of the active bodies, after taking in every free body that one of them nears.
-    fn list_neighbours(&mut self, state: &mut State, step: u64) {
+    /// Makes the lists hold again: the near pairs anew, and the candidates if need be.
+    fn renew_lists(&mut self, state: &mut State, step: u64) {
+        let listed_at = &self.scratch.listed_at;
+        let holds = |mover: &Mover<D>| {
+            let b = mover.body.index();
+            !moved_too_far(mover.reach, &listed_at[b], &state.poses[b])
+        };
+        if !self.movers.iter().flatten().all(holds) {
+            self.list_candidates(state, step);
+        }
+        self.take_near();
+    }
+
+    /// Lists the candidates of the active bodies, after taking in every free body that one of them nears.
+    fn list_candidates(&mut self, state: &mut State, step: u64) {
         self.work.rebuilds += 1;
         let mut circles: Vec<Circle> = self.shortlist.swept.clone();
-        for &b in &self.scratch.active {
+        for mover in self.movers.iter().flatten() {
+            let b = mover.body.index();
             circles[b] = self.circle_now(state, b);
         }
-        let mut near_bodies = Vec::new();
-        loop {
-            near_bodies.clear();
+        let mut grid = CellGrid::new(&circles, 0..circles.len(), SKIN);
+        while self.shortlist.activity.contains(&Activity::Free) {
             let mut promoted = Vec::new();
-            for_each_near_pair(&circles, SKIN, |a, b| {
-                match (self.shortlist.activity[a], self.shortlist.activity[b]) {
-                    (Activity::Active, Activity::Active) => {
-                        near_bodies.push((BodyId::from(a), BodyId::from(b)));
+            for mover in self.movers.iter().flatten() {
+                grid.for_each_near(&circles[mover.body.index()], SKIN, |b| {
+                    if self.shortlist.activity[b] == Activity::Free {
+                        promoted.push(b);
                     }
-                    (Activity::Active, Activity::Free) => promoted.push(b),
-                    (Activity::Free, Activity::Active) => promoted.push(a),
-                    (Activity::Free, Activity::Free) => {}
-                }
-            });
+                });
+            }
             if promoted.is_empty() {
                 break;
             }
@@ -170,13 +217,22 @@ impl<D: Drive> CommunicationStep<'_, D> {
                 self.take_in(state, b, step);
                 circles[b] = self.circle_now(state, b);
             }
+            grid = CellGrid::new(&circles, 0..circles.len(), SKIN);
         }
-        for &b in &self.scratch.active {
-            self.scratch.listed_at[b] = state.poses[b];
+        let Scratch { blocks, listed_at } = &mut *self.scratch;
+        for mover in self.movers.iter().flatten() {
+            let b = mover.body.index();
+            listed_at[b] = state.poses[b];
         }
-        let near_faces = near_faces(self.scene, &circles, self.scratch.active.iter().copied());
-        let Scratch { placement, pairs, .. } = &mut *self.scratch;
-        list_pairs(self.scene, placement, &near_bodies, &near_faces, pairs);
+        let activity = &self.shortlist.activity;
+        blocks.list(self.scene, self.threads, &grid, &circles, |b| activity[b] == Activity::Active);
+    }
+
+    /// Takes the near pairs out of the candidates.
+    fn take_near(&mut self) {
+        self.work.refreshes += 1;
+        self.scratch.blocks.renew(self.scene, self.threads);
+        self.leeway = 0.5 * NEAR;
     }
 
     fn circle_now(&self, state: &State, b: usize) -> Circle {
@@ -185,30 +241,28 @@ impl<D: Drive> CommunicationStep<'_, D> {
 
     /// A free body becomes active: it stands where the closed form puts it at this instant.
     fn take_in(&mut self, state: &mut State, b: usize, step: u64) {
-        let scratch = &mut *self.scratch;
         if step > 0 {
             let flight = D::flight(&self.scene.bodies[b], step as f64 * self.dt);
             (state.poses[b], state.twists[b]) = self.drives[b].fly(&flight, state.poses[b], state.twists[b]);
         }
         self.shortlist.activity[b] = Activity::Active;
-        let at = scratch.active.partition_point(|&other| other < b);
-        scratch.active.insert(at, b);
-        scratch.predicted[b] = state.twists[b];
-        scratch.wrenches[b] = Wrench::default();
-        scratch.placement.place(self.scene, b, state.poses[b]);
+        let movers = &mut self.movers[b / BLOCK];
+        let at = movers.partition_point(|other| other.body.index() < b);
+        movers.insert(at, Mover::new(self.scene, self.drives, b));
+        self.scratch.blocks.wrenches[b] = Wrench::default();
+        self.scratch.blocks.standing[b] = Standing::at(state.poses[b], state.twists[b]);
     }
 
     /// Adds the contact forces at the present positions and predicted velocities to the wrenches.
     fn evaluate(&mut self, stretch: Stretch) {
-        let Scratch { placement, pairs, predicted, wrenches, .. } = &mut *self.scratch;
-        let instant = Instant { scene: self.scene, placement, twists: predicted };
-        instant.evaluate(pairs, stretch, wrenches, self.work);
+        self.scratch.blocks.evaluate(self.scene, self.threads, stretch);
     }
 
     /// The last half kick.
     fn correct(&mut self, state: &mut State) {
-        for &b in &self.scratch.active {
-            let acceleration = per_mass_and_inertia(&self.scene.bodies[b], &self.scratch.wrenches[b]);
+        for mover in self.movers.iter().flatten() {
+            let b = mover.body.index();
+            let acceleration = mover.acceleration(&self.scratch.blocks.wrenches[b]);
             state.twists[b] = kicked(state.twists[b], acceleration, 0.5 * self.dt);
         }
     }
@@ -216,16 +270,18 @@ impl<D: Drive> CommunicationStep<'_, D> {
     /// Free bodies fly the whole step at once; the touching pairs' springs go into the state.
     fn end(&mut self, state: &mut State, steps: u64) {
         let duration = steps as f64 * self.dt;
+        let blocks = &mut self.scratch.blocks;
+        let flights = D::flights(self.scene, duration);
         for (b, body) in self.scene.bodies.iter().enumerate() {
             if self.shortlist.activity[b] == Activity::Free {
                 self.work.shortlisted += 1;
-                let flight = D::flight(body, duration);
+                let flight = &flights[body.flyer as usize];
                 (state.poses[b], state.twists[b]) =
-                    self.drives[b].fly(&flight, state.poses[b], state.twists[b]);
+                    self.drives[b].fly(flight, state.poses[b], state.twists[b]);
             }
-            self.scratch.placement.place(self.scene, b, state.poses[b]);
+            blocks.standing[b] = Standing::at(state.poses[b], state.twists[b]);
         }
-        self.scratch.pairs.store(state);
+        blocks.store(state);
         state.steps += steps;
     }
 }
@@ -239,19 +295,11 @@ enum Kick {
     Full,
 }
 
-/// Whether the list of neighbours still holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Neighbours {
-    /// Every pair that may touch is in it.
-    Listed,
-    /// A disk may have moved further than half the skin since it was made.
-    MayBeMissing,
-}
-
-/// Whether a disk may have moved further than half the skin; `reach` \[m\] of the farthest from the centre of mass.
+/// Whether a disk may have moved so far that a pair which is near now is no candidate; `reach` \[m\] of the
+/// farthest from the centre of mass.
 #[inline]
 fn moved_too_far(reach: f64, then: &Pose, now: &Pose) -> bool {
-    let left = 0.5 * SKIN - reach * (now.orientation - then.orientation).abs();
+    let left = 0.5 * (SKIN - NEAR) - reach * (now.orientation - then.orientation).abs();
     // Negated so that a pose that is not a number counts as moved.
     !(left > 0.0 && (now.position - then.position).norm_squared() < left * left)
 }

@@ -5,6 +5,7 @@
 //! evenly. Inside, a mechanical step predicts, evaluates the contact forces once, and corrects; bodies that
 //! can touch nothing are moved by the closed form. SI units throughout; angles in radians, counter-clockwise positive.
 
+mod blocks;
 pub mod contact_law;
 mod contacts;
 mod face_grid;
@@ -18,6 +19,7 @@ mod scene;
 mod shortlist;
 mod springs;
 mod state;
+mod threads;
 mod vec2;
 mod world;
 
@@ -33,5 +35,6 @@ pub use scene::{
 pub use shortlist::Shortlisting;
 pub use springs::elongation_vector;
 pub use state::{DiskSpring, FacePart, FaceSpring, Pose, State, Twist, Wrench};
+pub use threads::{Threads, ThreadsError};
 pub use vec2::{Rotation, Vec2, vec2};
 pub use world::{AdvanceError, World, step_count};

@@ -1,13 +1,17 @@
 //! Who may meet whom: a cell grid over circles, and from it the sorted list of candidate pairs.
 
-use super::contacts::Placement;
+use super::contacts::Standing;
 use super::overlap::nearest_on_face;
-use super::pairs::Pairs;
-use super::{BodyId, DiskId, FaceId, Scene, Vec2};
+use super::pairs::Candidates;
+use super::{DiskId, FaceId, Scene, Vec2};
 
-/// \[m\] Pairs nearer than this are listed. The list holds while no disk has moved further than half of
-/// it; a larger skin means longer lists and fewer of them. Results do not depend on it.
-pub(super) const SKIN: f64 = 0.01;
+/// \[m\] Pairs nearer than this are candidates. Their list holds while no disk has moved further than half of
+/// what this is more than [`NEAR`]; a larger skin means longer lists and fewer of them. Results do not depend on it.
+pub(super) const SKIN: f64 = 0.02;
+
+/// \[m\] Candidates nearer than this are looked at in every mechanical step. Their list holds while no disk
+/// has moved further than half of it. Results do not depend on it.
+pub(super) const NEAR: f64 = 0.002;
 
 /// A circle that holds a body, at one instant or over a whole communication step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,96 +45,140 @@ impl Circle {
     }
 }
 
-/// Calls `meet` for every two circles that come nearer than a margin \[m\], each two once.
+/// Circles by the cells that their centres are in.
 ///
-/// The circles are binned into square cells as wide as the largest needs, sorted by row and column, so
-/// that each looks at its own cell, the next in its row and three in the row above.
-pub(super) fn for_each_near_pair(circles: &[Circle], margin: f64, mut meet: impl FnMut(usize, usize)) {
-    let largest = circles.iter().map(|circle| circle.radius).fold(0.0, f64::max);
-    let size = 2.0 * largest + margin;
-    // `as` saturates: far-away and non-finite circles share the outermost cells.
-    let cell = |coordinate: f64| libm::floor(coordinate / size) as i64;
-    let mut cells: Vec<(i64, i64, u32)> = circles
-        .iter()
-        .zip(0..)
-        .map(|(circle, k)| (cell(circle.centre.y), cell(circle.centre.x), k))
-        .collect();
-    cells.sort_unstable();
-    let mut above = 0;
-    for (at, &(row, column, k)) in cells.iter().enumerate() {
-        let k = k as usize;
-        let mut visit = |other: u32| {
-            if circles[k].nears(&circles[other as usize], margin) {
-                meet(k.min(other as usize), k.max(other as usize));
-            }
+/// Square cells as wide as the largest circle needs, so that near circles are in the same cell or in neighbouring
+/// ones. All cells of the plane share a table: those of a row lie side by side, wrapped round its end, and each
+/// row begins far from the next. So it is small wherever the circles are, and never made larger by one that
+/// is far out; cells that share a place cost a look, no more.
+#[derive(Debug)]
+pub(super) struct CellGrid {
+    /// \[1/m\]
+    cells_per_length: f64,
+    /// The places, a power of two, less one.
+    mask: u64,
+    /// From the beginning of a row to that of the next.
+    row: u64,
+    /// Where the members of each place begin; one more at the end.
+    starts: Vec<u32>,
+    members: Vec<(u32, Circle)>,
+}
+
+impl CellGrid {
+    /// Of some of the circles, to be asked who is nearer than a margin \[m\].
+    pub fn new(circles: &[Circle], who: impl Iterator<Item = usize> + Clone, margin: f64) -> CellGrid {
+        let largest = who.clone().map(|k| circles[k].radius).fold(0.0, f64::max);
+        // Fewer places, and the three rows around a cell might share some.
+        let places = who.clone().count().next_power_of_two().max(64);
+        let mut grid = CellGrid {
+            cells_per_length: 1.0 / (2.0 * largest + margin),
+            mask: places as u64 - 1,
+            // By the golden section: rows that are near each other do not come near in the table.
+            row: (places as f64 * 0.618) as u64 | 1,
+            starts: vec![0; places + 1],
+            members: Vec::new(),
         };
-        for &(other_row, other_column, other) in &cells[at + 1..] {
-            if other_row != row || other_column > column.saturating_add(1) {
-                break;
-            }
-            visit(other);
+        let homes: Vec<u32> = who.clone().map(|k| grid.home(&circles[k])).collect();
+        for &home in &homes {
+            grid.starts[home as usize] += 1;
         }
-        let (next, from, to) = (row.saturating_add(1), column.saturating_sub(1), column.saturating_add(1));
-        if next == row {
-            continue;
+        // Counted; now where each place ends; then, filled from its end, where it begins.
+        let mut end = 0;
+        for start in &mut grid.starts {
+            end += *start;
+            *start = end;
         }
-        while above < cells.len() && (cells[above].0, cells[above].1) < (next, from) {
-            above += 1;
+        grid.members = vec![(0, Circle { centre: Vec2::ZERO, radius: 0.0 }); homes.len()];
+        for (k, &home) in who.zip(&homes) {
+            let start = &mut grid.starts[home as usize];
+            *start -= 1;
+            grid.members[*start as usize] = (k as u32, circles[k]);
         }
-        for &(other_row, other_column, other) in &cells[above..] {
-            if other_row != next || other_column > to {
-                break;
-            }
-            visit(other);
-        }
+        grid
     }
-}
 
-/// The faces that the circles of some bodies come nearer to than the skin.
-pub(super) fn near_faces(
-    scene: &Scene,
-    circles: &[Circle],
-    bodies: impl Iterator<Item = usize>,
-) -> Vec<(BodyId, FaceId)> {
-    let (mut near, mut scratch) = (Vec::new(), Vec::new());
-    for b in bodies {
-        let candidates = scene.face_grid.candidates(&circles[b], SKIN, &mut scratch).iter();
-        let faces = candidates.filter(|face| circles[b].nears_face(scene, face.index(), SKIN));
-        near.extend(faces.map(|&face| (BodyId::from(b), face)));
+    /// `as` saturates: far-away and non-finite circles share the outermost cells.
+    fn cell(&self, coordinate: f64) -> i64 {
+        libm::floor(coordinate * self.cells_per_length) as i64
     }
-    near
-}
 
-/// Lists every disk pair and every disk–face pair of the near bodies that comes within the skin.
-pub(super) fn list_pairs(
-    scene: &Scene,
-    placement: &Placement,
-    near_bodies: &[(BodyId, BodyId)],
-    near_faces: &[(BodyId, FaceId)],
-    pairs: &mut Pairs,
-) {
-    let mut disks = Vec::with_capacity(pairs.disks.len() + 16);
-    for &(a, b) in near_bodies {
-        for i in scene.bodies[a.index()].disks.clone() {
-            for j in scene.bodies[b.index()].disks.clone() {
-                let reach = scene.disks[i].radius + scene.disks[j].radius + SKIN;
-                let between = placement.centre[i] - placement.centre[j];
-                if between.norm_squared() <= reach * reach {
-                    disks.push((DiskId::from(i), DiskId::from(j)));
+    fn place(&self, row: i64, column: i64) -> u64 {
+        (row as u64).wrapping_mul(self.row).wrapping_add(column as u64) & self.mask
+    }
+
+    fn home(&self, circle: &Circle) -> u32 {
+        self.place(self.cell(circle.centre.y), self.cell(circle.centre.x)) as u32
+    }
+
+    /// Calls `meet` for every circle, itself too if it is there, that this one comes nearer to than a margin \[m\],
+    /// in no order.
+    ///
+    /// Neither the margin nor the circle may be larger than those that the grid was made for.
+    pub fn for_each_near(&self, circle: &Circle, margin: f64, mut meet: impl FnMut(usize)) {
+        let (row, column) = (self.cell(circle.centre.y), self.cell(circle.centre.x));
+        for row in [row.wrapping_sub(1), row, row.wrapping_add(1)] {
+            let first = self.place(row, column.wrapping_sub(1));
+            for place in [first, (first + 1) & self.mask, (first + 2) & self.mask] {
+                let (from, to) = (self.starts[place as usize], self.starts[place as usize + 1]);
+                for (other, at) in &self.members[from as usize..to as usize] {
+                    if circle.nears(at, margin) {
+                        meet(*other as usize);
+                    }
                 }
             }
         }
     }
-    let mut faces = Vec::with_capacity(pairs.faces.len());
-    for &(body, face) in near_faces {
-        for i in scene.bodies[body.index()].disks.clone() {
-            let circle = Circle { centre: placement.centre[i], radius: scene.disks[i].radius };
-            if circle.nears_face(scene, face.index(), SKIN) {
-                faces.push((DiskId::from(i), face));
+}
+
+/// Whether the circle of a body comes nearer to a face than the skin; `found` is scratch.
+pub(super) fn nears_a_face(scene: &Scene, circle: &Circle, found: &mut Vec<FaceId>) -> bool {
+    let candidates = scene.face_grid.candidates(circle, SKIN, found);
+    candidates.iter().any(|face| circle.nears_face(scene, face.index(), SKIN))
+}
+
+/// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face that comes within
+/// the skin. The circles of all bodies are in the grid.
+pub(super) fn list(
+    scene: &Scene,
+    standing: &[Standing],
+    grid: &CellGrid,
+    circles: &[Circle],
+    bodies: impl Iterator<Item = usize>,
+    candidates: &mut Candidates,
+) {
+    candidates.disks.clear();
+    candidates.faces.clear();
+    let (mut later, mut found, mut faces) = (Vec::new(), Vec::new(), Vec::new());
+    for a in bodies {
+        later.clear();
+        grid.for_each_near(&circles[a], SKIN, |b| {
+            if b > a {
+                later.push(b);
             }
+        });
+        later.sort_unstable();
+        faces.clear();
+        let near = scene.face_grid.candidates(&circles[a], SKIN, &mut found).iter().copied();
+        faces.extend(near.filter(|face| circles[a].nears_face(scene, face.index(), SKIN)));
+        if later.is_empty() && faces.is_empty() {
+            continue;
+        }
+        for i in scene.bodies[a].disks.clone() {
+            let disk = &scene.disks[i];
+            let own = Circle { centre: standing[a].centre(disk.offset), radius: disk.radius };
+            for &b in later.iter().filter(|&&b| own.nears(&circles[b], SKIN)) {
+                for j in scene.bodies[b].disks.clone() {
+                    let disk = &scene.disks[j];
+                    let other = Circle { centre: standing[b].centre(disk.offset), radius: disk.radius };
+                    if own.nears(&other, SKIN) {
+                        candidates.disks.push((DiskId::from(i), DiskId::from(j)));
+                    }
+                }
+            }
+            let near = faces.iter().filter(|face| own.nears_face(scene, face.index(), SKIN));
+            candidates.faces.extend(near.map(|&face| (DiskId::from(i), face)));
         }
     }
-    pairs.replace(scene, disks, faces);
 }
 
 #[cfg(test)]
@@ -153,8 +201,12 @@ mod tests {
                 .iter()
                 .map(|&(x, y, radius)| Circle { centre: vec2(x * scale, y * scale), radius: radius * scale })
                 .collect();
+            let grid = CellGrid::new(&circles, 0..circles.len(), 0.01);
             let mut found = Vec::new();
-            for_each_near_pair(&circles, 0.01, |a, b| found.push((a, b)));
+            for (a, circle) in circles.iter().enumerate() {
+                grid.for_each_near(circle, 0.01, |b| if a < b { found.push((a, b)) });
+            }
+            // Each once.
             found.sort_unstable();
             let mut expected = Vec::new();
             for a in 0..circles.len() {

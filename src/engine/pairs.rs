@@ -1,6 +1,8 @@
-//! Candidate pairs and the springs they hold, as arrays.
+//! Candidates, the near pairs among them, and the springs these hold, as arrays.
 
-use super::{BodyId, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State};
+use super::contacts::{Sight, Standing};
+use super::neighbours::Circle;
+use super::{BodyId, Disk, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
 use std::cmp::Ordering;
 
 /// What a pair remembers from one mechanical step to the next.
@@ -28,10 +30,14 @@ pub(super) const FIRST_EVALUATION: u64 = 1;
 /// Two disks of different bodies that may touch, with what a first look needs, side by side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct DiskPair {
-    /// The receiver.
-    pub first: DiskId,
-    /// The other.
-    pub second: DiskId,
+    /// The receiver's.
+    pub first_body: BodyId,
+    /// The other's; a later one.
+    pub second_body: BodyId,
+    /// \[m\] [`super::Disk::offset`] of the receiver.
+    pub first_offset: Vec2,
+    /// \[m\] The same of the other.
+    pub second_offset: Vec2,
     /// \[m\] sum of the radii.
     pub reach: f64,
 }
@@ -39,8 +45,10 @@ pub(super) struct DiskPair {
 /// What a contact of two disks needs beyond that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct DiskPairDetail {
-    pub first_body: BodyId,
-    pub second_body: BodyId,
+    /// The receiver.
+    pub first: DiskId,
+    /// The other.
+    pub second: DiskId,
     /// \[m\]
     pub first_radius: f64,
     /// \[m\]
@@ -58,7 +66,14 @@ pub(super) struct FacePair {
     pub face: FaceId,
 }
 
-/// All candidate pairs, ascending, each with its spring.
+/// Pairs that may come near before long, ascending.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Candidates {
+    pub disks: Vec<(DiskId, DiskId)>,
+    pub faces: Vec<(DiskId, FaceId)>,
+}
+
+/// Near pairs, ascending, each with its spring.
 ///
 /// The order makes sums independent of when the list was made: pairs that touch stand in the same
 /// order whatever others stand between them.
@@ -69,103 +84,135 @@ pub(super) struct Pairs {
     pub disk_springs: Vec<Spring>,
     pub faces: Vec<FacePair>,
     pub face_springs: Vec<Spring>,
-    /// How many evaluations there have been.
-    pub evaluation: u64,
-    /// Places of the disk pairs that overlap at the present instant; scratch of the evaluation.
-    pub overlapping: Vec<u32>,
+    /// Of some disk pairs, those that overlap at the present instant, and their places; scratch of the evaluation.
+    pub overlapping: Vec<(usize, Sight)>,
+    /// Of the list before this one; scratch of its renewal.
+    old: Old,
+}
+
+/// Springs and who they belong to.
+#[derive(Debug, Clone, Default)]
+struct Old {
+    disks: Vec<((DiskId, DiskId), Spring)>,
+    faces: Vec<((DiskId, FaceId), Spring)>,
 }
 
 impl Pairs {
-    /// Begins another evaluation: the numbers of the last and of this one.
-    pub fn next_evaluation(&mut self) -> (u64, u64) {
-        self.evaluation += 1;
-        (self.evaluation - 1, self.evaluation)
+    /// Lists the candidates that come nearer than a margin \[m\] instead of the pairs so far, whose springs stay
+    /// with those that are still listed.
+    pub fn renew(&mut self, scene: &Scene, standing: &[Standing], candidates: &Candidates, margin: f64) {
+        self.put_aside();
+        let mut old = self.old.disks.iter().copied().peekable();
+        for &(first, second) in &candidates.disks {
+            let (a, b) = (&scene.disks[first.index()], &scene.disks[second.index()]);
+            let reach = a.radius + b.radius + margin;
+            let between =
+                standing[a.body.index()].centre(a.offset) - standing[b.body.index()].centre(b.offset);
+            if between.norm_squared() <= reach * reach {
+                let spring = kept(&mut old, (first, second));
+                push_disks(&mut self.disks, &mut self.disk_details, scene, first, second);
+                self.disk_springs.push(spring);
+            }
+        }
+        let mut old = self.old.faces.iter().copied().peekable();
+        for &(disk, face) in &candidates.faces {
+            let Disk { body, offset, radius, .. } = scene.disks[disk.index()];
+            let circle = Circle { centre: standing[body.index()].centre(offset), radius };
+            if circle.nears_face(scene, face.index(), margin) {
+                self.face_springs.push(kept(&mut old, (disk, face)));
+                self.faces.push(FacePair { disk, face });
+            }
+        }
     }
 
-    /// Lists these pairs instead of the old ones, whose springs stay with those in both lists.
-    pub fn replace(
-        &mut self,
-        scene: &Scene,
-        mut disks: Vec<(DiskId, DiskId)>,
-        mut faces: Vec<(DiskId, FaceId)>,
-    ) {
-        disks.sort_unstable();
-        faces.sort_unstable();
-        let old = self.disks.iter().map(|pair| (pair.first, pair.second));
-        self.disk_springs = kept(old.zip(self.disk_springs.iter().copied()), &disks);
-        let old = self.faces.iter().map(|pair| (pair.disk, pair.face));
-        self.face_springs = kept(old.zip(self.face_springs.iter().copied()), &faces);
+    /// Empties the list, and keeps who holds which spring.
+    fn put_aside(&mut self) {
+        let disks = self.disk_details.iter().map(|pair| (pair.first, pair.second));
+        self.old.disks.clear();
+        self.old.disks.extend(disks.zip(self.disk_springs.drain(..)));
+        let faces = self.faces.drain(..).map(|pair| (pair.disk, pair.face));
+        self.old.faces.clear();
+        self.old.faces.extend(faces.zip(self.face_springs.drain(..)));
         self.disks.clear();
         self.disk_details.clear();
-        for (first, second) in disks {
-            self.push_disks(scene, first, second);
-        }
-        self.faces.clear();
-        self.faces.extend(faces.into_iter().map(|(disk, face)| FacePair { disk, face }));
     }
 
-    fn push_disks(&mut self, scene: &Scene, first: DiskId, second: DiskId) {
-        let (a, b) = (&scene.disks[first.index()], &scene.disks[second.index()]);
-        self.disks.push(DiskPair { first, second, reach: a.radius + b.radius });
-        self.disk_details.push(DiskPairDetail {
-            first_body: a.body,
-            second_body: b.body,
-            first_radius: a.radius,
-            second_radius: b.radius,
-            law: scene.law_between(a.material, b.material),
-        });
-    }
-
-    /// Holds just the state's springs: what the first rebuild of a communication step starts from.
-    pub fn load(&mut self, scene: &Scene, state: &State) {
-        self.evaluation = FIRST_EVALUATION;
-        let spring =
-            |elongation, part| Spring { elongation, slip_speed: 0.0, part, touched_at: FIRST_EVALUATION };
+    /// Holds no pair.
+    pub fn clear(&mut self) {
         self.disks.clear();
         self.disk_details.clear();
         self.disk_springs.clear();
-        for known in &state.disk_springs {
-            self.push_disks(scene, known.first, known.second);
-            self.disk_springs.push(spring(known.elongation, FacePart::Inside));
-        }
         self.faces.clear();
         self.face_springs.clear();
-        for known in &state.face_springs {
-            self.faces.push(FacePair { disk: known.disk, face: known.face });
-            self.face_springs.push(spring(known.elongation, known.part));
-        }
     }
 
-    /// Writes the springs of the touching pairs into the state.
-    pub fn store(&self, state: &mut State) {
-        let touching = |spring: &Spring| spring.touched_at == self.evaluation;
-        state.disk_springs.clear();
-        let disks = self.disks.iter().zip(&self.disk_springs).filter(|(_, spring)| touching(spring));
-        state.disk_springs.extend(disks.map(|(pair, spring)| DiskSpring {
-            first: pair.first,
-            second: pair.second,
-            elongation: spring.elongation,
+    /// Lists the pair of a state's spring, which was found by the [`FIRST_EVALUATION`].
+    pub fn load_disks(&mut self, scene: &Scene, known: &DiskSpring) {
+        push_disks(&mut self.disks, &mut self.disk_details, scene, known.first, known.second);
+        self.disk_springs.push(loaded(known.elongation, FacePart::Inside));
+    }
+
+    /// The same for a spring at a face.
+    pub fn load_face(&mut self, known: &FaceSpring) {
+        self.faces.push(FacePair { disk: known.disk, face: known.face });
+        self.face_springs.push(loaded(known.elongation, known.part));
+    }
+
+    /// Adds the springs of the pairs that an evaluation has found touching to the state.
+    pub fn store(&self, evaluation: u64, state: &mut State) {
+        let touching = |spring: &Spring| spring.touched_at == evaluation;
+        let disks = self.disk_details.iter().zip(&self.disk_springs);
+        state.disk_springs.extend(disks.filter(|(_, spring)| touching(spring)).map(|(pair, spring)| {
+            DiskSpring { first: pair.first, second: pair.second, elongation: spring.elongation }
         }));
-        state.face_springs.clear();
-        let faces = self.faces.iter().zip(&self.face_springs).filter(|(_, spring)| touching(spring));
-        state.face_springs.extend(faces.map(|(pair, spring)| FaceSpring {
-            disk: pair.disk,
-            face: pair.face,
-            part: spring.part,
-            elongation: spring.elongation,
+        let faces = self.faces.iter().zip(&self.face_springs);
+        state.face_springs.extend(faces.filter(|(_, spring)| touching(spring)).map(|(pair, spring)| {
+            FaceSpring {
+                disk: pair.disk,
+                face: pair.face,
+                part: spring.part,
+                elongation: spring.elongation,
+            }
         }));
     }
 }
 
-/// The springs of the new pairs, both lists ascending: those of the old ones, relaxed for others.
-fn kept<Key: Copy + Ord>(old: impl Iterator<Item = (Key, Spring)>, new: &[Key]) -> Vec<Spring> {
-    let mut old = old.peekable();
-    let spring = |key: &Key| {
-        while old.next_if(|(known, _)| known < key).is_some() {}
-        match old.next_if(|(known, _)| known.cmp(key) == Ordering::Equal) {
-            Some((_, spring)) => spring,
-            None => Spring::RELAXED,
-        }
-    };
-    new.iter().map(spring).collect()
+fn push_disks(
+    disks: &mut Vec<DiskPair>,
+    details: &mut Vec<DiskPairDetail>,
+    scene: &Scene,
+    first: DiskId,
+    second: DiskId,
+) {
+    let (a, b) = (&scene.disks[first.index()], &scene.disks[second.index()]);
+    disks.push(DiskPair {
+        first_body: a.body,
+        second_body: b.body,
+        first_offset: a.offset,
+        second_offset: b.offset,
+        reach: a.radius + b.radius,
+    });
+    details.push(DiskPairDetail {
+        first,
+        second,
+        first_radius: a.radius,
+        second_radius: b.radius,
+        law: scene.law_between(a.material, b.material),
+    });
+}
+
+fn loaded(elongation: f64, part: FacePart) -> Spring {
+    Spring { elongation, slip_speed: 0.0, part, touched_at: FIRST_EVALUATION }
+}
+
+/// The spring of the next listed pair among the old ones, ascending both: relaxed where it is new.
+fn kept<Key: Copy + Ord>(
+    old: &mut std::iter::Peekable<impl Iterator<Item = (Key, Spring)>>,
+    key: Key,
+) -> Spring {
+    while old.next_if(|(known, _)| *known < key).is_some() {}
+    match old.next_if(|(known, _)| known.cmp(&key) == Ordering::Equal) {
+        Some((_, spring)) => spring,
+        None => Spring::RELAXED,
+    }
 }

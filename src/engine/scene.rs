@@ -2,6 +2,7 @@
 
 use super::face_grid::FaceGrid;
 use super::{BodyId, CornerId, DiskId, FaceId, Rotation, Vec2, WallId};
+use std::collections::HashMap;
 use std::ops::Range;
 use thiserror::Error;
 
@@ -95,6 +96,8 @@ pub struct Body {
     pub translation_rate: f64,
     /// \[1/s\]
     pub rotation_rate: f64,
+    /// Bodies of the same two rates fly alike: place in [`Scene::flyers`].
+    pub(super) flyer: u32,
     /// Its disks, as places in [`Scene::disks`].
     pub disks: Range<usize>,
     /// \[m\] radius of the circle about the centre of mass that holds every disk.
@@ -149,8 +152,8 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Grouped by body.
     pub disks: Vec<Disk>,
-    /// \[m\] [`Disk::offset`] of each disk, side by side: what turning a body reads.
-    pub(super) offsets: Vec<Vec2>,
+    /// One body for each two relaxation rates that occur.
+    pub(super) flyers: Vec<BodyId>,
     /// Grouped by wall.
     pub faces: Vec<Face>,
     /// First face of each wall.
@@ -194,7 +197,7 @@ impl Scene {
         let mut scene = Scene {
             bodies: Vec::with_capacity(bodies.len()),
             disks: Vec::with_capacity(bodies.iter().map(|body| body.disks.len()).sum()),
-            offsets: Vec::new(),
+            flyers: Vec::new(),
             faces: Vec::new(),
             wall_faces: Vec::with_capacity(walls.len()),
             corners: Vec::new(),
@@ -202,10 +205,10 @@ impl Scene {
             materials: laws.materials,
             face_grid: FaceGrid::default(),
         };
+        let mut flyers = HashMap::new();
         for spec in bodies {
-            scene.add_body(spec);
+            scene.add_body(spec, &mut flyers);
         }
-        scene.offsets = scene.disks.iter().map(|disk| disk.offset).collect();
         for spec in walls {
             scene.add_wall(spec);
         }
@@ -226,8 +229,14 @@ impl Scene {
         Ok(scene)
     }
 
-    fn add_body(&mut self, spec: &BodySpec) {
+    /// `flyers` are the places of [`Scene::flyers`], by the bits of the rates.
+    fn add_body(&mut self, spec: &BodySpec, flyers: &mut HashMap<[u64; 2], u32>) {
         let body = BodyId::from(self.bodies.len());
+        let rates = [spec.translation_rate, spec.rotation_rate].map(f64::to_bits);
+        let flyer = *flyers.entry(rates).or_insert_with(|| {
+            self.flyers.push(body);
+            (self.flyers.len() - 1) as u32
+        });
         let first = self.disks.len();
         let shown = match (spec.disks.first(), spec.disks.last()) {
             (Some(left), Some(right)) => shown_orientation(left.position, right.position),
@@ -249,6 +258,7 @@ impl Scene {
             inverse_inertia: 1.0 / spec.inertia,
             translation_rate: spec.translation_rate,
             rotation_rate: spec.rotation_rate,
+            flyer,
             bounding_radius: own.iter().map(|disk| disk.offset.norm() + disk.radius).fold(0.0, f64::max),
             reach: own.iter().map(|disk| disk.offset.norm()).fold(0.0, f64::max),
             disks,
@@ -259,7 +269,7 @@ impl Scene {
         let wall = WallId::from(self.wall_faces.len());
         let first_face = self.faces.len();
         let first_corner = self.corners.len();
-        let mut known = std::collections::HashMap::new();
+        let mut known = HashMap::new();
         for ends in spec.corners.windows(2) {
             let face = FaceId::from(self.faces.len());
             let mut corner = |position: Vec2| {

@@ -7,7 +7,7 @@
 //! closed form's pose of that instant. So a push that travels through a row within one step is not missed.
 
 use super::free_flight::Drive;
-use super::neighbours::{Circle, SKIN, for_each_near_pair, near_faces};
+use super::neighbours::{CellGrid, Circle, SKIN, nears_a_face};
 use super::{Scene, State};
 
 /// A body whose path is longer than this many times the largest body's radius is not shortlisted: its
@@ -49,18 +49,19 @@ impl Shortlist {
         duration: f64,
         shortlisting: Shortlisting,
     ) -> Shortlist {
+        let flights = D::flights(scene, duration);
         let swept: Vec<Circle> = scene
             .bodies
             .iter()
             .enumerate()
             .map(|(b, body)| {
                 let (pose, twist) = (state.poses[b], state.twists[b]);
-                let flight = D::flight(body, duration);
-                let (end, end_twist) = drives[b].fly(&flight, pose, twist);
+                let flight = &flights[body.flyer as usize];
+                let (end, end_twist) = drives[b].fly(flight, pose, twist);
                 // Under a held drive the velocity stays on the segment between its first and last value. A
                 // change of the drive adds a motion along one line, never backwards. So no path is longer
                 // than this, and a path lies within half its length of the middle of its ends.
-                let (velocity_by_change, path_by_change) = drives[b].added_by_change(&flight);
+                let (velocity_by_change, path_by_change) = drives[b].added_by_change(flight);
                 let held = end_twist.velocity - velocity_by_change;
                 let path = duration * twist.velocity.norm().max(held.norm()) + path_by_change;
                 Circle {
@@ -85,15 +86,17 @@ impl Shortlist {
                 }
             })
             .collect();
-        let mut short: Vec<usize> = (0..swept.len()).filter(|&b| activity[b] == Activity::Free).collect();
-        let circles: Vec<Circle> = short.iter().map(|&b| swept[b]).collect();
-        for_each_near_pair(&circles, SKIN, |a, b| {
-            activity[short[a]] = Activity::Active;
-            activity[short[b]] = Activity::Active;
-        });
-        short.retain(|&b| activity[b] == Activity::Free);
-        for (b, _) in near_faces(scene, &swept, short.into_iter()) {
-            activity[b.index()] = Activity::Active;
+        let short: Vec<usize> = (0..swept.len()).filter(|&b| activity[b] == Activity::Free).collect();
+        let grid = CellGrid::new(&swept, short.iter().copied(), SKIN);
+        let mut found = Vec::new();
+        for b in short {
+            let circle = &swept[b];
+            let mut near = 0;
+            // It is near itself.
+            grid.for_each_near(circle, SKIN, |_| near += 1);
+            if near > 1 || nears_a_face(scene, circle, &mut found) {
+                activity[b] = Activity::Active;
+            }
         }
         Shortlist { activity, swept }
     }

@@ -1,11 +1,11 @@
 //! The world: owns scene, drive and state, and advances them.
 
-use super::contacts::{ContactReport, Instant, Stretch};
+use super::contacts::{ContactReport, Standing, Stretch};
 use super::free_flight::Drive;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
-use super::neighbours::{Circle, SKIN, for_each_near_pair, list_pairs, near_faces};
+use super::neighbours::{CellGrid, Circle, SKIN};
 use super::shortlist::Shortlist;
-use super::{BodyId, Scene, Shortlisting, State, Work, Wrench};
+use super::{BodyId, Scene, Shortlisting, State, Threads, Work, Wrench};
 use thiserror::Error;
 
 /// More mechanical steps than this in one communication step are refused: they would never end.
@@ -74,6 +74,8 @@ pub struct World {
     pub mechanical_step: f64,
     /// Whether bodies that can touch nothing are moved by the closed form.
     pub shortlisting: Shortlisting,
+    /// Who does the work; results do not depend on it.
+    pub threads: Threads,
     contacts: ContactReport,
     work: Work,
     scratch: Scratch,
@@ -92,6 +94,7 @@ impl World {
             scratch: Scratch::new(&scene),
             mechanical_step,
             shortlisting: Shortlisting::On,
+            threads: Threads::default(),
             contacts: ContactReport::default(),
             work: Work::default(),
             state: State::default(),
@@ -124,28 +127,21 @@ impl World {
     /// Puts the world into a state of the same scene; run on, it gives the same bits as the world that
     /// the state was taken from.
     pub fn restore(&mut self, mut state: State) {
-        let scratch = &mut self.scratch;
-        let scene = &self.scene;
-        scratch.pairs.load(scene, &state);
-        let circles: Vec<Circle> = state
-            .poses
-            .iter()
-            .enumerate()
-            .map(|(b, pose)| {
-                scratch.placement.place(scene, b, *pose);
-                Circle { centre: pose.position, radius: scene.bodies[b].bounding_radius }
-            })
-            .collect();
-        let mut near_bodies = Vec::new();
-        for_each_near_pair(&circles, SKIN, |a, b| near_bodies.push((BodyId::from(a), BodyId::from(b))));
-        let near_faces = near_faces(scene, &circles, 0..circles.len());
-        list_pairs(scene, &scratch.placement, &near_bodies, &near_faces, &mut scratch.pairs);
-        let instant = Instant { scene, placement: &scratch.placement, twists: &state.twists };
-        let mut unused = vec![Wrench::default(); scene.bodies.len()];
-        // Finds out which pairs touch.
-        instant.evaluate(&mut scratch.pairs, Stretch::Hold, &mut unused, &mut Work::default());
-        self.contacts = instant.report(&scratch.pairs);
-        scratch.pairs.store(&mut state);
+        let (scene, blocks) = (&self.scene, &mut self.scratch.blocks);
+        blocks.load(scene, &state);
+        let mut circles = Vec::with_capacity(state.poses.len());
+        for (b, (pose, twist)) in state.poses.iter().zip(&state.twists).enumerate() {
+            blocks.standing[b] = Standing::at(*pose, *twist);
+            circles.push(Circle { centre: pose.position, radius: scene.bodies[b].bounding_radius });
+        }
+        let (grid, alone) = (CellGrid::new(&circles, 0..circles.len(), SKIN), Threads::default());
+        blocks.list(scene, &alone, &grid, &circles, |_| true);
+        blocks.renew(scene, &alone);
+        // Finds out which pairs touch; the forces are not wanted.
+        blocks.evaluate(scene, &alone, Stretch::Hold);
+        blocks.take_work();
+        self.contacts = blocks.report(scene);
+        blocks.store(&mut state);
         self.state = state;
     }
 
@@ -171,9 +167,7 @@ impl World {
         if let Some(b) = (0..state.poses.len()).find(|b| !finite(b)) {
             return Err(AdvanceError::NotFinite { body: BodyId::from(b) });
         }
-        let instant =
-            Instant { scene: &self.scene, placement: &self.scratch.placement, twists: &state.twists };
-        let contacts = instant.report(&self.scratch.pairs);
+        let contacts = self.scratch.blocks.report(&self.scene);
         // Forces that the next step would find absurd.
         if let Some(body) = contacts.not_finite(&self.scene) {
             return Err(AdvanceError::NotFinite { body });
@@ -187,16 +181,20 @@ impl World {
     fn moved<D: Drive>(&mut self, drives: &[D], duration: f64, steps: u64) -> State {
         let mut state = self.state.clone();
         let shortlist = Shortlist::decide(&self.scene, &state, drives, duration, self.shortlisting);
-        CommunicationStep {
+        let step = CommunicationStep {
             scene: &self.scene,
+            threads: &self.threads,
             drives,
+            movers: Vec::new(),
             flights: Vec::new(),
             shortlist,
             scratch: &mut self.scratch,
             work: &mut self.work,
             dt: duration / steps as f64,
-        }
-        .run(&mut state, steps);
+            leeway: 0.0,
+        };
+        self.threads.enter(|| step.run(&mut state, steps));
+        self.work = [self.work, self.scratch.blocks.take_work()].into_iter().sum();
         state
     }
 }
