@@ -5,7 +5,7 @@ use super::free_flight::Drive;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::neighbours::{CellGrid, Circle, SKIN};
 use super::shortlist::Shortlist;
-use super::{BodyId, Scene, Shortlisting, State, Threads, Work, Wrench};
+use super::{BodyId, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
 use thiserror::Error;
 
 /// More mechanical steps than this in one communication step are refused: they would never end.
@@ -74,8 +74,7 @@ pub struct World {
     pub mechanical_step: f64,
     /// Whether bodies that can touch nothing are moved by the closed form.
     pub shortlisting: Shortlisting,
-    /// Who does the work; results do not depend on it.
-    pub threads: Threads,
+    threads: Threads,
     contacts: ContactReport,
     work: Work,
     scratch: Scratch,
@@ -112,6 +111,32 @@ impl World {
     /// Poses, twists and springs.
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    /// Shares the work out to so many threads, of a pool that this world and its clones own; results do not depend
+    /// on it, to the last bit.
+    ///
+    /// No more are started than there are blocks of 512 bodies, and none where there is one block: handing work
+    /// over would cost more than it saves.
+    ///
+    /// # Errors
+    /// The system does not give them; the world works on as it did.
+    pub fn set_threads(&mut self, count: usize) -> Result<(), ThreadsError> {
+        let count = count.clamp(1, self.scratch.blocks.blocks.len().max(1));
+        if count != self.threads.count() {
+            self.threads = Threads::new(count)?;
+        }
+        Ok(())
+    }
+
+    /// Works with the threads of another world: starting new ones takes longer.
+    pub fn share_threads(&mut self, other: &World) {
+        self.threads = other.threads.clone();
+    }
+
+    /// How many threads do the work.
+    pub fn threads(&self) -> usize {
+        self.threads.count()
     }
 
     /// The contacts at the present state.
