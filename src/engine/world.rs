@@ -1,6 +1,6 @@
 //! The world: owns scene, drive and state, and advances them.
 
-use super::contacts::{ContactReport, Standing, Stretch};
+use super::contacts::{ContactReport, Stretch};
 use super::free_flight::Drive;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::neighbours::{CellGrid, Circle, SKIN};
@@ -156,14 +156,14 @@ impl World {
         blocks.load(scene, &state);
         let mut circles = Vec::with_capacity(state.poses.len());
         for (b, (pose, twist)) in state.poses.iter().zip(&state.twists).enumerate() {
-            blocks.standing[b] = Standing::at(*pose, *twist);
+            blocks.put(b, *pose, *twist);
             circles.push(Circle { centre: pose.position, radius: scene.bodies[b].bounding_radius });
         }
         let (grid, alone) = (CellGrid::new(&circles, 0..circles.len(), SKIN), Threads::default());
         blocks.list(scene, &alone, &grid, &circles, |_| true);
         blocks.renew(scene, &alone);
         // Finds out which pairs touch; the forces are not wanted.
-        blocks.evaluate(scene, &alone, Stretch::Hold);
+        blocks.evaluate(scene, &alone, Stretch::Hold, |_, _| 0.0);
         blocks.take_work();
         self.contacts = blocks.report(scene);
         blocks.store(&mut state);
@@ -204,21 +204,21 @@ impl World {
 
     /// The state after a communication step under drives of one kind.
     fn moved<D: Drive>(&mut self, drives: &[D], duration: f64, steps: u64) -> State {
-        let mut state = self.state.clone();
-        let shortlist = Shortlist::decide(&self.scene, &state, drives, duration, self.shortlisting);
+        let shortlist = Shortlist::decide(&self.scene, &self.state, drives, duration, self.shortlisting);
         let step = CommunicationStep {
             scene: &self.scene,
             threads: &self.threads,
+            start: &self.state,
             drives,
-            movers: Vec::new(),
-            flights: Vec::new(),
             shortlist,
             scratch: &mut self.scratch,
             work: &mut self.work,
             dt: duration / steps as f64,
+            movers: Vec::new(),
+            flights: Vec::new(),
             leeway: 0.0,
         };
-        self.threads.enter(|| step.run(&mut state, steps));
+        let state = self.threads.enter(|| step.run(steps));
         self.work = [self.work, self.scratch.blocks.take_work()].into_iter().sum();
         state
     }
