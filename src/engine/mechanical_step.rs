@@ -113,8 +113,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
         if self.movers.iter().any(|movers| !movers.is_empty()) {
             for step in 1..=steps {
                 self.step(step);
-                // Negated so that a leeway that is not a number is none.
-                if !(self.leeway > 0.0) {
+                if self.leeway <= 0.0 || self.leeway.is_nan() {
                     self.renew_lists(step);
                 }
             }
