@@ -602,6 +602,35 @@ mod tests {
     }
 
     #[test]
+    fn damaged_files_are_read_without_a_panic() {
+        let good = light_xml(&crowd(3)).unwrap();
+        let rng = &mut generator(13);
+        let mut refused = 0;
+        for _ in 0..3000 {
+            let mut text: Vec<char> = good.chars().collect();
+            let at = |rng: &mut _, length: usize| (uniform(rng) * length as f64) as usize;
+            for _ in 0..1 + at(rng, 3) {
+                let (from, to) = (at(rng, text.len()), at(rng, text.len()));
+                match at(rng, 3) {
+                    0 => text[from] = char::from(at(rng, 128) as u8),
+                    1 => drop(text.drain(from.min(to)..from.max(to).min(from.min(to) + 40))),
+                    _ => text.swap(from, to),
+                }
+            }
+            let text: String = text.into_iter().collect();
+            match read_light_xml(&text) {
+                // Whatever is taken can be written, and reads back.
+                Ok(agents) => assert_eq!(read_light_xml(&light_xml(&agents).unwrap()).unwrap(), agents),
+                Err(error) => {
+                    assert!(error.to_string().len() < 500, "{error}");
+                    refused += 1;
+                }
+            }
+        }
+        assert!(refused > 2000, "{refused}");
+    }
+
+    #[test]
     fn what_cannot_be_read_back_is_not_written() {
         let good = crowd(1);
         let refuse = |change: &dyn Fn(&mut LightAgent)| {

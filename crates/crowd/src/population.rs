@@ -44,7 +44,7 @@ pub struct CustomMeasures {
     /// \[kg\]
     pub mass: TruncatedNormal,
     /// Spearman's rank correlations between them, in the order of [`Measure::ALL`]: one person's measures belong
-    /// together.
+    /// together. Where no four measures can have all of them, all are weakened by the same, least possible factor.
     pub spearman: Correlations,
 }
 

@@ -94,8 +94,8 @@ impl Shape {
     /// The five disks for a bideltoid breadth \[m\] and a chest depth \[m\], both met exactly.
     ///
     /// The depth scales the radii and the forward offsets. The lateral offsets are then scaled so that the disk
-    /// that reaches furthest out meets the breadth: the shoulder's up to a depth of 0.86 of the breadth, the next
-    /// one's beyond (nobody measured in ANSUR II is so deep). Closed forms, no search.
+    /// that reaches furthest out meets the breadth: the shoulder's up to a depth of 0.86 of the breadth, as in
+    /// the paper, the next one's beyond. Closed forms, no search.
     ///
     /// # Errors
     /// A measure that is not positive and finite; a depth above the breadth.
