@@ -35,7 +35,7 @@ pub enum BicycleError {
 }
 
 impl Bicycle {
-    /// \[m\] and \[kg\] of the template, about the paper's own figure: 11.137 × 142 cm and 59.863 × 68.912 cm.
+    /// The paper's template: 11.137 × 142 cm and 59.863 × 68.912 cm.
     pub const TEMPLATE: Bicycle =
         Bicycle { wheel_width: 0.111_37, length: 1.42, handlebar: 0.598_63, top_tube: 0.689_12, mass: 30.0 };
 
