@@ -4,12 +4,16 @@ use super::contacts::{ContactReport, Stretch};
 use super::free_flight::Drive;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::neighbours::{CellGrid, Circle, SKIN};
-use super::shortlist::Shortlist;
+use super::shortlist::{Activity, Shortlist};
 use super::{BodyId, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
 use thiserror::Error;
 
 /// More mechanical steps than this in one communication step are refused: they would never end.
 const MOST_STEPS: f64 = 1e12;
+
+/// Fewer bodies that move by mechanical steps are left to one thread: a step of theirs takes some microseconds,
+/// as long as handing it over. Results do not depend on it.
+const SHARED_FROM: usize = 900;
 
 /// How far H / TimeStepMechanical may exceed an integer and still be it: communication steps come with
 /// rounding errors from other people's arithmetic.
@@ -205,9 +209,12 @@ impl World {
     /// The state after a communication step under drives of one kind.
     fn moved<D: Drive>(&mut self, drives: &[D], duration: f64, steps: u64) -> State {
         let shortlist = Shortlist::decide(&self.scene, &self.state, drives, duration, self.shortlisting);
+        let active = shortlist.activity.iter().filter(|activity| **activity == Activity::Active).count();
+        let alone = Threads::default();
+        let threads = if active >= SHARED_FROM { &self.threads } else { &alone };
         let step = CommunicationStep {
             scene: &self.scene,
-            threads: &self.threads,
+            threads,
             start: &self.state,
             drives,
             shortlist,
@@ -218,7 +225,7 @@ impl World {
             flights: Vec::new(),
             leeway: 0.0,
         };
-        let state = self.threads.enter(|| step.run(steps));
+        let state = threads.enter(|| step.run(steps));
         self.work = [self.work, self.scratch.blocks.take_work()].into_iter().sum();
         state
     }
