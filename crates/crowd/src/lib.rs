@@ -3,8 +3,13 @@
 //! A [`Person`] is drawn from statistics; five disks are fitted to it, its [`Shape`]; crowds of shapes are placed
 //! without overlap and written as a Trial. SI units; angles in radians, counter-clockwise positive.
 
+mod body3d;
 mod person;
 mod shape;
 
+pub use body3d::{
+    BODY_DENSITY, Body3d, BodyError, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Placed, Polygon, TORSO_ALTITUDE,
+    section, torso_altitudes, write_geojson, write_obj, write_stl, write_wkt,
+};
 pub use person::{Person, Sex};
 pub use shape::{Disk, Shape};

@@ -1,0 +1,453 @@
+//! The landmark outlines of a person: what the survey says, and where it is silent, common proportions.
+//!
+//! The survey measures girths of flexed arms, heights of landmarks on the standing body and breadths, depths and girths
+//! of trunk, head and limbs. Not in it, and chosen here: where outlines lie fore and aft (a standing posture seen from
+//! the side), how deep limbs are for their breadth, the outlines between landmarks of neck, face, hand and foot, and that
+//! a hanging arm is thinner than a flexed one.
+
+use super::measures::{COUNT, MEN, MeanBody, Measure, WOMEN};
+use super::outline::{Oval, POINTS, Points, depth_of_girth, directions, mirrored};
+use super::skin::{Ring, skin};
+use crate::person::{Person, Sex};
+use crowd_mechanics::engine::{Vec2, vec2};
+
+/// Altitude of the torso, where breadth and depth are measured, by the stature (the paper: 151.6 cm of 186.6 cm).
+pub const TORSO_ALTITUDE: f64 = 0.8124;
+
+/// A hanging arm's girth by that of the flexed one.
+const RELAXED: f64 = 0.93;
+/// \[m\] between arm and trunk, between the thighs, at the least.
+const GAP: f64 = 0.003;
+/// How much further out an arm hangs per metre below the armpit, at the least.
+const LEAN: f64 = 0.05;
+/// Exponent of the outline at the torso's altitude; its area is then 0.81 of the box around it, that of the paper's
+/// five disks 0.79.
+const SHOULDER_FULLNESS: f64 = 2.15;
+/// \[rad\] how far the feet turn outwards.
+const TOES_OUT: f64 = 0.13;
+
+/// \[m\] all measures of a person.
+pub(super) struct Measures {
+    values: [f64; COUNT],
+    /// What was given.
+    pub person: Person,
+}
+
+impl Measures {
+    /// The conditional mean of the measures given the four, for a multivariate normal. Girths and breadths are kept
+    /// between half and twice the mean, where nobody is.
+    pub(super) fn of(person: &Person) -> Measures {
+        let mean: &MeanBody = match person.sex {
+            Sex::Male => &MEN,
+            Sex::Female => &WOMEN,
+        };
+        let given = [person.breadth, person.depth, person.stature, person.mass];
+        let values = std::array::from_fn(|k| {
+            let [mean_value, slopes @ ..] = mean.measures[k];
+            let follows: f64 = (0..4).map(|g| slopes[g] * (given[g] - mean.given[g])).sum();
+            (mean_value + follows).clamp(0.5 * mean_value, 2.0 * mean_value)
+        });
+        Measures { values, person: *person }
+    }
+
+    fn get(&self, measure: Measure) -> f64 {
+        self.values[measure as usize]
+    }
+}
+
+/// Rings of one person, dense; the left ones of arms and legs.
+pub(super) struct Skins {
+    pub trunk: Vec<Ring>,
+    pub arm: Vec<Ring>,
+    pub leg: Vec<Ring>,
+}
+
+/// The other side's rings.
+pub(super) fn other_side(rings: &[Ring]) -> Vec<Ring> {
+    rings.iter().map(|ring| Ring { z: ring.z, points: mirrored(&ring.points) }).collect()
+}
+
+/// Of the paper's scale profile: 1 between knees and neck, 0 beyond, smooth (released constants, in cm on a template of
+/// 186.6 cm).
+fn door(z: f64, stature: f64) -> f64 {
+    let z = z / stature * 186.6;
+    let logistic = |v: f64| 1.0 / (1.0 + libm::exp(-v));
+    logistic((160.0 - z) / 2.0) * logistic((z - 59.0) / 8.0)
+}
+
+/// Ovals whose exponents do not depend on the girth factor, found once per person.
+pub(super) struct Template {
+    heights: Heights,
+    /// Exponents of chest, waist, hips, head.
+    fullness: [f64; 4],
+    measures: Measures,
+    around: Points,
+    broad: Points,
+    long: Points,
+}
+
+/// \[m\] altitudes of landmarks, rising.
+struct Heights {
+    malleolus: f64,
+    tibial: f64,
+    knee: f64,
+    crotch: f64,
+    buttock: f64,
+    waist: f64,
+    rib: f64,
+    chest: f64,
+    axilla: f64,
+    torso: f64,
+    shoulder: f64,
+    trapezius: f64,
+    neck: f64,
+    throat: f64,
+    chin: f64,
+    wrist: f64,
+    elbow: f64,
+    fingertip: f64,
+}
+
+impl Heights {
+    /// Each at least a little above the one before, whatever the person.
+    fn of(m: &Measures) -> Heights {
+        use Measure as M;
+        let stature = m.person.stature;
+        let step = 0.012 * stature / 1.75;
+        let mut floor = 0.0;
+        let mut above = |z: f64, gap: f64| {
+            floor = z.max(floor + gap * step);
+            floor
+        };
+        let malleolus = above(m.get(M::MalleolusHeight), 3.0);
+        let tibial = above(m.get(M::TibialHeight), 8.0);
+        let knee = above(m.get(M::KneeHeight), 1.0);
+        let torso = TORSO_ALTITUDE * stature;
+        // What must stay below the torso's altitude keeps enough room for what lies between.
+        let below = |z: f64, gaps: f64| z.min(torso - gaps * step);
+        let crotch = above(below(m.get(M::CrotchHeight), 20.0), 10.0);
+        let buttock = above(below(m.get(M::ButtockHeight), 17.0), 3.0);
+        let waist = above(below(m.get(M::WaistHeight), 12.0), 4.0);
+        let rib = above(below(m.get(M::TenthRibHeight), 9.0), 2.0);
+        let chest = above(below(m.get(M::ChestHeight), 6.0), 2.0);
+        let axilla = above(below(m.get(M::AxillaHeight), 4.0), 1.0);
+        // The face: chin to top is 1.77 times tragion to top.
+        let chin = (stature - 1.77 * m.get(M::TragionToTop)).max(torso + 6.0 * step);
+        let between = |share: f64| torso + share * (chin - torso);
+        let acromial = (m.get(M::AcromialHeight) + 0.012).clamp(between(0.15), between(0.3));
+        let elbow = (m.get(M::AcromialHeight) - m.get(M::UpperArmLength)).min(axilla - 8.0 * step);
+        let wrist = m.get(M::WristHeight).min(elbow - 10.0 * step);
+        let fingertip = (wrist - m.get(M::HandLength)).max(0.05 * stature);
+        Heights {
+            malleolus,
+            tibial,
+            knee,
+            crotch,
+            buttock,
+            waist,
+            rib,
+            chest,
+            axilla,
+            torso,
+            shoulder: acromial,
+            trapezius: between(0.52),
+            neck: between(0.76),
+            throat: between(0.92),
+            chin,
+            wrist,
+            elbow,
+            fingertip,
+        }
+    }
+}
+
+impl Template {
+    pub(super) fn of(person: &Person) -> Template {
+        use Measure as M;
+        let measures = Measures::of(person);
+        let m = |measure| measures.get(measure);
+        let fullness = |breadth, depth, girth| {
+            Oval::new(0.0, Vec2::ZERO, breadth, depth).with_girth(girth).fullness
+        };
+        Template {
+            heights: Heights::of(&measures),
+            fullness: [
+                fullness(m(M::ChestBreadth), person.depth, m(M::ChestGirth)).min(2.6),
+                fullness(m(M::WaistBreadth), m(M::WaistDepth), m(M::WaistGirth)),
+                fullness(m(M::HipBreadth), m(M::ButtockDepth), m(M::ButtockGirth)),
+                fullness(m(M::HeadBreadth), m(M::HeadLength), m(M::HeadGirth)),
+            ],
+            around: directions(0.0),
+            broad: directions(0.35),
+            long: directions(-0.2),
+            measures,
+        }
+    }
+
+    /// The skins with girths between knees and neck grown by a factor. Breadth and depth at the torso's altitude stay
+    /// the person's.
+    pub(super) fn skins(&self, factor: f64) -> Skins {
+        let leg = skin(&self.leg(factor));
+        let arms = self.arm_ovals(factor);
+        let trunk = self.trunk(factor, &arms[0]);
+        let arm = self.arm(&arms, &trunk, &leg);
+        Skins { trunk, arm, leg }
+    }
+
+    fn grow(&self, oval: Oval, factor: f64) -> Oval {
+        oval.grown(1.0 + (factor - 1.0) * door(oval.z, self.measures.person.stature))
+    }
+
+    /// \[m\] half breadth of the chest at the armpit: the arm beside it must stay within the shoulders.
+    fn chest_side(&self, factor: f64) -> f64 {
+        let m = &self.measures;
+        let arm = 0.85 * RELAXED * m.get(Measure::BicepsGirth) / std::f64::consts::PI;
+        let room = 0.5 * m.person.breadth - arm - GAP;
+        (0.5 * m.get(Measure::ChestBreadth) * factor).min(room.max(0.25 * m.person.breadth))
+    }
+
+    /// From the crotch to the top of the head.
+    fn trunk(&self, factor: f64, upper_arm: &Oval) -> Vec<Ring> {
+        use Measure as M;
+        let (h, person) = (&self.heights, &self.measures.person);
+        let m = |measure| self.measures.get(measure);
+        let [chest_full, waist_full, hip_full, head_full] = self.fullness;
+        let (rib_breadth, rib_depth, bust) = match person.sex {
+            Sex::Male => (0.97, 0.98, 0.97),
+            Sex::Female => (0.93, 0.94, 0.89),
+        };
+        let at = |x: f64| vec2(x * person.stature / 1.75, 0.0);
+        let grown = |oval: Oval| self.grow(oval, factor);
+        let hips = grown(Oval::new(h.buttock, at(-0.012), m(M::HipBreadth), m(M::ButtockDepth)).full(hip_full));
+        let waist = grown(Oval::new(h.waist, at(0.004), m(M::WaistBreadth), m(M::WaistDepth)).full(waist_full));
+        let rib = Oval::new(h.rib, at(0.002), rib_breadth * m(M::WaistBreadth), rib_depth * m(M::WaistDepth));
+        let rib = grown(rib.full(waist_full));
+        let mut chest = grown(Oval::new(h.chest, at(-0.004), m(M::ChestBreadth), person.depth).full(chest_full));
+        chest.breadth = self.chest_side(factor);
+        let mut under = Oval { z: 0.5 * (h.rib + h.chest), centre: at(-0.006), ..chest };
+        under.breadth = 0.5 * (rib.breadth + chest.breadth);
+        under.depth = (0.5 * (rib.depth + chest.depth)).min(bust * chest.depth);
+        // The armpit: a chest a little shallower, once without and once with the arms beside it.
+        let armpit = Oval { z: h.axilla, centre: at(-0.009), depth: 0.97 * chest.depth, ..chest };
+        let ring = |oval: Oval| Ring { z: oval.z, points: oval.points(&self.broad) };
+        let mut rings =
+            skin(&[self.crotch(factor), ring(hips), ring(waist), ring(rib), ring(under), ring(chest), ring(armpit)]);
+
+        let shoulders = Oval::new(h.torso, at(-0.02), person.breadth, person.depth).full(SHOULDER_FULLNESS);
+        let biacromial = m(M::BiacromialBreadth).min(0.88 * person.breadth);
+        let top = Oval::new(h.shoulder, at(-0.027), biacromial + 0.01, 0.66 * person.depth).full(2.1);
+        let neck_girth = m(M::NeckGirth);
+        let nape = (0.5 * biacromial).max(1.25 * neck_girth / std::f64::consts::PI);
+        let trapezius = Oval::new(h.trapezius, at(-0.032), nape, 0.5 * (m(M::NeckBaseGirth) + neck_girth) * 0.36);
+        let neck = Oval::of_girth(h.neck, at(-0.027), 1.02 * neck_girth, 1.05);
+        let throat = Oval::of_girth(h.throat, at(-0.018), neck_girth, 1.08);
+        let (breadth, length) = (m(M::HeadBreadth), m(M::HeadLength));
+        let face = person.stature - h.chin;
+        let head = |up: f64, ahead: f64, broad: f64, long: f64| {
+            Oval::new(h.chin + up * face, at(ahead), broad * breadth, long * length).full(head_full)
+        };
+        let mut upper = vec![self.armpit_with_arms(&armpit, upper_arm), ring(shoulders)];
+        upper.extend([top, trapezius, neck, throat].map(ring));
+        upper.extend(
+            [
+                head(0.03, 0.007, 0.66, 0.74),
+                head(0.10, 0.004, 0.76, 0.84),
+                head(0.22, 0.002, 0.86, 0.91),
+                head(0.40, -0.002, 0.95, 0.97),
+                head(0.58, -0.004, 1.0, 1.0),
+            ]
+            .map(ring),
+        );
+        // The dome: a superellipse of exponent 2.3 seen from the side.
+        for up in [0.3f64, 0.55, 0.75, 0.88, 0.95, 0.985, 1.0] {
+            let left = (1.0 - libm::pow(up, 2.3)).max(0.0);
+            let wide = libm::pow(left, 1.0 / 2.3).max(0.04);
+            let mut oval = head(0.58 + 0.42 * up, -0.004 - 0.004 * up, wide, wide);
+            if up == 1.0 {
+                oval.z = person.stature;
+            }
+            upper.push(ring(oval));
+        }
+        rings.extend(skin(&upper));
+        rings
+    }
+
+    /// The armpit's outline with an arm on either side: as far as anything reaches, seen from the middle of the chest.
+    fn armpit_with_arms(&self, chest: &Oval, arm: &Oval) -> Ring {
+        let points = self.broad.map(|way| {
+            let to_the_left = vec2(way.x, way.y.abs());
+            let reach = arm.far_side(chest.centre, to_the_left).unwrap_or(0.0).max(chest.reach(way));
+            chest.centre + way * reach
+        });
+        Ring { z: chest.z, points }
+    }
+
+    /// The trunk's lowest outline: two thighs and a little between them.
+    fn crotch(&self, factor: f64) -> Ring {
+        let thigh = self.thigh(factor);
+        let middle = vec2(thigh.centre.x, 0.0);
+        let between = Oval { centre: middle, breadth: 0.35 * thigh.breadth, depth: 0.4 * thigh.depth, ..thigh };
+        let points = self.broad.map(|way| {
+            let to_the_left = vec2(way.x, way.y.abs());
+            let reach = thigh.far_side(middle, to_the_left).unwrap_or(0.0).max(between.reach(way));
+            middle + way * reach
+        });
+        Ring { z: thigh.z, points }
+    }
+
+    /// The left thigh at the crotch: half the hips broad, as deep as its girth asks.
+    fn thigh(&self, factor: f64) -> Oval {
+        use Measure as M;
+        let m = |measure| self.measures.get(measure);
+        let breadth = 0.5 * m(M::HipBreadth) - GAP;
+        let depth = depth_of_girth(breadth, m(M::ThighGirth), 0.9, 1.35).min(0.98 * m(M::ButtockDepth));
+        let oval = Oval::new(self.heights.crotch, vec2(-0.01, 0.0), breadth, depth);
+        self.aside(self.grow(oval, factor), 0.0)
+    }
+
+    /// Moved to the left until it is clear of the middle and at least so far \[m\] from it.
+    fn aside(&self, oval: Oval, least: f64) -> Oval {
+        Oval { centre: vec2(oval.centre.x, least.max(oval.breadth + GAP)), ..oval }
+    }
+
+    /// The left leg from the sole to the crotch.
+    fn leg(&self, factor: f64) -> Vec<Ring> {
+        use Measure as M;
+        let h = &self.heights;
+        let m = |measure| self.measures.get(measure);
+        let thigh = self.thigh(factor);
+        let size = self.measures.person.stature / 1.75;
+        // The legs stand straight below the hips, whose breadth the girth factor does not move.
+        let line = 0.25 * m(M::HipBreadth);
+        let mix = |low: f64, high: f64, share: f64| low + share * (high - low);
+        let limb = |z: f64, ahead: f64, girth: f64, deeper: f64| {
+            let oval = Oval::of_girth(z, vec2(ahead * size, 0.0), girth, deeper);
+            self.aside(self.grow(oval, factor), line)
+        };
+        let (thigh_girth, lower, calf) = (m(M::ThighGirth), m(M::LowerThighGirth), m(M::CalfGirth));
+        let ankle_z = h.malleolus + 0.035 * size;
+        let calf_z = mix(ankle_z, h.tibial, 0.65);
+        let above_knee = h.knee + (0.06 * size).min(0.3 * (h.crotch - h.knee));
+        let span = h.crotch - above_knee;
+        let limbs = [
+            limb(ankle_z, -0.028, m(M::AnkleGirth), 1.3),
+            limb(mix(ankle_z, calf_z, 0.5), -0.024, mix(m(M::AnkleGirth), calf, 0.55), 1.12),
+            limb(calf_z, -0.018, calf, 1.08),
+            limb(mix(calf_z, h.tibial, 0.75), -0.008, 0.92 * calf, 1.05),
+            limb(h.knee, 0.0, mix(lower, calf, 0.5) * 0.97, 1.1),
+            limb(above_knee, -0.002, lower, 1.06),
+            limb(above_knee + 0.45 * span, -0.002, mix(lower, thigh_girth, 0.56), 1.08),
+            limb(above_knee + 0.8 * span, -0.006, 0.95 * thigh_girth, 1.14),
+            thigh,
+        ];
+        // The foot: share of the ankle bone's height, of the foot's length and breadth, heel ahead of the hindmost point.
+        let (length, breadth) = (m(M::FootLength), m(M::FootBreadth));
+        let heel = -0.078 * size;
+        let foot = |up: f64, long: f64, broad: f64, ahead: f64| {
+            let x = heel + ahead * length + 0.5 * long * length;
+            let oval = Oval::new(up * h.malleolus, vec2(x, line), broad * breadth, long * length).full(2.3);
+            let (sin, cos) = libm::sincos(TOES_OUT);
+            let pivot = vec2(-0.028 * size, line);
+            let points = oval.points(&self.long).map(|point| {
+                let arm = point - pivot;
+                pivot + vec2(cos * arm.x - sin * arm.y, sin * arm.x + cos * arm.y)
+            });
+            Ring { z: oval.z, points }
+        };
+        let mut rings = vec![
+            foot(0.0, 0.95, 0.90, 0.02),
+            foot(0.15, 1.0, 1.0, 0.0),
+            foot(0.32, 0.96, 0.98, 0.0),
+            foot(0.55, 0.74, 0.90, 0.0),
+            foot(0.8, 0.53, 0.80, 0.005),
+            foot(1.1, 0.40, 0.72, 0.01),
+        ];
+        rings.extend(limbs.map(|oval| Ring { z: oval.z, points: oval.points(&self.long) }));
+        rings
+    }
+
+    /// The left arm from the armpit down, as if it hung straight below where it starts, at a distance from the chest.
+    fn arm_ovals(&self, factor: f64) -> Vec<Oval> {
+        use Measure as M;
+        let h = &self.heights;
+        let m = |measure| self.measures.get(measure);
+        let size = self.measures.person.stature / 1.75;
+        let grow = |share: f64| 1.0 + (factor - 1.0) * share;
+        let biceps = RELAXED * m(M::BicepsGirth) * grow(1.0);
+        let forearm = RELAXED * m(M::ForearmGirth) * grow(0.7);
+        // Between the chest and the widest of the shoulders.
+        let round = biceps / std::f64::consts::PI;
+        let inner = self.chest_side(factor) + GAP;
+        let breadth = (0.5 * self.measures.person.breadth - inner).clamp(0.7 * round, 1.05 * round);
+        let depth = depth_of_girth(breadth, biceps, 0.8, 1.6);
+        let y = inner + 0.5 * breadth;
+        let at = |x: f64| vec2(x * size, y);
+        let mix = |low: f64, high: f64, share: f64| low + share * (high - low);
+        let hand = h.wrist - h.fingertip;
+        let palm = m(M::HandBreadth);
+        let fingers = |down: f64, x: f64, deep: f64, thick: f64| {
+            Oval::new(h.wrist - down * hand, at(x), thick * palm, deep * palm).full(2.3)
+        };
+        vec![
+            Oval::new(h.axilla, at(-0.016), breadth, depth),
+            Oval::of_girth(mix(h.axilla, h.elbow, 0.4), at(-0.02), 0.98 * biceps, 1.1),
+            Oval::of_girth(h.elbow, at(-0.026), 0.97 * forearm, 1.08),
+            Oval::of_girth(mix(h.elbow, h.wrist, 0.2), at(-0.02), forearm, 1.08),
+            Oval::of_girth(mix(h.elbow, h.wrist, 0.65), at(-0.004), 0.8 * forearm, 1.15),
+            Oval::of_girth(h.wrist, at(0.01), m(M::WristGirth) * grow(0.3), 1.35),
+            fingers(0.25, 0.018, 1.05, 0.40),
+            fingers(0.45, 0.022, 1.0, 0.36),
+            fingers(0.7, 0.022, 0.85, 0.27),
+            fingers(0.93, 0.020, 0.60, 0.19),
+            fingers(1.0, 0.018, 0.25, 0.07),
+        ]
+    }
+
+    /// The arm's rings, leaning outwards as far as trunk and leg ask.
+    fn arm(&self, ovals: &[Oval], trunk: &[Ring], leg: &[Ring]) -> Vec<Ring> {
+        let landmarks: Vec<Ring> =
+            ovals.iter().rev().map(|oval| Ring { z: oval.z, points: oval.points(&self.around) }).collect();
+        let mut rings = skin(&landmarks);
+        let top = self.heights.axilla;
+        let mut lean = LEAN;
+        for ring in &rings {
+            let down = top - ring.z;
+            if down > 0.0 {
+                let push = push_out(&ring.points, trunk, ring.z).max(push_out(&ring.points, leg, ring.z));
+                lean = lean.max(push / down);
+            }
+        }
+        for ring in &mut rings {
+            let aside = vec2(0.0, lean * (top - ring.z));
+            ring.points = ring.points.map(|point| point + aside);
+        }
+        rings
+    }
+}
+
+/// \[m\] how far the points must move to the left to be clear of the rings at an altitude; nothing where there are none.
+fn push_out(points: &Points, rings: &[Ring], z: f64) -> f64 {
+    let above = rings.partition_point(|ring| ring.z <= z);
+    if above == 0 || above == rings.len() {
+        return 0.0;
+    }
+    let (low, high) = (&rings[above - 1], &rings[above]);
+    let share = (z - low.z) / (high.z - low.z);
+    let other: Points = std::array::from_fn(|k| low.points[k] + (high.points[k] - low.points[k]) * share);
+    let mut push = f64::NEG_INFINITY;
+    // Two polygons along y: nearest at a corner of either.
+    for (corners, sides, sign) in [(points, &other, 1.0), (&other, points, -1.0)] {
+        for corner in corners {
+            for k in 0..POINTS {
+                let (a, b) = (sides[k], sides[(k + 1) % POINTS]);
+                let (left, right) = (a.x.min(b.x), a.x.max(b.x));
+                if corner.x < left || corner.x > right || left == right {
+                    continue;
+                }
+                let y = a.y + (b.y - a.y) * ((corner.x - a.x) / (b.x - a.x));
+                push = push.max(sign * (y - corner.y));
+            }
+        }
+    }
+    (push + GAP).max(0.0)
+}
