@@ -31,10 +31,9 @@ impl MeshPart {
         let mut below: Option<[u32; POINTS]> = None;
         for (k, ring) in rings.iter().enumerate() {
             // In a flat step most points stand still: those vertices are one.
-            let same = |i: usize| below.is_some() && rings[k - 1].z == ring.z && rings[k - 1].points[i] == ring.points[i];
-            let shared: [bool; POINTS] = std::array::from_fn(same);
+            let stands = |i: usize| rings[k - 1].z == ring.z && rings[k - 1].points[i] == ring.points[i];
             let indices: [u32; POINTS] = std::array::from_fn(|i| match below {
-                Some(below) if shared[i] => below[i],
+                Some(below) if stands(i) => below[i],
                 _ => part.vertex(ring.points[i], ring.z),
             });
             match below {
@@ -58,13 +57,23 @@ impl MeshPart {
     fn band(&mut self, low: &[u32; POINTS], high: &[u32; POINTS]) {
         for i in 0..POINTS {
             let next = (i + 1) % POINTS;
-            for triangle in [[low[i], low[next], high[next]], [low[i], high[next], high[i]]] {
+            // Along the shorter diagonal: creases stay sharp, left and right mirror images.
+            let [a, b, c, d] = [low[i], low[next], high[next], high[i]];
+            let halves =
+                if self.distance(a, c) <= self.distance(b, d) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+            for triangle in halves {
                 let [a, b, c] = triangle;
                 if a != b && b != c && c != a {
                     self.triangles.push(triangle);
                 }
             }
         }
+    }
+
+    /// \[m²\] the square of that between two vertices.
+    fn distance(&self, a: u32, b: u32) -> f64 {
+        let [p, q] = [a, b].map(|index| self.vertices[index as usize]);
+        (0..3).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum()
     }
 
     /// A fan about the mean of the points, which sees all of them.

@@ -4,7 +4,7 @@ use crowd_mechanics::engine::{Vec2, vec2};
 use std::f64::consts::PI;
 
 /// Points of an outline.
-pub(super) const POINTS: usize = 48;
+pub(super) const POINTS: usize = 64;
 
 /// \[m\] The points of an outline, counter-clockwise from straight ahead.
 pub(super) type Points = [Vec2; POINTS];

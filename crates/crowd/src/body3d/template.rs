@@ -134,7 +134,7 @@ impl Heights {
         // The face: chin to top is 1.77 times tragion to top.
         let chin = (stature - 1.77 * m.get(M::TragionToTop)).max(torso + 6.0 * step);
         let between = |share: f64| torso + share * (chin - torso);
-        let acromial = (m.get(M::AcromialHeight) + 0.012).clamp(between(0.15), between(0.3));
+        let acromial = (m.get(M::AcromialHeight) + 0.012).clamp(between(0.27), between(0.36));
         let elbow = (m.get(M::AcromialHeight) - m.get(M::UpperArmLength)).min(axilla - 8.0 * step);
         let wrist = m.get(M::WristHeight).min(elbow - 10.0 * step);
         let fingertip = (wrist - m.get(M::HandLength)).max(0.05 * stature);
@@ -150,9 +150,9 @@ impl Heights {
             axilla,
             torso,
             shoulder: acromial,
-            trapezius: between(0.52),
-            neck: between(0.76),
-            throat: between(0.92),
+            trapezius: between(0.58),
+            neck: between(0.78),
+            throat: between(0.9),
             chin,
             wrist,
             elbow,
@@ -235,25 +235,30 @@ impl Template {
 
         let shoulders = Oval::new(h.torso, at(-0.02), person.breadth, person.depth).full(SHOULDER_FULLNESS);
         let biacromial = m(M::BiacromialBreadth).min(0.88 * person.breadth);
-        let top = Oval::new(h.shoulder, at(-0.027), biacromial + 0.01, 0.66 * person.depth).full(2.1);
+        // The shoulders round off between the torso's altitude and their tips.
+        let round = |up: f64, broad: f64, deep: f64| {
+            let z = h.torso + up * (h.shoulder - h.torso);
+            Oval::new(z, at(-0.02 - 0.007 * up), broad * person.breadth, deep * person.depth).full(2.1)
+        };
+        let top = Oval::new(h.shoulder, at(-0.027), 0.97 * biacromial, 0.7 * person.depth);
         let neck_girth = m(M::NeckGirth);
-        let nape = (0.5 * biacromial).max(1.25 * neck_girth / std::f64::consts::PI);
-        let trapezius = Oval::new(h.trapezius, at(-0.032), nape, 0.5 * (m(M::NeckBaseGirth) + neck_girth) * 0.36);
-        let neck = Oval::of_girth(h.neck, at(-0.027), 1.02 * neck_girth, 1.05);
-        let throat = Oval::of_girth(h.throat, at(-0.018), neck_girth, 1.08);
+        let nape = (0.46 * biacromial).max(1.25 * neck_girth / std::f64::consts::PI);
+        let trapezius = Oval::new(h.trapezius, at(-0.027), nape, 0.5 * (m(M::NeckBaseGirth) + neck_girth) * 0.34);
+        let neck = Oval::of_girth(h.neck, at(-0.017), 1.02 * neck_girth, 1.05);
+        let throat = Oval::of_girth(h.throat, at(-0.006), neck_girth, 1.08);
         let (breadth, length) = (m(M::HeadBreadth), m(M::HeadLength));
         let face = person.stature - h.chin;
         let head = |up: f64, ahead: f64, broad: f64, long: f64| {
             Oval::new(h.chin + up * face, at(ahead), broad * breadth, long * length).full(head_full)
         };
         let mut upper = vec![self.armpit_with_arms(&armpit, upper_arm), ring(shoulders)];
-        upper.extend([top, trapezius, neck, throat].map(ring));
+        upper.extend([round(0.35, 0.985, 0.95), round(0.7, 0.93, 0.86), top, trapezius, neck, throat].map(ring));
         upper.extend(
             [
-                head(0.03, 0.007, 0.66, 0.74),
-                head(0.10, 0.004, 0.76, 0.84),
-                head(0.22, 0.002, 0.86, 0.91),
-                head(0.40, -0.002, 0.95, 0.97),
+                head(0.02, 0.022, 0.64, 0.72),
+                head(0.08, 0.018, 0.73, 0.79),
+                head(0.20, 0.011, 0.85, 0.86),
+                head(0.38, 0.001, 0.94, 0.955),
                 head(0.58, -0.004, 1.0, 1.0),
             ]
             .map(ring),
@@ -272,27 +277,32 @@ impl Template {
         rings
     }
 
-    /// The armpit's outline with an arm on either side: as far as anything reaches, seen from the middle of the chest.
+    /// The armpit's outline: the chest with an arm on either side.
     fn armpit_with_arms(&self, chest: &Oval, arm: &Oval) -> Ring {
-        let points = self.broad.map(|way| {
-            let to_the_left = vec2(way.x, way.y.abs());
-            let reach = arm.far_side(chest.centre, to_the_left).unwrap_or(0.0).max(chest.reach(way));
-            chest.centre + way * reach
-        });
-        Ring { z: chest.z, points }
+        self.with_lobes(chest, arm, 5)
     }
 
     /// The trunk's lowest outline: two thighs and a little between them.
     fn crotch(&self, factor: f64) -> Ring {
         let thigh = self.thigh(factor);
-        let middle = vec2(thigh.centre.x, 0.0);
-        let between = Oval { centre: middle, breadth: 0.35 * thigh.breadth, depth: 0.4 * thigh.depth, ..thigh };
-        let points = self.broad.map(|way| {
+        let centre = vec2(thigh.centre.x, 0.0);
+        let between = Oval { centre, breadth: 0.3 * thigh.breadth, depth: 0.8 * thigh.depth, ..thigh };
+        self.with_lobes(&between, &thigh, 3)
+    }
+
+    /// An oval and an ellipse on either side: as far as anything reaches, seen from the oval's centre, the creases filled
+    /// a little, the more the more often.
+    fn with_lobes(&self, middle: &Oval, left: &Oval, fillings: usize) -> Ring {
+        let mut reach = self.broad.map(|way| {
             let to_the_left = vec2(way.x, way.y.abs());
-            let reach = thigh.far_side(middle, to_the_left).unwrap_or(0.0).max(between.reach(way));
-            middle + way * reach
+            left.far_side(middle.centre, to_the_left).unwrap_or(0.0).max(middle.reach(way))
         });
-        Ring { z: thigh.z, points }
+        for _ in 0..fillings {
+            // The sum of the neighbours comes first: mirror images stay so to the last bit.
+            let beside = |k: usize| reach[(k + POINTS - 1) % POINTS] + reach[(k + 1) % POINTS];
+            reach = std::array::from_fn(|k| reach[k].max(0.25 * beside(k) + 0.5 * reach[k]));
+        }
+        Ring { z: middle.z, points: std::array::from_fn(|k| middle.centre + self.broad[k] * reach[k]) }
     }
 
     /// The left thigh at the crotch: half the hips broad, as deep as its girth asks.
