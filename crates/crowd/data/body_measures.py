@@ -88,7 +88,7 @@ def table(sex):
     for name, _, _ in USED:
         of = [covariance(name, g) for g in GIVEN]
         slopes = [sum(of[j] * given[j][k] for j in range(4)) for k in range(4)]
-        numbers = ", ".join(f"{v:.5f}" for v in [sex["mean"][name] * unit(name), *slopes])
+        numbers = ", ".join(f"{v:.6f}" for v in [sex["mean"][name] * unit(name), *slopes])
         lines.append(f"        [{numbers}],")
     means = ", ".join(f"{sex['mean'][g] * unit(g):.5f}" for g in GIVEN)
     return f"MeanBody {{\n    given: [{means}],\n    measures: [\n" + "\n".join(lines) + "\n    ],\n}"
@@ -104,6 +104,10 @@ def main():
         print(f"    /// \\[m\\] {what}: `{name}`.\n    {variant},")
     print("}\n")
     print(f"/// Variants of [`Measure`].\npub(super) const COUNT: usize = {len(USED)};\n")
+    print("/// As the survey names them.\n#[cfg(test)]\npub(super) const NAMES: [&str; COUNT] = [")
+    for name, _, _ in USED:
+        print(f'    "{name}",')
+    print("];\n")
     print("/// Of one sex.\npub(super) struct MeanBody {")
     print("    /// \\[m, m, m, kg\\] means of bideltoid breadth, chest depth, stature, mass.\n    pub given: [f64; 4],")
     print("    /// Of every measure: mean \\[m\\], then its slopes in the four given ones.\n    pub measures: [[f64; 5]; COUNT],\n}\n")

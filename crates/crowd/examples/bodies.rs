@@ -4,7 +4,7 @@
 //! `cargo run --release -p lemons-crowd --example bodies -- DIRECTORY`
 
 use crowd_mechanics::engine::{Pose, vec2};
-use lemons_crowd::{Body3d, Mesh, Person, Placed, Sex, section, write_geojson, write_obj};
+use lemons_crowd::{Body3d, Person, Placed, Sex, crowd_parts, section, write_geojson, write_obj};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
@@ -17,10 +17,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let crowd: Vec<Placed> = bodies
         .iter()
         .enumerate()
-        .map(|(k, body)| Placed { body, pose: Pose { position: vec2(0.0, 0.8 * k as f64), orientation: 0.0 } })
+        .map(|(k, body)| Placed {
+            body,
+            pose: Pose { position: vec2(0.0, 0.8 * k as f64), orientation: 0.0 },
+        })
         .collect();
     let mut obj = BufWriter::new(File::create(directory.join("bodies.obj"))?);
-    write_obj(&Mesh::of_crowd(&crowd), &mut obj)?;
+    write_obj(crowd_parts(&crowd), &mut obj)?;
     obj.flush()?;
     let sections: Vec<_> = (0..=35).map(|k| section(&crowd, 0.05 * f64::from(k))).collect();
     let mut geojson = BufWriter::new(File::create(directory.join("bodies.geojson"))?);

@@ -8,8 +8,8 @@ mod person;
 mod shape;
 
 pub use body3d::{
-    BODY_DENSITY, Body3d, BodyError, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Placed, Polygon, TORSO_ALTITUDE,
-    section, torso_altitudes, write_geojson, write_obj, write_stl, write_wkt,
+    BODY_DENSITY, Body3d, BodyError, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Placed, Polygon,
+    TORSO_ALTITUDE, crowd_parts, section, torso_altitudes, write_geojson, write_obj, write_stl, write_wkt,
 };
 pub use person::{Person, Sex};
 pub use shape::{Disk, Shape};

@@ -59,8 +59,11 @@ impl MeshPart {
             let next = (i + 1) % POINTS;
             // Along the shorter diagonal: creases stay sharp, left and right mirror images.
             let [a, b, c, d] = [low[i], low[next], high[next], high[i]];
-            let halves =
-                if self.distance(a, c) <= self.distance(b, d) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+            let halves = if self.distance(a, c) <= self.distance(b, d) {
+                [[a, b, c], [a, c, d]]
+            } else {
+                [[a, b, d], [b, c, d]]
+            };
             for triangle in halves {
                 let [a, b, c] = triangle;
                 if a != b && b != c && c != a {
@@ -98,8 +101,11 @@ impl MeshPart {
     pub fn volume(&self) -> f64 {
         let Some(origin) = self.vertices.first() else { return 0.0 };
         let six = self.triangles.iter().map(|&triangle| {
-            let [a, b, c] = self.corners(triangle).map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]);
-            a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+            let [a, b, c] =
+                self.corners(triangle).map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]);
+            a[0] * (b[1] * c[2] - b[2] * c[1])
+                + a[1] * (b[2] * c[0] - b[0] * c[2])
+                + a[2] * (b[0] * c[1] - b[1] * c[0])
         });
         six.sum::<f64>() / 6.0
     }
@@ -116,18 +122,6 @@ impl Mesh {
         self.parts.iter().map(MeshPart::volume).sum()
     }
 
-    /// A crowd of bodies; part names begin with `agent_` and the place in the list.
-    pub fn of_crowd(crowd: &[Placed<'_>]) -> Mesh {
-        let mut mesh = Mesh::default();
-        for (k, placed) in crowd.iter().enumerate() {
-            for mut part in placed.body.mesh().at(&placed.pose).parts {
-                part.name = format!("agent_{k}_{}", part.name);
-                mesh.parts.push(part);
-            }
-        }
-        mesh
-    }
-
     /// Seen from outside, of a body at a pose.
     pub fn at(mut self, pose: &Pose) -> Mesh {
         let turn = Rotation::by(pose.orientation);
@@ -137,6 +131,15 @@ impl Mesh {
         }
         self
     }
+}
+
+/// The surfaces of a crowd, one body at a time; names begin with `agent_` and the place in the list. Collect them into
+/// [`Mesh::parts`], or write them as they come: a body has some 30 000 triangles.
+pub fn crowd_parts(crowd: &[Placed<'_>]) -> impl Iterator<Item = MeshPart> + Clone {
+    crowd.iter().enumerate().flat_map(|(k, placed)| {
+        let parts = placed.body.mesh().at(&placed.pose).parts;
+        parts.into_iter().map(move |part| MeshPart { name: format!("agent_{k}_{}", part.name), ..part })
+    })
 }
 
 impl Body3d {

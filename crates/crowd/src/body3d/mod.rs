@@ -9,6 +9,7 @@
 //! the mass. Breadth and depth at the torso's altitude are the person's, as in the paper.
 
 mod export;
+mod landmarks;
 mod measures;
 mod mesh;
 mod outline;
@@ -18,14 +19,15 @@ mod slices;
 mod template;
 
 pub use export::{write_geojson, write_obj, write_stl, write_wkt};
-pub use mesh::{Mesh, MeshPart};
+pub use landmarks::TORSO_ALTITUDE;
+pub use mesh::{Mesh, MeshPart, crowd_parts};
 pub use sections::{CrowdSection, Placed, section, torso_altitudes};
 pub use slices::Polygon;
-pub use template::TORSO_ALTITUDE;
 
 use crate::person::Person;
 use crowd_mechanics::engine::Vec2;
 use skin::Ring;
+use slices::volume;
 use std::fmt;
 use template::{Skins, Template, other_side};
 
@@ -126,8 +128,30 @@ struct Tube {
     rings: Vec<Ring>,
 }
 
+/// The skins of a volume \[m³\], as near as [`GIRTH_FACTORS`] allow, and their girth factor.
+fn fit(template: &Template, wanted: f64) -> (Skins, f64) {
+    let volume_of = |skins: &Skins| volume(&skins.trunk) + 2.0 * (volume(&skins.arm) + volume(&skins.leg));
+    let [mut low, mut high] = GIRTH_FACTORS;
+    let (mut factor, mut round) = (1.03, 0);
+    loop {
+        let skins = template.skins(factor);
+        let ratio = volume_of(&skins) / wanted;
+        let at_end = factor == GIRTH_FACTORS[if ratio < 1.0 { 1 } else { 0 }];
+        if (ratio - 1.0).abs() < 1e-4 || at_end || high - low < 1e-5 {
+            return (skins, factor);
+        }
+        *(if ratio < 1.0 { &mut low } else { &mut high }) = factor;
+        // The volume grows like this power of the factor or nearly; halving now and then ends the search for sure.
+        let aim = factor * libm::pow(ratio, -1.0 / 1.6);
+        round += 1;
+        factor = if round % 4 == 0 { 0.5 * (low + high) } else { aim.clamp(low, high) };
+    }
+}
+
 impl Body3d {
-    /// The body of a person.
+    /// The body of a person. The girth factor scales outlines evenly about their centres, weighted by the paper's door
+    /// profile on trunk and legs, fully on the upper arms, less towards the hands; what stands at the torso's altitude and
+    /// above keeps its size.
     ///
     /// # Errors
     /// A measure is not a number or nobody's, or the depth exceeds the breadth.
@@ -141,40 +165,13 @@ impl Body3d {
         if person.depth > person.breadth {
             return Err(BodyError::DeeperThanBroad { depth: person.depth, breadth: person.breadth });
         }
-        let template = Template::of(person);
-        let wanted = person.mass / BODY_DENSITY;
-        let at = |factor: f64| Body3d::with(person, template.skins(factor), factor);
-        // The volume grows with the factor: regula falsi (Illinois), whose steps are few.
-        let [mut low, mut high] = GIRTH_FACTORS.map(at);
-        let [mut below, mut above] = [&low, &high].map(|body| body.volume() - wanted);
-        let body = if below >= 0.0 {
-            low
-        } else if above <= 0.0 {
-            high
-        } else {
-            loop {
-                let factor = (low.girth_factor * above - high.girth_factor * below) / (above - below);
-                let next = at(factor);
-                let off = next.volume() - wanted;
-                if off.abs() < 1e-4 * wanted || high.girth_factor - low.girth_factor < 1e-4 {
-                    break next;
-                }
-                if off < 0.0 {
-                    (low, below, above) = (next, off, 0.5 * above);
-                } else {
-                    (high, above, below) = (next, off, 0.5 * below);
-                }
-            }
-        };
-        Ok(body.about_torso())
-    }
-
-    fn with(person: &Person, skins: Skins, girth_factor: f64) -> Body3d {
+        let (mut skins, girth_factor) = fit(&Template::of(person), person.mass / BODY_DENSITY);
+        skins.lean_arm();
         let Skins { trunk, arm, leg } = skins;
         let (right_arm, right_leg) = (other_side(&arm), other_side(&leg));
         let rings = [trunk, arm, right_arm, leg, right_leg];
         let tubes = Part::ALL.into_iter().zip(rings).map(|(part, rings)| Tube { part, rings }).collect();
-        Body3d { person: *person, tubes, girth_factor }
+        Ok(Body3d { person: *person, tubes, girth_factor }.about_torso())
     }
 
     /// Moved so that the section at the torso's altitude has its centroid on the axis.

@@ -46,26 +46,37 @@ impl CrowdSection {
         self.areas().iter().sum()
     }
 
-    /// \[m²\] of ground under the union of all outlines: overlaps of bodies counted once.
+    /// \[m²\] of ground under the union of all outlines: overlaps of bodies counted once. Not a number where a pose is not
+    /// finite.
     pub fn covered(&self) -> f64 {
-        let outlines: Vec<Vec<[f64; 2]>> =
-            self.bodies.iter().flatten().map(|polygon| polygon.points.iter().map(|p| [p.x, p.y]).collect()).collect();
+        let outlines: Vec<Vec<[f64; 2]>> = self
+            .bodies
+            .iter()
+            .flatten()
+            .map(|polygon| polygon.points.iter().map(|p| [p.x, p.y]).collect())
+            .collect();
         if outlines.is_empty() {
             return 0.0;
+        }
+        if !outlines.iter().flatten().flatten().all(|value| value.is_finite()) {
+            return f64::NAN;
         }
         // On a grid of 64-bit integers over the whole crowd: exact below a nanometre, the same on every machine.
         let union = outlines.simplify_shape_as::<i64>(FillRule::NonZero);
         let signed = |contour: &Vec<[f64; 2]>| {
             let start = contour[0];
             let pairs = contour.iter().zip(&contour[1..]);
-            let twice = pairs.map(|(a, b)| {
-                (a[0] - start[0]) * (b[1] - start[1]) - (a[1] - start[1]) * (b[0] - start[0])
-            });
+            let twice = pairs
+                .map(|(a, b)| (a[0] - start[0]) * (b[1] - start[1]) - (a[1] - start[1]) * (b[0] - start[0]));
             0.5 * twice.sum::<f64>()
         };
         // A shape's first contour is its outside, the rest are holes.
         let shapes = union.iter().filter(|shape| !shape.is_empty());
-        shapes.map(|shape| signed(&shape[0]).abs() - shape[1..].iter().map(|hole| signed(hole).abs()).sum::<f64>()).sum()
+        shapes
+            .map(|shape| {
+                signed(&shape[0]).abs() - shape[1..].iter().map(|hole| signed(hole).abs()).sum::<f64>()
+            })
+            .sum()
     }
 
     /// How many bodies the plane cuts.

@@ -48,6 +48,16 @@ fn area(points: &[Vec2]) -> f64 {
     0.5 * pairs.map(|(&a, &b)| (a - start).cross(b - start)).sum::<f64>()
 }
 
+/// \[m³\] through rings: between two of them the area is a quadratic of the altitude, which Simpson's rule integrates.
+pub(super) fn volume(rings: &[Ring]) -> f64 {
+    let slab = |pair: &[Ring]| {
+        let (low, high) = (&pair[0], &pair[1]);
+        let middle: Points = std::array::from_fn(|k| (low.points[k] + high.points[k]) * 0.5);
+        (high.z - low.z) * (area(&low.points) + 4.0 * area(&middle) + area(&high.points)) / 6.0
+    };
+    rings.windows(2).map(slab).sum()
+}
+
 /// Between two outlines.
 fn blend(low: &Points, high: &Points, share: f64) -> Points {
     std::array::from_fn(|k| {
@@ -88,23 +98,15 @@ impl Body3d {
         self.slice_at(z).iter().map(Polygon::area).sum()
     }
 
-    /// \[m³\] the integral of the area over the altitude, exactly: between two rings the area is a quadratic.
+    /// \[m³\] the integral of the area over the altitude, exactly.
     pub fn volume(&self) -> f64 {
-        let mut volume = 0.0;
-        for tube in &self.tubes {
-            for pair in tube.rings.windows(2) {
-                let (low, high) = (&pair[0], &pair[1]);
-                let middle: Points = std::array::from_fn(|k| (low.points[k] + high.points[k]) * 0.5);
-                let simpson = area(&low.points) + 4.0 * area(&middle) + area(&high.points);
-                volume += (high.z - low.z) * simpson / 6.0;
-            }
-        }
-        volume
+        self.tubes.iter().map(|tube| volume(&tube.rings)).sum()
     }
 
     /// \[m\] the altitudes of all rings, rising, each once: between two of them every outline is straight.
     pub fn altitudes(&self) -> Vec<f64> {
-        let mut all: Vec<f64> = self.tubes.iter().flat_map(|tube| tube.rings.iter().map(|ring| ring.z)).collect();
+        let mut all: Vec<f64> =
+            self.tubes.iter().flat_map(|tube| tube.rings.iter().map(|ring| ring.z)).collect();
         all.sort_by(f64::total_cmp);
         all.dedup();
         all

@@ -5,14 +5,12 @@
 //! the side), how deep limbs are for their breadth, the outlines between landmarks of neck, face, hand and foot, and that
 //! a hanging arm is thinner than a flexed one.
 
-use super::measures::{COUNT, MEN, MeanBody, Measure, WOMEN};
+use super::landmarks::{Heights, Measures};
+use super::measures::Measure;
 use super::outline::{Oval, POINTS, Points, depth_of_girth, directions, mirrored};
 use super::skin::{Ring, skin};
 use crate::person::{Person, Sex};
 use crowd_mechanics::engine::{Vec2, vec2};
-
-/// Altitude of the torso, where breadth and depth are measured, by the stature (the paper: 151.6 cm of 186.6 cm).
-pub const TORSO_ALTITUDE: f64 = 0.8124;
 
 /// A hanging arm's girth by that of the flexed one.
 const RELAXED: f64 = 0.93;
@@ -20,40 +18,13 @@ const RELAXED: f64 = 0.93;
 const GAP: f64 = 0.003;
 /// How much further out an arm hangs per metre below the armpit, at the least.
 const LEAN: f64 = 0.05;
+/// \[m\] how far below the armpit an arm that a chest pushes aside has mostly moved.
+const BESIDE: f64 = 0.03;
 /// Exponent of the outline at the torso's altitude; its area is then 0.81 of the box around it, that of the paper's
 /// five disks 0.79.
 const SHOULDER_FULLNESS: f64 = 2.15;
 /// \[rad\] how far the feet turn outwards.
 const TOES_OUT: f64 = 0.13;
-
-/// \[m\] all measures of a person.
-pub(super) struct Measures {
-    values: [f64; COUNT],
-    /// What was given.
-    pub person: Person,
-}
-
-impl Measures {
-    /// The conditional mean of the measures given the four, for a multivariate normal. Girths and breadths are kept
-    /// between half and twice the mean, where nobody is.
-    pub(super) fn of(person: &Person) -> Measures {
-        let mean: &MeanBody = match person.sex {
-            Sex::Male => &MEN,
-            Sex::Female => &WOMEN,
-        };
-        let given = [person.breadth, person.depth, person.stature, person.mass];
-        let values = std::array::from_fn(|k| {
-            let [mean_value, slopes @ ..] = mean.measures[k];
-            let follows: f64 = (0..4).map(|g| slopes[g] * (given[g] - mean.given[g])).sum();
-            (mean_value + follows).clamp(0.5 * mean_value, 2.0 * mean_value)
-        });
-        Measures { values, person: *person }
-    }
-
-    fn get(&self, measure: Measure) -> f64 {
-        self.values[measure as usize]
-    }
-}
 
 /// Rings of one person, dense; the left ones of arms and legs.
 pub(super) struct Skins {
@@ -86,89 +57,13 @@ pub(super) struct Template {
     long: Points,
 }
 
-/// \[m\] altitudes of landmarks, rising.
-struct Heights {
-    malleolus: f64,
-    tibial: f64,
-    knee: f64,
-    crotch: f64,
-    buttock: f64,
-    waist: f64,
-    rib: f64,
-    chest: f64,
-    axilla: f64,
-    torso: f64,
-    shoulder: f64,
-    trapezius: f64,
-    neck: f64,
-    throat: f64,
-    chin: f64,
-    wrist: f64,
-    elbow: f64,
-    fingertip: f64,
-}
-
-impl Heights {
-    /// Each at least a little above the one before, whatever the person.
-    fn of(m: &Measures) -> Heights {
-        use Measure as M;
-        let stature = m.person.stature;
-        let step = 0.012 * stature / 1.75;
-        let mut floor = 0.0;
-        let mut above = |z: f64, gap: f64| {
-            floor = z.max(floor + gap * step);
-            floor
-        };
-        let malleolus = above(m.get(M::MalleolusHeight), 3.0);
-        let tibial = above(m.get(M::TibialHeight), 8.0);
-        let knee = above(m.get(M::KneeHeight), 1.0);
-        let torso = TORSO_ALTITUDE * stature;
-        // What must stay below the torso's altitude keeps enough room for what lies between.
-        let below = |z: f64, gaps: f64| z.min(torso - gaps * step);
-        let crotch = above(below(m.get(M::CrotchHeight), 20.0), 10.0);
-        let buttock = above(below(m.get(M::ButtockHeight), 17.0), 3.0);
-        let waist = above(below(m.get(M::WaistHeight), 12.0), 4.0);
-        let rib = above(below(m.get(M::TenthRibHeight), 9.0), 2.0);
-        let chest = above(below(m.get(M::ChestHeight), 6.0), 2.0);
-        let axilla = above(below(m.get(M::AxillaHeight), 4.0), 1.0);
-        // The face: chin to top is 1.77 times tragion to top.
-        let chin = (stature - 1.77 * m.get(M::TragionToTop)).max(torso + 6.0 * step);
-        let between = |share: f64| torso + share * (chin - torso);
-        let acromial = (m.get(M::AcromialHeight) + 0.012).clamp(between(0.27), between(0.36));
-        let elbow = (m.get(M::AcromialHeight) - m.get(M::UpperArmLength)).min(axilla - 8.0 * step);
-        let wrist = m.get(M::WristHeight).min(elbow - 10.0 * step);
-        let fingertip = (wrist - m.get(M::HandLength)).max(0.05 * stature);
-        Heights {
-            malleolus,
-            tibial,
-            knee,
-            crotch,
-            buttock,
-            waist,
-            rib,
-            chest,
-            axilla,
-            torso,
-            shoulder: acromial,
-            trapezius: between(0.58),
-            neck: between(0.78),
-            throat: between(0.9),
-            chin,
-            wrist,
-            elbow,
-            fingertip,
-        }
-    }
-}
-
 impl Template {
     pub(super) fn of(person: &Person) -> Template {
         use Measure as M;
         let measures = Measures::of(person);
         let m = |measure| measures.get(measure);
-        let fullness = |breadth, depth, girth| {
-            Oval::new(0.0, Vec2::ZERO, breadth, depth).with_girth(girth).fullness
-        };
+        let fullness =
+            |breadth, depth, girth| Oval::new(0.0, Vec2::ZERO, breadth, depth).with_girth(girth).fullness;
         Template {
             heights: Heights::of(&measures),
             fullness: [
@@ -184,14 +79,14 @@ impl Template {
         }
     }
 
-    /// The skins with girths between knees and neck grown by a factor. Breadth and depth at the torso's altitude stay
-    /// the person's.
+    /// The skins with girths between knees and neck grown by a factor, the arms straight down. Breadth and depth at the
+    /// torso's altitude stay the person's.
     pub(super) fn skins(&self, factor: f64) -> Skins {
-        let leg = skin(&self.leg(factor));
         let arms = self.arm_ovals(factor);
         let trunk = self.trunk(factor, &arms[0]);
-        let arm = self.arm(&arms, &trunk, &leg);
-        Skins { trunk, arm, leg }
+        let ring = |oval: &Oval| Ring { z: oval.z, points: oval.points(&self.around) };
+        let arm: Vec<Ring> = arms.iter().rev().map(ring).collect();
+        Skins { trunk, arm: skin(&arm), leg: skin(&self.leg(factor)) }
     }
 
     fn grow(&self, oval: Oval, factor: f64) -> Oval {
@@ -218,11 +113,14 @@ impl Template {
         };
         let at = |x: f64| vec2(x * person.stature / 1.75, 0.0);
         let grown = |oval: Oval| self.grow(oval, factor);
-        let hips = grown(Oval::new(h.buttock, at(-0.012), m(M::HipBreadth), m(M::ButtockDepth)).full(hip_full));
-        let waist = grown(Oval::new(h.waist, at(0.004), m(M::WaistBreadth), m(M::WaistDepth)).full(waist_full));
+        let hips =
+            grown(Oval::new(h.buttock, at(-0.012), m(M::HipBreadth), m(M::ButtockDepth)).full(hip_full));
+        let waist =
+            grown(Oval::new(h.waist, at(0.004), m(M::WaistBreadth), m(M::WaistDepth)).full(waist_full));
         let rib = Oval::new(h.rib, at(0.002), rib_breadth * m(M::WaistBreadth), rib_depth * m(M::WaistDepth));
         let rib = grown(rib.full(waist_full));
-        let mut chest = grown(Oval::new(h.chest, at(-0.004), m(M::ChestBreadth), person.depth).full(chest_full));
+        let mut chest =
+            grown(Oval::new(h.chest, at(-0.004), m(M::ChestBreadth), person.depth).full(chest_full));
         chest.breadth = self.chest_side(factor);
         let mut under = Oval { z: 0.5 * (h.rib + h.chest), centre: at(-0.006), ..chest };
         under.breadth = 0.5 * (rib.breadth + chest.breadth);
@@ -230,8 +128,15 @@ impl Template {
         // The armpit: a chest a little shallower, once without and once with the arms beside it.
         let armpit = Oval { z: h.axilla, centre: at(-0.009), depth: 0.97 * chest.depth, ..chest };
         let ring = |oval: Oval| Ring { z: oval.z, points: oval.points(&self.broad) };
-        let mut rings =
-            skin(&[self.crotch(factor), ring(hips), ring(waist), ring(rib), ring(under), ring(chest), ring(armpit)]);
+        let mut rings = skin(&[
+            self.crotch(factor),
+            ring(hips),
+            ring(waist),
+            ring(rib),
+            ring(under),
+            ring(chest),
+            ring(armpit),
+        ]);
 
         let shoulders = Oval::new(h.torso, at(-0.02), person.breadth, person.depth).full(SHOULDER_FULLNESS);
         let biacromial = m(M::BiacromialBreadth).min(0.88 * person.breadth);
@@ -243,7 +148,8 @@ impl Template {
         let top = Oval::new(h.shoulder, at(-0.027), 0.97 * biacromial, 0.7 * person.depth);
         let neck_girth = m(M::NeckGirth);
         let nape = (0.46 * biacromial).max(1.25 * neck_girth / std::f64::consts::PI);
-        let trapezius = Oval::new(h.trapezius, at(-0.027), nape, 0.5 * (m(M::NeckBaseGirth) + neck_girth) * 0.34);
+        let trapezius =
+            Oval::new(h.trapezius, at(-0.027), nape, 0.5 * (m(M::NeckBaseGirth) + neck_girth) * 0.34);
         let neck = Oval::of_girth(h.neck, at(-0.017), 1.02 * neck_girth, 1.05);
         let throat = Oval::of_girth(h.throat, at(-0.006), neck_girth, 1.08);
         let (breadth, length) = (m(M::HeadBreadth), m(M::HeadLength));
@@ -252,7 +158,9 @@ impl Template {
             Oval::new(h.chin + up * face, at(ahead), broad * breadth, long * length).full(head_full)
         };
         let mut upper = vec![self.armpit_with_arms(&armpit, upper_arm), ring(shoulders)];
-        upper.extend([round(0.35, 0.985, 0.95), round(0.7, 0.93, 0.86), top, trapezius, neck, throat].map(ring));
+        upper.extend(
+            [round(0.35, 0.985, 0.95), round(0.7, 0.93, 0.86), top, trapezius, neck, throat].map(ring),
+        );
         upper.extend(
             [
                 head(0.02, 0.022, 0.64, 0.72),
@@ -293,10 +201,11 @@ impl Template {
     /// An oval and an ellipse on either side: as far as anything reaches, seen from the oval's centre, the creases filled
     /// a little, the more the more often.
     fn with_lobes(&self, middle: &Oval, left: &Oval, fillings: usize) -> Ring {
-        let mut reach = self.broad.map(|way| {
+        let mut reach = middle.reaches(&self.broad);
+        for (reach, way) in reach.iter_mut().zip(self.broad) {
             let to_the_left = vec2(way.x, way.y.abs());
-            left.far_side(middle.centre, to_the_left).unwrap_or(0.0).max(middle.reach(way))
-        });
+            *reach = left.far_side(middle.centre, to_the_left).unwrap_or(0.0).max(*reach);
+        }
         for _ in 0..fillings {
             // The sum of the neighbours comes first: mirror images stay so to the last bit.
             let beside = |k: usize| reach[(k + POINTS - 1) % POINTS] + reach[(k + 1) % POINTS];
@@ -339,6 +248,14 @@ impl Template {
         let calf_z = mix(ankle_z, h.tibial, 0.65);
         let above_knee = h.knee + (0.06 * size).min(0.3 * (h.crotch - h.knee));
         let span = h.crotch - above_knee;
+        // No broader than half the hips above: a thick thigh is deep instead.
+        let upper = |share: f64, ahead: f64, girth: f64, deeper: f64| {
+            let most = (0.5 * m(M::HipBreadth) - GAP) * (0.9 + 0.1 * share);
+            let around = Oval::of_girth(above_knee + share * span, vec2(ahead * size, 0.0), girth, deeper);
+            let breadth = most.min(2.0 * around.breadth);
+            let depth = depth_of_girth(breadth, girth, deeper, 1.4);
+            self.aside(self.grow(Oval { breadth: 0.5 * breadth, depth: 0.5 * depth, ..around }, factor), line)
+        };
         let limbs = [
             limb(ankle_z, -0.028, m(M::AnkleGirth), 1.3),
             limb(mix(ankle_z, calf_z, 0.5), -0.024, mix(m(M::AnkleGirth), calf, 0.55), 1.12),
@@ -346,8 +263,8 @@ impl Template {
             limb(mix(calf_z, h.tibial, 0.75), -0.008, 0.92 * calf, 1.05),
             limb(h.knee, 0.0, mix(lower, calf, 0.5) * 0.97, 1.1),
             limb(above_knee, -0.002, lower, 1.06),
-            limb(above_knee + 0.45 * span, -0.002, mix(lower, thigh_girth, 0.56), 1.08),
-            limb(above_knee + 0.8 * span, -0.006, 0.95 * thigh_girth, 1.14),
+            upper(0.45, -0.002, mix(lower, thigh_girth, 0.56), 1.08),
+            upper(0.8, -0.006, 0.95 * thigh_girth, 1.14),
             thigh,
         ];
         // The foot: share of the ankle bone's height, of the foot's length and breadth, heel ahead of the hindmost point.
@@ -412,26 +329,37 @@ impl Template {
             fingers(1.0, 0.018, 0.25, 0.07),
         ]
     }
+}
 
-    /// The arm's rings, leaning outwards as far as trunk and leg ask.
-    fn arm(&self, ovals: &[Oval], trunk: &[Ring], leg: &[Ring]) -> Vec<Ring> {
-        let landmarks: Vec<Ring> =
-            ovals.iter().rev().map(|oval| Ring { z: oval.z, points: oval.points(&self.around) }).collect();
-        let mut rings = skin(&landmarks);
-        let top = self.heights.axilla;
-        let mut lean = LEAN;
-        for ring in &rings {
-            let down = top - ring.z;
-            if down > 0.0 {
-                let push = push_out(&ring.points, trunk, ring.z).max(push_out(&ring.points, leg, ring.z));
-                lean = lean.max(push / down);
+impl Skins {
+    /// Moves the arm outwards as far as trunk and leg ask: beside the chest at once, then leaning. Every ring keeps its
+    /// area.
+    pub(super) fn lean_arm(&mut self) {
+        let Some(top) = self.arm.last().map(|ring| ring.z) else { return };
+        let below = |ring: &Ring| (top - ring.z, 1.0 - libm::exp(-(top - ring.z) / BESIDE));
+        let (mut aside, mut lean) = (0.0f64, LEAN);
+        let pushes: Vec<f64> = self.arm.iter().map(|ring| self.push(ring)).collect();
+        let hanging = || self.arm.iter().zip(&pushes).filter(|(ring, _)| ring.z < top);
+        for (ring, push) in hanging() {
+            let (down, share) = below(ring);
+            if down < 4.0 * BESIDE {
+                aside = aside.max((push - lean * down) / share);
             }
         }
-        for ring in &mut rings {
-            let aside = vec2(0.0, lean * (top - ring.z));
-            ring.points = ring.points.map(|point| point + aside);
+        for (ring, push) in hanging() {
+            let (down, share) = below(ring);
+            lean = lean.max((push - aside * share) / down);
         }
-        rings
+        for ring in &mut self.arm {
+            let (down, share) = below(ring);
+            let out = vec2(0.0, aside * share + lean * down);
+            ring.points = ring.points.map(|point| point + out);
+        }
+    }
+
+    /// \[m\] how far a ring of the arm must move to the left.
+    fn push(&self, ring: &Ring) -> f64 {
+        push_out(&ring.points, &self.trunk, ring.z).max(push_out(&ring.points, &self.leg, ring.z))
     }
 }
 
@@ -444,6 +372,10 @@ fn push_out(points: &Points, rings: &[Ring], z: f64) -> f64 {
     let (low, high) = (&rings[above - 1], &rings[above]);
     let share = (z - low.z) / (high.z - low.z);
     let other: Points = std::array::from_fn(|k| low.points[k] + (high.points[k] - low.points[k]) * share);
+    let outermost = other.iter().fold(f64::MIN, |y, point| y.max(point.y));
+    if points.iter().all(|point| point.y >= outermost + GAP) {
+        return 0.0;
+    }
     let mut push = f64::NEG_INFINITY;
     // Two polygons along y: nearest at a corner of either.
     for (corners, sides, sign) in [(points, &other, 1.0), (&other, points, -1.0)] {
@@ -460,4 +392,16 @@ fn push_out(points: &Points, rings: &[Ring], z: f64) -> f64 {
         }
     }
     (push + GAP).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_door_is_open_between_knees_and_neck() {
+        assert!(door(1.0, 1.75) > 0.99);
+        assert!(door(0.3, 1.75) < 0.05 && door(1.6, 1.75) < 0.01);
+        assert!((door(160.0, 186.6) - 0.5).abs() < 1e-3 && (door(59.0, 186.6) - 0.5).abs() < 1e-9);
+    }
 }
