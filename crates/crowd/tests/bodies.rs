@@ -308,6 +308,21 @@ fn the_torso_section_is_about_as_large_as_the_papers_five_disks() {
     }
 }
 
+/// The paper's comparison of two dimensions with sections at the torsos of the shortest, on average, of the tallest: low
+/// sections cut everybody, high ones pass over the short; none covers more than a little above the disks.
+#[test]
+fn sections_cover_less_the_higher_they_are() {
+    let bodies: Vec<Body3d> = people().iter().map(|person| Body3d::of(person).unwrap()).collect();
+    let crowd: Vec<Placed> = bodies.iter().map(|body| Placed { body, pose: Pose::default() }).collect();
+    let disks: f64 =
+        bodies.iter().map(|b| 0.14588 / (0.61718 * 0.30) * b.person().breadth * b.person().depth).sum();
+    let areas = torso_altitudes(&crowd).unwrap().map(|z| section(&crowd, z).area() / disks);
+    println!("of the disks' area: {areas:.3?}");
+    assert!(areas[0] > areas[1] && areas[1] > areas[2], "{areas:?}");
+    assert!((0.75..1.05).contains(&areas[0]) && areas[2] < 0.3, "{areas:?}");
+    assert_eq!(section(&crowd, torso_altitudes(&crowd).unwrap()[0]).cut(), crowd.len());
+}
+
 #[test]
 fn stl_reads_back() {
     let body = Body3d::of(&mean_person(&MEN)).unwrap();
