@@ -5,6 +5,7 @@
 
 mod anthropometry;
 mod bicycle;
+mod body3d;
 mod copula;
 mod light_xml;
 mod normal;
@@ -18,6 +19,10 @@ mod union;
 
 pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
 pub use bicycle::{BICYCLE_MEASURES, Bicycle, BicycleError, BicycleStatistics};
+pub use body3d::{
+    BODY_DENSITY, Body3d, BodyError, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Placed, Polygon,
+    TORSO_ALTITUDE, crowd_parts, section, torso_altitudes, write_geojson, write_obj, write_stl, write_wkt,
+};
 pub use copula::{Correlations, CorrelationsError};
 pub use light_xml::{
     Along, LightAgent, LightDisk, LightError, LightRectangle, LightSettings, LightShapes, light_xml,
