@@ -56,7 +56,7 @@ fn through_fmu(out: &mut impl Write, runs: usize) -> Result<()> {
         writeln!(out, "{what:<50}{value:>10.3} {unit}")?;
         Ok(out.flush()?)
     };
-    let overhead = fmu::overhead(1_000, 100 * runs)?;
+    let overhead = fmu::overhead(1_000, runs)?;
     row("1000 agents: set 3 inputs of each", overhead.set, "µs")?;
     row("1000 agents: get 10 outputs of each", overhead.get, "µs")?;
     let loading = fmu::loading(10_000, runs)?;
