@@ -4,7 +4,7 @@
 //! every sum, and with it every bit, is the same for any number of threads.
 
 use super::contacts::{ContactReport, Crossing, Instant, Standing, Stretch, Sums, add_crossing};
-use super::neighbours::{CellGrid, Circle, NEAR, list};
+use super::neighbours::{Circle, CellGrid, NEAR, list};
 use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
 use super::{Scene, State, Threads, Work, Wrench};
 

@@ -188,8 +188,7 @@ impl Sums<'_> {
                 wrench.torque -= torque;
             }
             None => {
-                self.crossing
-                    .push(Crossing { body: giver, wrench: Wrench { force: -force, torque: -torque } });
+                self.crossing.push(Crossing { body: giver, wrench: Wrench { force: -force, torque: -torque } });
             }
         }
     }
@@ -299,7 +298,8 @@ impl Instant<'_> {
         let mut report = ContactReport::empty(self.scene.bodies.len());
         let mut touching_bodies = Vec::new();
         let memory = |spring| Memory { spring, before: self.before, stretch: Stretch::Hold };
-        let disks = |pairs: &'a Pairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
+        let disks =
+            |pairs: &'a Pairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
         for ((pair, detail), spring) in blocks.clone().flat_map(disks) {
             if let Finding::Touching(touch) = self.disks(pair, detail, &self.sight(pair), memory(spring)) {
                 let bodies = [pair.first_body, pair.second_body];

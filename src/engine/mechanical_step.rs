@@ -165,8 +165,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
                 let b = mover.body.index() - k * BLOCK;
                 let acceleration = mover.acceleration(&std::mem::take(&mut wrenches[b]));
                 let (before, kicked) = (poses[b], kicked(twists[b], acceleration, kick));
-                let (pose, twist) =
-                    mover.drive.after(begun).fly(&flights[mover.flyer as usize], before, kicked);
+                let (pose, twist) = mover.drive.after(begun).fly(&flights[mover.flyer as usize], before, kicked);
                 (poses[b], twists[b]) = (pose, twist);
                 let turn = pose.orientation - before.orientation;
                 standing[b].follow(pose, turn, self::kicked(twist, acceleration, half));
