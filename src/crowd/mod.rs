@@ -6,7 +6,7 @@ mod saved;
 
 pub use saved::Saved;
 
-use crate::engine::{AdvanceError, World, Wrench};
+use crate::engine::{AdvanceError, ThreadsError, World, Wrench};
 use crate::files::{Change, WriteError, change_all};
 use crate::resources::{Resources, ResourcesError};
 use crate::trial::{Drive, Trial, WorldError, dynamics_of, dynamics_xml, interactions_of, interactions_xml};
@@ -35,6 +35,8 @@ pub enum CrowdError {
     OtherTrial(String),
     #[error("the state is damaged or not one of this FMU: {0}")]
     Saved(&'static str),
+    #[error("Threads: {0}")]
+    Threads(#[from] ThreadsError),
     #[error("{0}")]
     Advance(String),
     #[error("OutputDirectory: {0}")]
@@ -136,6 +138,7 @@ impl Model for Crowd {
     fn set_integer(&mut self, quantity: Quantity, value: i32) {
         if quantity == Quantity::Threads {
             self.threads = value;
+            self.world = None;
         }
     }
 
@@ -175,7 +178,7 @@ impl Model for Crowd {
     }
 
     fn advance(&mut self, step: f64, to: f64) -> Result<(), StepError<CrowdError>> {
-        self.make_world().map_err(|error| StepError::Refused(error.into()))?;
+        self.make_world().map_err(StepError::Refused)?;
         if let Err(error) = self.advance_world(step) {
             let told = CrowdError::Advance(self.trial.name_body(&error));
             // Anything else was refused before it began.
@@ -211,9 +214,9 @@ impl Model for Crowd {
 }
 
 impl Crowd {
-    fn make_world(&mut self) -> Result<&mut World, WorldError> {
+    fn make_world(&mut self) -> Result<&mut World, CrowdError> {
         if self.world.is_none() {
-            self.world = Some(self.trial.world()?);
+            self.world = Some(world(&self.trial, self.threads, None)?);
         }
         Ok(self.world.as_mut().expect("made above"))
     }
@@ -357,6 +360,16 @@ fn count(world: &World, quantity: Quantity) -> Option<i32> {
         _ => return None,
     };
     Some(i32::try_from(count).unwrap_or(i32::MAX))
+}
+
+/// A Trial's world on so many threads: those of the world so far, if it has as many.
+fn world(trial: &Trial, threads: i32, so_far: Option<&World>) -> Result<World, CrowdError> {
+    let mut world = trial.world()?;
+    if let Some(so_far) = so_far {
+        world.share_threads(so_far);
+    }
+    world.set_threads(usize::try_from(threads).unwrap_or(1))?;
+    Ok(world)
 }
 
 /// Makes an OutputDirectory, if there is to be one.

@@ -1,6 +1,6 @@
 //! A crowd's part of FMI's "FMU state": saved and restored.
 
-use super::{Crowd, CrowdError, Settings, edited, make_directory};
+use super::{Crowd, CrowdError, Settings, edited, make_directory, world};
 use crate::engine::{State, World, Wrench};
 use crate::variables::{Kind, guid, table};
 use serde::{Deserialize, Serialize};
@@ -71,7 +71,7 @@ impl Crowd {
         let world = match &saved.running {
             None => None,
             Some(running) => {
-                let mut world = trial.world()?;
+                let mut world = world(&trial, saved.threads, self.world.as_ref())?;
                 check_running(&world, running)?;
                 world.restore(running.state.clone());
                 world.drive.clone_from(&running.drive);

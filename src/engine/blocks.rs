@@ -3,10 +3,10 @@
 //! A block is as large for one thread as for many, and forces are summed within it first: so the order of
 //! every sum, and with it every bit, is the same for any number of threads.
 
-use super::contacts::{ContactReport, Crossing, Instant, Standing, Stretch, Sums, add_crossing};
-use super::neighbours::{Circle, CellGrid, NEAR, list};
+use super::contacts::{ContactReport, Crossing, Instant, Standing, Stretch, Sums};
+use super::neighbours::{CellGrid, Circle, NEAR, list};
 use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
-use super::{Scene, State, Threads, Work, Wrench};
+use super::{Pose, Scene, State, Threads, Twist, Work, Wrench};
 
 /// Bodies of a block: enough that few pairs cross its bounds and that handing it to a thread costs little
 /// beside it; few, so that a crowd of a thousand can be shared out. Results change in the last digits with it.
@@ -17,10 +17,13 @@ pub(super) const BLOCK: usize = 512;
 pub(super) struct Block {
     candidates: Candidates,
     pairs: Pairs,
-    crossing: Vec<Crossing>,
+    /// For bodies of later blocks.
+    outgoing: Vec<Crossing>,
+    /// From earlier blocks, in the order of their pairs.
+    incoming: Vec<Crossing>,
+    /// What was answered of its bodies last.
+    answer: f64,
     work: Work,
-    /// \[m\] at most so far has a disk moved in the last step.
-    pub moved: f64,
 }
 
 /// All blocks, and where their bodies are.
@@ -29,10 +32,23 @@ pub(super) struct Blocks {
     pub blocks: Vec<Block>,
     /// Of each body.
     pub standing: Vec<Standing>,
-    /// By the contacts, of each body, at the present instant; taken by the next kick.
-    pub wrenches: Vec<Wrench>,
+    /// Of each body: how it moves but for the half kick that the contacts at the present instant will give.
+    pub flown: Vec<Twist>,
+    /// By the contacts: of each body where blocks are shared out, else of one block after the other, so that it
+    /// stays in the cache.
+    wrenches: Vec<Wrench>,
     /// How many times contacts have been looked at.
     evaluation: u64,
+}
+
+/// The bodies of a block.
+pub(super) struct Bodies<'a> {
+    /// The first of them.
+    pub start: usize,
+    pub standing: &'a mut [Standing],
+    pub flown: &'a mut [Twist],
+    /// By the contacts at the present instant.
+    pub wrenches: &'a [Wrench],
 }
 
 impl Blocks {
@@ -41,9 +57,16 @@ impl Blocks {
         Blocks {
             blocks: vec![Block::default(); bodies.div_ceil(BLOCK)],
             standing: vec![Standing::default(); bodies],
+            flown: vec![Twist::default(); bodies],
             wrenches: vec![Wrench::default(); bodies],
             evaluation: FIRST_EVALUATION,
         }
+    }
+
+    /// Puts a body at a pose.
+    pub fn put(&mut self, body: usize, pose: Pose, twist: Twist) {
+        self.standing[body] = Standing::at(pose, twist);
+        self.flown[body] = twist;
     }
 
     /// Holds just the state's springs: what the first list of a communication step starts from.
@@ -95,20 +118,46 @@ impl Blocks {
         });
     }
 
-    /// Adds the contact forces at this instant to the wrenches and lets the springs advance as `stretch` says.
-    pub fn evaluate(&mut self, scene: &Scene, threads: &Threads, stretch: Stretch) {
-        let instant = Instant { scene, standing: &self.standing, before: self.evaluation };
-        let blocks = self.blocks.iter_mut().zip(self.wrenches.chunks_mut(BLOCK)).enumerate();
-        threads.each(blocks, |(k, (block, wrenches))| {
-            let Block { pairs, crossing, work, .. } = block;
-            let mut sums = Sums { start: k * BLOCK, wrenches, crossing, work };
-            instant.evaluate(pairs, stretch, &mut sums);
-        });
-        for block in &mut self.blocks {
-            add_crossing(&block.crossing, &mut self.wrenches);
-            block.crossing.clear();
-        }
+    /// Sums the contact forces at this instant and lets the springs advance as `stretch` says; then does
+    /// something with the bodies of every block, and answers the largest answer.
+    ///
+    /// One thread does it block by block, while each is in the cache: that a block's bodies move on does not
+    /// disturb the later ones, for a pair of two blocks is with the first.
+    pub fn evaluate(
+        &mut self,
+        scene: &Scene,
+        threads: &Threads,
+        stretch: Stretch,
+        then: impl Fn(usize, Bodies) -> f64 + Send + Sync,
+    ) -> f64 {
+        let before = self.evaluation;
         self.evaluation += 1;
+        let Blocks { blocks, standing, flown, wrenches, .. } = self;
+        if threads.count() == 1 {
+            for k in 0..blocks.len() {
+                let of_block = k * BLOCK..standing.len().min((k + 1) * BLOCK);
+                let wrenches = &mut wrenches[..of_block.len()];
+                blocks[k].evaluate(&Instant { scene, standing, before }, stretch, of_block.start, wrenches);
+                hand_over(blocks, k);
+                blocks[k].take_in(of_block.start, wrenches);
+                let (standing, flown) = (&mut standing[of_block.clone()], &mut flown[of_block.clone()]);
+                blocks[k].answer = then(k, Bodies { start: of_block.start, standing, flown, wrenches });
+            }
+        } else {
+            let instant = Instant { scene, standing, before };
+            let each = blocks.iter_mut().zip(wrenches.chunks_mut(BLOCK)).enumerate();
+            threads.each(each, |(k, (block, wrenches))| {
+                block.evaluate(&instant, stretch, k * BLOCK, wrenches);
+            });
+            (0..blocks.len()).for_each(|k| hand_over(blocks, k));
+            let each = blocks.iter_mut().zip(standing.chunks_mut(BLOCK)).enumerate();
+            let each = each.zip(flown.chunks_mut(BLOCK).zip(wrenches.chunks_mut(BLOCK)));
+            threads.each(each, |((k, (block, standing)), (flown, wrenches))| {
+                block.take_in(k * BLOCK, wrenches);
+                block.answer = then(k, Bodies { start: k * BLOCK, standing, flown, wrenches });
+            });
+        }
+        blocks.iter().map(|block| block.answer).fold(0.0, f64::max)
     }
 
     /// The contacts as they are now; changes nothing.
@@ -121,4 +170,31 @@ impl Blocks {
     pub fn take_work(&mut self) -> Work {
         self.blocks.iter_mut().map(|block| std::mem::take(&mut block.work)).sum()
     }
+}
+
+impl Block {
+    /// Sums the forces of its own pairs; what crosses its bounds waits to be handed over.
+    fn evaluate(&mut self, instant: &Instant, stretch: Stretch, start: usize, wrenches: &mut [Wrench]) {
+        let Block { pairs, outgoing, work, .. } = self;
+        wrenches.fill(Wrench::default());
+        instant.evaluate(pairs, stretch, &mut Sums { start, wrenches, outgoing, work });
+    }
+
+    /// Adds what was handed over; then the forces are complete.
+    fn take_in(&mut self, start: usize, wrenches: &mut [Wrench]) {
+        for Crossing { body, wrench } in self.incoming.drain(..) {
+            let sum = &mut wrenches[body.index() - start];
+            sum.force += wrench.force;
+            sum.torque += wrench.torque;
+        }
+    }
+}
+
+/// Hands over what crosses the bounds of a block; one after the other, so that each gets it in order.
+fn hand_over(blocks: &mut [Block], k: usize) {
+    let mut outgoing = std::mem::take(&mut blocks[k].outgoing);
+    for crossing in outgoing.drain(..) {
+        blocks[crossing.body.index() / BLOCK].incoming.push(crossing);
+    }
+    blocks[k].outgoing = outgoing;
 }

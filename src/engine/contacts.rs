@@ -13,22 +13,30 @@ use super::{BodyId, DiskId, FaceId, FacePart, PairLaw, Pose, Regime, Rotation, S
 pub(super) struct Standing {
     /// \[m\] of the centre of mass.
     position: Vec2,
+    /// \[rad\]
+    orientation: f64,
     /// By the orientation.
     turn: Rotation,
     /// Of the same instant.
-    pub twist: Twist,
+    twist: Twist,
 }
 
 impl Default for Standing {
     fn default() -> Standing {
-        Standing { position: Vec2::ZERO, turn: Rotation::NONE, twist: Twist::default() }
+        Standing::at(Pose::default(), Twist::default())
     }
 }
 
 impl Standing {
     /// Where a pose says.
     pub fn at(pose: Pose, twist: Twist) -> Standing {
-        Standing { position: pose.position, turn: Rotation::by(pose.orientation), twist }
+        let Pose { position, orientation } = pose;
+        Standing { position, orientation, turn: Rotation::by(orientation), twist }
+    }
+
+    #[inline]
+    pub fn pose(&self) -> Pose {
+        Pose { position: self.position, orientation: self.orientation }
     }
 
     /// Goes on to a pose, turned by an angle \[rad\] since the last one.
@@ -38,16 +46,16 @@ impl Standing {
     #[inline(always)]
     pub fn follow(&mut self, pose: Pose, turned: f64, twist: Twist) {
         if turned.abs() > SMALL_TURN {
-            self.face(pose.orientation);
+            self.turn_to(pose.orientation);
         } else {
             self.turn = self.turn.further(turned);
         }
-        (self.position, self.twist) = (pose.position, twist);
+        (self.position, self.orientation, self.twist) = (pose.position, pose.orientation, twist);
     }
 
     #[cold]
     #[inline(never)]
-    fn face(&mut self, orientation: f64) {
+    fn turn_to(&mut self, orientation: f64) {
         self.turn = Rotation::by(orientation);
     }
 
@@ -156,8 +164,8 @@ const AT_ONCE: usize = 32;
 /// A wrench that a body of another block is to receive.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crossing {
-    body: BodyId,
-    wrench: Wrench,
+    pub body: BodyId,
+    pub wrench: Wrench,
 }
 
 /// What an evaluation adds up, for the bodies of a block.
@@ -167,7 +175,7 @@ pub(super) struct Sums<'a> {
     /// Of the bodies of the block.
     pub wrenches: &'a mut [Wrench],
     /// For bodies of later blocks.
-    pub crossing: &'a mut Vec<Crossing>,
+    pub outgoing: &'a mut Vec<Crossing>,
     pub work: &'a mut Work,
 }
 
@@ -188,18 +196,10 @@ impl Sums<'_> {
                 wrench.torque -= torque;
             }
             None => {
-                self.crossing.push(Crossing { body: giver, wrench: Wrench { force: -force, torque: -torque } });
+                self.outgoing
+                    .push(Crossing { body: giver, wrench: Wrench { force: -force, torque: -torque } });
             }
         }
-    }
-}
-
-/// Adds what has crossed the bounds of blocks, in the order of the pairs.
-pub(super) fn add_crossing(crossing: &[Crossing], wrenches: &mut [Wrench]) {
-    for Crossing { body, wrench } in crossing {
-        let sum = &mut wrenches[body.index()];
-        sum.force += wrench.force;
-        sum.torque += wrench.torque;
     }
 }
 
@@ -298,8 +298,7 @@ impl Instant<'_> {
         let mut report = ContactReport::empty(self.scene.bodies.len());
         let mut touching_bodies = Vec::new();
         let memory = |spring| Memory { spring, before: self.before, stretch: Stretch::Hold };
-        let disks =
-            |pairs: &'a Pairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
+        let disks = |pairs: &'a Pairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
         for ((pair, detail), spring) in blocks.clone().flat_map(disks) {
             if let Finding::Touching(touch) = self.disks(pair, detail, &self.sight(pair), memory(spring)) {
                 let bodies = [pair.first_body, pair.second_body];

@@ -8,8 +8,8 @@
 //! Umbanhowar, Comput. Phys. Commun. 310 (2025) 109524), which keeps second order for forces that
 //! depend on velocity.
 
-use super::blocks::{BLOCK, Blocks};
-use super::contacts::{Standing, Stretch};
+use super::blocks::{BLOCK, Blocks, Bodies};
+use super::contacts::Stretch;
 use super::free_flight::{Drive, Ramp};
 use super::neighbours::{CellGrid, Circle, NEAR, SKIN};
 use super::shortlist::{Activity, Shortlist};
@@ -89,114 +89,125 @@ impl<D: Drive> Mover<D> {
 pub(super) struct CommunicationStep<'a, D: Drive> {
     pub scene: &'a Scene,
     pub threads: &'a Threads,
+    /// When the communication step begins.
+    pub start: &'a State,
     /// Of each body, as they are when the step begins.
     pub drives: &'a [D],
-    /// Who moves by mechanical steps: of each block, ascending.
-    pub movers: Vec<Vec<Mover<D>>>,
-    /// Over one mechanical step; empty as long as everybody is free.
-    pub flights: Vec<D::Flight>,
     pub shortlist: Shortlist,
     pub scratch: &'a mut Scratch,
     pub work: &'a mut Work,
     /// \[s\] the mechanical step.
     pub dt: f64,
+    /// Who moves by mechanical steps: of each block, ascending.
+    pub movers: Vec<Vec<Mover<D>>>,
+    /// Over one mechanical step; empty as long as everybody is free.
+    pub flights: Vec<D::Flight>,
     /// \[m\] how far a disk may move before the list of near pairs is renewed.
     pub leeway: f64,
 }
 
 impl<D: Drive> CommunicationStep<'_, D> {
-    /// Moves the state over `steps` mechanical steps.
-    pub fn run(mut self, state: &mut State, steps: u64) {
-        self.begin(state);
+    /// The state after `steps` mechanical steps.
+    pub fn run(mut self, steps: u64) -> State {
+        self.begin();
         if self.movers.iter().any(|movers| !movers.is_empty()) {
             for step in 1..=steps {
-                // Between two steps the second half kick of the one and the first of the other are one.
-                let kick = if step == 1 { Kick::Half } else { Kick::Full };
-                self.leeway -= self.predict(state, step, kick);
-                // Negated so that a leeway that is not a number is none.
-                if !(self.leeway > 0.0) {
-                    self.renew_lists(state, step);
+                self.step(step);
+                if self.leeway <= 0.0 || self.leeway.is_nan() {
+                    self.renew_lists(step);
                 }
-                self.work.steps += 1;
-                self.evaluate(Stretch::Over(self.dt));
             }
-            self.correct(state);
+            self.correct();
         }
-        self.end(state, steps);
+        self.end(steps)
     }
 
-    /// Lists the active bodies and evaluates the contact forces of the first instant.
-    fn begin(&mut self, state: &mut State) {
+    /// Lists the active bodies, and their pairs at the first instant.
+    fn begin(&mut self) {
         let blocks = &mut self.scratch.blocks;
-        blocks.load(self.scene, state);
-        blocks.wrenches.fill(Wrench::default());
+        blocks.load(self.scene, self.start);
         self.movers.resize_with(blocks.blocks.len(), Vec::new);
         for (b, activity) in self.shortlist.activity.iter().enumerate() {
             if *activity == Activity::Active {
                 self.movers[b / BLOCK].push(Mover::new(self.scene, self.drives, b));
-                blocks.standing[b] = Standing::at(state.poses[b], state.twists[b]);
+                blocks.put(b, self.start.poses[b], self.start.twists[b]);
             }
         }
         if self.movers.iter().any(|movers| !movers.is_empty()) {
             self.flights = D::flights(self.scene, self.dt);
         }
-        self.list_candidates(state, 0);
+        self.list_candidates(0);
         self.take_near();
-        self.evaluate(Stretch::Hold);
     }
 
-    /// Kick, free flight; the velocity that another half kick would give is the predicted one. Answers how far
-    /// \[m\] a disk may have moved.
-    fn predict(&mut self, state: &mut State, step: u64, kick: Kick) -> f64 {
-        let half = 0.5 * self.dt;
-        let kick = if kick == Kick::Half { half } else { self.dt };
+    /// Evaluates the contacts, kicks, and flies to the next instant.
+    fn step(&mut self, step: u64) {
+        // Between two steps the second half kick of the one and the first of the other are one.
+        let (stretch, kick) = match step {
+            1 => (Stretch::Hold, 0.5 * self.dt),
+            _ => (Stretch::Over(self.dt), self.dt),
+        };
+        let half_kick = 0.5 * self.dt;
         // Of a whole number, so that rounding does not add up.
         let begun = (step - 1) as f64 * self.dt;
-        let flights = &self.flights[..];
-        let Blocks { blocks, standing, wrenches, .. } = &mut self.scratch.blocks;
-        let places = state.poses.chunks_mut(BLOCK).zip(state.twists.chunks_mut(BLOCK));
-        let forces = standing.chunks_mut(BLOCK).zip(wrenches.chunks_mut(BLOCK));
-        let bodies = self.movers.iter().zip(places.zip(forces));
-        self.threads.each(blocks.iter_mut().zip(bodies).enumerate(), |(k, (block, bodies))| {
-            let (movers, ((poses, twists), (standing, wrenches))) = bodies;
+        let (movers, flights) = (&self.movers, &self.flights[..]);
+        let predict = |k: usize, bodies: Bodies| {
             // Of squares, so that there is one root for all.
             let (mut moved, mut turned) = (0.0f64, 0.0f64);
-            for mover in movers {
-                let b = mover.body.index() - k * BLOCK;
-                let acceleration = mover.acceleration(&std::mem::take(&mut wrenches[b]));
-                let (before, kicked) = (poses[b], kicked(twists[b], acceleration, kick));
-                let (pose, twist) = mover.drive.after(begun).fly(&flights[mover.flyer as usize], before, kicked);
-                (poses[b], twists[b]) = (pose, twist);
+            for mover in &movers[k] {
+                let b = mover.body.index() - bodies.start;
+                let acceleration = mover.acceleration(&bodies.wrenches[b]);
+                let (before, kicked) =
+                    (bodies.standing[b].pose(), kicked(bodies.flown[b], acceleration, kick));
+                let flight = &flights[mover.flyer as usize];
+                let (pose, twist) = mover.drive.after(begun).fly(flight, before, kicked);
+                bodies.flown[b] = twist;
                 let turn = pose.orientation - before.orientation;
-                standing[b].follow(pose, turn, self::kicked(twist, acceleration, half));
+                // The velocity that another half kick would give is the predicted one.
+                bodies.standing[b].follow(pose, turn, self::kicked(twist, acceleration, half_kick));
                 moved = moved.max((pose.position - before.position).norm_squared());
                 turned = turned.max(mover.reach * turn.abs());
             }
-            block.moved = moved.sqrt() + turned;
-        });
-        blocks.iter().map(|block| block.moved).fold(0.0, f64::max)
+            moved.sqrt() + turned
+        };
+        self.leeway -= self.scratch.blocks.evaluate(self.scene, self.threads, stretch, predict);
+        self.work.steps += 1;
+    }
+
+    /// The forces of the last instant and the last half kick.
+    fn correct(&mut self) {
+        let (movers, half_kick) = (&self.movers, 0.5 * self.dt);
+        let correct = |k: usize, bodies: Bodies| {
+            for mover in &movers[k] {
+                let b = mover.body.index() - bodies.start;
+                let acceleration = mover.acceleration(&bodies.wrenches[b]);
+                bodies.flown[b] = kicked(bodies.flown[b], acceleration, half_kick);
+            }
+            0.0
+        };
+        self.scratch.blocks.evaluate(self.scene, self.threads, Stretch::Over(self.dt), correct);
     }
 
     /// Makes the lists hold again: the near pairs anew, and the candidates if need be.
-    fn renew_lists(&mut self, state: &mut State, step: u64) {
-        let listed_at = &self.scratch.listed_at;
+    fn renew_lists(&mut self, step: u64) {
+        let Scratch { blocks, listed_at } = &*self.scratch;
         let holds = |mover: &Mover<D>| {
             let b = mover.body.index();
-            !moved_too_far(mover.reach, &listed_at[b], &state.poses[b])
+            !moved_too_far(mover.reach, &listed_at[b], &blocks.standing[b].pose())
         };
         if !self.movers.iter().flatten().all(holds) {
-            self.list_candidates(state, step);
+            self.list_candidates(step);
         }
         self.take_near();
     }
 
     /// Lists the candidates of the active bodies, after taking in every free body that one of them nears.
-    fn list_candidates(&mut self, state: &mut State, step: u64) {
+    fn list_candidates(&mut self, step: u64) {
         self.work.rebuilds += 1;
         let mut circles: Vec<Circle> = self.shortlist.swept.clone();
         for mover in self.movers.iter().flatten() {
             let b = mover.body.index();
-            circles[b] = self.circle_now(state, b);
+            circles[b] = self.circle_now(b);
         }
         let mut grid = CellGrid::new(&circles, 0..circles.len(), SKIN);
         while self.shortlist.activity.contains(&Activity::Free) {
@@ -214,15 +225,15 @@ impl<D: Drive> CommunicationStep<'_, D> {
             promoted.sort_unstable();
             promoted.dedup();
             for b in promoted {
-                self.take_in(state, b, step);
-                circles[b] = self.circle_now(state, b);
+                self.take_in(b, step);
+                circles[b] = self.circle_now(b);
             }
             grid = CellGrid::new(&circles, 0..circles.len(), SKIN);
         }
         let Scratch { blocks, listed_at } = &mut *self.scratch;
         for mover in self.movers.iter().flatten() {
             let b = mover.body.index();
-            listed_at[b] = state.poses[b];
+            listed_at[b] = blocks.standing[b].pose();
         }
         let activity = &self.shortlist.activity;
         blocks.list(self.scene, self.threads, &grid, &circles, |b| activity[b] == Activity::Active);
@@ -235,64 +246,49 @@ impl<D: Drive> CommunicationStep<'_, D> {
         self.leeway = 0.5 * NEAR;
     }
 
-    fn circle_now(&self, state: &State, b: usize) -> Circle {
-        Circle { centre: state.poses[b].position, radius: self.scene.bodies[b].bounding_radius }
+    fn circle_now(&self, b: usize) -> Circle {
+        let centre = self.scratch.blocks.standing[b].pose().position;
+        Circle { centre, radius: self.scene.bodies[b].bounding_radius }
     }
 
     /// A free body becomes active: it stands where the closed form puts it at this instant.
-    fn take_in(&mut self, state: &mut State, b: usize, step: u64) {
+    fn take_in(&mut self, b: usize, step: u64) {
+        let (mut pose, mut twist) = (self.start.poses[b], self.start.twists[b]);
         if step > 0 {
             let flight = D::flight(&self.scene.bodies[b], step as f64 * self.dt);
-            (state.poses[b], state.twists[b]) = self.drives[b].fly(&flight, state.poses[b], state.twists[b]);
+            (pose, twist) = self.drives[b].fly(&flight, pose, twist);
         }
         self.shortlist.activity[b] = Activity::Active;
+        if self.flights.is_empty() {
+            self.flights = D::flights(self.scene, self.dt);
+        }
         let movers = &mut self.movers[b / BLOCK];
         let at = movers.partition_point(|other| other.body.index() < b);
         movers.insert(at, Mover::new(self.scene, self.drives, b));
-        self.scratch.blocks.wrenches[b] = Wrench::default();
-        self.scratch.blocks.standing[b] = Standing::at(state.poses[b], state.twists[b]);
-    }
-
-    /// Adds the contact forces at the present positions and predicted velocities to the wrenches.
-    fn evaluate(&mut self, stretch: Stretch) {
-        self.scratch.blocks.evaluate(self.scene, self.threads, stretch);
-    }
-
-    /// The last half kick.
-    fn correct(&mut self, state: &mut State) {
-        for mover in self.movers.iter().flatten() {
-            let b = mover.body.index();
-            let acceleration = mover.acceleration(&self.scratch.blocks.wrenches[b]);
-            state.twists[b] = kicked(state.twists[b], acceleration, 0.5 * self.dt);
-        }
+        self.scratch.blocks.put(b, pose, twist);
     }
 
     /// Free bodies fly the whole step at once; the touching pairs' springs go into the state.
-    fn end(&mut self, state: &mut State, steps: u64) {
-        let duration = steps as f64 * self.dt;
+    fn end(self, steps: u64) -> State {
+        let mut state = State { steps: self.start.steps + steps, ..State::default() };
+        let flights = D::flights(self.scene, steps as f64 * self.dt);
         let blocks = &mut self.scratch.blocks;
-        let flights = D::flights(self.scene, duration);
         for (b, body) in self.scene.bodies.iter().enumerate() {
-            if self.shortlist.activity[b] == Activity::Free {
-                self.work.shortlisted += 1;
-                let flight = &flights[body.flyer as usize];
-                (state.poses[b], state.twists[b]) =
-                    self.drives[b].fly(flight, state.poses[b], state.twists[b]);
-            }
-            blocks.standing[b] = Standing::at(state.poses[b], state.twists[b]);
+            let (pose, twist) = match self.shortlist.activity[b] {
+                Activity::Active => (blocks.standing[b].pose(), blocks.flown[b]),
+                Activity::Free => {
+                    self.work.shortlisted += 1;
+                    let flight = &flights[body.flyer as usize];
+                    self.drives[b].fly(flight, self.start.poses[b], self.start.twists[b])
+                }
+            };
+            blocks.put(b, pose, twist);
+            state.poses.push(pose);
+            state.twists.push(twist);
         }
-        blocks.store(state);
-        state.steps += steps;
+        blocks.store(&mut state);
+        state
     }
-}
-
-/// How long contact forces act on the velocity at once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kick {
-    /// Half a mechanical step.
-    Half,
-    /// From the middle of one step to the middle of the next.
-    Full,
 }
 
 /// Whether a disk may have moved so far that a pair which is near now is no candidate; `reach` \[m\] of the

@@ -35,6 +35,7 @@ pub use scene::{
 pub use shortlist::Shortlisting;
 pub use springs::elongation_vector;
 pub use state::{DiskSpring, FacePart, FaceSpring, Pose, State, Twist, Wrench};
-pub use threads::{Threads, ThreadsError};
+use threads::Threads;
+pub use threads::ThreadsError;
 pub use vec2::{Rotation, Vec2, vec2};
 pub use world::{AdvanceError, World, step_count};

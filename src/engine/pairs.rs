@@ -167,12 +167,7 @@ impl Pairs {
         }));
         let faces = self.faces.iter().zip(&self.face_springs);
         state.face_springs.extend(faces.filter(|(_, spring)| touching(spring)).map(|(pair, spring)| {
-            FaceSpring {
-                disk: pair.disk,
-                face: pair.face,
-                part: spring.part,
-                elongation: spring.elongation,
-            }
+            FaceSpring { disk: pair.disk, face: pair.face, part: spring.part, elongation: spring.elongation }
         }));
     }
 }

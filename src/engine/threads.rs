@@ -19,7 +19,7 @@ pub struct ThreadsError {
 /// Clones share the pool. It is gone, its threads joined, when the last of them is dropped: a host may unload
 /// this library right after.
 #[derive(Debug, Clone, Default)]
-pub struct Threads(Option<Arc<Pool>>);
+pub(super) struct Threads(Option<Arc<Pool>>);
 
 impl Threads {
     /// So many threads; none are started for one or none.

@@ -1,15 +1,19 @@
 //! The world: owns scene, drive and state, and advances them.
 
-use super::contacts::{ContactReport, Standing, Stretch};
+use super::contacts::{ContactReport, Stretch};
 use super::free_flight::Drive;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::neighbours::{CellGrid, Circle, SKIN};
-use super::shortlist::Shortlist;
-use super::{BodyId, Scene, Shortlisting, State, Threads, Work, Wrench};
+use super::shortlist::{Activity, Shortlist};
+use super::{BodyId, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
 use thiserror::Error;
 
 /// More mechanical steps than this in one communication step are refused: they would never end.
 const MOST_STEPS: f64 = 1e12;
+
+/// Fewer bodies that move by mechanical steps are left to one thread: a step of theirs takes some microseconds,
+/// as long as handing it over. Results do not depend on it.
+const SHARED_FROM: usize = 900;
 
 /// How far H / TimeStepMechanical may exceed an integer and still be it: communication steps come with
 /// rounding errors from other people's arithmetic.
@@ -74,8 +78,7 @@ pub struct World {
     pub mechanical_step: f64,
     /// Whether bodies that can touch nothing are moved by the closed form.
     pub shortlisting: Shortlisting,
-    /// Who does the work; results do not depend on it.
-    pub threads: Threads,
+    threads: Threads,
     contacts: ContactReport,
     work: Work,
     scratch: Scratch,
@@ -114,6 +117,32 @@ impl World {
         &self.state
     }
 
+    /// Shares the work out to so many threads, of a pool that this world and its clones own; results do not depend
+    /// on it, to the last bit.
+    ///
+    /// No more are started than there are blocks of 512 bodies, and none where there is one block: handing work
+    /// over would cost more than it saves.
+    ///
+    /// # Errors
+    /// The system does not give them; the world works on as it did.
+    pub fn set_threads(&mut self, count: usize) -> Result<(), ThreadsError> {
+        let count = count.clamp(1, self.scratch.blocks.blocks.len().max(1));
+        if count != self.threads.count() {
+            self.threads = Threads::new(count)?;
+        }
+        Ok(())
+    }
+
+    /// Works with the threads of another world: starting new ones takes longer.
+    pub fn share_threads(&mut self, other: &World) {
+        self.threads = other.threads.clone();
+    }
+
+    /// How many threads do the work.
+    pub fn threads(&self) -> usize {
+        self.threads.count()
+    }
+
     /// The contacts at the present state.
     pub fn contacts(&self) -> &ContactReport {
         &self.contacts
@@ -131,14 +160,14 @@ impl World {
         blocks.load(scene, &state);
         let mut circles = Vec::with_capacity(state.poses.len());
         for (b, (pose, twist)) in state.poses.iter().zip(&state.twists).enumerate() {
-            blocks.standing[b] = Standing::at(*pose, *twist);
+            blocks.put(b, *pose, *twist);
             circles.push(Circle { centre: pose.position, radius: scene.bodies[b].bounding_radius });
         }
         let (grid, alone) = (CellGrid::new(&circles, 0..circles.len(), SKIN), Threads::default());
         blocks.list(scene, &alone, &grid, &circles, |_| true);
         blocks.renew(scene, &alone);
         // Finds out which pairs touch; the forces are not wanted.
-        blocks.evaluate(scene, &alone, Stretch::Hold);
+        blocks.evaluate(scene, &alone, Stretch::Hold, |_, _| 0.0);
         blocks.take_work();
         self.contacts = blocks.report(scene);
         blocks.store(&mut state);
@@ -179,21 +208,24 @@ impl World {
 
     /// The state after a communication step under drives of one kind.
     fn moved<D: Drive>(&mut self, drives: &[D], duration: f64, steps: u64) -> State {
-        let mut state = self.state.clone();
-        let shortlist = Shortlist::decide(&self.scene, &state, drives, duration, self.shortlisting);
+        let shortlist = Shortlist::decide(&self.scene, &self.state, drives, duration, self.shortlisting);
+        let active = shortlist.activity.iter().filter(|activity| **activity == Activity::Active).count();
+        let alone = Threads::default();
+        let threads = if active >= SHARED_FROM { &self.threads } else { &alone };
         let step = CommunicationStep {
             scene: &self.scene,
-            threads: &self.threads,
+            threads,
+            start: &self.state,
             drives,
-            movers: Vec::new(),
-            flights: Vec::new(),
             shortlist,
             scratch: &mut self.scratch,
             work: &mut self.work,
             dt: duration / steps as f64,
+            movers: Vec::new(),
+            flights: Vec::new(),
             leeway: 0.0,
         };
-        self.threads.enter(|| step.run(&mut state, steps));
+        let state = threads.enter(|| step.run(steps));
         self.work = [self.work, self.scratch.blocks.take_work()].into_iter().sum();
         state
     }

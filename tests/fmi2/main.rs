@@ -15,6 +15,7 @@ mod nulls;
 mod queries;
 mod states;
 mod stepping;
+mod threads;
 mod trials;
 mod unloading;
 mod uris;

@@ -42,7 +42,7 @@ fn one_life(fmu: &Fmu) {
 }
 
 /// Repeats a life and compares the memory after `warm` ones with that at the end.
-fn does_not_grow(times: usize, warm: usize, mut life: impl FnMut()) {
+pub fn does_not_grow(times: usize, warm: usize, mut life: impl FnMut()) {
     (0..warm).for_each(|_| life());
     let before = resident();
     (warm..times).for_each(|_| life());

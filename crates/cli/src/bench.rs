@@ -1,7 +1,7 @@
 //! `lemons bench`: what a mechanical step costs, and what the FMU adds.
 
 use anyhow::Result;
-use lemons_bench::{cases, fmu, measure};
+use lemons_bench::{Figures, cases, fmu, measure};
 use std::io::{self, Write};
 
 #[derive(clap::Args)]
@@ -12,35 +12,50 @@ pub struct Arguments {
     /// Runs of each; the median counts
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..))]
     runs: u16,
+    /// Threads to compare with one
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: u16,
 }
 
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let mut out = io::stdout().lock();
-    writeln!(out, "Processor time per agent and mechanical step; one thread, median of {}.", arguments.runs)?;
-    writeln!(out, "pairs, contacts: per agent and step; lists: neighbour lists in 1000 steps.")?;
+    let Arguments { runs, threads, .. } = arguments;
+    writeln!(out, "{}", machine())?;
+    writeln!(out, "ns: processor time per agent and mechanical step, one thread, median of {runs}.")?;
+    writeln!(out, "pairs, contacts: per agent and step; lists, near: lists made in 1000 steps.")?;
+    writeln!(out, "x{threads}: times as fast with {threads} threads, by the clock on the wall.")?;
     writeln!(out, "Others: measured once on a machine of this kind, not here.\n")?;
     writeln!(
         out,
-        "{:<18}{:>7}{:>9}{:>7}{:>9}{:>7} {:>22}",
-        "crowd", "agents", "ns", "pairs", "contacts", "lists", "LEMONS C++, LAMMPS"
+        "{:<19}{:>7}{:>7}{:>6}{:>9}{:>6}{:>5}{:>5} LEMONS C++, LAMMPS",
+        "crowd",
+        "agents",
+        "ns",
+        "pairs",
+        "contacts",
+        "lists",
+        "near",
+        format!("x{threads}")
     )?;
     let cases = cases();
     let wanted = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only));
     for case in cases.iter().filter(|case| wanted(case.name)) {
-        let figures = measure(case, arguments.runs.into())?;
+        let Figures { nanoseconds, pairs, contacts, rebuilds, refreshes, speed_up } =
+            measure(case, (*runs).into(), (*threads).into())?;
         let others = case.others.map_or(String::new(), |others| {
-            let factor = |other: f64| format!("{:.0}x", other / figures.nanoseconds);
+            let factor = |other: f64| format!("{:.0}", other / nanoseconds);
             let lammps = others.lammps.map_or("–".to_owned(), factor);
             format!("{}/{}, {lammps}", factor(others.published), factor(others.published_best))
         });
-        writeln!(
-            out,
-            "{:<18}{:>7}{:>9.1}{:>7.2}{:>9.2}{:>7.1} {others:>22}",
-            case.name, case.agents, figures.nanoseconds, figures.pairs, figures.contacts, figures.rebuilds
-        )?;
+        let speed_up = speed_up.map_or("–".to_owned(), |factor| format!("{factor:.1}"));
+        let line = format!(
+            "{:<19}{:>7}{nanoseconds:>7.1}{pairs:>6.2}{contacts:>9.2}{rebuilds:>6.1}{refreshes:>5.0}{speed_up:>5} {others}",
+            case.name, case.agents,
+        );
+        writeln!(out, "{}", line.trim_end())?;
         out.flush()?;
     }
-    writeln!(out, "\nLEMONS C++: as shipped / with the best compiler flags.")?;
+    writeln!(out, "\nLEMONS C++: times as fast as shipped / with the best compiler flags.")?;
     if wanted(THROUGH_FMU) {
         through_fmu(&mut out, arguments.runs.into())?;
     }
@@ -67,4 +82,16 @@ fn through_fmu(out: &mut impl Write, runs: usize) -> Result<()> {
     let push = fmu::push(runs)?;
     row("push, 5 s at 2e-6 s: wall time", push.wall, "s")?;
     row("push, 5 s at 2e-6 s: processor time", push.processor, "s")
+}
+
+/// What the figures were measured on.
+fn machine() -> String {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let known = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = known.lines().find_map(|line| line.strip_prefix("model name")?.split(':').nth(1));
+    format!(
+        "On {}, {cores} core{}.",
+        model.map_or(std::env::consts::ARCH, str::trim),
+        if cores == 1 { "" } else { "s" }
+    )
 }

@@ -43,6 +43,10 @@ pub struct Arguments {
     /// the component's name and a dot
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
+    /// Threads of the crowd's engine: worth it from some thousand agents; results do not depend on it.
+    /// In an SSP: --set NAME.Threads=N
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(i32).range(1..))]
+    threads: Option<i32>,
     /// Where the trajectories go; of several crowds to FILE_NAME.csv
     #[arg(short, long, default_value = "trajectories.csv", value_name = "FILE.csv")]
     output: PathBuf,
@@ -87,6 +91,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (mut system, start, stop) = if coupled { open_ssp(arguments)? } else { open_fmu(arguments)? };
     for setting in &arguments.settings {
         set(&system, setting, coupled)?;
+    }
+    if let Some(threads) = arguments.threads {
+        if coupled {
+            bail!("--threads is for a Trial or an FMU: in an SSP, --set NAME.Threads={threads}");
+        }
+        set(&system, &format!("Threads={threads}"), coupled)?;
     }
     let until = arguments.until.or(stop).unwrap_or(DEFAULT_STOP_TIME);
     if until <= start {

@@ -3,8 +3,33 @@
 //! A [`Person`] is drawn from statistics; five disks are fitted to it, its [`Shape`]; crowds of shapes are placed
 //! without overlap and written as a Trial. SI units; angles in radians, counter-clockwise positive.
 
+mod anthropometry;
+mod bicycle;
+mod copula;
+mod light_xml;
+mod normal;
 mod person;
+mod population;
+mod random;
 mod shape;
+mod survey;
+mod table;
+mod union;
 
-pub use person::{Person, Sex};
-pub use shape::{Disk, Shape};
+pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
+pub use bicycle::{BICYCLE_MEASURES, Bicycle, BicycleError, BicycleStatistics};
+pub use copula::{Correlations, CorrelationsError};
+pub use light_xml::{
+    Along, LightAgent, LightDisk, LightError, LightRectangle, LightSettings, LightShapes, light_xml,
+    read_light_xml,
+};
+pub use normal::{TruncatedNormal, TruncatedNormalError};
+pub use person::{Measure, Person, PersonError, Sex};
+pub use population::{
+    Agent, CustomMeasures, CustomStatistics, Population, PopulationError, Proportions, Source,
+};
+pub use random::{Generator, generator};
+pub use shape::{Disk, Shape, ShapeError};
+pub use survey::{BadCell, BadCells, Survey, SurveyError};
+pub use table::{CrowdStatistics, Kind, KindStatistics, Summary, crowd_csv};
+pub use union::{Moments, union};

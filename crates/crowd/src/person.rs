@@ -1,5 +1,7 @@
 //! A person by four measures.
 
+use thiserror::Error;
+
 /// Whose statistics a person is drawn from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Sex {
@@ -7,6 +9,52 @@ pub enum Sex {
     Male,
     /// A woman.
     Female,
+}
+
+impl Sex {
+    /// Both, in the order in which tables list them.
+    pub const ALL: [Sex; 2] = [Sex::Male, Sex::Female];
+
+    /// "male" or "female".
+    pub fn name(self) -> &'static str {
+        match self {
+            Sex::Male => "male",
+            Sex::Female => "female",
+        }
+    }
+}
+
+/// One of a person's measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Measure {
+    /// \[m\] bideltoid breadth.
+    Breadth,
+    /// \[m\] chest depth.
+    Depth,
+    /// \[m\] stature.
+    Stature,
+    /// \[kg\] mass.
+    Mass,
+}
+
+impl Measure {
+    /// All of them, in the order of every table and matrix here.
+    pub const ALL: [Measure; 4] = [Measure::Breadth, Measure::Depth, Measure::Stature, Measure::Mass];
+
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Measure::Breadth => "bideltoid breadth",
+            Measure::Depth => "chest depth",
+            Measure::Stature => "stature",
+            Measure::Mass => "mass",
+        }
+    }
+
+    /// "m" or "kg".
+    pub fn unit(self) -> &'static str {
+        if self == Measure::Mass { "kg" } else { "m" }
+    }
 }
 
 /// What a two-dimensional shape and a three-dimensional body follow.
@@ -22,4 +70,64 @@ pub struct Person {
     pub stature: f64,
     /// \[kg\]
     pub mass: f64,
+}
+
+/// Measures that no person has.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum PersonError {
+    #[error("{} = {value} {}: must be positive and finite", measure.name(), measure.unit())]
+    NotPositive { measure: Measure, value: f64 },
+    #[error("chest depth = {depth} m: must not exceed the bideltoid breadth, {breadth} m")]
+    TooDeep { breadth: f64, depth: f64 },
+}
+
+impl Person {
+    /// From the measures in the order of [`Measure::ALL`].
+    pub fn from_measures(sex: Sex, [breadth, depth, stature, mass]: [f64; 4]) -> Person {
+        Person { sex, breadth, depth, stature, mass }
+    }
+
+    /// In the order of [`Measure::ALL`].
+    pub fn measures(&self) -> [f64; 4] {
+        [self.breadth, self.depth, self.stature, self.mass]
+    }
+
+    /// Whether a shape and a body can be made.
+    ///
+    /// # Errors
+    /// A measure that is not positive and finite; a chest deeper than the shoulders are broad.
+    pub fn check(&self) -> Result<(), PersonError> {
+        for (measure, value) in Measure::ALL.into_iter().zip(self.measures()) {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(PersonError::NotPositive { measure, value });
+            }
+        }
+        if self.depth > self.breadth {
+            return Err(PersonError::TooDeep { breadth: self.breadth, depth: self.depth });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_people_are_refused_by_name() {
+        let right = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.8, mass: 80.0 };
+        assert_eq!(right.check(), Ok(()));
+        assert_eq!(Person::from_measures(right.sex, right.measures()), right);
+        for (wrong, message) in [
+            (Person { mass: -80.0, ..right }, "mass = -80 kg: must be positive and finite"),
+            (Person { stature: f64::NAN, ..right }, "stature = NaN m: must be positive and finite"),
+            (
+                Person { depth: 0.6, ..right },
+                "chest depth = 0.6 m: must not exceed the bideltoid breadth, 0.5 m",
+            ),
+        ] {
+            assert_eq!(wrong.check().unwrap_err().to_string(), message);
+        }
+    }
 }

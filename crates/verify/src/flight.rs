@@ -17,8 +17,15 @@ pub(crate) const CHECKS: &[Check] = &[
         "the same bits on every machine",
         "",
         0.0,
-        golden,
+        || golden(12, 1000, 1, GOLDEN),
     ),
+    Check::new("1156 people on one thread: bits unlike the golden ones", "the same bits", "", 0.0, || {
+        golden(34, 300, 1, GOLDEN_OF_BLOCKS)
+    }),
+    Check::new("the same on two threads", "the same bits", "", 0.0, || golden(34, 300, 2, GOLDEN_OF_BLOCKS)),
+    Check::new("the same on three threads", "the same bits", "", 0.0, || {
+        golden(34, 300, 3, GOLDEN_OF_BLOCKS)
+    }),
     Check::new("restored in mid-contact and run on: unequal bits", "uninterrupted run", "", 0.0, restored),
 ];
 
@@ -107,28 +114,34 @@ fn restored() -> Result<f64> {
 /// A change here is a change of results: it goes into the CHANGELOG with how much.
 const GOLDEN: u64 = 0xbbfb_17c3_a583_75b3;
 
-fn golden() -> Result<f64> {
-    let mut world = lattice(12, 0.4, 1e-5);
+/// The same of a crowd of 1156 after 300 steps, whose blocks are shared out to threads.
+const GOLDEN_OF_BLOCKS: u64 = 0x666a_c7ad_595c_d92c;
+
+/// Whether a dense crowd has other bits than it should.
+fn golden(side: u32, steps: u32, threads: usize, expected: u64) -> Result<f64> {
+    let mut world = lattice(side, 0.4, 1e-5);
     world.shortlisting = Shortlisting::Off;
-    world.advance(0.01)?;
+    world.set_threads(threads)?;
+    anyhow::ensure!(world.threads() == threads, "as many threads as asked for");
+    world.advance(1e-5 * f64::from(steps))?;
     anyhow::ensure!(world.work().contacts > 10_000, "it is dense");
-    let state = world.state();
+    let hash = bits(world.state());
+    if hash != expected {
+        println!("golden bits: {hash:#018x}");
+    }
+    Ok(f64::from(u8::from(hash != expected)))
+}
+
+/// FNV-1a over the bits of a state.
+fn bits(state: &State) -> u64 {
     let motions = state.poses.iter().zip(&state.twists).flat_map(|(pose, twist)| {
         let (r, v) = (pose.position, twist.velocity);
         [r.x, r.y, pose.orientation, v.x, v.y, twist.angular_velocity]
     });
     let springs = state.disk_springs.iter().map(|s| s.elongation);
     let springs = springs.chain(state.face_springs.iter().map(|s| s.elongation));
-    // FNV-1a over the bits.
-    let hash = motions.chain(springs).fold(0xcbf2_9ce4_8422_2325_u64, |hash, value| {
-        value
-            .to_bits()
-            .to_le_bytes()
-            .iter()
-            .fold(hash, |h, byte| (h ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3))
-    });
-    if hash != GOLDEN {
-        println!("golden bits: {hash:#018x}");
-    }
-    Ok(f64::from(u8::from(hash != GOLDEN)))
+    motions.chain(springs).fold(0xcbf2_9ce4_8422_2325_u64, |hash, value| {
+        let bytes = value.to_bits().to_le_bytes();
+        bytes.iter().fold(hash, |h, byte| (h ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3))
+    })
 }
