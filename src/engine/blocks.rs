@@ -4,7 +4,7 @@
 //! every sum, and with it every bit, is the same for any number of threads.
 
 use super::contacts::{ContactReport, Crossing, Instant, Standing, Stretch, Sums};
-use super::neighbours::{CellGrid, Circle, NEAR, list};
+use super::neighbours::{CellGrid, Circle, Near, list};
 use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
 use super::{Pose, Scene, State, Threads, Twist, Work, Wrench};
 
@@ -109,12 +109,12 @@ impl Blocks {
     }
 
     /// Takes the pairs that are near now out of the candidates.
-    pub fn renew(&mut self, scene: &Scene, threads: &Threads) {
+    pub fn renew(&mut self, scene: &Scene, threads: &Threads, near: Near) {
         let standing = &self.standing[..];
         threads.each(self.blocks.iter_mut(), |block| {
             let Block { candidates, pairs, work, .. } = block;
             work.candidates += (candidates.disks.len() + candidates.faces.len()) as u64;
-            pairs.renew(scene, standing, candidates, NEAR);
+            pairs.renew(scene, standing, candidates, near.0);
         });
     }
 

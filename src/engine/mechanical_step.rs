@@ -11,7 +11,7 @@
 use super::blocks::{BLOCK, Blocks, Bodies};
 use super::contacts::Stretch;
 use super::free_flight::{Drive, Ramp};
-use super::neighbours::{CellGrid, Circle, NEAR, SKIN};
+use super::neighbours::{CellGrid, Circle, Near, SKIN};
 use super::shortlist::{Activity, Shortlist};
 use super::{Body, BodyId, Pose, Scene, State, Threads, Twist, Work, Wrench};
 
@@ -21,11 +21,13 @@ pub(super) struct Scratch {
     pub blocks: Blocks,
     /// When the candidates were listed.
     listed_at: Vec<Pose>,
+    near: Near,
 }
 
 impl Scratch {
     pub fn new(scene: &Scene) -> Scratch {
-        Scratch { blocks: Blocks::new(scene), listed_at: vec![Pose::default(); scene.bodies.len()] }
+        let listed_at = vec![Pose::default(); scene.bodies.len()];
+        Scratch { blocks: Blocks::new(scene), listed_at, near: Near::default() }
     }
 }
 
@@ -104,6 +106,8 @@ pub(super) struct CommunicationStep<'a, D: Drive> {
     pub flights: Vec<D::Flight>,
     /// \[m\] how far a disk may move before the list of near pairs is renewed.
     pub leeway: f64,
+    /// After how many steps that list was made.
+    pub listed: u64,
 }
 
 impl<D: Drive> CommunicationStep<'_, D> {
@@ -190,10 +194,14 @@ impl<D: Drive> CommunicationStep<'_, D> {
 
     /// Makes the lists hold again: the near pairs anew, and the candidates if need be.
     fn renew_lists(&mut self, step: u64) {
-        let Scratch { blocks, listed_at } = &*self.scratch;
+        let moved = 0.5 * self.scratch.near.0 - self.leeway;
+        self.scratch.near = Near::for_movement(moved / (step - self.listed) as f64);
+        self.listed = step;
+        let Scratch { blocks, listed_at, near } = &*self.scratch;
+        let leeway = 0.5 * (SKIN - near.0);
         let holds = |mover: &Mover<D>| {
             let b = mover.body.index();
-            !moved_too_far(mover.reach, &listed_at[b], &blocks.standing[b].pose())
+            !moved_further(leeway, mover.reach, &listed_at[b], &blocks.standing[b].pose())
         };
         if !self.movers.iter().flatten().all(holds) {
             self.list_candidates(step);
@@ -230,7 +238,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
             }
             grid = CellGrid::new(&circles, 0..circles.len(), SKIN);
         }
-        let Scratch { blocks, listed_at } = &mut *self.scratch;
+        let Scratch { blocks, listed_at, .. } = &mut *self.scratch;
         for mover in self.movers.iter().flatten() {
             let b = mover.body.index();
             listed_at[b] = blocks.standing[b].pose();
@@ -242,8 +250,9 @@ impl<D: Drive> CommunicationStep<'_, D> {
     /// Takes the near pairs out of the candidates.
     fn take_near(&mut self) {
         self.work.refreshes += 1;
-        self.scratch.blocks.renew(self.scene, self.threads);
-        self.leeway = 0.5 * NEAR;
+        let near = self.scratch.near;
+        self.scratch.blocks.renew(self.scene, self.threads, near);
+        self.leeway = 0.5 * near.0;
     }
 
     fn circle_now(&self, b: usize) -> Circle {
@@ -291,11 +300,10 @@ impl<D: Drive> CommunicationStep<'_, D> {
     }
 }
 
-/// Whether a disk may have moved so far that a pair which is near now is no candidate; `reach` \[m\] of the
-/// farthest from the centre of mass.
+/// Whether a disk may have moved further than a leeway \[m\]; `reach` \[m\] of the farthest from the centre of mass.
 #[inline]
-fn moved_too_far(reach: f64, then: &Pose, now: &Pose) -> bool {
-    let left = 0.5 * (SKIN - NEAR) - reach * (now.orientation - then.orientation).abs();
+fn moved_further(leeway: f64, reach: f64, then: &Pose, now: &Pose) -> bool {
+    let left = leeway - reach * (now.orientation - then.orientation).abs();
     // Negated so that a pose that is not a number counts as moved.
     !(left > 0.0 && (now.position - then.position).norm_squared() < left * left)
 }

@@ -3,7 +3,7 @@
 use super::contacts::{ContactReport, Stretch};
 use super::free_flight::Drive;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
-use super::neighbours::{CellGrid, Circle, SKIN};
+use super::neighbours::{CellGrid, Circle, Near, SKIN};
 use super::shortlist::{Activity, Shortlist};
 use super::{BodyId, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
 use thiserror::Error;
@@ -165,7 +165,7 @@ impl World {
         }
         let (grid, alone) = (CellGrid::new(&circles, 0..circles.len(), SKIN), Threads::default());
         blocks.list(scene, &alone, &grid, &circles, |_| true);
-        blocks.renew(scene, &alone);
+        blocks.renew(scene, &alone, Near::default());
         // Finds out which pairs touch; the forces are not wanted.
         blocks.evaluate(scene, &alone, Stretch::Hold, |_, _| 0.0);
         blocks.take_work();
@@ -225,6 +225,7 @@ impl World {
             movers: Vec::new(),
             flights: Vec::new(),
             leeway: 0.0,
+            listed: 0,
         };
         let state = threads.enter(|| step.run(steps));
         self.work = [self.work, self.scratch.blocks.take_work()].into_iter().sum();
