@@ -4,6 +4,7 @@
 //! without overlap and written as a Trial. SI units; angles in radians, counter-clockwise positive.
 
 mod person;
+pub mod placing;
 mod shape;
 
 pub use person::{Person, Sex};
