@@ -66,7 +66,9 @@ fn main() {
         for seed in 1..=4 {
             let (shapes, region) = (people(150, seed), square(4.56));
             let settings = Dense { seed, ..Dense::default() };
-            bench.run(&format!("150 in 4.56 m, seed {seed}"), &shapes, &region, || go(&shapes, &region, &settings));
+            bench.run(&format!("150 in 4.56 m, seed {seed}"), &shapes, &region, || {
+                go(&shapes, &region, &settings)
+            });
         }
         let (shapes, region) = (people(150, 1), square(4.56));
         let settings = Dense { orientation: Orientation::Fixed(0.0), seed: 1, ..Dense::default() };
@@ -79,7 +81,7 @@ fn main() {
     if wanted("2") {
         for seed in 1..=3 {
             let (shapes, region) = (people(50, seed), Region::plane());
-            for density in [Some(6.5), None] {
+            for density in [Some(2.0), Some(6.5), None] {
                 let settings = Dense { density, seed, ..Dense::default() };
                 let name = format!("50 in the open, {density:?}, seed {seed}");
                 bench.run(&name, &shapes, &region, || go(&shapes, &region, &settings));
@@ -91,12 +93,32 @@ fn main() {
         let settings = Dense { seed: 1, ..Dense::default() };
         bench.run("10000 at 6", &shapes, &region, || go(&shapes, &region, &settings));
     }
+    if wanted("5") {
+        for count in [1000, 10_000] {
+            let settings = Dense { density: Some(6.5), seed: 1, ..Dense::default() };
+            let shapes = people(count, 1);
+            bench.run(&format!("{count} in the open at 6.5"), &shapes, &Region::plane(), || {
+                go(&shapes, &Region::plane(), &settings)
+            });
+            let region = square((count as f64 / 8.8).sqrt());
+            let settings = Dense { seed: 1, ..Dense::default() };
+            bench.run(&format!("{count} at 8.8"), &shapes, &region, || go(&shapes, &region, &settings));
+        }
+    }
+    if wanted("6") {
+        for density in [9.2, 9.5, 10.0, 10.4] {
+            let shapes = people(150, 1);
+            let region = square((150.0 / density as f64).sqrt());
+            let settings = Dense { seed: 1, ..Dense::default() };
+            bench.run(&format!("150 at {density}"), &shapes, &region, || go(&shapes, &region, &settings));
+        }
+    }
     if wanted("4") {
         for orientation in [free, Orientation::Towards(0.0), Orientation::Fixed(0.0)] {
             for seed in 1..=3 {
                 let shapes = people(150, seed);
                 let mut reached = 0.0;
-                for tenth in 76..110 {
+                for tenth in 84..110 {
                     let density = 0.1 * f64::from(tenth);
                     let region = square((150.0 / density).sqrt());
                     let settings = Dense { orientation, seed, ..Dense::default() };
@@ -150,7 +172,10 @@ fn picture(shapes: &[Shape], region: &Region, packing: &Packing) -> String {
             draw(&mut svg, format_args!("<circle cx=\"{}\" cy=\"{}\" r=\"{}\"/>", at.x, at.y, disk.radius));
         }
         let nose = pose.position + vec2(0.09, 0.0).rotated(turn);
-        draw(&mut svg, format_args!("<circle cx=\"{}\" cy=\"{}\" r=\"0.02\" fill=\"black\"/></g>", nose.x, nose.y));
+        draw(
+            &mut svg,
+            format_args!("<circle cx=\"{}\" cy=\"{}\" r=\"0.02\" fill=\"black\"/></g>", nose.x, nose.y),
+        );
     }
     svg + "</g></svg>"
 }

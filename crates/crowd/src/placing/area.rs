@@ -49,3 +49,41 @@ pub fn union_area(shape: &Shape) -> f64 {
     }
     0.5 * twice_area
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Disk;
+
+    fn area(disks: &[(f64, f64, f64)]) -> f64 {
+        let disk = |&(x, y, radius): &(f64, f64, f64)| Disk { radius, centre: vec2(x, y) };
+        union_area(&Shape { disks: disks.iter().map(disk).collect() })
+    }
+
+    #[test]
+    fn closed_forms() {
+        let close = |disks: &[(f64, f64, f64)], expected: f64| {
+            assert!((area(disks) - expected).abs() < 1e-12, "{disks:?} {} {expected}", area(disks));
+        };
+        close(&[(1.0, 2.0, 0.5)], 0.25 * PI);
+        close(&[(0.0, 0.0, 1.0), (5.0, 0.0, 2.0)], 5.0 * PI);
+        close(&[(0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (0.2, 0.1, 0.3)], PI);
+        // Unit disks with their centres a radius apart: the lens is 2π/3 − √3/2.
+        let lens = 2.0 * PI / 3.0 - 0.75f64.sqrt();
+        close(&[(0.0, 0.0, 1.0), (1.0, 0.0, 1.0)], 2.0 * PI - lens);
+        close(&[(0.0, 0.0, 1.0), (-1.0, 0.0, 1.0)], 2.0 * PI - lens);
+    }
+
+    /// The paper's template covers 1458.8 cm².
+    #[test]
+    fn template() {
+        let template = [
+            (-20.4246, -2.0143, 10.4346),
+            (-8.9625, 0.6363, 14.3492),
+            (0.0, 1.1674, 15.0),
+            (8.9625, 0.6363, 14.3492),
+            (20.4246, -2.0143, 10.4346),
+        ];
+        assert!((area(&template) - 1458.8).abs() < 0.1, "{}", area(&template));
+    }
+}

@@ -7,8 +7,8 @@ use super::hull::hull_area;
 use super::pile::{Body, Boundary, Pile};
 use super::random::Random;
 use super::{
-    Ended, Orientation, Packing, PlacingError, Progress, Region, Stage, TOLERANCE, Watch, check, check_orientation,
-    check_shapes, measure,
+    Ended, Orientation, Packing, PlacingError, Progress, Region, Stage, TOLERANCE, Watch, check,
+    check_orientation, check_shapes, measure,
 };
 use crate::Shape;
 use crowd_mechanics::engine::{Rotation, Vec2, vec2};
@@ -31,8 +31,21 @@ const PATIENCE: u32 = 80;
 const GAIN: f64 = 1e-3;
 /// Steps between two reports.
 const REPORT: u64 = 25;
-/// \[1/m²\] of area covered at which a crowd in the open begins: shapes are hardly pressed there.
+/// Part of a circle that is covered when a crowd in the open begins in it: shapes are hardly pressed there.
 const LOOSE_COVER: f64 = 0.5;
+/// Attempts to begin no denser than asked for.
+const LOOSER: u32 = 4;
+/// Places that are tried for a shape that is moved elsewhere.
+const TRIALS: u32 = 400;
+/// Stuck shapes for each place at which a round of shaking begins.
+const STUCK_TO_A_PLACE: usize = 60;
+/// Shaking is in vain where the shapes overlap, on average, by more than this part of their size.
+const HOPELESS: f64 = 0.05;
+/// Parts of the shapes, and rounds, in which some are taken away from where not all can stand.
+const TAKEN_AWAY: f64 = 0.01;
+const TAKING_ROUNDS: u32 = 150;
+/// Steps of a slide after some were taken away.
+const TAKING_STEPS: u64 = 500;
 
 /// Settings of [`dense()`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +74,8 @@ impl Default for Dense {
 /// swapped or moved to the widest gap, and what makes E smaller is kept. In the open plane a circle presses them together.
 ///
 /// `watch` is told how far it is and may break off. What is returned may be incomplete, and then says so: the
-/// density was too much for as many iterations, or for any.
+/// density was too much for as many iterations, or for any. Its `clear_density` is then that of as many as could
+/// spread without overlap after others were taken away.
 pub fn dense(
     shapes: &[Shape],
     region: &Region,
@@ -95,7 +109,7 @@ pub fn dense(
     let random = Random::new(settings.seed);
     let (iteration, limit) = (0, settings.max_iterations);
     let mut packer = Packer { random, watch, iteration, limit, stage: Stage::Growing, density: 0.0 };
-    let (bodies, ended) = if shapes.is_empty() {
+    let (bodies, mut ended) = if shapes.is_empty() {
         (Vec::new(), Ended::Done)
     } else if region.is_plane() {
         packer.in_the_open(shapes, settings, covered)
@@ -109,10 +123,17 @@ pub fn dense(
         Some(density) if region.is_plane() => measured.density >= density,
         _ => true,
     };
+    let mut clear_density = measured.clear_density;
+    if !region.is_plane() && measured.largest_overlap > TOLERANCE && ended != Ended::Cancelled {
+        match packer.without_some(shapes, &bodies, region, settings.orientation) {
+            Ok(density) => clear_density = clear_density.max(density),
+            Err(cancelled) => ended = cancelled,
+        }
+    }
     Ok(Packing {
         poses,
         density: measured.density,
-        clear_density: measured.clear_density,
+        clear_density,
         largest_overlap: measured.largest_overlap,
         complete: enough && measured.largest_overlap <= TOLERANCE,
         ended,
@@ -154,14 +175,23 @@ impl Packer<'_, '_> {
 
     /// Presses until the density asked for is reached, and returns the densest placing without overlap.
     fn in_the_open(&mut self, shapes: &[Shape], settings: &Dense, covered: f64) -> (Vec<Body>, Ended) {
-        let radius = (covered / (LOOSE_COVER * PI)).sqrt();
+        let wanted = settings.density.unwrap_or(f64::INFINITY);
+        let widest = shapes.iter().map(super::reach).fold(0.0, f64::max);
+        let mut radius =
+            (covered / (LOOSE_COVER * PI)).sqrt().max((shapes.len() as f64 / (wanted * PI)).sqrt());
         let mut pile = Pile::new(shapes, Boundary::Circle(radius), settings.orientation, PAD);
-        let widest = pile.bodies.iter().map(|b| b.reach).fold(0.0, f64::max);
-        pile.boundary = Boundary::Circle(radius.max(widest + PAD));
-        self.strew(&mut pile, settings.orientation, |u, v, radius| {
-            vec2(radius * u.sqrt(), 0.0).rotated(Rotation::by(TAU * v))
-        });
-        let mut slide = self.grow(&mut pile);
+        let mut slide = Slide::AtRest;
+        for _ in 0..LOOSER {
+            pile.boundary = Boundary::Circle(radius.max(widest + PAD));
+            self.strew(&mut pile, settings.orientation, in_circle);
+            slide = self.grow(&mut pile);
+            // The hull is smaller than the circle, so that a loose crowd may already be too dense.
+            let dense = shapes.len() as f64 / hull_area(&pile.circles()) / wanted;
+            if slide != Slide::Clear || dense <= 1.0 {
+                break;
+            }
+            radius *= dense.sqrt() * 1.01;
+        }
         let mut best: Option<Vec<Body>> = None;
         // The circle shrinks by ever less.
         let mut press = 0.04;
@@ -175,7 +205,6 @@ impl Packer<'_, '_> {
                     let density = shapes.len() as f64 / hull_area(&pile.circles());
                     self.density = density;
                     best = Some(pile.bodies.clone());
-                    let wanted = settings.density.unwrap_or(f64::INFINITY);
                     // A single shape is its own hull.
                     if density >= wanted || shapes.len() == 1 {
                         return (pile.bodies, Ended::Done);
@@ -279,91 +308,127 @@ impl Packer<'_, '_> {
     fn shake(&mut self, pile: &mut Pile, orientation: Orientation) -> Slide {
         self.stage = Stage::Shaking;
         let mut best = (pile.press().energy, pile.bodies.clone());
-        let mut vain = 0;
-        let mut slide = Slide::AtRest;
-        let mut round = 0;
+        let size = pile.bodies.iter().map(|b| b.reach * b.reach).sum::<f64>();
+        if 2.0 * best.0 > HOPELESS * HOPELESS * size {
+            return Slide::AtRest;
+        }
+        let (mut vain, mut round) = (0, 0);
         while vain < PATIENCE {
-            let squeezed = self.disturb(pile, orientation, round);
+            let swell = self.disturb(pile, orientation, round);
             round += 1;
-            slide = if squeezed {
-                pile.scale = 1.03;
-                let slide = self.slide(pile, GROWING_STEPS);
-                pile.scale = 1.0;
-                if matches!(slide, Slide::Over(_)) { slide } else { self.slide(pile, SLIDE_STEPS) }
-            } else {
-                self.slide(pile, SLIDE_STEPS)
-            };
-            let energy = pile.press().energy;
-            if std::env::var_os("DBG").is_some() {
-                eprintln!("round {round} it {} kind {} {slide:?} E {energy:.3e} best {:.3e}", self.iteration, round % 4, best.0);
+            pile.scale = swell;
+            let mut slide = if swell > 1.0 { self.slide(pile, GROWING_STEPS) } else { Slide::AtRest };
+            pile.scale = 1.0;
+            if !matches!(slide, Slide::Over(_)) {
+                slide = self.slide(pile, SLIDE_STEPS);
             }
             if slide == Slide::Clear {
                 return slide;
             }
+            let energy = pile.press().energy;
             vain = if energy < best.0 * (1.0 - GAIN) { 0 } else { vain + 1 };
             if energy < best.0 {
                 best = (energy, pile.bodies.clone());
             }
-            if matches!(slide, Slide::Over(_)) {
-                break;
-            }
             pile.bodies.clone_from(&best.1);
+            if let Slide::Over(_) = slide {
+                return slide;
+            }
         }
-        pile.bodies = best.1;
-        slide
+        Slide::AtRest
     }
 
-    /// Moves some shapes away from where they are stuck; whether all are to be squeezed instead.
-    fn disturb(&mut self, pile: &mut Pile, orientation: Orientation, round: u32) -> bool {
+    /// Moves some shapes away from where they are stuck; the size to which all are then to swell for a while.
+    fn disturb(&mut self, pile: &mut Pile, orientation: Orientation, round: u32) -> f64 {
         let loads = pile.loads();
         let stuck: Vec<usize> = (0..loads.len()).filter(|&k| loads[k].1 > PAD).collect();
         if stuck.is_empty() {
-            return false;
+            return 1.0;
         }
-        let one = stuck[self.random.below(stuck.len())];
-        match round % 4 {
-            0 => {
-                let mut worst = stuck.clone();
-                worst.sort_by(|&a, &b| loads[b].0.total_cmp(&loads[a].0).then(a.cmp(&b)));
-                worst.truncate(1 + self.random.below(3));
-                for who in worst {
-                    self.reinsert(pile, orientation, who);
+        for _ in 0..1 + stuck.len() / STUCK_TO_A_PLACE {
+            let one = stuck[self.random.below(stuck.len())];
+            match round % 4 {
+                // The worst of some, to the widest gap.
+                0 => {
+                    let rivals: [usize; 4] = std::array::from_fn(|_| stuck[self.random.below(stuck.len())]);
+                    let heaviest = |a: usize, b: usize| if loads[b].0 > loads[a].0 { b } else { a };
+                    self.reinsert(pile, orientation, rivals.into_iter().fold(one, heaviest));
                 }
-            }
-            1 => {
-                let other = self.random.below(pile.bodies.len());
-                let (a, b) = (pile.bodies[one], pile.bodies[other]);
-                (pile.bodies[one].position, pile.bodies[one].angle) = (b.position, b.angle);
-                (pile.bodies[other].position, pile.bodies[other].angle) = (a.position, a.angle);
-            }
-            2 => {
-                let (middle, wide) = (pile.bodies[one].position, 0.5 + 1.5 * self.random.unit());
-                let far = 0.01 + 0.09 * self.random.unit();
-                for body in &mut pile.bodies {
-                    if (body.position - middle).norm() < wide {
-                        body.position += self.random.vector(far);
-                        if !matches!(orientation, Orientation::Fixed(_)) {
-                            body.angle += self.random.within(6.0 * far);
+                // Two change places.
+                1 => {
+                    let other = self.random.below(pile.bodies.len());
+                    let (a, b) = (pile.bodies[one], pile.bodies[other]);
+                    (pile.bodies[one].position, pile.bodies[one].angle) = (b.position, b.angle);
+                    (pile.bodies[other].position, pile.bodies[other].angle) = (a.position, a.angle);
+                }
+                // All around one are shaken.
+                _ => {
+                    let (middle, wide) = (pile.bodies[one].position, 0.5 + 1.5 * self.random.unit());
+                    let far = 0.02 + 0.1 * self.random.unit();
+                    for body in &mut pile.bodies {
+                        if (body.position - middle).norm() < wide {
+                            body.position += self.random.vector(far);
+                            if !matches!(orientation, Orientation::Fixed(_)) {
+                                body.angle += self.random.within(6.0 * far);
+                            }
                         }
                     }
                 }
             }
-            _ => return true,
         }
-        false
+        if round % 4 == 3 { 1.0 + 0.05 * self.random.unit() } else { 1.0 }
+    }
+
+    /// \[1/m²\] of as many as can stand without overlap when, little by little, those that overlap most are taken away
+    /// and the others spread; 0 if that takes too long.
+    fn without_some(
+        &mut self,
+        shapes: &[Shape],
+        bodies: &[Body],
+        region: &Region,
+        orientation: Orientation,
+    ) -> Result<f64, Ended> {
+        self.stage = Stage::Thinning;
+        self.limit = self.iteration + u64::from(TAKING_ROUNDS) * TAKING_STEPS;
+        let mut left: Vec<(&Shape, Body)> = shapes.iter().zip(bodies.iter().copied()).collect();
+        for _ in 0..TAKING_ROUNDS {
+            if left.is_empty() {
+                break;
+            }
+            let shapes: Vec<Shape> = left.iter().map(|(s, _)| (*s).clone()).collect();
+            let mut pile = Pile::new(&shapes, Boundary::Region(region), orientation, PAD);
+            for (body, (_, old)) in pile.bodies.iter_mut().zip(&left) {
+                (body.position, body.angle) = (old.position, old.angle);
+            }
+            self.density = left.len() as f64 / region.area();
+            match self.slide(&mut pile, TAKING_STEPS) {
+                Slide::Clear => return Ok(self.density),
+                Slide::Over(Ended::Cancelled) => return Err(Ended::Cancelled),
+                Slide::Over(_) => break,
+                Slide::AtRest => {}
+            }
+            let loads = pile.loads();
+            let mut worst: Vec<usize> = (0..loads.len()).collect();
+            worst.sort_by(|&a, &b| loads[b].0.total_cmp(&loads[a].0).then(a.cmp(&b)));
+            worst.truncate(1 + (TAKEN_AWAY * left.len() as f64) as usize);
+            let mut k = 0;
+            left.iter_mut().zip(&pile.bodies).for_each(|(old, new)| old.1 = *new);
+            left.retain(|_| {
+                k += 1;
+                !worst.contains(&(k - 1))
+            });
+        }
+        Ok(0.0)
     }
 
     /// Puts a shape where it overlaps least, of some hundred places.
     fn reinsert(&mut self, pile: &mut Pile, orientation: Orientation, who: usize) {
         let grid = pile.grid();
         let mut best = (f64::INFINITY, pile.bodies[who].position, pile.bodies[who].angle);
-        for _ in 0..400 {
+        for _ in 0..TRIALS {
             let position = match pile.boundary {
                 Boundary::Region(region) => region.random_point(&mut self.random),
-                Boundary::Circle(radius) => {
-                    let (u, v) = (self.random.unit(), self.random.unit());
-                    vec2(radius * u.sqrt(), 0.0).rotated(Rotation::by(TAU * v))
-                }
+                Boundary::Circle(radius) => in_circle(self.random.unit(), self.random.unit(), radius),
             };
             let angle = match orientation {
                 Orientation::Fixed(angle) => angle,
@@ -376,6 +441,11 @@ impl Packer<'_, '_> {
         }
         (pile.bodies[who].position, pile.bodies[who].angle) = (best.1, best.2);
     }
+}
+
+/// The point of a circle at two fractions of its area: from the middle, and around.
+fn in_circle(u: f64, v: f64, radius: f64) -> Vec2 {
+    vec2(radius * u.sqrt(), 0.0).rotated(Rotation::by(TAU * v))
 }
 
 fn ended(slide: Slide) -> Ended {

@@ -1,10 +1,9 @@
 //! Shapes on a grid, in rows across a direction.
 
-use super::measure::through_boundary;
 use super::random::Random;
 use super::{
     Ended, Orientation, Packing, PlacingError, Region, TOLERANCE, check, check_orientation, check_shapes,
-    disks_at, measure, reach,
+    measure, reach,
 };
 use crate::Shape;
 use crowd_mechanics::engine::{Pose, Rotation, Vec2, vec2};
@@ -31,7 +30,7 @@ impl Default for Grid {
 /// How many ways along each axis the grid is laid over a region; the one with most places is taken.
 const LAYS: usize = 8;
 /// Most places that are looked at.
-const MOST_PLACES: f64 = 1e7;
+const MOST_PLACES: u64 = 10_000_000;
 /// \[m\] Neighbours at the computed spacing touch; this keeps rounding from making them overlap.
 const SLACK: f64 = 1e-9;
 
@@ -80,7 +79,6 @@ pub fn grid(shapes: &[Shape], region: &Region, settings: &Grid) -> Result<Packin
         })
         .collect();
     let measured = measure(shapes, region, &poses);
-    let through = shapes.iter().zip(&poses).map(|(s, p)| disks_at(s, *p).collect::<Vec<_>>());
     if measured.largest_overlap > TOLERANCE {
         let (along, across, overlap) = (spacing.x, spacing.y, measured.largest_overlap);
         return Err(PlacingError::TooNarrow { along, across, overlap });
@@ -108,7 +106,8 @@ fn extent(shape: &Shape, orientation: Orientation) -> Extent {
         let reach = reach(shape);
         return Extent { low: vec2(-reach, -reach), high: vec2(reach, reach) };
     }
-    let mut extent = Extent { low: vec2(f64::INFINITY, f64::INFINITY), high: -vec2(f64::INFINITY, f64::INFINITY) };
+    let mut extent =
+        Extent { low: vec2(f64::INFINITY, f64::INFINITY), high: -vec2(f64::INFINITY, f64::INFINITY) };
     for d in &shape.disks {
         let (low, high) = (&mut extent.low, &mut extent.high);
         *low = vec2(low.x.min(d.centre.x - d.radius), low.y.min(d.centre.y - d.radius));
@@ -155,32 +154,34 @@ fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Extent],
     }
     let steps = |room: f64, spacing: f64| libm::floor(room.max(0.0) / spacing + 1e-9);
     let (rows, columns) = (steps(room.x, spacing.x), steps(room.y, spacing.y));
-    if (rows + 1.0) * (columns + 1.0) > MOST_PLACES {
-        return Vec::new();
-    }
     let spare = vec2((room.x - rows * spacing.x).max(0.0), (room.y - columns * spacing.y).max(0.0));
     let mut best: Vec<Vec2> = Vec::new();
+    let mut looked_at = 0;
     for lay in 0..LAYS * LAYS {
         // Flush with the front and in the middle first.
         let part = |k: usize| k as f64 / (LAYS - 1) as f64;
         let shift = vec2(spare.x * part(lay / LAYS), spare.y * ((0.5 + part(lay % LAYS)) % 1.0));
         let first = vec2(high.x - half.x - shift.x, low.y + half.y + shift.y);
         let mut places = Vec::new();
-        for row in 0..=rows as usize {
-            for column in 0..=columns as usize {
+        for row in 0..=rows as u64 {
+            for column in 0..=columns as u64 {
                 let place = first + vec2(-(row as f64) * spacing.x, column as f64 * spacing.y);
+                looked_at += 1;
                 if fits(place) {
                     places.push(place);
                 }
+                if places.len() >= wanted || looked_at >= MOST_PLACES {
+                    break;
+                }
             }
-            if places.len() >= wanted {
+            if places.len() >= wanted || looked_at >= MOST_PLACES {
                 break;
             }
         }
         if places.len() > best.len() {
             best = places;
         }
-        if best.len() >= wanted {
+        if best.len() >= wanted || looked_at >= MOST_PLACES {
             break;
         }
     }
@@ -202,8 +203,8 @@ fn box_inside(region: &Region, corners: &[Vec2; 4]) -> bool {
     region.edges().iter().all(|e| {
         let crosses = sides.iter().any(|&(a, b)| super::region::meet(e.start, e.end, shrunk[a], shrunk[b]));
         let along = [shrunk[1] - shrunk[0], shrunk[3] - shrunk[0]];
-        let within = |p: Vec2| along.iter().all(|u| (0.0..=u.norm_squared()).contains(&(p - shrunk[0]).dot(*u)));
+        let within =
+            |p: Vec2| along.iter().all(|u| (0.0..=u.norm_squared()).contains(&(p - shrunk[0]).dot(*u)));
         !crosses && !within(e.start)
     })
 }
-

@@ -49,13 +49,18 @@ pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
             sum[other] -= overlap;
         }
     }
-    let clear: Vec<Vec<Circle>> = disks.iter().zip(&left).filter(|(_, l)| **l).map(|(d, _)| d.clone()).collect();
+    let clear: Vec<Vec<Circle>> =
+        disks.iter().zip(&left).filter(|(_, l)| **l).map(|(d, _)| d.clone()).collect();
     Measure {
         largest_overlap: largest,
         overlapping_pairs,
         through_boundary: boundary.iter().filter(|h| **h > TOLERANCE).count(),
         density: density(region, &disks),
-        clear_density: if clear.len() == disks.len() { density(region, &disks) } else { density(region, &clear) },
+        clear_density: if clear.len() == disks.len() {
+            density(region, &disks)
+        } else {
+            density(region, &clear)
+        },
     }
 }
 

@@ -67,6 +67,8 @@ pub enum Stage {
     Shaking,
     /// A crowd in the open is pressed together.
     Pressing,
+    /// Too many for the region: how many can stand is found by taking some away.
+    Thinning,
 }
 
 /// Why a placer stopped.
@@ -89,8 +91,8 @@ pub struct Packing {
     pub poses: Vec<Pose>,
     /// \[1/m²\] shapes per area of the region; in the open plane, per area of the convex hull of all disks.
     pub density: f64,
-    /// \[1/m²\] the same of those that are left when, one after the other, the shape with most overlap is taken away
-    /// until none overlaps by more than [`TOLERANCE`].
+    /// \[1/m²\] the same of those that are left when the shapes with most overlap are taken away until none overlaps by
+    /// more than [`TOLERANCE`].
     pub clear_density: f64,
     /// \[m\] largest overlap of disks of two shapes, or of a disk and the boundary; 0 when none overlaps.
     pub largest_overlap: f64,
@@ -112,7 +114,9 @@ pub enum PlacingError {
         shape: usize,
     },
     /// NaN, infinite, not positive or too large.
-    #[error("shape {shape}, disk {disk}: radius {radius} m at ({x}, {y}) m; a positive radius and a size up to {LARGEST} m are needed")]
+    #[error(
+        "shape {shape}, disk {disk}: radius {radius} m at ({x}, {y}) m; a positive radius and a size up to {LARGEST} m are needed"
+    )]
     Disk {
         /// Its place among the shapes.
         shape: usize,
@@ -136,7 +140,9 @@ pub enum PlacingError {
         wanted: &'static str,
     },
     /// The shapes cover more than the whole region.
-    #[error("{shapes} shapes cover {covered:.3} m², the region has {area:.3} m²: it cannot hold them without overlap")]
+    #[error(
+        "{shapes} shapes cover {covered:.3} m², the region has {area:.3} m²: it cannot hold them without overlap"
+    )]
     NoRoom {
         /// How many.
         shapes: usize,
@@ -158,7 +164,9 @@ pub enum PlacingError {
         given: usize,
     },
     /// A grid with fewer places than shapes.
-    #[error("the grid has {places} places {along:.3} m × {across:.3} m in the region; {shapes} shapes are given")]
+    #[error(
+        "the grid has {places} places {along:.3} m × {across:.3} m in the region; {shapes} shapes are given"
+    )]
     NoPlaces {
         /// That lie inside the region.
         places: usize,
@@ -239,7 +247,10 @@ fn wrapped(angle: f64) -> f64 {
 /// The disks of a shape at a pose.
 fn disks_at(shape: &Shape, pose: Pose) -> impl Iterator<Item = Circle> + '_ {
     let turn = Rotation::by(pose.orientation);
-    shape.disks.iter().map(move |d| Circle { centre: pose.position + d.centre.rotated(turn), radius: d.radius })
+    shape
+        .disks
+        .iter()
+        .map(move |d| Circle { centre: pose.position + d.centre.rotated(turn), radius: d.radius })
 }
 
 /// \[m\] of the smallest circle about the origin that holds the shape.

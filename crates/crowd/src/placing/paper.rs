@@ -136,7 +136,8 @@ impl<'a> Crowd<'a> {
         let half = 0.5 * (shapes.len() as f64 / BEGIN_DENSITY).sqrt();
         let mut poses = Vec::with_capacity(shapes.len());
         for _ in shapes {
-            let position = if region.is_plane() { random.vector(half) } else { region.random_point(&mut random) };
+            let position =
+                if region.is_plane() { random.vector(half) } else { region.random_point(&mut random) };
             let orientation = match settings.orientation {
                 Orientation::Free => random.within(PI),
                 Orientation::Fixed(angle) | Orientation::Towards(angle) => super::wrapped(angle),
@@ -251,7 +252,8 @@ impl Cells {
     }
 
     fn place(&self, column: i64, row: i64) -> usize {
-        let mixed = (column as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (row as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
+        let mixed = (column as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+            ^ (row as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
         ((mixed ^ mixed >> 32) & self.mask) as usize
     }
 
@@ -279,5 +281,64 @@ impl Cells {
         found.sort_unstable();
         // Cells may share a list.
         found.dedup();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Disk;
+
+    fn disks(count: usize) -> Vec<Shape> {
+        vec![Shape { disks: vec![Disk { radius: 0.2, centre: Vec2::ZERO }] }; count]
+    }
+
+    /// The forces of appendix D on an agent that overlaps one, repels another and stands in contact with a wall.
+    #[test]
+    fn forces_are_those_of_the_paper() {
+        let region = Region::rectangle(vec2(0.0, 0.0), vec2(5.0, 5.0)).unwrap();
+        let shapes = disks(3);
+        let settings =
+            Paper { repulsion_length: 0.3, orientation: Orientation::Fixed(0.0), ..Paper::default() };
+        let mut crowd = Crowd::new(&shapes, &region, &settings);
+        for (k, (x, y)) in [(0.15, 2.0), (0.45, 2.0), (0.15, 2.5)].into_iter().enumerate() {
+            crowd.cells.remove(k, crowd.poses[k].position);
+            crowd.cells.add(k, vec2(x, y));
+            crowd.poses[k].position = vec2(x, y);
+            crowd.disks[k] = disks_at(&shapes[k], crowd.poses[k]).collect();
+        }
+        crowd.step(0, 1.0);
+        let moved = crowd.poses[0].position - vec2(0.15, 2.0);
+        // Repulsion of both, contact with the neighbour at 0.3 m, and with the wall to the left.
+        let (x, y) = (-0.01 * (-1.0f64).exp() - 0.01 + 0.01, -0.01 * (-0.5f64 / 0.3).exp());
+        assert!((moved - vec2(x, y)).norm() < 1e-15, "{moved:?}");
+        assert_eq!(crowd.poses[0].orientation, 0.0);
+    }
+
+    /// A step out of the region is not made; agents turn only while it is warm.
+    #[test]
+    fn stays_inside_and_cools() {
+        let region = Region::rectangle(vec2(0.0, 0.0), vec2(1.0, 1.0)).unwrap();
+        let shapes = disks(30);
+        let settings = Paper { contact_intensity: 0.05, max_iterations: 40, ..Paper::default() };
+        let mut seen = Vec::new();
+        let packing = paper(&shapes, &region, &settings, &mut |p| {
+            seen.push(p.iteration);
+            std::ops::ControlFlow::Continue(())
+        })
+        .unwrap();
+        assert_eq!(seen, (0..40).collect::<Vec<_>>());
+        assert_eq!((packing.ended, packing.iterations, packing.complete), (Ended::Exhausted, 40, false));
+        assert!(packing.poses.iter().all(|p| region.contains(p.position)));
+        let turned = |iterations: u64, cooling: f64| -> Vec<f64> {
+            let settings = Paper { max_iterations: iterations, cooling, ..settings };
+            let packing =
+                paper(&shapes, &region, &settings, &mut |_| std::ops::ControlFlow::Continue(())).unwrap();
+            packing.poses.iter().map(|p| p.orientation).collect()
+        };
+        // At 0.1 a step the temperature is 0 after ten (and a rounding): nobody turns then.
+        assert_eq!(turned(12, 0.1), turned(30, 0.1));
+        assert_ne!(turned(12, 0.0), turned(30, 0.0));
+        assert!(turned(12, 0.1).iter().any(|a| *a != 0.0));
     }
 }

@@ -200,8 +200,9 @@ impl<'a> Pile<'a> {
         loads
     }
 
-    /// \[m\] by how much a disk reaches through the boundary; not positive where it does not.
+    /// \[m\] by how much a padded disk comes too near to the boundary; not positive where it does not.
     fn through(&self, centre: Vec2, radius: f64) -> f64 {
+        let radius = radius + 0.5 * self.pad;
         match self.boundary {
             Boundary::Region(region) => match self.edge_grid.near(centre) {
                 ([], true) => 0.0,
@@ -226,7 +227,10 @@ impl<'a> Pile<'a> {
             grid.for_each_near(disk.centre, |other| {
                 let far = &self.bodies[other];
                 let reach = disk.radius + far.reach * self.scale + pad;
-                if other == who || energy > bound || (disk.centre - far.position).norm_squared() > reach * reach {
+                if other == who
+                    || energy > bound
+                    || (disk.centre - far.position).norm_squared() > reach * reach
+                {
                     return;
                 }
                 for q in &self.placed[far.first..far.last] {
@@ -359,12 +363,15 @@ impl<'a> Pile<'a> {
     }
 
     fn press_edges(&mut self, pressure: &mut Pressure) {
+        // The boundary's half of the distance that is kept.
+        let pad = 0.5 * self.pad;
         for (k, side, own) in &self.near_edges {
             let body = &self.bodies[*k as usize];
             let edges = &self.edges[own.clone()];
             for disk in &self.placed[body.first..body.last] {
                 let centre = body.position + disk.centre;
                 let (side, nearest) = side_of(edges, centre, body.reach, *side);
+                let radius = disk.radius + pad;
                 let mut push = |way: Vec2, overlap: f64| {
                     pressure.energy += overlap * overlap;
                     pressure.overlap = pressure.overlap.max(overlap);
@@ -374,13 +381,13 @@ impl<'a> Pile<'a> {
                 };
                 if side == Side::Outside {
                     let way = nearest - centre;
-                    push(way, disk.radius + way.norm());
+                    push(way, radius + way.norm());
                     continue;
                 }
                 for edge in edges {
                     let way = centre - edge.nearest(centre);
-                    if way.norm_squared() < disk.radius * disk.radius {
-                        push(way, disk.radius - way.norm());
+                    if way.norm_squared() < radius * radius {
+                        push(way, radius - way.norm());
                     }
                 }
             }
@@ -388,6 +395,8 @@ impl<'a> Pile<'a> {
     }
 
     fn press_circle(&mut self, radius: f64, pressure: &mut Pressure) {
+        // The boundary's half of the distance that is kept.
+        let radius = radius - 0.5 * self.pad;
         for (body, force) in self.bodies.iter().zip(&mut self.force) {
             let inner = radius - body.reach * self.scale - self.pad;
             if inner > 0.0 && body.position.norm_squared() < inner * inner {
@@ -464,7 +473,8 @@ impl EdgeGrid {
     fn new(region: &Region, distance: f64) -> EdgeGrid {
         let Some((low, high)) = region.bounds() else { return EdgeGrid::default() };
         let (width, height) = (high.x - low.x, high.y - low.y);
-        let cell = (0.5 * distance).max((width * height / MOST_CELLS).sqrt()).max(width.max(height) / MOST_CELLS);
+        let cell =
+            (0.5 * distance).max((width * height / MOST_CELLS).sqrt()).max(width.max(height) / MOST_CELLS);
         let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
         let mut grid = EdgeGrid { low, cell, columns, rows, ..EdgeGrid::default() };
         // Half the diagonal, rounded up.
@@ -514,5 +524,80 @@ impl EdgeGrid {
         let out = beyond(self.low.x, point.x, self.columns) || beyond(self.low.y, point.y, self.rows);
         let edges = &self.edges[self.starts[home] as usize..self.starts[home + 1] as usize];
         (edges, self.inside[home] && !out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::Random;
+    use super::*;
+    use crate::Disk;
+
+    /// Forces are −∂E: by central differences, in a polygon with a hole, and in a circle; some stand outside.
+    #[test]
+    fn forces_are_the_gradient() {
+        let corner = |x: f64, y: f64| vec2(x, y);
+        let outer =
+            [corner(-1.0, -1.0), corner(1.2, -1.0), corner(1.0, 0.9), corner(0.1, 0.3), corner(-1.1, 1.0)];
+        let hole = vec![corner(-0.2, -0.4), corner(0.2, -0.5), corner(0.1, -0.1)];
+        let region = Region::polygon(&outer, &[hole]).unwrap();
+        let mut random = Random::new(3);
+        for boundary in [Boundary::Region(&region), Boundary::Circle(1.0)] {
+            let disk =
+                |random: &mut Random| Disk { radius: 0.1 + 0.1 * random.unit(), centre: random.vector(0.2) };
+            let shapes: Vec<Shape> =
+                (0..12).map(|_| Shape { disks: (0..3).map(|_| disk(&mut random)).collect() }).collect();
+            let mut pile = Pile::new(&shapes, boundary, Orientation::Free, 1e-3);
+            pile.scale = 0.9;
+            for body in &mut pile.bodies {
+                (body.position, body.angle) = (random.vector(1.1), random.within(3.0));
+            }
+            assert!(pile.press().energy > 0.01);
+            let force = pile.force.clone();
+            for (k, force) in force.iter().enumerate() {
+                for c in 0..3 {
+                    let mut at = |way: f64| {
+                        let mut step = [0.0; 3];
+                        step[c] = way;
+                        pile.shift(|j| if j == k { step } else { [0.0; 3] });
+                        let energy = pile.press().energy;
+                        pile.shift(|j| if j == k { step.map(|s| -s) } else { [0.0; 3] });
+                        energy
+                    };
+                    let slope = (at(1e-6) - at(-1e-6)) / 2e-6;
+                    assert!((force[c] + slope).abs() < 1e-5, "body {k}, {c}: {} {}", force[c], -slope);
+                }
+            }
+            let sum: f64 = pile.loads().iter().map(|l| l.0).sum();
+            assert!(sum > 0.01);
+        }
+    }
+
+    /// What a pose would cost is what it costs.
+    #[test]
+    fn energy_at_a_pose() {
+        let region = Region::rectangle(vec2(0.0, 0.0), vec2(1.0, 1.0)).unwrap();
+        let shape = Shape {
+            disks: vec![
+                Disk { radius: 0.2, centre: vec2(0.0, 0.1) },
+                Disk { radius: 0.1, centre: vec2(0.0, -0.2) },
+            ],
+        };
+        let shapes = vec![shape; 3];
+        let mut pile = Pile::new(&shapes, Boundary::Region(&region), Orientation::Free, 1e-3);
+        let places = [(0.5, 0.5), (0.6, 0.7), (0.08, 0.4)];
+        for (body, (x, y)) in pile.bodies.iter_mut().zip(places) {
+            (body.position, body.angle) = (vec2(x, y), x);
+        }
+        let before = pile.press().energy;
+        let grid = pile.grid();
+        let (at, angle) = (vec2(0.3, 0.6), 1.0);
+        let change = pile.energy_at(&grid, 1, at, angle, f64::INFINITY)
+            - pile.energy_at(&grid, 1, pile.bodies[1].position, pile.bodies[1].angle, f64::INFINITY);
+        (pile.bodies[1].position, pile.bodies[1].angle) = (at, angle);
+        let after = pile.press().energy;
+        assert!((after - before - change).abs() < 1e-15 && change.abs() > 1e-4, "{before} {after} {change}");
+        let shared: f64 = pile.loads().iter().map(|l| l.0).sum();
+        assert!((shared - after).abs() < 1e-15, "{shared} {after}");
     }
 }

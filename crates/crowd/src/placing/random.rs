@@ -1,8 +1,8 @@
 //! Numbers at random, the same on every machine.
 
+use crowd_mechanics::engine::{Vec2, vec2};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use crowd_mechanics::engine::{Vec2, vec2};
 
 /// ChaCha8 by a seed.
 pub(super) struct Random(ChaCha8Rng);

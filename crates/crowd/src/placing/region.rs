@@ -108,7 +108,9 @@ pub enum RegionError {
         ring: String,
     },
     /// A wall of a Trial does not return to its first corner.
-    #[error("wall {id} is not closed: it cannot bound a region (first corner {first:?}, last corner {last:?})")]
+    #[error(
+        "wall {id} is not closed: it cannot bound a region (first corner {first:?}, last corner {last:?})"
+    )]
     OpenWall {
         /// Of the wall.
         id: String,
@@ -183,7 +185,8 @@ impl Region {
                 return Err(RegionError::HoleOutside { ring: named[k].0.clone() });
             }
         }
-        let area = signed_area(&rings[0]).abs() - rings[1..].iter().map(|r| signed_area(r).abs()).sum::<f64>();
+        let area =
+            signed_area(&rings[0]).abs() - rings[1..].iter().map(|r| signed_area(r).abs()).sum::<f64>();
         if area < SMALLEST_AREA {
             return Err(RegionError::NoArea { ring: "what the holes leave".into(), area });
         }
@@ -405,7 +408,8 @@ fn touch(a: &Edge, b: &Edge) -> bool {
     if b0 == 0.0 && b1 == 0.0 {
         // On one line: whether their boxes meet.
         let apart = |a0: f64, a1: f64, b0: f64, b1: f64| a0.max(a1) < b0.min(b1) || b0.max(b1) < a0.min(a1);
-        return !apart(a.start.x, a.end.x, b.start.x, b.end.x) && !apart(a.start.y, a.end.y, b.start.y, b.end.y);
+        return !apart(a.start.x, a.end.x, b.start.x, b.end.x)
+            && !apart(a.start.y, a.end.y, b.start.y, b.end.y);
     }
     let parts = |p: f64, q: f64| (p > 0.0 && q > 0.0) || (p < 0.0 && q < 0.0);
     !parts(b0, b1) && !parts(a0, a1)
