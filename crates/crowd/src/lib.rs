@@ -5,7 +5,9 @@
 
 mod anthropometry;
 mod bicycle;
+mod body3d;
 mod copula;
+mod disk;
 mod light_xml;
 mod normal;
 mod person;
@@ -19,7 +21,12 @@ mod union;
 
 pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
 pub use bicycle::{BICYCLE_MEASURES, Bicycle, BicycleError, BicycleStatistics};
+pub use body3d::{
+    BODY_DENSITY, Body3d, BodyError, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Placed, Polygon,
+    TORSO_ALTITUDE, crowd_parts, section, torso_altitudes, write_geojson, write_obj, write_stl, write_wkt,
+};
 pub use copula::{Correlations, CorrelationsError};
+pub use disk::Disk;
 pub use light_xml::{
     Along, LightAgent, LightDisk, LightError, LightRectangle, LightSettings, LightShapes, light_xml,
     read_light_xml,
@@ -30,7 +37,7 @@ pub use population::{
     Agent, CustomMeasures, CustomStatistics, Population, PopulationError, Proportions, Source,
 };
 pub use random::{Generator, generator};
-pub use shape::{Disk, Shape, ShapeError};
+pub use shape::{Shape, ShapeError};
 pub use survey::{BadCell, BadCells, Survey, SurveyError};
 pub use table::{CrowdStatistics, Kind, KindStatistics, Summary, crowd_csv};
 pub use union::{Moments, union};

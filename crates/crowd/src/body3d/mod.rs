@@ -1,0 +1,204 @@
+//! Three-dimensional bodies (section 3.3, `Shapes3D`): a person standing with hanging arms, in slices, sections, meshes.
+//!
+//! The paper scales the contours of two cadavers: vertically to the stature, horizontally by one factor a direction,
+//! found at the torso's altitude and faded out below the knees and above the neck by a door-shaped profile. Here a body is
+//! built of the person's own measures: 40 heights, breadths, depths and girths follow from sex, breadth, depth, stature
+//! and mass (conditional means in the US Army ANSUR II survey, 2012), rounded outlines are laid through them and joined by
+//! monotone cubics in the altitude. So a heavy person has a larger waist, not wider bones, and each sex its own build. The
+//! paper's door profile remains for the last step: one girth factor between knees and neck, so that the volume is that of
+//! the mass. Breadth and depth at the torso's altitude are the person's, as in the paper.
+
+mod export;
+mod landmarks;
+mod measures;
+mod mesh;
+mod outline;
+mod sections;
+mod skin;
+mod slices;
+mod template;
+
+pub use export::{write_geojson, write_obj, write_stl, write_wkt};
+pub use landmarks::TORSO_ALTITUDE;
+pub use mesh::{Mesh, MeshPart, crowd_parts};
+pub use sections::{CrowdSection, Placed, section, torso_altitudes};
+pub use slices::Polygon;
+
+use crate::person::Person;
+use crowd_mechanics::engine::Vec2;
+use skin::Ring;
+use slices::volume;
+use std::fmt;
+use template::{Skins, Template, other_side};
+
+/// \[kg/m³\] of a body with air in its lungs; divides the mass to the volume a body is given.
+pub const BODY_DENSITY: f64 = 985.0;
+/// The girth factor stays between these; a person whose mass asks for more keeps the nearest.
+pub const GIRTH_FACTORS: [f64; 2] = [0.8, 1.25];
+
+/// A closed piece of a body, apart from the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Part {
+    /// From the crotch to the top of the head; above the armpits with the upper arms.
+    Trunk,
+    /// From the armpit to the fingertips.
+    LeftArm,
+    /// From the armpit to the fingertips.
+    RightArm,
+    /// From the crotch to the sole.
+    LeftLeg,
+    /// From the crotch to the sole.
+    RightLeg,
+}
+
+impl Part {
+    /// All, in the order of a body.
+    pub const ALL: [Part; 5] = [Part::Trunk, Part::LeftArm, Part::RightArm, Part::LeftLeg, Part::RightLeg];
+
+    /// As files name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Trunk => "trunk",
+            Part::LeftArm => "left_arm",
+            Part::RightArm => "right_arm",
+            Part::LeftLeg => "left_leg",
+            Part::RightLeg => "right_leg",
+        }
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Why there is no body.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum BodyError {
+    /// Nobody is like that.
+    #[error("{measure} is {value} {unit}: a body needs one between {least} and {most} {unit}")]
+    Measure {
+        /// Its name.
+        measure: &'static str,
+        /// What it is.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// The least.
+        least: f64,
+        /// The most.
+        most: f64,
+    },
+    /// A depth that the breadth has no room for.
+    #[error("chest depth is {depth} m, bideltoid breadth {breadth} m: a body is broader than deep")]
+    DeeperThanBroad {
+        /// \[m\]
+        depth: f64,
+        /// \[m\]
+        breadth: f64,
+    },
+}
+
+/// \[m, m, m, kg\] What a body is made of: name, unit, least, most. Wider than any custom statistics of the paper.
+const LIMITS: [(&str, &str, f64, f64); 4] = [
+    ("bideltoid breadth", "m", 0.25, 0.8),
+    ("chest depth", "m", 0.1, 0.5),
+    ("stature", "m", 1.0, 2.5),
+    ("mass", "kg", 20.0, 250.0),
+];
+
+/// A person's body, standing upright with hanging arms.
+///
+/// Its frame is that of the person's two-dimensional shape: gaze along +x, left +y, the vertical axis through the centroid
+/// of the section at the torso's altitude; z from the soles up. Its parts are stacks of closed outlines (rings) that are
+/// straight between two rings, and do not overlap: arms end where the trunk's outline takes them in, legs where the trunk
+/// begins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body3d {
+    person: Person,
+    tubes: Vec<Tube>,
+    girth_factor: f64,
+}
+
+/// A part's rings, rising. Two rings at the same altitude are a flat step.
+#[derive(Debug, Clone, PartialEq)]
+struct Tube {
+    part: Part,
+    rings: Vec<Ring>,
+}
+
+/// The skins of a volume \[m³\], as near as [`GIRTH_FACTORS`] allow, and their girth factor.
+fn fit(template: &Template, wanted: f64) -> (Skins, f64) {
+    let volume_of = |skins: &Skins| volume(&skins.trunk) + 2.0 * (volume(&skins.arm) + volume(&skins.leg));
+    let [mut low, mut high] = GIRTH_FACTORS;
+    let (mut factor, mut round) = (1.03, 0);
+    loop {
+        let skins = template.skins(factor);
+        let ratio = volume_of(&skins) / wanted;
+        let at_end = factor == GIRTH_FACTORS[if ratio < 1.0 { 1 } else { 0 }];
+        if (ratio - 1.0).abs() < 1e-4 || at_end || high - low < 1e-5 {
+            return (skins, factor);
+        }
+        *(if ratio < 1.0 { &mut low } else { &mut high }) = factor;
+        // The volume grows like this power of the factor or nearly; halving now and then ends the search for sure.
+        let aim = factor * libm::pow(ratio, -1.0 / 1.6);
+        round += 1;
+        factor = if round % 4 == 0 { 0.5 * (low + high) } else { aim.clamp(low, high) };
+    }
+}
+
+impl Body3d {
+    /// The body of a person. The girth factor scales outlines evenly about their centres, weighted by the paper's door
+    /// profile on trunk and legs, fully on the upper arms, less towards the hands; what stands at the torso's altitude and
+    /// above keeps its size.
+    ///
+    /// # Errors
+    /// A measure is not a number or nobody's, or the depth exceeds the breadth.
+    pub fn of(person: &Person) -> Result<Body3d, BodyError> {
+        let given = [person.breadth, person.depth, person.stature, person.mass];
+        for (value, (measure, unit, least, most)) in given.into_iter().zip(LIMITS) {
+            if !(least..=most).contains(&value) {
+                return Err(BodyError::Measure { measure, value, unit, least, most });
+            }
+        }
+        if person.depth > person.breadth {
+            return Err(BodyError::DeeperThanBroad { depth: person.depth, breadth: person.breadth });
+        }
+        let (mut skins, girth_factor) = fit(&Template::of(person), person.mass / BODY_DENSITY);
+        skins.lean_arm();
+        let Skins { trunk, arm, leg } = skins;
+        let (right_arm, right_leg) = (other_side(&arm), other_side(&leg));
+        let rings = [trunk, arm, right_arm, leg, right_leg];
+        let tubes = Part::ALL.into_iter().zip(rings).map(|(part, rings)| Tube { part, rings }).collect();
+        Ok(Body3d { person: *person, tubes, girth_factor }.about_torso())
+    }
+
+    /// Moved so that the section at the torso's altitude has its centroid on the axis.
+    fn about_torso(mut self) -> Body3d {
+        let torso = self.slice_at(self.torso_altitude());
+        let area: f64 = torso.iter().map(Polygon::area).sum();
+        let moment = torso.iter().fold(Vec2::ZERO, |sum, polygon| sum + polygon.centroid() * polygon.area());
+        let ahead = Vec2 { x: moment.x / area, y: 0.0 };
+        for ring in self.tubes.iter_mut().flat_map(|tube| &mut tube.rings) {
+            ring.points = ring.points.map(|point| point - ahead);
+        }
+        self
+    }
+
+    /// Whose body it is.
+    pub fn person(&self) -> &Person {
+        &self.person
+    }
+
+    /// \[m\] where bideltoid breadth and chest depth are measured: [`TORSO_ALTITUDE`] times the stature.
+    pub fn torso_altitude(&self) -> f64 {
+        TORSO_ALTITUDE * self.person.stature
+    }
+
+    /// The factor by which girths between knees and neck differ from the mean of people with the same four measures, so
+    /// that the volume is mass / [`BODY_DENSITY`]; between [`GIRTH_FACTORS`].
+    pub fn girth_factor(&self) -> f64 {
+        self.girth_factor
+    }
+}

@@ -1,0 +1,125 @@
+//! Slices of a body by altitude.
+
+use super::outline::{POINTS, Points};
+use super::skin::Ring;
+use super::{Body3d, Part};
+use crowd_mechanics::engine::{Pose, Rotation, Vec2, vec2};
+
+/// A slice of one part of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polygon {
+    /// Of which part.
+    pub part: Part,
+    /// \[m\] counter-clockwise, the first point not repeated.
+    pub points: Vec<Vec2>,
+}
+
+impl Polygon {
+    /// \[m²\]
+    pub fn area(&self) -> f64 {
+        area(&self.points)
+    }
+
+    /// \[m\] of its area.
+    pub fn centroid(&self) -> Vec2 {
+        let start = self.points[0];
+        let corners = self.points.iter().zip(self.points.iter().cycle().skip(1));
+        let (sum, twice) = corners.fold((Vec2::ZERO, 0.0), |(sum, twice), (&a, &b)| {
+            let (a, b) = (a - start, b - start);
+            (sum + (a + b) * a.cross(b), twice + a.cross(b))
+        });
+        start + sum * (1.0 / (3.0 * twice))
+    }
+
+    /// Seen from outside, of a body at a pose.
+    pub fn at(mut self, pose: &Pose) -> Polygon {
+        let turn = Rotation::by(pose.orientation);
+        for point in &mut self.points {
+            *point = point.rotated(turn) + pose.position;
+        }
+        self
+    }
+}
+
+/// \[m²\] positive where counter-clockwise: Gauss's formula about the first point.
+fn area(points: &[Vec2]) -> f64 {
+    let start = points[0];
+    let pairs = points.iter().zip(&points[1..]);
+    0.5 * pairs.map(|(&a, &b)| (a - start).cross(b - start)).sum::<f64>()
+}
+
+/// \[m³\] through rings: between two of them the area is a quadratic of the altitude, which Simpson's rule integrates.
+pub(super) fn volume(rings: &[Ring]) -> f64 {
+    let slab = |pair: &[Ring]| {
+        let (low, high) = (&pair[0], &pair[1]);
+        let middle: Points = std::array::from_fn(|k| (low.points[k] + high.points[k]) * 0.5);
+        (high.z - low.z) * (area(&low.points) + 4.0 * area(&middle) + area(&high.points)) / 6.0
+    };
+    rings.windows(2).map(slab).sum()
+}
+
+/// Between two outlines.
+fn blend(low: &Points, high: &Points, share: f64) -> Points {
+    std::array::from_fn(|k| {
+        let (a, b) = (low[k], high[k]);
+        vec2(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y))
+    })
+}
+
+/// The outline at an altitude. A part has its lowest outline but not its highest, which is that of the next part.
+fn outline(rings: &[Ring], z: f64, highest: bool) -> Option<Points> {
+    let above = rings.partition_point(|ring| ring.z <= z);
+    match above {
+        0 => None,
+        above if above == rings.len() => {
+            let last = &rings[above - 1];
+            (highest && last.z == z).then_some(last.points)
+        }
+        above => {
+            let (low, high) = (&rings[above - 1], &rings[above]);
+            Some(blend(&low.points, &high.points, (z - low.z) / (high.z - low.z)))
+        }
+    }
+}
+
+impl Body3d {
+    /// The outlines of the parts at an altitude \[m\], in the body's frame: straight between two rings. None below the
+    /// soles and above the head.
+    pub fn slice_at(&self, z: f64) -> Vec<Polygon> {
+        let slices = self.tubes.iter().filter_map(|tube| {
+            let points = outline(&tube.rings, z, tube.part == Part::Trunk)?;
+            Some(Polygon { part: tube.part, points: points.to_vec() })
+        });
+        slices.collect()
+    }
+
+    /// \[m²\] covered at an altitude \[m\]; the parts do not overlap.
+    pub fn area_at(&self, z: f64) -> f64 {
+        self.slice_at(z).iter().map(Polygon::area).sum()
+    }
+
+    /// \[m³\] the integral of the area over the altitude, exactly.
+    pub fn volume(&self) -> f64 {
+        self.tubes.iter().map(|tube| volume(&tube.rings)).sum()
+    }
+
+    /// \[m\] the altitudes of all rings, rising, each once: between two of them every outline is straight.
+    pub fn altitudes(&self) -> Vec<f64> {
+        let mut all: Vec<f64> =
+            self.tubes.iter().flat_map(|tube| tube.rings.iter().map(|ring| ring.z)).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
+    }
+
+    /// Slices at evenly spaced altitudes \[m\] from the soles to the top, no further apart than asked, from the middle of the
+    /// lowest layer to the middle of the highest: the mean area times the stature is about the volume.
+    pub fn stack(&self, spacing: f64) -> Vec<(f64, Vec<Polygon>)> {
+        let stature = self.person.stature;
+        let layers = (stature / spacing.max(1e-4)).ceil().max(1.0) as usize;
+        let middle = |layer: usize| (layer as f64 + 0.5) * stature / layers as f64;
+        (0..layers).map(|layer| (middle(layer), self.slice_at(middle(layer)))).collect()
+    }
+}
+
+const _: () = assert!(POINTS.is_multiple_of(4));
