@@ -7,6 +7,7 @@ mod anthropometry;
 mod bicycle;
 mod body3d;
 mod copula;
+mod custom;
 mod disk;
 mod light_xml;
 mod normal;
@@ -17,6 +18,7 @@ mod random;
 mod shape;
 mod survey;
 mod table;
+mod trial;
 mod union;
 
 pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
@@ -26,6 +28,7 @@ pub use body3d::{
     TORSO_ALTITUDE, crowd_parts, section, torso_altitudes, write_geojson, write_obj, write_stl, write_wkt,
 };
 pub use copula::{Correlations, CorrelationsError};
+pub use custom::{Custom, CustomError};
 pub use disk::Disk;
 pub use light_xml::{
     Along, LightAgent, LightDisk, LightError, LightRectangle, LightSettings, LightShapes, light_xml,
@@ -40,4 +43,8 @@ pub use random::{Generator, generator};
 pub use shape::{Shape, ShapeError};
 pub use survey::{BadCell, BadCells, Survey, SurveyError};
 pub use table::{CrowdStatistics, Kind, KindStatistics, Summary, crowd_csv};
+pub use trial::{
+    Overwrite, TrialError, TrialSettings, crowd_trial, may_write, paper_materials, walls, write_trial,
+    write_trial_zip,
+};
 pub use union::{Moments, union};
