@@ -5,8 +5,8 @@ mod people;
 use crowd_mechanics::engine::{Pose, Vec2, vec2};
 use crowd_mechanics::trial::{Geometry, Wall};
 use lemons_crowd::placing::{
-    Dense, Ended, Grid, Orientation, Packing, Paper, PlacingError, Progress, Region, RegionError, TOLERANCE,
-    dense, grid, measure, paper,
+    Dense, Ended, Grid, Orientation, Packing, Paper, PlacingError, Progress, Region, RegionError, Stage,
+    TOLERANCE, dense, grid, measure, paper,
 };
 use lemons_crowd::{Disk, Shape};
 use people::people;
