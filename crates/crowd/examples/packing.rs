@@ -44,7 +44,7 @@ impl Bench {
             if packing.complete { "" } else { " INCOMPLETE" },
         );
         if let Some(directory) = &self.pictures {
-            let file = directory.join(format!("packing-{}.png", name.replace([' ', ',', '.', '/'], "_")));
+            let file = directory.join(format!("packing-{}.png", name.replace([' ', ',', '.', '\''], "-")));
             let png = lemons_picture::png(&picture(shapes, region, &packing), 900).expect("a picture");
             std::fs::write(&file, png).expect("the picture is written");
         }
@@ -52,83 +52,76 @@ impl Bench {
     }
 }
 
+fn go(shapes: &[Shape], region: &Region, settings: &Dense) -> Packing {
+    dense(shapes, region, settings, &mut |_| ControlFlow::Continue(())).expect("good shapes")
+}
+
+fn square(side: f64) -> Region {
+    Region::rectangle(vec2(0.0, 0.0), vec2(side, side)).expect("a square")
+}
+
 fn main() {
-    let pictures = std::env::args().nth(1).map(PathBuf::from);
-    let bench = Bench { start: Instant::now(), pictures };
-    let go = |shapes: &[Shape], region: &Region, settings: &Dense| {
-        dense(shapes, region, settings, &mut |_| ControlFlow::Continue(())).expect("good shapes")
-    };
-    let square = |side: f64| Region::rectangle(vec2(0.0, 0.0), vec2(side, side)).expect("a square");
-    let which = std::env::args().nth(2).unwrap_or_default();
-    let wanted = |part: &str| which.is_empty() || which.contains(part);
-    let free = Orientation::Free;
-    if wanted("1") {
-        for seed in 1..=4 {
-            let (shapes, region) = (people(150, seed), square(4.56));
-            let settings = Dense { seed, ..Dense::default() };
-            bench.run(&format!("150 in 4.56 m, seed {seed}"), &shapes, &region, || {
-                go(&shapes, &region, &settings)
-            });
-        }
-        let (shapes, region) = (people(150, 1), square(4.56));
-        let settings = Dense { orientation: Orientation::Fixed(0.0), seed: 1, ..Dense::default() };
-        bench.run("150 in 4.56 m, fixed", &shapes, &region, || go(&shapes, &region, &settings));
-        let settings = Paper { seed: 1, ..Paper::default() };
-        bench.run("150 in 4.56 m, paper", &shapes, &region, || {
+    let bench = Bench { start: Instant::now(), pictures: std::env::args().nth(1).map(PathBuf::from) };
+    println!("-- the paper's box, 4.56 m: 7.2 per m²");
+    for seed in 1..=4 {
+        let (shapes, region) = (people(150, seed), square(4.56));
+        let settings = Dense { seed, ..Dense::default() };
+        bench
+            .run(&format!("150 in a box, seed {seed}"), &shapes, &region, || go(&shapes, &region, &settings));
+    }
+    let (shapes, region) = (people(150, 1), square(4.56));
+    for (name, orientation) in [("fixed", Orientation::Fixed(0.0)), ("towards", Orientation::Towards(0.0))] {
+        let settings = Dense { orientation, seed: 1, ..Dense::default() };
+        bench.run(&format!("150 in a box, {name}"), &shapes, &region, || go(&shapes, &region, &settings));
+    }
+    for count in [150, 165] {
+        let shapes = people(count, 1);
+        let settings = Paper { seed: 1, orientation: Orientation::Free, ..Paper::default() };
+        bench.run(&format!("{count} in a box, the paper's way"), &shapes, &region, || {
             paper(&shapes, &region, &settings, &mut |_| ControlFlow::Continue(())).expect("good shapes")
         });
     }
-    if wanted("2") {
-        for seed in 1..=3 {
-            let (shapes, region) = (people(50, seed), Region::plane());
-            for density in [Some(2.0), Some(6.5), None] {
-                let settings = Dense { density, seed, ..Dense::default() };
-                let name = format!("50 in the open, {density:?}, seed {seed}");
-                bench.run(&name, &shapes, &region, || go(&shapes, &region, &settings));
-            }
+    println!("-- in the open: per m² of the convex hull");
+    for seed in 1..=3 {
+        let (shapes, region) = (people(50, seed), Region::plane());
+        for (name, density) in [("at 6.5", Some(6.5)), ("as it goes", None)] {
+            let settings = Dense { density, seed, ..Dense::default() };
+            let name = format!("50 in the open {name}, seed {seed}");
+            bench.run(&name, &shapes, &region, || go(&shapes, &region, &settings));
         }
     }
-    if wanted("3") {
-        let (shapes, region) = (people(10_000, 1), square((10_000.0f64 / 6.0).sqrt()));
+    println!("-- an L with a pillar");
+    let outer =
+        [(0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (1.0, 2.0), (1.0, 4.0), (0.0, 4.0)].map(|(x, y)| vec2(x, y));
+    let pillar = [(2.0, 0.6), (2.8, 0.6), (2.8, 1.4), (2.0, 1.4)].map(|(x, y)| vec2(x, y));
+    let region = Region::polygon(&outer, &[pillar.to_vec()]).expect("a polygon");
+    let settings = Dense { density: Some(7.0), seed: 1, ..Dense::default() };
+    bench.run("an L at 7", &shapes, &region, || go(&shapes, &region, &settings));
+    println!("-- many");
+    let shapes = people(10_000, 1);
+    for density in [6.0f64, 8.0, 8.8] {
+        let region = square((10_000.0 / density).sqrt());
         let settings = Dense { seed: 1, ..Dense::default() };
-        bench.run("10000 at 6", &shapes, &region, || go(&shapes, &region, &settings));
+        bench.run(&format!("10000 at {density}"), &shapes, &region, || go(&shapes, &region, &settings));
     }
-    if wanted("5") {
-        for count in [1000, 10_000] {
-            let settings = Dense { density: Some(6.5), seed: 1, ..Dense::default() };
-            let shapes = people(count, 1);
-            bench.run(&format!("{count} in the open at 6.5"), &shapes, &Region::plane(), || {
-                go(&shapes, &Region::plane(), &settings)
-            });
-            let region = square((count as f64 / 8.8).sqrt());
-            let settings = Dense { seed: 1, ..Dense::default() };
-            bench.run(&format!("{count} at 8.8"), &shapes, &region, || go(&shapes, &region, &settings));
-        }
-    }
-    if wanted("6") {
-        for density in [9.2, 9.5, 10.0, 10.4] {
-            let shapes = people(150, 1);
-            let region = square((150.0 / density as f64).sqrt());
-            let settings = Dense { seed: 1, ..Dense::default() };
-            bench.run(&format!("150 at {density}"), &shapes, &region, || go(&shapes, &region, &settings));
-        }
-    }
-    if wanted("4") {
-        for orientation in [free, Orientation::Towards(0.0), Orientation::Fixed(0.0)] {
-            for seed in 1..=3 {
-                let shapes = people(150, seed);
-                let mut reached = 0.0;
-                for tenth in 84..110 {
-                    let density = 0.1 * f64::from(tenth);
-                    let region = square((150.0 / density).sqrt());
-                    let settings = Dense { orientation, seed, ..Dense::default() };
-                    let name = format!("150, {orientation:?}, seed {seed}, {density:.1} per m²");
-                    if !bench.run(&name, &shapes, &region, || go(&shapes, &region, &settings)).complete {
-                        break;
-                    }
-                    reached = density;
+    let settings = Dense { density: Some(6.5), seed: 1, ..Dense::default() };
+    let plane = Region::plane();
+    bench.run("10000 in the open at 6.5", &shapes, &plane, || go(&shapes, &plane, &settings));
+    println!("-- the most that 150 people reach in a box, by steps of 0.1 per m²");
+    for (name, orientation, first) in [
+        ("free", Orientation::Free, 86),
+        ("towards", Orientation::Towards(0.0), 86),
+        ("fixed", Orientation::Fixed(0.0), 80),
+    ] {
+        for seed in 1..=3 {
+            let shapes = people(150, seed);
+            for tenth in first..120 {
+                let region = square((1500.0 / f64::from(tenth)).sqrt());
+                let settings = Dense { orientation, seed, ..Dense::default() };
+                let what = format!("150 {name}, seed {seed}, at {}_{}", tenth / 10, tenth % 10);
+                if !bench.run(&what, &shapes, &region, || go(&shapes, &region, &settings)).complete {
+                    break;
                 }
-                println!("most for 150 people in a box, {orientation:?}, seed {seed}: {reached:.1} /m²");
             }
         }
     }

@@ -37,6 +37,8 @@ const LOOSE_COVER: f64 = 0.5;
 const LOOSER: u32 = 4;
 /// Places that are tried for a shape that is moved elsewhere.
 const TRIALS: u32 = 400;
+/// \[rad\] Those that face one way to begin with are put elsewhere turned by this at the most.
+const ASKEW: f64 = PI / 6.0;
 /// Stuck shapes for each place at which a round of shaking begins.
 const STUCK_TO_A_PLACE: usize = 60;
 /// Shaking is in vain where the shapes overlap, on average, by more than this part of their size.
@@ -51,7 +53,7 @@ const TAKING_STEPS: u64 = 500;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dense {
     /// \[1/m²\] In a region, so many of the shapes are placed, the first ones; `None`: all. In the open plane all are
-    /// placed, this densely at least; `None`: as densely as they go.
+    /// placed, this densely at least; `None`: as densely as they go within the iterations.
     pub density: Option<f64>,
     /// Which way the shapes face.
     pub orientation: Orientation,
@@ -432,7 +434,8 @@ impl Packer<'_, '_> {
             };
             let angle = match orientation {
                 Orientation::Fixed(angle) => angle,
-                _ => self.random.within(PI),
+                Orientation::Towards(angle) => angle + self.random.within(ASKEW),
+                Orientation::Free => self.random.within(PI),
             };
             let energy = pile.energy_at(&grid, who, position, angle, best.0);
             if energy < best.0 {

@@ -33,6 +33,8 @@ const LAYS: usize = 8;
 const MOST_PLACES: u64 = 10_000_000;
 /// \[m\] Neighbours at the computed spacing touch; this keeps rounding from making them overlap.
 const SLACK: f64 = 1e-9;
+/// \[m\] A shape may reach so far through the boundary: a region of just the right size holds its rows.
+const EXACT: f64 = 1e-7;
 
 /// Box of a shape that faces +x.
 #[derive(Debug, Clone, Copy)]
@@ -149,10 +151,10 @@ fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Extent],
         box_inside(region, &box_corners.map(|s| at(s).rotated(turn)))
     };
     let room = vec2(high.x - low.x, high.y - low.y) - half * 2.0;
-    if room.x < -SLACK || room.y < -SLACK {
+    if room.x < -EXACT || room.y < -EXACT {
         return Vec::new();
     }
-    let steps = |room: f64, spacing: f64| libm::floor(room.max(0.0) / spacing + 1e-9);
+    let steps = |room: f64, spacing: f64| libm::floor((room + EXACT).max(0.0) / spacing);
     let (rows, columns) = (steps(room.x, spacing.x), steps(room.y, spacing.y));
     let spare = vec2((room.x - rows * spacing.x).max(0.0), (room.y - columns * spacing.y).max(0.0));
     let mut best: Vec<Vec2> = Vec::new();
@@ -194,10 +196,10 @@ fn box_inside(region: &Region, corners: &[Vec2; 4]) -> bool {
     if !region.contains(middle) {
         return false;
     }
-    // No edge of the region may pass through the box, made smaller by the slack.
+    // No edge of the region may pass through the box, made a bit smaller.
     let shrunk = corners.map(|c| {
         let way = middle - c;
-        c + way * (SLACK / way.norm().max(SLACK)) * 2.0
+        c + way * (2.0 * EXACT / way.norm().max(2.0 * EXACT))
     });
     let sides = [(0, 1), (1, 2), (2, 3), (3, 0)];
     region.edges().iter().all(|e| {

@@ -24,7 +24,7 @@ pub use measure::{Measure, measure};
 pub use paper::{Paper, paper};
 pub use region::{Region, RegionError};
 
-/// \[m\] Shapes that overlap by no more are placed well: a tenth of what a body yields in the mildest contact.
+/// \[m\] Shapes that overlap by no more are placed well: far less than clothes give.
 pub const TOLERANCE: f64 = 1e-4;
 
 /// \[m\] Largest size of a shape, larger than any person or bicycle.

@@ -11,6 +11,12 @@ use crowd_mechanics::engine::{Pose, Rotation, Vec2, vec2};
 /// \[m\] Near pairs are listed anew once something has moved by half of this. Results do not depend on it.
 const SKIN: f64 = 0.08;
 
+/// \[m\] Edges this near to a body's origin are listed, so that a disk of it with none within its reach and the skin
+/// stands, until the next listing, on the same side of the boundary as the origin: even swollen by a tenth.
+fn edges_within(reach: f64) -> f64 {
+    2.2 * reach + 2.0 * SKIN
+}
+
 /// What keeps the shapes in.
 #[derive(Debug, Clone, Copy)]
 pub enum Boundary<'a> {
@@ -102,7 +108,7 @@ impl<'a> Pile<'a> {
         }
         let widest = bodies.iter().map(|b| b.reach).fold(0.0, f64::max);
         let edge_grid = match boundary {
-            Boundary::Region(region) => EdgeGrid::new(region, 2.0 * widest + SKIN),
+            Boundary::Region(region) => EdgeGrid::new(region, edges_within(widest)),
             Boundary::Circle(_) => EdgeGrid::default(),
         };
         Pile {
@@ -300,8 +306,7 @@ impl<'a> Pile<'a> {
                 continue;
             }
             let first = self.edges.len();
-            // So wide that a disk with no listed edge within `reach` stands on the same side as the origin.
-            let wide = 2.0 * body.reach + SKIN;
+            let wide = edges_within(body.reach);
             let mut nearest = f64::INFINITY;
             for &edge in near {
                 let edge = region.edges()[edge as usize];
@@ -370,7 +375,7 @@ impl<'a> Pile<'a> {
             let edges = &self.edges[own.clone()];
             for disk in &self.placed[body.first..body.last] {
                 let centre = body.position + disk.centre;
-                let (side, nearest) = side_of(edges, centre, body.reach, *side);
+                let (side, nearest) = side_of(edges, centre, body.reach + SKIN, *side);
                 let radius = disk.radius + pad;
                 let mut push = |way: Vec2, overlap: f64| {
                     pressure.energy += overlap * overlap;
