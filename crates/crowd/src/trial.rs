@@ -197,7 +197,11 @@ fn part_of(whole: f64, most: f64) -> f64 {
 }
 
 impl TrialSettings {
-    fn check(&self, geometry: &Geometry) -> Result<(), TrialError> {
+    /// Whether a Trial with these walls can be made.
+    ///
+    /// # Errors
+    /// Settings out of their range; unknown materials, or people of one that has no contact with another's.
+    pub fn check(&self, geometry: &Geometry) -> Result<(), TrialError> {
         let number = |name, value: f64, right: bool, must| {
             if right && value.is_finite() { Ok(()) } else { Err(TrialError::Setting { name, value, must }) }
         };

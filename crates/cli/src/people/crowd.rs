@@ -8,13 +8,14 @@ use super::{Output, line, refuse_same, within};
 use crate::binary::CROWD;
 use crate::pack::{FmuArguments, write_fmu};
 use crate::{Misused, TrialHasErrors};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
-use crowd_mechanics::engine::{Vec2, vec2};
+use crowd_mechanics::engine::{Rotation, Vec2, vec2};
+use crowd_mechanics::pack::Binary;
 use crowd_mechanics::trial::Trial;
 use lemons_crowd::{
-    Agent, CrowdStatistics, Overwrite, Shape, TrialSettings, crowd_csv, crowd_trial, light_xml, may_write,
-    write_trial, write_trial_zip,
+    Agent, CrowdStatistics, Overwrite, Person, Shape, TrialSettings, crowd_csv, crowd_trial, light_xml,
+    may_write, write_geojson, write_trial, write_trial_zip,
 };
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::io::{self, Write};
@@ -134,41 +135,42 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             return Err(Misused(message.into()).into());
         }
     }
-    let Arguments { source: _, placing, trial, others, seed, .. } = &arguments;
+    let Arguments { placing, trial, others, seed, .. } = &arguments;
     let place = placing.place()?;
     let wanted = PlacingArguments::wanted(&place, arguments.number, arguments.density)?;
-    let outputs = arguments.outputs()?;
+    let settings = trial.settings(placing.direction());
+    // Known before a long packing.
+    let makeable = settings.check(&place.geometry);
+    if trial.wanted() || others.svg.is_some() || others.png.is_some() {
+        makeable.as_ref().map_err(|error| anyhow!("no Trial of {}: {error}", place.name))?;
+    }
     if let Some(directory) = &trial.output {
-        let overwrite = if trial.force { Overwrite::Anything } else { Overwrite::Trials };
-        may_write(directory, overwrite).context(if trial.force { "-o" } else { "-o (--force)" })?;
+        may_write(directory, trial.overwrite()).context(if trial.force { "-o" } else { "-o (--force)" })?;
     }
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
+    let mut outputs = arguments.outputs()?;
     let interrupt = Interrupt::watch()?;
 
     let agents: Vec<Agent> = population.agents(*seed).take(wanted.number).collect();
     let shapes = agents.iter().map(shape).collect::<Result<Vec<Shape>>>()?;
-    let mut out = io::stdout().lock();
-    writeln!(out, "{}", CrowdStatistics::of(&agents))?;
-    writeln!(out, "\nseed               {seed:>10}")?;
     let started = Instant::now();
     let packing = placing.run(&shapes, &place, wanted, *seed, &interrupt)?;
     let seconds = started.elapsed().as_secs_f64();
     let ground =
         if place.region.is_plane() { shapes.len() as f64 / packing.density } else { place.region.area() };
-    let hull = if place.region.is_plane() { "convex hull of all, in the open" } else { &place.name };
     let covered: f64 = shapes.iter().map(|shape| shape.moments().area).sum();
-    writeln!(out, "{}", line("ground", ground, &format!("m²   ({hull})")))?;
-    writeln!(out, "{}", line("placed in", seconds, &format!("s   ({})", placing.manner())))?;
-    let share = 100.0 * covered / ground;
-    writeln!(
-        out,
-        "{}",
-        line("density", packing.density, &format!("/m²   ({share:.1} % of the ground is covered)"))
-    )?;
-    writeln!(out, "{}", line("largest overlap", 1e3 * packing.largest_overlap, "mm"))?;
-    out.flush()?;
 
-    let mut outputs = outputs;
+    // Printed when all is written: who closes the pipe early has the files nevertheless.
+    let mut out = Vec::new();
+    writeln!(out, "{}", CrowdStatistics::of(&agents))?;
+    writeln!(out, "\nseed               {seed:>10}")?;
+    let of = if place.region.is_plane() { "convex hull of all" } else { &place.name };
+    writeln!(out, "{}", line("ground", ground, &format!("m²   ({of})")))?;
+    writeln!(out, "{}", line("placed in", seconds, &format!("s   ({})", placing.manner())))?;
+    let share = format!("/m²   ({:.1} % of the ground is covered)", 100.0 * covered / ground);
+    writeln!(out, "{}", line("density", packing.density, &share))?;
+    writeln!(out, "{}", line("largest overlap", 1e3 * packing.largest_overlap, "mm"))?;
+
     if let Some(output) = &mut outputs.population {
         output.fill(|file| file.write_all(crowd_csv(&agents).as_bytes()))?;
     }
@@ -179,45 +181,27 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let bodies = Bodies { agents: &agents, poses: &packing.poses, interrupt: &interrupt };
     if !others.sections.is_empty() {
         let sections = bodies.sections(&others.sections)?;
-        let people = agents.iter().filter(|agent| matches!(agent, Agent::Pedestrian(_))).count();
-        super::crowd_files::table(&mut out, &sections, covered, ground, people)?;
+        bodies.table(&mut out, &sections, covered, ground)?;
         if let Some(output) = &mut outputs.sections {
-            output.fill(|file| lemons_crowd::write_geojson(&sections, file))?;
+            output.fill(|file| write_geojson(&sections, file))?;
         }
     }
     if let Some(output) = &mut outputs.obj {
         bodies.obj(output)?;
     }
     interrupt.check()?;
-    if mixed == Mixed::No {
-        let people: Vec<_> = agents.iter().filter_map(pedestrian).collect();
-        let direction = unit(placing.direction());
-        let settings = TrialSettings {
-            time_step: trial.time_step,
-            people: if trial.material == Wear::Naked { "human_naked" } else { "human_clothes" }.into(),
-            desired_velocity: direction * trial.speed,
-            ..TrialSettings::default()
-        };
+    if mixed == Mixed::No && makeable.is_ok() {
+        let people: Vec<Person> = agents.iter().filter_map(pedestrian).collect();
         let made =
-            crowd_trial(&arguments.name(), &people, &shapes, &packing.poses, place.geometry, &settings);
-        let made = made.context("no Trial")?;
+            crowd_trial(&arguments.name(), &people, &shapes, &packing.poses, place.geometry, &settings)?;
         let step = made.parameters.time_step_mechanical;
         let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
         writeln!(out, "mechanical step    {step:>10} {note}")?;
-        let style = Style { width: 1200.0, fill: Fill::BodyArea, ..Style::default() };
-        if outputs.svg.is_some() || outputs.png.is_some() {
-            let text = svg(&Scene::at_start(&made), &style);
-            if let Some(output) = &mut outputs.svg {
-                output.fill(|file| file.write_all(text.as_bytes()))?;
-            }
-            if let Some(output) = &mut outputs.png {
-                let picture = png(&text, 1200)?;
-                output.fill(|file| file.write_all(&picture))?;
-            }
-        }
+        outputs.draw(&made)?;
         trial.write(&made, binaries, &interrupt, &mut out)?;
     }
-    outputs.persist(&mut out)
+    outputs.persist(&mut out)?;
+    Ok(io::stdout().write_all(&out)?)
 }
 
 /// A unit vector; exact along the axes.
@@ -227,7 +211,7 @@ fn unit(degrees: f64) -> Vec2 {
         90.0 => vec2(0.0, 1.0),
         180.0 => vec2(-1.0, 0.0),
         270.0 => vec2(0.0, -1.0),
-        _ => vec2(1.0, 0.0).rotated(crowd_mechanics::engine::Rotation::by(degrees.to_radians())),
+        _ => vec2(1.0, 0.0).rotated(Rotation::by(degrees.to_radians())),
     }
 }
 
@@ -239,7 +223,7 @@ fn shape(agent: &Agent) -> Result<Shape> {
     }
 }
 
-fn pedestrian(agent: &Agent) -> Option<lemons_crowd::Person> {
+fn pedestrian(agent: &Agent) -> Option<Person> {
     match agent {
         Agent::Pedestrian(person) => Some(*person),
         Agent::Bicycle(_) => None,
@@ -247,15 +231,33 @@ fn pedestrian(agent: &Agent) -> Option<lemons_crowd::Person> {
 }
 
 impl TrialArguments {
+    fn overwrite(&self) -> Overwrite {
+        if self.force { Overwrite::Anything } else { Overwrite::Trials }
+    }
+
+    /// Whether any form of it is.
+    fn wanted(&self) -> bool {
+        self.output.is_some() || self.zip.is_some() || self.fmu.is_some()
+    }
+
+    fn settings(&self, direction: f64) -> TrialSettings {
+        TrialSettings {
+            time_step: self.time_step,
+            people: if self.material == Wear::Naked { "human_naked" } else { "human_clothes" }.into(),
+            desired_velocity: unit(direction) * self.speed,
+            ..TrialSettings::default()
+        }
+    }
+
     /// Checks the Trial as everybody would, and writes it where it was asked for.
     fn write(
         &self,
         trial: &Trial,
-        binaries: Option<Vec<crowd_mechanics::pack::Binary>>,
+        binaries: Option<Vec<Binary>>,
         interrupt: &Interrupt,
         out: &mut impl Write,
     ) -> Result<()> {
-        if self.output.is_none() && self.zip.is_none() && self.fmu.is_none() {
+        if !self.wanted() {
             return Ok(());
         }
         let scratch =
@@ -283,8 +285,7 @@ impl TrialArguments {
             say(out, "zip", file)?;
         }
         if let Some(directory) = &self.output {
-            let overwrite = if self.force { Overwrite::Anything } else { Overwrite::Trials };
-            write_trial(trial, directory, overwrite)?;
+            write_trial(trial, directory, self.overwrite())?;
             say(out, "Trial", directory)?;
         }
         Ok(())
@@ -353,6 +354,9 @@ impl Arguments {
     }
 }
 
+/// \[px\]
+const PICTURE_WIDTH: u32 = 1200;
+
 /// Files that appear when all is done.
 struct Outputs {
     population: Option<Output>,
@@ -364,6 +368,22 @@ struct Outputs {
 }
 
 impl Outputs {
+    fn draw(&mut self, trial: &Trial) -> Result<()> {
+        if self.svg.is_none() && self.png.is_none() {
+            return Ok(());
+        }
+        let style = Style { width: PICTURE_WIDTH.into(), fill: Fill::BodyArea, ..Style::default() };
+        let text = svg(&Scene::at_start(trial), &style);
+        if let Some(output) = &mut self.svg {
+            output.fill(|file| file.write_all(text.as_bytes()))?;
+        }
+        if let Some(output) = &mut self.png {
+            let picture = png(&text, PICTURE_WIDTH)?;
+            output.fill(|file| file.write_all(&picture))?;
+        }
+        Ok(())
+    }
+
     fn persist(self, out: &mut impl Write) -> Result<()> {
         let all = [
             ("population", self.population),

@@ -83,26 +83,29 @@ impl Bodies<'_> {
         output.fill(|file| write_obj(parts, file))?;
         failed.map_or(Ok(()), Err)
     }
-}
 
-/// The paper's comparison: what the shapes cover from above, and what planes cut of the bodies.
-pub fn table(
-    out: &mut impl Write,
-    sections: &[CrowdSection],
-    shapes: f64,
-    ground: f64,
-    people: usize,
-) -> Result<()> {
-    let share = |area: f64| 100.0 * area / ground;
-    writeln!(out, "\naltitude      people cut     covered   of the ground")?;
-    for section in sections {
-        let (altitude, cut, covered) = (section.altitude, section.cut(), section.covered());
-        writeln!(
-            out,
-            "{altitude:>6.3} m   {cut:>6} of {people:<6} {covered:>7.3} m² {:>9.1} %",
-            share(covered)
-        )?;
+    /// The paper's comparison: what the shapes cover \[m²\] of the ground \[m²\], and what planes cut of the bodies.
+    pub fn table(
+        &self,
+        out: &mut impl Write,
+        sections: &[CrowdSection],
+        shapes: f64,
+        ground: f64,
+    ) -> Result<()> {
+        let bicycles = self.agents.iter().filter(|agent| matches!(agent, Agent::Bicycle(_))).count();
+        let people = self.agents.len() - bicycles;
+        let share = |area: f64| 100.0 * area / ground;
+        writeln!(out, "\naltitude      people cut     covered   of the ground")?;
+        for section in sections {
+            let (altitude, cut, covered) = (section.altitude, section.cut(), section.covered());
+            let share = share(covered);
+            writeln!(out, "{altitude:>6.3} m   {cut:>6} of {people:<6} {covered:>7.3} m² {share:>9.1} %")?;
+        }
+        let all = self.agents.len();
+        writeln!(out, "2D shapes  {all:>6}           {shapes:>7.3} m² {:>9.1} %", share(shapes))?;
+        if bicycles > 0 {
+            writeln!(out, "(the {bicycles} bicycles have no three-dimensional bodies)")?;
+        }
+        Ok(writeln!(out)?)
     }
-    writeln!(out, "2D shapes  {people:>6}           {shapes:>7.3} m² {:>9.1} %\n", share(shapes))?;
-    Ok(())
 }

@@ -14,6 +14,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
+#[command(override_usage = "lemons person --breadth CM --depth CM --stature M --mass KG [OPTIONS]")]
 pub struct Arguments {
     /// Bideltoid breadth, across the shoulders, in cm
     #[arg(long, value_name = "CM", value_parser = breadth, allow_negative_numbers = true)]
@@ -70,7 +71,8 @@ pub fn person(arguments: &Arguments) -> Result<()> {
 
     let shape = Shape::of(&person)?;
     let moments = shape.moments();
-    let mut out = io::stdout().lock();
+    // Printed when all is written: who closes the pipe early has the files nevertheless.
+    let mut out = Vec::new();
     writeln!(out, "disk    radius      ahead       left   (cm, about the centre of mass)")?;
     for (place, disk) in shape.disks.iter().enumerate() {
         let [radius, ahead, left] = [disk.radius, disk.centre.x, disk.centre.y].map(|length| 100.0 * length);
@@ -82,7 +84,7 @@ pub fn person(arguments: &Arguments) -> Result<()> {
     // Rounding may leave it on either side of the origin.
     let [ahead, left] =
         [moments.centroid.x, moments.centroid.y].map(|length| (1e5 * length).round().abs() / 1e3);
-    writeln!(out, "{}", format!("centroid           {ahead:>10.3} cm ahead, {left:.3} cm left"))?;
+    writeln!(out, "centroid           {ahead:>10.3} cm ahead, {left:.3} cm left")?;
     writeln!(
         out,
         "{}",
@@ -122,7 +124,7 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         writeln!(out, "{}", output.path.display())?;
         output.persist()?;
     }
-    Ok(())
+    Ok(io::stdout().write_all(&out)?)
 }
 
 const ORIGIN: Pose = Pose { position: vec2(0.0, 0.0), orientation: 0.0 };

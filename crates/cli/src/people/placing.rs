@@ -8,9 +8,10 @@ use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::trial::Geometry;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_crowd::placing::{
-    Dense, Ended, Grid, Orientation, Packing, Paper, Progress, Region, Stage, dense, grid, paper,
+    Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, Stage, TOLERANCE, dense,
+    grid, measure, paper,
 };
-use lemons_crowd::{Shape, walls};
+use lemons_crowd::{Disk, Shape, walls};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -19,7 +20,7 @@ use std::time::Duration;
 #[command(next_help_heading = "Where")]
 pub struct PlacingArguments {
     /// A box with walls, its lower left corner at the origin, in m: 4.56x4.56
-    #[arg(long = "box", value_name = "LXxLY", value_parser = sides, group = "region")]
+    #[arg(long = "box", value_name = "LXxLY", value_parser = sides, allow_hyphen_values = true, group = "region")]
     sides: Option<Vec2>,
     /// Inside the closed walls of this Geometry.xml: the largest is the outline, the others are
     /// holes
@@ -95,7 +96,7 @@ impl PlacingArguments {
         if let Some(sides) = self.sides {
             let region = Region::rectangle(Vec2::ZERO, sides).context("--box")?;
             let geometry = walls(region.rings(), "concrete");
-            return Ok(Place { region, geometry, name: format!("box of {} m x {} m", sides.x, sides.y) });
+            return Ok(Place { region, geometry, name: format!("a box of {} m x {} m", sides.x, sides.y) });
         }
         if let Some(path) = &self.geometry {
             let (geometry, warnings) = match Geometry::read(path) {
@@ -112,7 +113,7 @@ impl PlacingArguments {
             let region = Region::from_walls(&geometry).with_context(|| format!("--geometry {name}"))?;
             return Ok(Place { region, geometry, name });
         }
-        Ok(Place { region: Region::plane(), geometry: walls(&[], ""), name: "open".into() })
+        Ok(Place { region: Region::plane(), geometry: walls(&[], ""), name: "the open".into() })
     }
 
     /// From --number and --density.
@@ -197,10 +198,11 @@ impl PlacingArguments {
         let packing = match self.packing {
             PackingArgument::Dense => {
                 let settings = Dense { density: wanted.density, orientation, seed, ..Dense::default() };
-                dense(shapes, region, &settings, &mut watch)
+                dense(&wider(shapes), region, &settings, &mut watch)
             }
             PackingArgument::Paper => {
-                paper(shapes, region, &Paper { orientation, seed, ..Paper::default() }, &mut watch)
+                let settings = Paper { orientation, seed, ..Paper::default() };
+                paper(&wider(shapes), region, &settings, &mut watch)
             }
             PackingArgument::Grid => grid(shapes, region, &Grid { orientation, seed, ..Grid::default() }),
         };
@@ -211,7 +213,10 @@ impl PlacingArguments {
         if packing.ended == Ended::Cancelled {
             return Err(Interrupted.into());
         }
-        if packing.complete || (self.allow_overlap && packing.poses.len() == count) {
+        let Measure { density, clear_density, largest_overlap, .. } = measure(shapes, region, &packing.poses);
+        let clear_density = clear_density.max(packing.clear_density);
+        let packing = Packing { density, clear_density, largest_overlap, ..packing };
+        if packing.complete || self.allow_overlap {
             return Ok(packing);
         }
         let clear = packing.clear_density;
@@ -253,6 +258,13 @@ impl PlacingArguments {
         };
         format!("{packing}, {way}")
     }
+}
+
+/// Each disk larger by the overlap with which a placing passes for done: those of the true size are clear then, and a
+/// Trial of them begins without contacts.
+fn wider(shapes: &[Shape]) -> Vec<Shape> {
+    let wider = |disk: &Disk| Disk { radius: disk.radius + TOLERANCE, ..*disk };
+    shapes.iter().map(|shape| Shape { disks: shape.disks.iter().map(wider).collect() }).collect()
 }
 
 /// On a terminal, once a placing takes a moment.

@@ -27,14 +27,14 @@ pub struct SourceArguments {
     ansur_female: Option<PathBuf>,
     /// The same person again and again: breadth and depth in cm, stature in m, mass in kg, as in
     /// 49,25,1.75,70 or 45,24,1.63,67,female
-    #[arg(long, value_name = "MEASURES", value_parser = fixed)]
+    #[arg(long, value_name = "MEASURES", value_parser = fixed, allow_hyphen_values = true)]
     fixed: Option<Person>,
 }
 
 pub const CUSTOM_HELP: &str = "\
-Statistics for --custom, truncated normal distributions in cm and kg. What the file
-does not say is as here (female: 45/1.5/30/60, 24/1.5/15/45, 164/7/140/210,
-67/11/30/130):
+Statistics for --custom: truncated normal distributions in cm and kg. What the file \
+does not say is as here (mean, sd, min, max of women: breadth 45, 1.5, 30, 60; depth \
+24, 1.5, 15, 45; stature 164, 7, 140, 210; mass 67, 11, 30, 130):
 
   men = 0.5             # part of the pedestrians; --men and
   pedestrians = 1.0     # --pedestrians replace these
@@ -51,8 +51,8 @@ does not say is as here (female: 45/1.5/30/60, 24/1.5/15/45, 164/7/140/210,
   top_tube = { mean = 61, sd = 5, min = 40, max = 90 }
   mass = { mean = 30, sd = 5, min = 10, max = 100 }
 
-Rank correlations between the four measures of a person are the survey's; a
-4 x 4 matrix spearman in [male] or [female] replaces them.";
+Rank correlations between the four measures of a person are the survey's; a matrix \
+`spearman` of 4 x 4 numbers in [male] or [female] replaces them.";
 
 fn part(text: &str) -> Result<f64, String> {
     super::within(text, 0.0, 1.0, "")

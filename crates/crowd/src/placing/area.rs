@@ -1,6 +1,6 @@
 //! The area that a union of disks covers.
 
-use crate::Shape;
+use crate::shape::Shape;
 use crowd_mechanics::engine::{Rotation, vec2};
 use std::f64::consts::PI;
 
@@ -53,7 +53,7 @@ pub fn union_area(shape: &Shape) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Disk;
+    use crate::disk::Disk;
 
     fn area(disks: &[(f64, f64, f64)]) -> f64 {
         let disk = |&(x, y, radius): &(f64, f64, f64)| Disk { radius, centre: vec2(x, y) };

@@ -10,7 +10,7 @@ use super::{
     Ended, Orientation, Packing, PlacingError, Progress, Region, Stage, TOLERANCE, Watch, check,
     check_orientation, check_shapes, measure,
 };
-use crate::Shape;
+use crate::shape::Shape;
 use crowd_mechanics::engine::{Rotation, Vec2, vec2};
 use std::f64::consts::{PI, TAU};
 

@@ -5,7 +5,7 @@ use super::{
     Ended, Orientation, Packing, PlacingError, Region, TOLERANCE, check, check_orientation, check_shapes,
     measure, reach,
 };
-use crate::Shape;
+use crate::shape::Shape;
 use crowd_mechanics::engine::{Pose, Rotation, Vec2, vec2};
 use std::f64::consts::PI;
 

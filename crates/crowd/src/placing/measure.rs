@@ -3,7 +3,7 @@
 use super::hull::hull_area;
 use super::neighbours::CellGrid;
 use super::{Circle, Region, TOLERANCE, disks_at, reach};
-use crate::Shape;
+use crate::shape::Shape;
 use crowd_mechanics::engine::{Pose, Vec2};
 
 /// How well shapes stand.

@@ -12,7 +12,7 @@ mod pile;
 mod random;
 mod region;
 
-use crate::Shape;
+use crate::shape::Shape;
 use crowd_mechanics::engine::{Pose, Rotation, Vec2};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;

@@ -6,7 +6,7 @@ use super::{
     Circle, Ended, Orientation, Packing, PlacingError, Progress, Region, Stage, TOLERANCE, Watch, check,
     check_orientation, check_shapes, disks_at, measure, reach,
 };
-use crate::Shape;
+use crate::shape::Shape;
 use crowd_mechanics::engine::{Pose, Rotation, Vec2, vec2};
 use std::f64::consts::PI;
 
@@ -287,7 +287,7 @@ impl Cells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Disk;
+    use crate::disk::Disk;
 
     fn disks(count: usize) -> Vec<Shape> {
         vec![Shape { disks: vec![Disk { radius: 0.2, centre: Vec2::ZERO }] }; count]

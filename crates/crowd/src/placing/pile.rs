@@ -5,7 +5,7 @@
 use super::neighbours::CellGrid;
 use super::region::Edge;
 use super::{Circle, Orientation, Region};
-use crate::Shape;
+use crate::shape::Shape;
 use crowd_mechanics::engine::{Pose, Rotation, Vec2, vec2};
 
 /// \[m\] Near pairs are listed anew once something has moved by half of this. Results do not depend on it.
@@ -536,7 +536,7 @@ impl EdgeGrid {
 mod tests {
     use super::super::random::Random;
     use super::*;
-    use crate::Disk;
+    use crate::disk::Disk;
 
     /// Forces are −∂E: by central differences, in a polygon with a hole, and in a circle; some stand outside.
     #[test]
