@@ -267,7 +267,7 @@ fn mistakes_name_the_option_and_the_value() {
         .replace("</Wall>", r#"<Corner Coordinates="0,3"/><Corner Coordinates="0,0"/></Wall>"#);
     fs::write(at.join("cheese.xml"), cheese).unwrap();
     let person = ["person", "--breadth", "49", "--depth", "25", "--stature", "1.75", "--mass", "70"];
-    let cases: [(&[&str], i32, &[&str]); 31] = [
+    let cases: [(&[&str], i32, &[&str]); 33] = [
         (
             &["person", "--breadth", "25", "--depth", "49", "--stature", "1.75", "--mass", "70"],
             2,
@@ -298,8 +298,18 @@ fn mistakes_name_the_option_and_the_value() {
         (&["crowd", "-n", "5", "--density", "-6"], 2, &["--density", "-6"]),
         (&["crowd", "--density", "0.1", "--box", "1x1"], 1, &["--density 0.1", "nobody"]),
         (&["crowd", "--density", "20", "--box", "2x2"], 1, &["80", "a box of 2 m x 2 m", "cannot hold them"]),
+        (
+            &["crowd", "--density", "10.25", "--box", "2x2"],
+            1,
+            &["41 in a box of 2 m x 2 m", "10.25 /m²", "placed without overlap", "--allow-overlap"],
+        ),
         (&["crowd", "--density", "11.5", "--box", "2x1"], 1, &["23", "a box of 2 m x 1 m"]),
         (&["crowd", "-n", "9", "--density", "30"], 1, &["9", "cannot hold them"]),
+        (
+            &["crowd", "-n", "9", "--density", "5", "--packing", "paper"],
+            2,
+            &["--density 5", "--packing paper"],
+        ),
         (&["crowd", "-n", "100", "--box", "3x3", "--packing", "grid"], 1, &["--packing grid", "places"]),
         (&["crowd", "-n", "5", "--box", "2by2"], 2, &["--box", "2by2"]),
         (&["crowd", "-n", "5", "--box", "-2x2"], 2, &["--box", "-2x2"]),

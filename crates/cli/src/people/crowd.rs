@@ -28,7 +28,8 @@ pub struct Arguments {
     /// How many
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     number: Option<u32>,
-    /// How many per m²: of the region; in the open, of the convex hull, with --number
+    /// How many per m²: of the region; in the open, with --number, of the convex hull at least
+    /// (default there: as densely as they go)
     #[arg(short, long, value_name = "PER_M2", value_parser = density, allow_negative_numbers = true)]
     density: Option<f64>,
     /// The same seed gives the same crowd on any machine
@@ -137,7 +138,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     }
     let Arguments { placing, trial, others, seed, .. } = &arguments;
     let place = placing.place()?;
-    let wanted = PlacingArguments::wanted(&place, arguments.number, arguments.density)?;
+    let wanted = placing.wanted(&place, arguments.number, arguments.density)?;
     let settings = trial.settings(placing.direction());
     // Known before a long packing.
     let makeable = settings.check(&place.geometry);

@@ -117,9 +117,17 @@ impl PlacingArguments {
     }
 
     /// From --number and --density.
-    pub fn wanted(place: &Place, number: Option<u32>, density: Option<f64>) -> Result<Wanted> {
+    pub fn wanted(&self, place: &Place, number: Option<u32>, density: Option<f64>) -> Result<Wanted> {
         match (number, density) {
             (Some(number), density) if place.region.is_plane() => {
+                if let Some(density) = density
+                    && self.packing != PackingArgument::Dense
+                {
+                    let option = self.option();
+                    let message =
+                        format!("--density {density} in the open is for --packing dense, not {option}");
+                    return Err(Misused(message).into());
+                }
                 Ok(Wanted { number: number as usize, density })
             }
             (Some(number), None) => Ok(Wanted { number: number as usize, density: None }),
