@@ -8,15 +8,15 @@ use lemons_fmi2::variables::units::*;
 use lemons_fmi2::variables::{Domain, Unit};
 pub use lemons_fmi2::variables::{Kind, Role, guid};
 
-/// Which number of the model a variable is.
+/// Which number of the model a variable is. Places are `u32` as value references are: small rows are read faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Of one agent.
-    Agent(usize, AgentQuantity),
+    Agent(u32, AgentQuantity),
     /// Of one material.
-    Material(usize, MaterialQuantity),
+    Material(u32, MaterialQuantity),
     /// Of two materials.
-    Contact(usize, ContactQuantity),
+    Contact(u32, ContactQuantity),
     /// Disk–disk contacts, each pair once.
     AgentContacts,
     /// Disk–face contacts.
@@ -199,7 +199,7 @@ pub fn table(trial: &Trial) -> Vec<Variable> {
             description: "disk-face contacts of the crowd".into(),
         },
     ];
-    for (i, agent) in trial.agents.iter().enumerate() {
+    for (i, agent) in (0..).zip(&trial.agents) {
         table.extend(AGENT_ROWS.iter().map(|&(quantity, name, kind, role, domain, description)| Variable {
             name: format!("agent[{i}].{name}"),
             quantity: Quantity::Agent(i, quantity),
@@ -209,7 +209,7 @@ pub fn table(trial: &Trial) -> Vec<Variable> {
             description: format!("agent Id {}: {description}", agent.id),
         }));
     }
-    for (m, material) in trial.materials.intrinsic.iter().enumerate() {
+    for (m, material) in (0..).zip(&trial.materials.intrinsic) {
         let id = quoted(&material.id);
         table.extend(MATERIAL_ROWS.iter().map(|&(quantity, name, unit, description)| Variable {
             name: format!("material.{id}.{name}"),
@@ -220,7 +220,7 @@ pub fn table(trial: &Trial) -> Vec<Variable> {
             description: description.into(),
         }));
     }
-    for (c, contact) in trial.materials.binary.iter().enumerate() {
+    for (c, contact) in (0..).zip(&trial.materials.binary) {
         let (id1, id2) = (quoted(&contact.id1), quoted(&contact.id2));
         table.extend(CONTACT_ROWS.iter().map(|&(quantity, name, unit, description)| Variable {
             name: format!("contact.{id1}.{id2}.{name}"),
@@ -267,8 +267,8 @@ macro_rules! place {
         match $quantity {
             Quantity::TimeStepMechanical => $($borrow)+ $trial.parameters.time_step_mechanical,
             Quantity::Agent(i, quantity) => {
-                let agent = $($borrow)+ $trial.agents[i];
-                let dynamics = $($borrow)+ $trial.dynamics[i];
+                let agent = $($borrow)+ $trial.agents[i as usize];
+                let dynamics = $($borrow)+ $trial.dynamics[i as usize];
                 match quantity {
                     AgentQuantity::FpX => $($borrow)+ dynamics.fp.x,
                     AgentQuantity::FpY => $($borrow)+ dynamics.fp.y,
@@ -290,14 +290,14 @@ macro_rules! place {
                 }
             }
             Quantity::Material(m, quantity) => {
-                let material = $($borrow)+ $trial.materials.intrinsic[m];
+                let material = $($borrow)+ $trial.materials.intrinsic[m as usize];
                 match quantity {
                     MaterialQuantity::YoungModulus => $($borrow)+ material.young_modulus,
                     MaterialQuantity::ShearModulus => $($borrow)+ material.shear_modulus,
                 }
             }
             Quantity::Contact(c, quantity) => {
-                let contact = $($borrow)+ $trial.materials.binary[c];
+                let contact = $($borrow)+ $trial.materials.binary[c as usize];
                 match quantity {
                     ContactQuantity::GammaNormal => $($borrow)+ contact.gamma_normal,
                     ContactQuantity::GammaTangential => $($borrow)+ contact.gamma_tangential,

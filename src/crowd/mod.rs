@@ -101,17 +101,19 @@ impl Model for Crowd {
         std::mem::take(&mut self.warnings)
     }
 
+    #[inline(always)]
     fn real(&mut self, quantity: Quantity) -> Result<f64, CrowdError> {
-        match in_documents(&self.trial, quantity) {
-            Some(document) => Ok(self.in_world(quantity).unwrap_or(document)),
-            None => self.computed(quantity),
+        match self.in_world(quantity) {
+            Some(value) => Ok(value),
+            None => self.without_world(quantity),
         }
     }
 
+    #[inline(always)]
     fn integer(&mut self, quantity: Quantity) -> Result<i32, CrowdError> {
-        match quantity {
-            Quantity::Threads => Ok(self.threads),
-            quantity => Ok(self.computed(quantity)? as i32),
+        match self.world.as_ref().and_then(|world| count(world, quantity)) {
+            Some(count) => Ok(count),
+            None => self.integer_without_world(quantity),
         }
     }
 
@@ -122,18 +124,14 @@ impl Model for Crowd {
         }
     }
 
+    #[inline]
     fn set_real(&mut self, reference: u32, quantity: Quantity, value: f64, phase: Phase) {
-        match (&mut self.world, quantity) {
-            (Some(world), Quantity::Agent(i, AgentQuantity::FpX)) => world.drive[i].force.x = value,
-            (Some(world), Quantity::Agent(i, AgentQuantity::FpY)) => world.drive[i].force.y = value,
-            (Some(world), Quantity::Agent(i, AgentQuantity::Mp)) => world.drive[i].torque = value,
-            (world, _) => *world = None,
+        match self.world.as_mut().and_then(|world| drive_mut(world, quantity)) {
+            Some(input) => *input = value,
+            None => self.world = None,
         }
         if phase != Phase::StepComplete || self.world.is_none() {
-            if let Some(place) = in_documents_mut(&mut self.trial, quantity) {
-                *place = value;
-            }
-            self.settings.insert(reference, value);
+            self.edit(reference, quantity, value);
         }
     }
 
@@ -161,7 +159,7 @@ impl Model for Crowd {
 
     fn set_rate(&mut self, input: Quantity, rate: f64) {
         let Quantity::Agent(i, quantity) = input else { return };
-        let rates = self.rates.entry(i).or_default();
+        let rates = self.rates.entry(i as usize).or_default();
         match quantity {
             AgentQuantity::FpX => rates.force.x = rate,
             AgentQuantity::FpY => rates.force.y = rate,
@@ -232,39 +230,62 @@ impl Crowd {
         world.advance(step)
     }
 
-    /// A number that the running world holds.
+    /// A setting of this instance, as an edit of the documents.
+    #[cold]
+    fn edit(&mut self, reference: u32, quantity: Quantity, value: f64) {
+        if let Some(place) = in_documents_mut(&mut self.trial, quantity) {
+            *place = value;
+        }
+        self.settings.insert(reference, value);
+    }
+
+    /// A Real that the running world holds.
+    ///
+    /// By threes, as one match of all would become an indirect jump, whose target processors guess badly: half of the
+    /// time of a call that reads thousands.
+    #[inline(always)]
     fn in_world(&self, quantity: Quantity) -> Option<f64> {
+        use AgentQuantity::*;
         let (world, Quantity::Agent(i, quantity)) = (self.world.as_ref()?, quantity) else { return None };
-        let (pose, twist) = (&world.state().poses[i], &world.state().twists[i]);
-        let drive = &world.drive[i];
+        let i = i as usize;
+        if quantity == NormalForce {
+            return Some(world.contacts().bodies[i].squeeze);
+        }
+        let (first, second, third) = match quantity {
+            FpX | FpY | Mp => (world.drive[i].force.x, world.drive[i].force.y, world.drive[i].torque),
+            PositionX | PositionY | Theta => {
+                let pose = &world.state().poses[i];
+                (pose.position.x, pose.position.y, pose.orientation)
+            }
+            VelocityX | VelocityY | Omega => {
+                let twist = &world.state().twists[i];
+                (twist.velocity.x, twist.velocity.y, twist.angular_velocity)
+            }
+            _ => return None,
+        };
+        Some(match quantity {
+            FpX | PositionX | VelocityX => first,
+            FpY | PositionY | VelocityY => second,
+            _ => third,
+        })
+    }
+
+    #[cold]
+    fn integer_without_world(&mut self, quantity: Quantity) -> Result<i32, CrowdError> {
         match quantity {
-            AgentQuantity::FpX => Some(drive.force.x),
-            AgentQuantity::FpY => Some(drive.force.y),
-            AgentQuantity::Mp => Some(drive.torque),
-            AgentQuantity::PositionX => Some(pose.position.x),
-            AgentQuantity::PositionY => Some(pose.position.y),
-            AgentQuantity::Theta => Some(pose.orientation),
-            AgentQuantity::VelocityX => Some(twist.velocity.x),
-            AgentQuantity::VelocityY => Some(twist.velocity.y),
-            AgentQuantity::Omega => Some(twist.angular_velocity),
-            _ => None,
+            Quantity::Threads => Ok(self.threads),
+            quantity => Ok(count(self.make_world()?, quantity).unwrap_or(0)),
         }
     }
 
-    /// A number that the world's contacts give; 0 for a quantity that they do not.
-    fn computed(&mut self, quantity: Quantity) -> Result<f64, CrowdError> {
-        let contacts = self.make_world()?.contacts();
-        Ok(match quantity {
-            Quantity::AgentContacts => f64::from(contacts.agent_contacts),
-            Quantity::WallContacts => f64::from(contacts.wall_contacts),
-            Quantity::Agent(i, AgentQuantity::AgentContacts) => f64::from(contacts.bodies[i].agent_contacts),
-            Quantity::Agent(i, AgentQuantity::WallContacts) => f64::from(contacts.bodies[i].wall_contacts),
-            Quantity::Agent(i, AgentQuantity::ContactingAgents) => {
-                f64::from(contacts.bodies[i].touching_bodies)
-            }
-            Quantity::Agent(i, AgentQuantity::NormalForce) => contacts.bodies[i].squeeze,
-            _ => 0.0,
-        })
+    /// A Real that the documents hold, or that needs a world made first; 0 for none of these.
+    #[cold]
+    fn without_world(&mut self, quantity: Quantity) -> Result<f64, CrowdError> {
+        if let Some(value) = in_documents(&self.trial, quantity) {
+            return Ok(value);
+        }
+        self.make_world()?;
+        Ok(self.in_world(quantity).unwrap_or(0.0))
     }
 
     fn known_trial(&self, name: &str) -> Result<(), CrowdError> {
@@ -305,6 +326,40 @@ impl Crowd {
         };
         change_all(&[dynamics, interactions])
     }
+}
+
+/// The input of a running world that a quantity is, if it is one.
+#[inline]
+fn drive_mut(world: &mut World, quantity: Quantity) -> Option<&mut f64> {
+    let Quantity::Agent(i, quantity) = quantity else { return None };
+    let drive = &mut world.drive[i as usize];
+    match quantity {
+        AgentQuantity::FpX => Some(&mut drive.force.x),
+        AgentQuantity::FpY => Some(&mut drive.force.y),
+        AgentQuantity::Mp => Some(&mut drive.torque),
+        _ => None,
+    }
+}
+
+/// The contacts that a quantity counts; `None` if it counts none.
+#[inline(always)]
+fn count(world: &World, quantity: Quantity) -> Option<i32> {
+    let contacts = world.contacts();
+    let count = match quantity {
+        Quantity::Agent(i, quantity) => {
+            let body = &contacts.bodies[i as usize];
+            match quantity {
+                AgentQuantity::AgentContacts => body.agent_contacts,
+                AgentQuantity::WallContacts => body.wall_contacts,
+                AgentQuantity::ContactingAgents => body.touching_bodies,
+                _ => return None,
+            }
+        }
+        Quantity::AgentContacts => contacts.agent_contacts,
+        Quantity::WallContacts => contacts.wall_contacts,
+        _ => return None,
+    };
+    Some(i32::try_from(count).unwrap_or(i32::MAX))
 }
 
 /// A Trial's world on so many threads: those of the world so far, if it has as many.

@@ -11,9 +11,9 @@ use thiserror::Error;
 /// More mechanical steps than this in one communication step are refused: they would never end.
 const MOST_STEPS: f64 = 1e12;
 
-/// Fewer bodies that move by mechanical steps are left to one thread: a step of theirs takes some microseconds,
-/// as long as handing it over. Results do not depend on it.
-const SHARED_FROM: usize = 900;
+/// Bodies that move by mechanical steps, and twice the contacts: a crowd with less work is left to one thread,
+/// since a step of it takes some microseconds, as long as handing it over. Results do not depend on it.
+const SHARED_FROM: usize = 1800;
 
 /// How far H / TimeStepMechanical may exceed an integer and still be it: communication steps come with
 /// rounding errors from other people's arithmetic.
@@ -211,7 +211,8 @@ impl World {
         let shortlist = Shortlist::decide(&self.scene, &self.state, drives, duration, self.shortlisting);
         let active = shortlist.activity.iter().filter(|activity| **activity == Activity::Active).count();
         let alone = Threads::default();
-        let threads = if active >= SHARED_FROM { &self.threads } else { &alone };
+        let work = active + 2 * self.contacts.contacts.len();
+        let threads = if work >= SHARED_FROM { &self.threads } else { &alone };
         let step = CommunicationStep {
             scene: &self.scene,
             threads,

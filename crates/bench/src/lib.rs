@@ -3,6 +3,8 @@
 //! The crowds are made here, of the paper's agent 0 with seeded places and drives, and need no files. A case
 //! is measured in processor time of the thread, on a shared machine too: the median of several runs.
 
+pub mod fmu;
+
 use anyhow::{Result, ensure};
 use cpu_time::ThreadTime;
 use crowd_mechanics::engine::{Pose, Shortlisting, Twist, Vec2, World, Wrench, vec2};

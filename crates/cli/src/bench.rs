@@ -1,7 +1,7 @@
-//! `lemons bench`: what a mechanical step costs.
+//! `lemons bench`: what a mechanical step costs, and what the FMU adds.
 
 use anyhow::Result;
-use lemons_bench::{Figures, cases, measure};
+use lemons_bench::{Figures, cases, fmu, measure};
 use std::io::{self, Write};
 
 #[derive(clap::Args)]
@@ -56,7 +56,32 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         out.flush()?;
     }
     writeln!(out, "\nLEMONS C++: times as fast as shipped / with the best compiler flags.")?;
+    if wanted(THROUGH_FMU) {
+        through_fmu(&mut out, arguments.runs.into())?;
+    }
     Ok(())
+}
+
+const THROUGH_FMU: &str = "through the FMU";
+
+/// The second table: what lies around the mechanics.
+fn through_fmu(out: &mut impl Write, runs: usize) -> Result<()> {
+    writeln!(out, "\n{:<50}{:>10}", THROUGH_FMU, "")?;
+    let mut row = |what: &str, value: f64, unit: &str| -> Result<()> {
+        writeln!(out, "{what:<50}{value:>10.3} {unit}")?;
+        Ok(out.flush()?)
+    };
+    let overhead = fmu::overhead(1_000, runs)?;
+    row("1000 agents: set 3 inputs of each", overhead.set, "µs")?;
+    row("1000 agents: get 10 outputs of each", overhead.get, "µs")?;
+    let loading = fmu::loading(10_000, runs)?;
+    row("10 000 agents: read and check the Trial", loading.read, "s")?;
+    row("10 000 agents: read, check and pack it", loading.pack, "s")?;
+    row("10 000 agents: instantiate the FMU", loading.instantiate, "s")?;
+    row("10 000 agents: initialize it", loading.initialize, "s")?;
+    let push = fmu::push(runs)?;
+    row("push, 5 s at 2e-6 s: wall time", push.wall, "s")?;
+    row("push, 5 s at 2e-6 s: processor time", push.processor, "s")
 }
 
 /// What the figures were measured on.

@@ -56,7 +56,7 @@ enum Command {
     Describe(describe::Arguments),
     /// Measure the mechanics against closed forms, conservation laws and independent integrators
     Verify(verify::Arguments),
-    /// Measure what a mechanical step costs
+    /// Measure what a mechanical step costs, and what the FMU adds
     Bench(bench::Arguments),
 }
 

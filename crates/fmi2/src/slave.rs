@@ -4,7 +4,7 @@
 
 use crate::lifecycle::{Function, Phase, allowed};
 use crate::model::{Model, StepError};
-use crate::variables::{Kind, Role, Variable, guid};
+use crate::variables::{Domain, Kind, Role, Variable, guid};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use uuid::Uuid;
@@ -67,10 +67,50 @@ pub struct Snapshot<S> {
     model: S,
 }
 
+/// What every call asks of a variable, without what only messages need: calls visit thousands of them.
+#[derive(Clone, Copy)]
+struct Row<Q> {
+    quantity: Q,
+    kind: BareKind,
+    role: Role,
+    domain: Domain,
+}
+
+/// A [`Kind`] without its unit.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum BareKind {
+    Real,
+    Integer,
+    String,
+}
+
+impl BareKind {
+    fn name(self) -> &'static str {
+        match self {
+            BareKind::Real => "Real",
+            BareKind::Integer => "Integer",
+            BareKind::String => "String",
+        }
+    }
+}
+
+impl<Q: Copy> Row<Q> {
+    fn of(variable: &Variable<Q>) -> Row<Q> {
+        let kind = match variable.kind {
+            Kind::Real(_) => BareKind::Real,
+            Kind::Integer => BareKind::Integer,
+            Kind::String => BareKind::String,
+        };
+        Row { quantity: variable.quantity, kind, role: variable.role, domain: variable.domain }
+    }
+}
+
 /// One FMU instance.
 pub struct Slave<M: Model> {
     model: M,
     table: Vec<Variable<M::Quantity>>,
+    /// Of `table`.
+    rows: Vec<Row<M::Quantity>>,
     guid: Uuid,
     phase: Phase,
     time: f64,
@@ -92,7 +132,8 @@ impl<M: Model> Slave<M> {
             let expected = guid.braced().to_string();
             return Err(SlaveError::Guid { given: given_guid.to_owned(), expected });
         }
-        Ok(Slave { model, table, guid, phase: Phase::Instantiated, time: 0.0, experiment: None })
+        let rows = table.iter().map(Row::of).collect();
+        Ok(Slave { model, table, rows, guid, phase: Phase::Instantiated, time: 0.0, experiment: None })
     }
 
     /// \[s\] the present communication point.
@@ -176,28 +217,18 @@ impl<M: Model> Slave<M> {
         Ok(())
     }
 
-    fn variable(
-        &self,
-        reference: u32,
-        matches: fn(Kind) -> bool,
-        kind: &'static str,
-    ) -> Answer<M, &Variable<M::Quantity>> {
-        self.table
-            .get(reference as usize)
-            .filter(|variable| matches(variable.kind))
-            .ok_or(SlaveError::UnknownReference { kind, reference })
+    #[inline]
+    fn row(&self, reference: u32, kind: BareKind) -> Answer<M, Row<M::Quantity>> {
+        match self.rows.get(reference as usize) {
+            Some(row) if row.kind == kind => Ok(*row),
+            _ => Err(SlaveError::UnknownReference { kind: kind.name(), reference }),
+        }
     }
 
-    fn real(&self, reference: u32) -> Answer<M, &Variable<M::Quantity>> {
-        self.variable(reference, |kind| matches!(kind, Kind::Real(_)), "Real")
-    }
-
-    fn integer(&self, reference: u32) -> Answer<M, &Variable<M::Quantity>> {
-        self.variable(reference, |kind| kind == Kind::Integer, "Integer")
-    }
-
-    fn string(&self, reference: u32) -> Answer<M, &Variable<M::Quantity>> {
-        self.variable(reference, |kind| kind == Kind::String, "String")
+    /// For messages about a variable of the table.
+    #[cold]
+    fn name(&self, reference: u32) -> String {
+        self.table[reference as usize].name.clone()
     }
 
     /// `fmi2GetReal`
@@ -207,7 +238,7 @@ impl<M: Model> Slave<M> {
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Answer<M, ()> {
         self.check(Function::Get)?;
         for (&reference, value) in references.iter().zip(values) {
-            let quantity = self.real(reference)?.quantity;
+            let quantity = self.row(reference, BareKind::Real)?.quantity;
             *value = self.model.real(quantity)?;
         }
         Ok(())
@@ -220,7 +251,7 @@ impl<M: Model> Slave<M> {
     pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
         self.check(Function::Get)?;
         for (&reference, value) in references.iter().zip(values) {
-            let quantity = self.integer(reference)?.quantity;
+            let quantity = self.row(reference, BareKind::Integer)?.quantity;
             *value = self.model.integer(quantity)?;
         }
         Ok(())
@@ -232,26 +263,36 @@ impl<M: Model> Slave<M> {
     /// Wrong phase, unknown references.
     pub fn get_string(&self, references: &[u32]) -> Answer<M, Vec<&str>> {
         self.check(Function::Get)?;
-        references.iter().map(|&reference| Ok(self.model.string(self.string(reference)?.quantity))).collect()
+        let texts = references.iter().map(|&reference| {
+            let quantity = self.row(reference, BareKind::String)?.quantity;
+            Ok(self.model.string(quantity))
+        });
+        texts.collect()
     }
 
     /// Refuses to set what can never be set, or no longer.
-    fn check_settable(&self, variable: &Variable<M::Quantity>) -> Answer<M, ()> {
+    #[inline]
+    fn check_settable(&self, reference: u32, role: Role) -> Answer<M, ()> {
+        if role == Role::Input {
+            return Ok(());
+        }
         let before = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
-        let when = match variable.role {
+        let when = match role {
             Role::Input => return Ok(()),
             Role::Parameter | Role::Exact if before => return Ok(()),
             Role::Parameter | Role::Exact => "after initialization",
             Role::Calculated => "at all: it is computed",
         };
-        Err(SlaveError::NotSettable { name: variable.name.clone(), when })
+        Err(SlaveError::NotSettable { name: self.name(reference), when })
     }
 
-    fn check_number(&self, variable: &Variable<M::Quantity>, value: f64) -> Answer<M, ()> {
-        self.check_settable(variable)?;
-        variable.domain.check(value).map_err(|must| SlaveError::Value {
-            name: variable.name.clone(),
-            value: if variable.kind == Kind::Integer { format!("{value:.0}") } else { format!("{value:?}") },
+    #[inline]
+    fn check_number(&self, reference: u32, kind: BareKind, value: f64) -> Answer<M, ()> {
+        let row = self.row(reference, kind)?;
+        self.check_settable(reference, row.role)?;
+        row.domain.check(value).map_err(|must| SlaveError::Value {
+            name: self.name(reference),
+            value: if kind == BareKind::Integer { format!("{value:.0}") } else { format!("{value:?}") },
             must,
         })
     }
@@ -263,10 +304,10 @@ impl<M: Model> Slave<M> {
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Answer<M, ()> {
         self.check(Function::Set)?;
         for (&reference, &value) in references.iter().zip(values) {
-            self.check_number(self.real(reference)?, value)?;
+            self.check_number(reference, BareKind::Real, value)?;
         }
         for (&reference, &value) in references.iter().zip(values) {
-            let quantity = self.table[reference as usize].quantity;
+            let quantity = self.rows[reference as usize].quantity;
             self.model.set_real(reference, quantity, value, self.phase);
         }
         Ok(())
@@ -279,10 +320,10 @@ impl<M: Model> Slave<M> {
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Answer<M, ()> {
         self.check(Function::Set)?;
         for (&reference, &value) in references.iter().zip(values) {
-            self.check_number(self.integer(reference)?, value.into())?;
+            self.check_number(reference, BareKind::Integer, value.into())?;
         }
         for (&reference, &value) in references.iter().zip(values) {
-            self.model.set_integer(self.table[reference as usize].quantity, value);
+            self.model.set_integer(self.rows[reference as usize].quantity, value);
         }
         Ok(())
     }
@@ -295,9 +336,9 @@ impl<M: Model> Slave<M> {
         self.check(Function::Set)?;
         let mut texts = Vec::with_capacity(references.len());
         for (&reference, &value) in references.iter().zip(values) {
-            let variable = self.string(reference)?;
-            self.check_settable(variable)?;
-            texts.push((variable.quantity, value));
+            let row = self.row(reference, BareKind::String)?;
+            self.check_settable(reference, row.role)?;
+            texts.push((row.quantity, value));
         }
         Ok(self.model.set_strings(&texts)?)
     }
@@ -320,21 +361,20 @@ impl<M: Model> Slave<M> {
             return Err(SlaveError::Unsupported(why));
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let variable = self.real(reference)?;
-            let name = || variable.name.clone();
-            if variable.role != Role::Input {
-                return Err(SlaveError::NoInput { name: name() });
+            let row = self.row(reference, BareKind::Real)?;
+            if row.role != Role::Input {
+                return Err(SlaveError::NoInput { name: self.name(reference) });
             }
             if order != 1 {
-                return Err(SlaveError::Order { name: name(), order });
+                return Err(SlaveError::Order { name: self.name(reference), order });
             }
             if !value.is_finite() {
-                let name = format!("the derivative of {}", variable.name);
+                let name = format!("the derivative of {}", self.name(reference));
                 return Err(SlaveError::Value { name, value: format!("{value:?}"), must: "finite" });
             }
         }
         for (&reference, &value) in references.iter().zip(values) {
-            self.model.set_rate(self.table[reference as usize].quantity, value);
+            self.model.set_rate(self.rows[reference as usize].quantity, value);
         }
         Ok(())
     }
