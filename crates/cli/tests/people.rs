@@ -211,11 +211,20 @@ fn mixed_crowds_go_into_the_light_file_only() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     let mixed = ["crowd", "-n", "9", "--pedestrians", "0.5", "--box", "6x6", "--direction", "90"];
-    let made = lemons(at, &[&mixed[..], &["--light-xml", "light.xml", "--sections", "1.3"]].concat());
+    let made = lemons(at, &[&mixed[..], &["--light-xml", "light.xml", "--sections", "1.3,torso"]].concat());
     assert_code(&made, 0);
     narrow(&out(&made));
     assert!(out(&made).contains("bicycle: ") && out(&made).contains("handlebar"), "{}", out(&made));
     assert!(!out(&made).contains("mechanical step"), "{}", out(&made));
+    let table = out(&made);
+    let (_, table) = table.split_once("of the ground\n").unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().take(4).map(|row| row.split_whitespace().collect()).collect();
+    let altitudes: Vec<f64> = rows.iter().map(|row| row[0].parse().unwrap()).collect();
+    assert!(
+        altitudes[0] == 1.3 && altitudes[1] < altitudes[2] && altitudes[2] < altitudes[3],
+        "{altitudes:?}"
+    );
+    assert!(table.contains("bicycles have no three-dimensional bodies"), "{table}");
     let agents = read_light_xml(&fs::read_to_string(at.join("light.xml")).unwrap()).unwrap();
     assert_eq!(agents.len(), 9);
     // Each within the box; rectangles of two bicycles do not overlap.

@@ -14,8 +14,8 @@ use crowd_mechanics::engine::{Rotation, Vec2, vec2};
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::trial::Trial;
 use lemons_crowd::{
-    Agent, CrowdStatistics, Overwrite, Person, Shape, TrialSettings, crowd_csv, crowd_trial, light_xml,
-    may_write, write_geojson, write_trial, write_trial_zip,
+    Agent, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TrialSettings, crowd_csv, crowd_trial,
+    light_xml, may_write, write_geojson, write_trial, write_trial_zip,
 };
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::io::{self, Write};
@@ -92,9 +92,16 @@ struct OtherArguments {
     /// The paper's light format for mixed crowds, in absolute coordinates
     #[arg(long, value_name = "FILE.xml")]
     light_xml: Option<PathBuf>,
-    /// Cut everybody's three-dimensional body at these altitudes, in m: 1.2,0.9,0.5
-    #[arg(long, value_name = "ALTITUDES", value_delimiter = ',', value_parser = altitude, allow_negative_numbers = true)]
-    sections: Vec<f64>,
+    /// Cut everybody's three-dimensional body at these altitudes, in m: 1.2,0.9,0.5; or torso: where
+    /// the shapes are those of the shortest, the mean and the tallest (the paper's comparison)
+    #[arg(
+        long,
+        value_name = "ALTITUDES",
+        value_delimiter = ',',
+        value_parser = altitude,
+        allow_negative_numbers = true
+    )]
+    sections: Vec<Altitude>,
     /// These sections as GeoJSON; coordinates in m
     #[arg(long, value_name = "FILE.geojson", requires = "sections")]
     sections_geojson: Option<PathBuf>,
@@ -121,8 +128,37 @@ fn time_step(text: &str) -> Result<f64, String> {
     within(text, 1e-6, 1.0, " (s)")
 }
 
-fn altitude(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 3.0, " (m)")
+/// Of `--sections`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Altitude {
+    /// \[m\]
+    At(f64),
+    /// Of the torsos: the lowest, the mean, the highest.
+    Torsos,
+}
+
+fn altitude(text: &str) -> Result<Altitude, String> {
+    match text {
+        "torso" => Ok(Altitude::Torsos),
+        _ => within(text, 0.0, 3.0, " (m), or torso").map(Altitude::At),
+    }
+}
+
+/// \[m\]
+fn altitudes(wanted: &[Altitude], agents: &[Agent]) -> Vec<f64> {
+    let statures: Vec<f64> = agents.iter().filter_map(pedestrian).map(|person| person.stature).collect();
+    let mean = statures.iter().sum::<f64>() / statures.len() as f64;
+    let (low, high) = statures.iter().fold((mean, mean), |(low, high), &s| (low.min(s), high.max(s)));
+    let mut all = Vec::new();
+    for altitude in wanted {
+        match altitude {
+            Altitude::At(altitude) => all.push(*altitude),
+            // Nobody has a torso.
+            Altitude::Torsos if statures.is_empty() => {}
+            Altitude::Torsos => all.extend([low, mean, high].map(|stature| TORSO_ALTITUDE * stature)),
+        }
+    }
+    all
 }
 
 pub fn crowd(mut arguments: Arguments) -> Result<()> {
@@ -181,7 +217,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     }
     let bodies = Bodies { agents: &agents, poses: &packing.poses, interrupt: &interrupt };
     if !others.sections.is_empty() {
-        let sections = bodies.sections(&others.sections)?;
+        let sections = bodies.sections(&altitudes(&others.sections, &agents))?;
         bodies.table(&mut out, &sections, covered, ground)?;
         if let Some(output) = &mut outputs.sections {
             output.fill(|file| write_geojson(&sections, file))?;
