@@ -24,7 +24,7 @@ fn committed_model_description_is_the_generated_one() {
 /// for what lib.rs itself defines.
 type Rooms = [(&'static str, &'static [&'static str])];
 
-const CRATES: [(&str, &Rooms); 5] = [
+const CRATES: [(&str, &Rooms); 6] = [
     (
         "src",
         &[
@@ -61,6 +61,31 @@ const CRATES: [(&str, &Rooms); 5] = [
             ("plan", &["rule"]),
             ("decision", &["rule", "plan"]),
             ("pack", &["plan", "decision"]),
+        ],
+    ),
+    (
+        "crates/crowd/src",
+        &[
+            ("person", &[]),
+            ("disk", &[]),
+            ("normal", &[]),
+            ("random", &["normal"]),
+            ("union", &["disk", "random"]),
+            ("shape", &["person", "disk", "union"]),
+            ("body3d", &["person"]),
+            ("copula", &["normal", "random"]),
+            ("anthropometry", &["person", "copula"]),
+            ("survey", &["person"]),
+            ("bicycle", &["disk", "normal", "random"]),
+            (
+                "population",
+                &["person", "normal", "random", "shape", "copula", "anthropometry", "survey", "bicycle"],
+            ),
+            ("custom", &["normal", "copula", "bicycle", "population"]),
+            ("placing", &["disk", "shape"]),
+            ("table", &["person", "bicycle", "population"]),
+            ("light_xml", &["disk", "random", "shape", "bicycle", "population"]),
+            ("trial", &["person", "shape"]),
         ],
     ),
     (

@@ -1,7 +1,7 @@
 //! What may be a mistake in a Trial that is otherwise in order.
 
 use super::problem::{Problem, Severity, quoted};
-use super::{Trial, stiffness};
+use super::{Contact, Material, Trial, stiffness};
 use crate::engine::{ContactReport, DiskId, Pair, Scene};
 use std::collections::HashSet;
 use std::f64::consts::TAU;
@@ -13,6 +13,10 @@ const LONGEST_SHARE: f64 = 1.0 / 20.0;
 
 /// The share of the shortest contact period that is proposed instead.
 const PROPOSED_SHARE: f64 = 1.0 / 50.0;
+
+/// The share of the shortest time in which a contact's damping stops a motion that is proposed at most: twice that
+/// time would be unstable.
+const PROPOSED_DAMPING_SHARE: f64 = 1.0 / 10.0;
 
 impl Trial {
     /// Warnings: overlaps at the start that no spring of an earlier step explains, and a mechanical step
@@ -62,7 +66,7 @@ impl Trial {
 
     fn coarse_step(&self, scene: &Scene, file: &Path) -> Option<Problem> {
         let step = self.parameters.time_step_mechanical;
-        let (period, pair) = self.shortest_period(scene)?;
+        let Fastest { period, pair, .. } = self.fastest_contacts(scene)?;
         if step <= LONGEST_SHARE * period {
             return None;
         }
@@ -73,8 +77,20 @@ impl Trial {
         Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message))
     }
 
-    /// \[s\] the shortest period of a contact's springs, and whose it is; `None` if nothing can touch.
-    fn shortest_period(&self, scene: &Scene) -> Option<(f64, String)> {
+    /// \[s\] A mechanical step that resolves every contact that these agents and walls can have; `None` if nothing can
+    /// touch.
+    ///
+    /// A contact moves the points that touch as a spring moves an effective mass m\\*, 1/m\\* = Σ (1/m + R²/I) over the
+    /// bodies in contact (walls do not move), R from the centre of mass to the rim. The step is a fiftieth of the
+    /// shortest period 2π √(m\\*/k), k the stiffer of the two springs, or a tenth of the shortest damping time m\\*/γ
+    /// where that is less, rounded down to 1, 2 or 5 times a power of ten.
+    pub fn proposed_step(&self) -> Option<f64> {
+        let Fastest { period, damping, .. } = self.fastest_contacts(&self.scene().ok()?)?;
+        Some(rounded_down((PROPOSED_SHARE * period).min(PROPOSED_DAMPING_SHARE * damping)))
+    }
+
+    /// `None` if nothing can touch.
+    fn fastest_contacts(&self, scene: &Scene) -> Option<Fastest> {
         let placed = self.materials_placed(&self.material_places());
         let materials = placed.len();
         // The two lightest agents that carry each material: a contact may be between two of a kind.
@@ -95,12 +111,19 @@ impl Trial {
             }
         }
         let id = |b: usize| quoted(&self.agents[b].id);
-        let mut shortest: Option<(f64, String)> = None;
+        let mut fastest: Option<Fastest> = None;
         let mut consider = |first: usize, second: usize, lightness: f64, whose: &dyn Fn() -> String| {
             let (normal, tangential) = stiffness(placed[first], placed[second]);
             let period = TAU / (normal.max(tangential) * lightness).sqrt();
-            if shortest.as_ref().is_none_or(|(other, _)| period < *other) {
-                shortest = Some((period, whose()));
+            let damping = 1.0 / (self.strongest_damping(placed[first], placed[second]) * lightness);
+            match &mut fastest {
+                None => fastest = Some(Fastest { period, pair: whose(), damping }),
+                Some(fastest) => {
+                    if period < fastest.period {
+                        (fastest.period, fastest.pair) = (period, whose());
+                    }
+                    fastest.damping = fastest.damping.min(damping);
+                }
             }
         };
         for first in 0..materials {
@@ -118,8 +141,28 @@ impl Trial {
                 });
             }
         }
-        shortest
+        fastest
     }
+
+    /// \[kg/s\] between two materials, along the normal or the tangent.
+    fn strongest_damping(&self, first: &Material, second: &Material) -> f64 {
+        let of_pair = |contact: &&Contact| {
+            (contact.id1 == first.id && contact.id2 == second.id)
+                || (contact.id1 == second.id && contact.id2 == first.id)
+        };
+        let contact = self.materials.binary.iter().find(of_pair);
+        contact.map_or(0.0, |contact| contact.gamma_normal.max(contact.gamma_tangential))
+    }
+}
+
+/// What a mechanical step must resolve.
+struct Fastest {
+    /// \[s\] the shortest period of a contact's springs.
+    period: f64,
+    /// Whose it is.
+    pair: String,
+    /// \[s\] the shortest time in which a contact's damping slows a motion to 1/e; infinite without damping.
+    damping: f64,
 }
 
 /// How many overlaps there are, and the deepest.
@@ -211,6 +254,19 @@ mod tests {
         assert!(said[0].contains("at most 2e-4 s"), "{said:?}");
         trial.parameters.time_step_mechanical = 2e-4;
         assert_eq!(super::tests::said(&trial), [""; 0]);
+    }
+
+    #[test]
+    fn the_proposed_step_resolves_springs_and_dampers() {
+        let mut trial = push();
+        // As warned of above.
+        assert_eq!(trial.proposed_step(), Some(2e-4));
+        // 1/m* of agent 1 and a wall is 0.0644/kg: with 1e6 kg/s a time of 15.5 µs, a tenth of it 1.55 µs.
+        trial.materials.binary[2].gamma_tangential = 1e6;
+        assert_eq!(trial.proposed_step(), Some(1e-6));
+        trial.geometry.walls.clear();
+        trial.agents.truncate(1);
+        assert_eq!(trial.proposed_step(), None);
     }
 
     #[test]

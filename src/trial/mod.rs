@@ -115,6 +115,24 @@ pub struct Geometry {
     pub walls: Vec<Wall>,
 }
 
+impl Geometry {
+    /// Reads and checks a file of its own, whose materials nobody knows: its walls with the warnings, or all that is
+    /// wrong with it.
+    ///
+    /// # Errors
+    /// Errors in the file.
+    pub fn read(path: &Path) -> Result<(Geometry, Problems), Problems> {
+        let mut problems = Problems::default();
+        let read = xml::read_file(path, "Geometry", &mut problems, |root, problems| {
+            geometry::read(root, None, problems).0
+        });
+        match read {
+            Some(geometry) if !problems.has_errors() => Ok((geometry, problems)),
+            _ => Err(problems),
+        }
+    }
+}
+
 /// `<Wall>`: a polyline without thickness, solid from both sides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wall {

@@ -1,6 +1,7 @@
 //! The `lemons` command: checks, packs and runs Trials.
 //!
-//! Exit codes: 0 done; 1 something failed (a file, a run); 2 the command line is wrong; 3 a Trial has errors.
+//! Exit codes: 0 done; 1 something failed (a file, a run); 2 the command line is wrong; 3 a Trial has errors;
+//! 130 interrupted.
 
 mod bench;
 mod binary;
@@ -13,12 +14,14 @@ mod drive;
 mod info;
 mod outputs;
 mod pack;
+mod people;
 mod results;
 mod run;
 mod verify;
 mod watch;
 
 use clap::{Parser, Subcommand};
+use people::interrupt::{EXIT_CODE, Interrupted};
 use std::process::ExitCode;
 
 /// Contact mechanics of dense crowds: Trials, FMUs, runs, coupling.
@@ -33,6 +36,10 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Make a crowd from anthropometric data: a Trial, an FMU, tables, bodies
+    Crowd(Box<people::crowd::Arguments>),
+    /// Say what the shape of one person is, and write the body
+    Person(people::person::Arguments),
     /// Make an FMU of one or more Trial directories
     Pack(pack::Arguments),
     /// Make an FMU that decides where people want to go: way-points and speeds
@@ -65,8 +72,22 @@ impl std::fmt::Display for TrialHasErrors {
 
 impl std::error::Error for TrialHasErrors {}
 
+/// The options make no sense together; what clap cannot see.
+#[derive(Debug)]
+pub struct Misused(pub String);
+
+impl std::fmt::Display for Misused {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Misused {}
+
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
+        Command::Crowd(arguments) => people::crowd::crowd(*arguments),
+        Command::Person(arguments) => people::person::person(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
         Command::Decide(arguments) => decide::decide(&arguments),
         Command::Connect(arguments) => connect::connect(&arguments),
@@ -84,6 +105,12 @@ fn main() -> ExitCode {
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("lemons: {error:#}");
+            if error.is::<Misused>() {
+                return ExitCode::from(2);
+            }
+            if error.is::<Interrupted>() {
+                return ExitCode::from(EXIT_CODE);
+            }
             ExitCode::FAILURE
         }
     }

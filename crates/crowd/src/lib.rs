@@ -1,20 +1,24 @@
 //! People and crowds from anthropometric data: the other half of the paper (sections 2.1, 3.3, 4.4, 4.5; App. A.2, D).
 //!
-//! A [`Person`] is drawn from statistics; five disks are fitted to it, its [`Shape`]; crowds of shapes are placed
+//! A [`Person`] is drawn from statistics; five disks are fitted to it, its [`Shape`]; crowds of shapes are [placed](placing)
 //! without overlap and written as a Trial. SI units; angles in radians, counter-clockwise positive.
 
 mod anthropometry;
 mod bicycle;
 mod body3d;
 mod copula;
+mod custom;
+mod disk;
 mod light_xml;
 mod normal;
 mod person;
+pub mod placing;
 mod population;
 mod random;
 mod shape;
 mod survey;
 mod table;
+mod trial;
 mod union;
 
 pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
@@ -24,6 +28,8 @@ pub use body3d::{
     TORSO_ALTITUDE, crowd_parts, section, torso_altitudes, write_geojson, write_obj, write_stl, write_wkt,
 };
 pub use copula::{Correlations, CorrelationsError};
+pub use custom::{Custom, CustomError};
+pub use disk::Disk;
 pub use light_xml::{
     Along, LightAgent, LightDisk, LightError, LightRectangle, LightSettings, LightShapes, light_xml,
     read_light_xml,
@@ -34,7 +40,11 @@ pub use population::{
     Agent, CustomMeasures, CustomStatistics, Population, PopulationError, Proportions, Source,
 };
 pub use random::{Generator, generator};
-pub use shape::{Disk, Shape, ShapeError};
+pub use shape::{Shape, ShapeError};
 pub use survey::{BadCell, BadCells, Survey, SurveyError};
 pub use table::{CrowdStatistics, Kind, KindStatistics, Summary, crowd_csv};
+pub use trial::{
+    Overwrite, TrialError, TrialSettings, crowd_trial, may_write, paper_materials, walls, write_trial,
+    write_trial_zip,
+};
 pub use union::{Moments, union};

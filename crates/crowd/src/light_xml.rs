@@ -27,7 +27,8 @@
 //! the case and the underscores of its name.
 
 use crate::bicycle::Bicycle;
-use crate::shape::{Disk, Shape};
+use crate::disk::Disk;
+use crate::shape::Shape;
 use crowd_mechanics::engine::{Vec2, vec2};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, BytesText, Event};

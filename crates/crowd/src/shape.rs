@@ -1,18 +1,10 @@
 //! Shapes built of disks.
 
+use crate::disk::Disk;
 use crate::person::Person;
 use crate::union::{Moments, union};
 use crowd_mechanics::engine::{Rotation, Vec2, vec2};
 use thiserror::Error;
-
-/// A disk of a [`Shape`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Disk {
-    /// \[m\] positive.
-    pub radius: f64,
-    /// \[m\] of its centre, in the frame of its shape.
-    pub centre: Vec2,
-}
 
 /// The union of some disks: a pedestrian from above, in its own frame: the origin at the centroid of the area, the
 /// gaze along +x, so left is +y.

@@ -4,7 +4,7 @@
 //! and in closed form over each. The paper (App. A.2) takes a polygon instead, and its formula is what the tests
 //! compare with.
 
-use crate::shape::Disk;
+use crate::disk::Disk;
 use crowd_mechanics::engine::Vec2;
 use std::f64::consts::TAU;
 

@@ -1,0 +1,108 @@
+//! `lemons person`, `lemons crowd`: people from anthropometric data, and what both commands share.
+
+pub mod crowd;
+mod crowd_files;
+pub mod interrupt;
+pub mod person;
+mod placing;
+mod source;
+
+use crate::Misused;
+use anyhow::{Context, Result};
+use clap::ValueEnum;
+use crowd_mechanics::files::Staged;
+use lemons_crowd::{Person, Sex};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SexArgument {
+    Male,
+    Female,
+}
+
+impl From<SexArgument> for Sex {
+    fn from(sex: SexArgument) -> Sex {
+        match sex {
+            SexArgument::Male => Sex::Male,
+            SexArgument::Female => Sex::Female,
+        }
+    }
+}
+
+/// A number within bounds, both allowed.
+fn within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if (low..=high).contains(&value) => Ok(value),
+        _ => Err(format!("must be a number from {low} to {high}{unit}")),
+    }
+}
+
+// Wider than anybody, children included, and narrow enough to tell metres from centimetres.
+
+fn breadth(text: &str) -> Result<f64, String> {
+    within(text, 10.0, 200.0, " (cm)")
+}
+
+fn depth(text: &str) -> Result<f64, String> {
+    within(text, 5.0, 200.0, " (cm)")
+}
+
+fn stature(text: &str) -> Result<f64, String> {
+    within(text, 0.3, 3.0, " (m)")
+}
+
+fn mass(text: &str) -> Result<f64, String> {
+    within(text, 1.0, 500.0, " (kg)")
+}
+
+/// From cm, cm, m, kg.
+fn person(sex: Sex, [breadth, depth, stature, mass]: [f64; 4]) -> Result<Person, String> {
+    if depth > breadth {
+        return Err(format!("depth = {depth} cm must not exceed breadth = {breadth} cm"));
+    }
+    let person = Person::from_measures(sex, [breadth / 100.0, depth / 100.0, stature, mass]);
+    person.check().map_err(|error| error.to_string()).map(|()| person)
+}
+
+/// A file that appears under its name only when it is complete; it is opened before any long work, so that a place
+/// that cannot be written is found at once.
+struct Output {
+    path: PathBuf,
+    file: BufWriter<Staged>,
+}
+
+impl Output {
+    fn open(path: &Path) -> Result<Output> {
+        let file = Staged::beside(path).with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(Output { path: path.to_owned(), file: BufWriter::new(file) })
+    }
+
+    /// Writes the content; the file does not appear yet.
+    fn fill(&mut self, write: impl FnOnce(&mut BufWriter<Staged>) -> std::io::Result<()>) -> Result<()> {
+        let filled = write(&mut self.file).and_then(|()| self.file.flush());
+        filled.with_context(|| format!("cannot write {}", self.path.display()))
+    }
+
+    fn persist(self) -> Result<()> {
+        let cannot = || format!("cannot write {}", self.path.display());
+        let file = self.file.into_inner().map_err(|error| error.into_error()).with_context(cannot)?;
+        file.persist().with_context(cannot)
+    }
+}
+
+/// No two options may write one file.
+fn refuse_same(paths: &[(&'static str, Option<&PathBuf>)]) -> Result<()> {
+    let given: Vec<_> = paths.iter().filter_map(|(option, path)| Some((*option, (*path)?))).collect();
+    for (place, (option, path)) in given.iter().enumerate() {
+        if let Some((other, _)) = given[..place].iter().find(|(_, other)| other == path) {
+            return Err(Misused(format!("{other} and {option} both name {}", path.display())).into());
+        }
+    }
+    Ok(())
+}
+
+/// A line of a summary: what, a number with three digits after the point, and its unit.
+fn line(what: &str, value: f64, unit: &str) -> String {
+    format!("{what:<18} {value:>10.3} {unit}")
+}

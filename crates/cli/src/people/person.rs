@@ -1,0 +1,130 @@
+//! `lemons person`: one person's shape, and the files of the body.
+
+use super::{Output, SexArgument, breadth, depth, line, mass, refuse_same, stature};
+use crate::Misused;
+use anyhow::Result;
+use crowd_mechanics::engine::{Pose, vec2};
+use crowd_mechanics::trial::Geometry;
+use lemons_crowd::{
+    Body3d, Placed, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj, write_stl,
+    write_wkt,
+};
+use lemons_picture::{Scene, Style, svg};
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+#[derive(clap::Args)]
+#[command(override_usage = "lemons person --breadth CM --depth CM --stature M --mass KG [OPTIONS]")]
+pub struct Arguments {
+    /// Bideltoid breadth, across the shoulders, in cm
+    #[arg(long, value_name = "CM", value_parser = breadth, allow_negative_numbers = true)]
+    breadth: f64,
+    /// Depth of the chest, in cm
+    #[arg(long, value_name = "CM", value_parser = depth, allow_negative_numbers = true)]
+    depth: f64,
+    /// Height without shoes, in m
+    #[arg(long, value_name = "M", value_parser = stature, allow_negative_numbers = true)]
+    stature: f64,
+    /// In kg
+    #[arg(long, value_name = "KG", value_parser = mass, allow_negative_numbers = true)]
+    mass: f64,
+    /// Whose build the three-dimensional body has
+    #[arg(long, value_enum, default_value_t = SexArgument::Male)]
+    sex: SexArgument,
+    /// The body's surface as Wavefront OBJ
+    #[arg(long, value_name = "FILE.obj")]
+    obj: Option<PathBuf>,
+    /// The body's surface as binary STL
+    #[arg(long, value_name = "FILE.stl")]
+    stl: Option<PathBuf>,
+    /// The body's slices as GeoJSON; coordinates in m
+    #[arg(long, value_name = "FILE.geojson")]
+    geojson: Option<PathBuf>,
+    /// The body's slices as well-known text, a MULTIPOLYGON Z each
+    #[arg(long, value_name = "FILE.wkt")]
+    wkt: Option<PathBuf>,
+    /// Height of a slice, in cm
+    #[arg(long, value_name = "CM", default_value = "2", value_parser = slice_height, allow_negative_numbers = true)]
+    slice_height: f64,
+    /// The shape from above as a picture
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+}
+
+fn slice_height(text: &str) -> Result<f64, String> {
+    super::within(text, 0.1, 100.0, " (cm)")
+}
+
+pub fn person(arguments: &Arguments) -> Result<()> {
+    let Arguments { breadth, depth, stature, mass, .. } = *arguments;
+    let person = super::person(arguments.sex.into(), [breadth, depth, stature, mass])
+        .map_err(|fault| Misused(format!("--depth {depth} --breadth {breadth}: {fault}")))?;
+    let Arguments { obj, stl, geojson, wkt, svg: picture, .. } = arguments;
+    let paths = [
+        ("--obj", obj.as_ref()),
+        ("--stl", stl.as_ref()),
+        ("--geojson", geojson.as_ref()),
+        ("--wkt", wkt.as_ref()),
+        ("--svg", picture.as_ref()),
+    ];
+    refuse_same(&paths)?;
+
+    let shape = Shape::of(&person)?;
+    let moments = shape.moments();
+    // Printed when all is written: who closes the pipe early has the files nevertheless.
+    let mut out = Vec::new();
+    writeln!(out, "disk    radius      ahead       left   (cm, about the centre of mass)")?;
+    for (place, disk) in shape.disks.iter().enumerate() {
+        let [radius, ahead, left] = [disk.radius, disk.centre.x, disk.centre.y].map(|length| 100.0 * length);
+        writeln!(out, "{place:>4} {radius:>9.4} {ahead:>10.4} {left:>10.4}")?;
+    }
+    writeln!(out, "{}", line("breadth", 100.0 * shape.breadth(), "cm"))?;
+    writeln!(out, "{}", line("depth", 100.0 * shape.depth(), "cm"))?;
+    writeln!(out, "{}", line("area", 1e4 * moments.area, "cm²   (union of the disks)"))?;
+    // Rounding may leave it on either side of the origin.
+    let [ahead, left] =
+        [moments.centroid.x, moments.centroid.y].map(|length| (1e5 * length).round().abs() / 1e3);
+    writeln!(out, "centroid           {ahead:>10.3} cm ahead, {left:.3} cm left")?;
+    writeln!(
+        out,
+        "{}",
+        line("moment of inertia", shape.inertia(person.mass), "kg m²   (about the centroid)")
+    )?;
+
+    let mut outputs = Vec::new();
+    if [obj, stl, geojson, wkt].into_iter().any(Option::is_some) {
+        let body = Body3d::of(&person)?;
+        writeln!(out, "{}", line("volume of the body", 1e3 * body.volume(), "l"))?;
+        let mut add = |path: &Option<PathBuf>, fill: &dyn Fn(&mut Output) -> Result<()>| -> Result<()> {
+            let Some(path) = path else { return Ok(()) };
+            let mut output = Output::open(path)?;
+            fill(&mut output)?;
+            outputs.push(output);
+            Ok(())
+        };
+        let mesh = body.mesh();
+        add(obj, &|output| output.fill(|file| write_obj(&mesh.parts, file)))?;
+        add(stl, &|output| output.fill(|file| write_stl(&mesh.parts, file)))?;
+        let placed = [Placed { body: &body, pose: ORIGIN }];
+        let stack = body.stack(arguments.slice_height / 100.0);
+        let sections: Vec<_> = stack.iter().map(|(altitude, _)| section(&placed, *altitude)).collect();
+        add(geojson, &|output| output.fill(|file| write_geojson(&sections, file)))?;
+        add(wkt, &|output| output.fill(|file| write_wkt(&sections, file)))?;
+    }
+    if let Some(path) = picture {
+        let open = Geometry { dimensions: None, walls: Vec::new() };
+        let settings = TrialSettings::default();
+        let trial = crowd_trial("person", &[person], &[shape], &[ORIGIN], open, &settings)?;
+        let mut output = Output::open(path)?;
+        let text = svg(&Scene::at_start(&trial), &Style::default());
+        output.fill(|file| file.write_all(text.as_bytes()))?;
+        outputs.push(output);
+    }
+    for output in outputs {
+        writeln!(out, "{}", output.path.display())?;
+        output.persist()?;
+    }
+    Ok(io::stdout().write_all(&out)?)
+}
+
+const ORIGIN: Pose = Pose { position: vec2(0.0, 0.0), orientation: 0.0 };

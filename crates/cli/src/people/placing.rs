@@ -1,0 +1,303 @@
+//! Where a crowd stands: the region, the placer, its progress.
+
+use super::interrupt::{Interrupt, Interrupted};
+use crate::{Misused, TrialHasErrors};
+use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
+use crowd_mechanics::engine::{Vec2, vec2};
+use crowd_mechanics::trial::Geometry;
+use indicatif::{ProgressBar, ProgressStyle};
+use lemons_crowd::placing::{
+    Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, Stage, TOLERANCE, dense,
+    grid, measure, paper,
+};
+use lemons_crowd::{Disk, Shape, walls};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::time::Duration;
+
+#[derive(clap::Args)]
+#[command(next_help_heading = "Where")]
+pub struct PlacingArguments {
+    /// A box with walls, its lower left corner at the origin, in m: 4.56x4.56
+    #[arg(long = "box", value_name = "LXxLY", value_parser = sides, allow_hyphen_values = true, group = "region")]
+    sides: Option<Vec2>,
+    /// Inside the closed walls of this Geometry.xml: the largest is the outline, the others are
+    /// holes
+    #[arg(long, value_name = "FILE.xml", group = "region")]
+    geometry: Option<PathBuf>,
+    /// In the open, without walls (default)
+    #[arg(long, group = "region")]
+    open: bool,
+    /// Our own packer without overlap, the paper's (appendix D), or rows
+    #[arg(long, value_enum, default_value_t = PackingArgument::Dense)]
+    packing: PackingArgument,
+    /// Any way; exactly along --direction; or that way first and turned by others. Default: any
+    /// way, or towards --direction if that is given
+    #[arg(long, value_enum)]
+    orientation: Option<OrientationArgument>,
+    /// Counter-clockwise from the x axis, in degrees; default: 0
+    #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_negative_numbers = true)]
+    direction: Option<f64>,
+    /// Write a crowd although some overlap
+    #[arg(long)]
+    allow_overlap: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum PackingArgument {
+    Dense,
+    Paper,
+    Grid,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum OrientationArgument {
+    Free,
+    Fixed,
+    Towards,
+}
+
+fn sides(text: &str) -> Result<Vec2, String> {
+    let wanted = || "must be two lengths in m with an x between them, as in 4.56x4.56".to_owned();
+    let (along, across) = text.split_once(['x', 'X', '×']).ok_or_else(wanted)?;
+    let side = |text: &str| text.trim().parse::<f64>().ok().filter(|side| (0.1..=1e4).contains(side));
+    match (side(along), side(across)) {
+        (Some(along), Some(across)) => Ok(vec2(along, across)),
+        _ => Err(format!("{}, each from 0.1 to 10000", wanted())),
+    }
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    super::within(text, -360.0, 360.0, " (degrees)")
+}
+
+/// Where people may stand, and its walls.
+pub struct Place {
+    pub region: Region,
+    pub geometry: Geometry,
+    /// As the user named it.
+    pub name: String,
+}
+
+/// How many there are, and how dense they are in the open.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted {
+    pub number: usize,
+    /// \[1/m²\] in the open.
+    pub density: Option<f64>,
+}
+
+/// More are a mistake.
+const MOST: f64 = 1e6;
+
+impl PlacingArguments {
+    pub fn place(&self) -> Result<Place> {
+        if let Some(sides) = self.sides {
+            let region = Region::rectangle(Vec2::ZERO, sides).context("--box")?;
+            let geometry = walls(region.rings(), "concrete");
+            return Ok(Place { region, geometry, name: format!("a box of {} m x {} m", sides.x, sides.y) });
+        }
+        if let Some(path) = &self.geometry {
+            let (geometry, warnings) = match Geometry::read(path) {
+                Ok(read) => read,
+                Err(problems) => {
+                    eprintln!("{problems}");
+                    return Err(TrialHasErrors.into());
+                }
+            };
+            for warning in warnings.iter() {
+                eprintln!("{warning}");
+            }
+            let name = path.display().to_string();
+            let region = Region::from_walls(&geometry).with_context(|| format!("--geometry {name}"))?;
+            return Ok(Place { region, geometry, name });
+        }
+        Ok(Place { region: Region::plane(), geometry: walls(&[], ""), name: "the open".into() })
+    }
+
+    /// From --number and --density.
+    pub fn wanted(&self, place: &Place, number: Option<u32>, density: Option<f64>) -> Result<Wanted> {
+        match (number, density) {
+            (Some(number), density) if place.region.is_plane() => {
+                if let Some(density) = density
+                    && self.packing != PackingArgument::Dense
+                {
+                    let option = self.option();
+                    let message =
+                        format!("--density {density} in the open is for --packing dense, not {option}");
+                    return Err(Misused(message).into());
+                }
+                Ok(Wanted { number: number as usize, density })
+            }
+            (Some(number), None) => Ok(Wanted { number: number as usize, density: None }),
+            (Some(_), Some(_)) => Err(Misused(format!(
+                "--number and --density: one of them follows from the other in {}",
+                place.name
+            ))
+            .into()),
+            (None, None) => {
+                Err(Misused("how many? --number N, or --density D with --box or --geometry".into()).into())
+            }
+            (None, Some(density)) if place.region.is_plane() => Err(Misused(format!(
+                "--density {density} in the open needs --number, or --box or --geometry"
+            ))
+            .into()),
+            (None, Some(density)) => {
+                let area = place.region.area();
+                let number = (density * area).round();
+                if number < 1.0 {
+                    bail!("--density {density}: nobody on the {area:.3} m² of {}", place.name);
+                }
+                if number > MOST {
+                    bail!(
+                        "--density {density}: {number} people on the {area:.3} m² of {}, at most {MOST} are placed",
+                        place.name
+                    );
+                }
+                Ok(Wanted { number: number as usize, density: None })
+            }
+        }
+    }
+
+    pub fn direction(&self) -> f64 {
+        self.direction.unwrap_or(0.0)
+    }
+
+    /// In a mixed crowd all face one way unless it is said otherwise.
+    pub fn default_to_fixed(&mut self) {
+        self.orientation.get_or_insert(OrientationArgument::Fixed);
+    }
+
+    /// Whether all face one way of the axes.
+    pub fn along_an_axis(&self) -> bool {
+        self.orientation == Some(OrientationArgument::Fixed) && self.direction() % 90.0 == 0.0
+    }
+
+    fn orientation(&self) -> Orientation {
+        let angle = self.direction().to_radians();
+        match self.orientation {
+            Some(OrientationArgument::Free) => Orientation::Free,
+            Some(OrientationArgument::Fixed) => Orientation::Fixed(angle),
+            Some(OrientationArgument::Towards) => Orientation::Towards(angle),
+            None if self.direction.is_some() => Orientation::Towards(angle),
+            None => Orientation::Free,
+        }
+    }
+
+    /// Places the shapes; a placing with overlaps is an error unless it was allowed.
+    pub fn run(
+        &self,
+        shapes: &[Shape],
+        place: &Place,
+        wanted: Wanted,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Packing> {
+        let bar = Bar::new()?;
+        let mut watch = |progress: &Progress| {
+            bar.show(progress);
+            if interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        // Another stream of random numbers than that which people are drawn from.
+        let seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let orientation = self.orientation();
+        let region = &place.region;
+        let packing = match self.packing {
+            PackingArgument::Dense => {
+                let settings = Dense { density: wanted.density, orientation, seed, ..Dense::default() };
+                dense(&wider(shapes), region, &settings, &mut watch)
+            }
+            PackingArgument::Paper => {
+                let settings = Paper { orientation, seed, ..Paper::default() };
+                paper(&wider(shapes), region, &settings, &mut watch)
+            }
+            PackingArgument::Grid => grid(shapes, region, &Grid { orientation, seed, ..Grid::default() }),
+        };
+        bar.0.finish_and_clear();
+        let count = shapes.len();
+        let option = self.option();
+        let packing = packing.with_context(|| format!("{count} in {}, {option}", place.name))?;
+        if packing.ended == Ended::Cancelled {
+            return Err(Interrupted.into());
+        }
+        let Measure { density, clear_density, largest_overlap, .. } = measure(shapes, region, &packing.poses);
+        let clear_density = clear_density.max(packing.clear_density);
+        let packing = Packing { density, clear_density, largest_overlap, ..packing };
+        if packing.complete || self.allow_overlap {
+            return Ok(packing);
+        }
+        let clear = packing.clear_density;
+        let overlap = 1e3 * packing.largest_overlap;
+        let density = packing.density;
+        let other =
+            if self.packing == PackingArgument::Paper { "; --packing dense reaches more" } else { "" };
+        if region.is_plane() {
+            let wanted = wanted.density.map_or(String::new(), |density| format!(" at --density {density}"));
+            bail!(
+                "{count} in the open{wanted}, {option}: reached {density:.2} /m², largest overlap {overlap:.2} mm{other}"
+            );
+        }
+        bail!(
+            "{count} in {}, {option}: that is {density:.2} /m², of which {clear:.2} /m² ({:.0}) were placed without overlap, \
+             the others overlap by up to {overlap:.2} mm (--allow-overlap writes it so){other}",
+            place.name,
+            clear * region.area()
+        );
+    }
+
+    fn option(&self) -> String {
+        let name =
+            self.packing.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
+        format!("--packing {name}")
+    }
+
+    /// In words, for the summary.
+    pub fn manner(&self) -> String {
+        let packing = match self.packing {
+            PackingArgument::Dense => "dense",
+            PackingArgument::Paper => "the paper's",
+            PackingArgument::Grid => "rows",
+        };
+        let way = match self.orientation() {
+            Orientation::Free => "facing any way".to_owned(),
+            Orientation::Fixed(_) => format!("facing {}°", self.direction()),
+            Orientation::Towards(_) => format!("turned from {}°", self.direction()),
+        };
+        format!("{packing}, {way}")
+    }
+}
+
+/// Each disk larger by the overlap with which a placing passes for done: those of the true size are clear then, and a
+/// Trial of them begins without contacts.
+fn wider(shapes: &[Shape]) -> Vec<Shape> {
+    let wider = |disk: &Disk| Disk { radius: disk.radius + TOLERANCE, ..*disk };
+    shapes.iter().map(|shape| Shape { disks: shape.disks.iter().map(wider).collect() }).collect()
+}
+
+/// On a terminal, once a placing takes a moment.
+struct Bar(ProgressBar);
+
+impl Bar {
+    fn new() -> Result<Bar> {
+        let style = ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}")?;
+        let bar = ProgressBar::new_spinner().with_style(style);
+        bar.enable_steady_tick(Duration::from_millis(100));
+        Ok(Bar(bar))
+    }
+
+    fn show(&self, progress: &Progress) {
+        let stage = match progress.stage {
+            Stage::Growing => "growing",
+            Stage::Spreading => "spreading",
+            Stage::Shaking => "shaking",
+            Stage::Pressing => "pressing",
+            Stage::Thinning => "too many: thinning",
+        };
+        let (density, overlap) = (progress.density, 1e3 * progress.overlap);
+        let iteration = progress.iteration;
+        self.0.set_message(format!(
+            "{stage}: {density:.2} /m², overlap {overlap:.2} mm, iteration {iteration} (Ctrl-C gives up)"
+        ));
+    }
+}
