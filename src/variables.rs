@@ -164,7 +164,9 @@ pub fn table(trial: &Trial) -> Vec<Variable> {
             kind: Kind::Integer,
             role: Role::Parameter,
             domain: Domain::Positive,
-            description: "threads this instance may use; results do not depend on it".into(),
+            description:
+                "threads this instance may use, up to one for each 512 agents; results do not depend on it"
+                    .into(),
         },
         Variable {
             name: "Trial".into(),

@@ -216,7 +216,9 @@ impl Model for Crowd {
 impl Crowd {
     fn make_world(&mut self) -> Result<&mut World, CrowdError> {
         if self.world.is_none() {
-            self.world = Some(world(&self.trial, self.threads, None)?);
+            let mut world = self.trial.world()?;
+            give_threads(&mut world, self.threads, None)?;
+            self.world = Some(world);
         }
         Ok(self.world.as_mut().expect("made above"))
     }
@@ -362,14 +364,12 @@ fn count(world: &World, quantity: Quantity) -> Option<i32> {
     Some(i32::try_from(count).unwrap_or(i32::MAX))
 }
 
-/// A Trial's world on so many threads: those of the world so far, if it has as many.
-fn world(trial: &Trial, threads: i32, so_far: Option<&World>) -> Result<World, CrowdError> {
-    let mut world = trial.world()?;
+/// Gives a world so many threads: those of the world so far, if it has as many.
+fn give_threads(world: &mut World, threads: i32, so_far: Option<&World>) -> Result<(), ThreadsError> {
     if let Some(so_far) = so_far {
         world.share_threads(so_far);
     }
-    world.set_threads(usize::try_from(threads).unwrap_or(1))?;
-    Ok(world)
+    world.set_threads(usize::try_from(threads).unwrap_or(1))
 }
 
 /// Makes an OutputDirectory, if there is to be one.

@@ -1,6 +1,6 @@
 //! A crowd's part of FMI's "FMU state": saved and restored.
 
-use super::{Crowd, CrowdError, Settings, edited, make_directory, world};
+use super::{Crowd, CrowdError, Settings, edited, give_threads, make_directory};
 use crate::engine::{State, World, Wrench};
 use crate::variables::{Kind, guid, table};
 use serde::{Deserialize, Serialize};
@@ -71,8 +71,9 @@ impl Crowd {
         let world = match &saved.running {
             None => None,
             Some(running) => {
-                let mut world = world(&trial, saved.threads, self.world.as_ref())?;
+                let mut world = trial.world()?;
                 check_running(&world, running)?;
+                give_threads(&mut world, saved.threads, self.world.as_ref())?;
                 world.restore(running.state.clone());
                 world.drive.clone_from(&running.drive);
                 Some(world)

@@ -74,6 +74,9 @@ impl Blocks {
         self.evaluation = FIRST_EVALUATION;
         for block in &mut self.blocks {
             block.pairs.clear();
+            // Empty, unless somebody has caught a panic.
+            block.outgoing.clear();
+            block.incoming.clear();
         }
         for known in &state.disk_springs {
             self.blocks[scene.body_of(known.first).index() / BLOCK].pairs.load_disks(scene, known);

@@ -117,7 +117,8 @@ impl<D: Drive> CommunicationStep<'_, D> {
         if self.movers.iter().any(|movers| !movers.is_empty()) {
             for step in 1..=steps {
                 self.step(step);
-                if self.leeway <= 0.0 || self.leeway.is_nan() {
+                // A pose that is not a number does not count here: the communication step ends with an error.
+                if self.leeway <= 0.0 {
                     self.renew_lists(step);
                 }
             }
@@ -218,7 +219,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
             circles[b] = self.circle_now(b);
         }
         let mut grid = CellGrid::new(&circles, 0..circles.len(), SKIN);
-        while self.shortlist.activity.contains(&Activity::Free) {
+        if self.shortlist.activity.contains(&Activity::Free) {
             let mut promoted = Vec::new();
             for mover in self.movers.iter().flatten() {
                 grid.for_each_near(&circles[mover.body.index()], SKIN, |b| {
@@ -227,16 +228,16 @@ impl<D: Drive> CommunicationStep<'_, D> {
                     }
                 });
             }
-            if promoted.is_empty() {
-                break;
-            }
             promoted.sort_unstable();
             promoted.dedup();
-            for b in promoted {
+            // Once is enough: whoever is taken in stands within its swept circle, which is clear of the other free ones.
+            for &b in &promoted {
                 self.take_in(b, step);
                 circles[b] = self.circle_now(b);
             }
-            grid = CellGrid::new(&circles, 0..circles.len(), SKIN);
+            if !promoted.is_empty() {
+                grid = CellGrid::new(&circles, 0..circles.len(), SKIN);
+            }
         }
         let Scratch { blocks, listed_at, .. } = &mut *self.scratch;
         for mover in self.movers.iter().flatten() {
@@ -268,9 +269,6 @@ impl<D: Drive> CommunicationStep<'_, D> {
             (pose, twist) = self.drives[b].fly(&flight, pose, twist);
         }
         self.shortlist.activity[b] = Activity::Active;
-        if self.flights.is_empty() {
-            self.flights = D::flights(self.scene, self.dt);
-        }
         let movers = &mut self.movers[b / BLOCK];
         let at = movers.partition_point(|other| other.body.index() < b);
         movers.insert(at, Mover::new(self.scene, self.drives, b));

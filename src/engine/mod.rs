@@ -38,4 +38,4 @@ pub use state::{DiskSpring, FacePart, FaceSpring, Pose, State, Twist, Wrench};
 use threads::Threads;
 pub use threads::ThreadsError;
 pub use vec2::{Rotation, Vec2, vec2};
-pub use world::{AdvanceError, World, step_count};
+pub use world::{AdvanceError, MOST_THREADS, World, step_count};

@@ -6,11 +6,12 @@ use super::pairs::Candidates;
 use super::{DiskId, FaceId, Scene, Vec2};
 
 /// \[m\] Pairs nearer than this are candidates. Their list holds while no disk has moved further than half of
-/// what this is more than [`Near`]; a larger skin means longer lists and fewer of them. Results do not depend on it.
+/// what this is more than [`Near`]; a larger skin means longer lists and fewer of them. Who is free and when a free body is taken
+/// in depends on it, so last digits do.
 pub(super) const SKIN: f64 = 0.02;
 
 /// \[m\] Candidates nearer than this are looked at in every mechanical step. Their list holds while no disk has moved
-/// further than half of it. Results do not depend on it.
+/// further than half of this. Results do not depend on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Near(pub f64);
 

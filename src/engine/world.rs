@@ -11,9 +11,11 @@ use thiserror::Error;
 /// More mechanical steps than this in one communication step are refused: they would never end.
 const MOST_STEPS: f64 = 1e12;
 
-/// Bodies that move by mechanical steps, and twice the contacts: a crowd with less work is left to one thread,
-/// since a step of it takes some microseconds, as long as handing it over. Results do not depend on it.
-const SHARED_FROM: usize = 1800;
+/// See [`World::share_from`]. A step of so much work takes some 20 µs; handing it over takes some of them.
+const SHARE_FROM: usize = 1800;
+
+/// More threads than this are not started, however many somebody asks for.
+pub const MOST_THREADS: usize = 64;
 
 /// How far H / TimeStepMechanical may exceed an integer and still be it: communication steps come with
 /// rounding errors from other people's arithmetic.
@@ -78,7 +80,12 @@ pub struct World {
     pub mechanical_step: f64,
     /// Whether bodies that can touch nothing are moved by the closed form.
     pub shortlisting: Shortlisting,
+    /// Communication steps in which fewer bodies move by mechanical steps, twice the contacts added, are left
+    /// to one thread, as it is when they begin; results do not depend on it.
+    pub share_from: usize,
     threads: Threads,
+    /// Communication steps that threads have shared.
+    shared: u64,
     contacts: ContactReport,
     work: Work,
     scratch: Scratch,
@@ -97,7 +104,9 @@ impl World {
             scratch: Scratch::new(&scene),
             mechanical_step,
             shortlisting: Shortlisting::On,
+            share_from: SHARE_FROM,
             threads: Threads::default(),
+            shared: 0,
             contacts: ContactReport::default(),
             work: Work::default(),
             state: State::default(),
@@ -120,13 +129,13 @@ impl World {
     /// Shares the work out to so many threads, of a pool that this world and its clones own; results do not depend
     /// on it, to the last bit.
     ///
-    /// No more are started than there are blocks of 512 bodies, and none where there is one block: handing work
-    /// over would cost more than it saves.
+    /// No more are started than there are blocks of 512 bodies, nor than [`MOST_THREADS`], and none where there is one
+    /// block: handing work over would cost more than it saves.
     ///
     /// # Errors
     /// The system does not give them; the world works on as it did.
     pub fn set_threads(&mut self, count: usize) -> Result<(), ThreadsError> {
-        let count = count.clamp(1, self.scratch.blocks.blocks.len().max(1));
+        let count = count.min(self.scratch.blocks.blocks.len()).clamp(1, MOST_THREADS);
         if count != self.threads.count() {
             self.threads = Threads::new(count)?;
         }
@@ -141,6 +150,11 @@ impl World {
     /// How many threads do the work.
     pub fn threads(&self) -> usize {
         self.threads.count()
+    }
+
+    /// How many communication steps threads have shared since the world was made.
+    pub fn shared(&self) -> u64 {
+        self.shared
     }
 
     /// The contacts at the present state.
@@ -212,7 +226,8 @@ impl World {
         let active = shortlist.activity.iter().filter(|activity| **activity == Activity::Active).count();
         let alone = Threads::default();
         let work = active + 2 * self.contacts.contacts.len();
-        let threads = if work >= SHARED_FROM { &self.threads } else { &alone };
+        let threads = if work >= self.share_from { &self.threads } else { &alone };
+        self.shared += u64::from(threads.count() > 1);
         let step = CommunicationStep {
             scene: &self.scene,
             threads,

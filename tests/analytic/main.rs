@@ -6,4 +6,5 @@ mod friction;
 mod ramp;
 mod shortlist;
 mod symmetry;
+mod threads;
 mod walls;

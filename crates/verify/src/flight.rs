@@ -125,6 +125,7 @@ fn golden(side: u32, steps: u32, threads: usize, expected: u64) -> Result<f64> {
     anyhow::ensure!(world.threads() == threads, "as many threads as asked for");
     world.advance(1e-5 * f64::from(steps))?;
     anyhow::ensure!(world.work().contacts > 10_000, "it is dense");
+    anyhow::ensure!(world.shared() == u64::from(threads > 1), "threads have shared it");
     let hash = bits(world.state());
     if hash != expected {
         println!("golden bits: {hash:#018x}");
