@@ -1,7 +1,6 @@
 //! Our own packer: soft shapes grow to their size, slide to where nothing overlaps, and where they are stuck, some
 //! are moved elsewhere.
 
-use super::area::union_area;
 use super::fire::Fire;
 use super::hull::hull_area;
 use super::pile::{Body, Boundary, Pile};
@@ -100,7 +99,7 @@ pub fn dense(
         }
         _ => shapes,
     };
-    let covered: f64 = shapes.iter().map(union_area).sum();
+    let covered: f64 = shapes.iter().map(|shape| shape.moments().area).sum();
     let room = match (settings.density, region.is_plane()) {
         (Some(density), true) => shapes.len() as f64 / density,
         _ => region.area(),

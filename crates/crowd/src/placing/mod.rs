@@ -1,6 +1,5 @@
 //! Placing shapes: on a [`grid()`], by the [`paper()`]'s algorithm, or [`dense()`]ly without overlap.
 
-mod area;
 mod dense;
 mod fire;
 mod grid;
@@ -17,7 +16,6 @@ use crowd_mechanics::engine::{Pose, Rotation, Vec2};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-pub use area::union_area;
 pub use dense::{Dense, dense};
 pub use grid::{Grid, grid};
 pub use measure::{Measure, measure};
