@@ -98,7 +98,16 @@ fn a_made_crowd_passes_check_packs_and_runs_without_a_warning() {
 fn the_same_seed_gives_the_same_bytes() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    let files = ["population.csv", "light.xml", "sections.geojson", "crowd.svg", "crowd.png", "crowd.zip"];
+    let files = [
+        "population.csv",
+        "light.xml",
+        "sections.geojson",
+        "sections.wkt",
+        "crowd.svg",
+        "crowd.png",
+        "crowd.zip",
+        "crowd.stl",
+    ];
     let make = |name: &str, seed: &str| {
         fs::create_dir(at.join(name)).unwrap();
         let arguments = [
@@ -120,6 +129,10 @@ fn the_same_seed_gives_the_same_bytes() {
             "1.4,0.5",
             "--sections-geojson",
             "sections.geojson",
+            "--sections-wkt",
+            "sections.wkt",
+            "--stl",
+            "crowd.stl",
             "--svg",
             "crowd.svg",
             "--png",
@@ -144,6 +157,10 @@ fn the_same_seed_gives_the_same_bytes() {
         obj.lines().filter(|line| line.starts_with("g agent_") || line.starts_with("o agent_")).count(),
         40
     );
+    // 80 bytes, a count, 50 bytes for each triangle, of which OBJ has as many.
+    let triangles = obj.lines().filter(|line| line.starts_with("f ")).count();
+    let stl = fs::read(at.join("first/crowd.stl")).unwrap();
+    assert_eq!(stl.len(), 84 + 50 * triangles);
     let (trial, _) = Trial::read(&at.join("first/T")).unwrap();
     assert!(trial.geometry.walls.is_empty());
     let left: Vec<_> =

@@ -15,7 +15,7 @@ use crowd_mechanics::pack::Binary;
 use crowd_mechanics::trial::Trial;
 use lemons_crowd::{
     Agent, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TrialSettings, crowd_csv, crowd_trial,
-    light_xml, may_write, write_geojson, write_trial, write_trial_zip,
+    light_xml, may_write, write_geojson, write_trial, write_trial_zip, write_wkt,
 };
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::io::{self, Write};
@@ -105,9 +105,15 @@ struct OtherArguments {
     /// These sections as GeoJSON; coordinates in m
     #[arg(long, value_name = "FILE.geojson", requires = "sections")]
     sections_geojson: Option<PathBuf>,
+    /// These sections as WKT, one MULTIPOLYGON Z for each altitude
+    #[arg(long, value_name = "FILE.wkt", requires = "sections")]
+    sections_wkt: Option<PathBuf>,
     /// Everybody's surface as Wavefront OBJ: about 1 MB each
     #[arg(long, value_name = "FILE.obj")]
     obj: Option<PathBuf>,
+    /// The same as binary STL: about 1.6 MB each
+    #[arg(long, value_name = "FILE.stl")]
+    stl: Option<PathBuf>,
     /// The crowd from above as a picture (pedestrians only)
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
@@ -222,9 +228,15 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         if let Some(output) = &mut outputs.sections {
             output.fill(|file| write_geojson(&sections, file))?;
         }
+        if let Some(output) = &mut outputs.sections_wkt {
+            output.fill(|file| write_wkt(&sections, file))?;
+        }
     }
     if let Some(output) = &mut outputs.obj {
         bodies.obj(output)?;
+    }
+    if let Some(output) = &mut outputs.stl {
+        bodies.stl(output)?;
     }
     interrupt.check()?;
     if mixed == Mixed::No && makeable.is_ok() {
@@ -362,7 +374,8 @@ impl Arguments {
 
     /// Opens what is written beside the Trial.
     fn outputs(&self) -> Result<Outputs> {
-        let OtherArguments { population, light_xml, sections_geojson, obj, svg, png, .. } = &self.others;
+        let OtherArguments { population, light_xml, sections_geojson, sections_wkt, .. } = &self.others;
+        let OtherArguments { obj, stl, svg, png, .. } = &self.others;
         let TrialArguments { output, zip, fmu, .. } = &self.trial;
         refuse_same(&[
             ("-o", output.as_ref()),
@@ -371,7 +384,9 @@ impl Arguments {
             ("--population", population.as_ref()),
             ("--light-xml", light_xml.as_ref()),
             ("--sections-geojson", sections_geojson.as_ref()),
+            ("--sections-wkt", sections_wkt.as_ref()),
             ("--obj", obj.as_ref()),
+            ("--stl", stl.as_ref()),
             ("--svg", svg.as_ref()),
             ("--png", png.as_ref()),
         ])?;
@@ -384,7 +399,9 @@ impl Arguments {
             population: open(population)?,
             light_xml: open(light_xml)?,
             sections: open(sections_geojson)?,
+            sections_wkt: open(sections_wkt)?,
             obj: open(obj)?,
+            stl: open(stl)?,
             svg: open(svg)?,
             png: open(png)?,
         })
@@ -399,7 +416,9 @@ struct Outputs {
     population: Option<Output>,
     light_xml: Option<Output>,
     sections: Option<Output>,
+    sections_wkt: Option<Output>,
     obj: Option<Output>,
+    stl: Option<Output>,
     svg: Option<Output>,
     png: Option<Output>,
 }
@@ -426,7 +445,9 @@ impl Outputs {
             ("population", self.population),
             ("light XML", self.light_xml),
             ("sections", self.sections),
+            ("sections", self.sections_wkt),
             ("bodies", self.obj),
+            ("bodies", self.stl),
             ("picture", self.svg),
             ("picture", self.png),
         ];

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use crowd_mechanics::engine::Pose;
 use lemons_crowd::{
     Agent, Along, Body3d, CrowdSection, LightAgent, LightSettings, MeshPart, Placed, Shape, section,
-    write_obj,
+    write_obj, write_stl,
 };
 use std::io::Write;
 
@@ -67,21 +67,34 @@ impl Bodies<'_> {
 
     pub fn obj(&self, output: &mut Output) -> Result<()> {
         let mut failed = None;
+        let parts = self.parts(&mut failed);
+        output.fill(|file| write_obj(parts, file))?;
+        failed.map_or(Ok(()), Err)
+    }
+
+    /// STL begins with the number of triangles, so all are made first.
+    pub fn stl(&self, output: &mut Output) -> Result<()> {
+        let mut failed = None;
+        let parts: Vec<MeshPart> = self.parts(&mut failed).collect();
+        failed.map_or(Ok(()), Err)?;
+        output.fill(|file| write_stl(&parts, file))
+    }
+
+    /// The parts of everybody's mesh; ends early where a body cannot be made, and says why.
+    fn parts<'a>(&'a self, failed: &'a mut Option<anyhow::Error>) -> impl Iterator<Item = MeshPart> + 'a {
         let bodies = self.each().map_while(|body| match body {
             Ok(body) => Some(body),
             Err(error) => {
-                failed = Some(error);
+                *failed = Some(error);
                 None
             }
         });
-        let parts = bodies.flat_map(|(place, body, pose)| {
+        bodies.flat_map(|(place, body, pose)| {
             let parts = body.mesh().at(&pose).parts;
             parts
                 .into_iter()
                 .map(move |part| MeshPart { name: format!("agent_{place}_{}", part.name), ..part })
-        });
-        output.fill(|file| write_obj(parts, file))?;
-        failed.map_or(Ok(()), Err)
+        })
     }
 
     /// The paper's comparison: what the shapes cover \[m²\] of the ground \[m²\], and what planes cut of the bodies.
