@@ -286,6 +286,8 @@ fn mistakes_name_the_option_and_the_value() {
     fs::write(at.join("letters/letter"), "mine").unwrap();
     fs::write(at.join("bad.toml"), "[male]\nmass = { mean = 'heavy' }\n").unwrap();
     fs::write(at.join("worse.toml"), "[female]\nbreadth = { sd = -1 }\n").unwrap();
+    let metres = "[male]\nstature = { mean = 1.78, sd = 0.08, min = 1.4, max = 2.4 }\n";
+    fs::write(at.join("metres.toml"), metres).unwrap();
     let open = r#"<Geometry><Wall Id="w" MaterialId="concrete"><Corner Coordinates="0,0"/><Corner Coordinates="3,0"/></Wall></Geometry>"#;
     fs::write(at.join("open.xml"), open).unwrap();
     let cheese = open
@@ -351,6 +353,11 @@ fn mistakes_name_the_option_and_the_value() {
             &["worse.toml", "female statistics, bideltoid breadth", "must be positive"],
         ),
         (
+            &["crowd", "-n", "5", "--custom", "metres.toml"],
+            1,
+            &["metres.toml", "male statistics, stature: min = 0.014", "people measure 0.3 to 3 m"],
+        ),
+        (
             &["crowd", "-n", "5", "--geometry", "open.xml"],
             1,
             &["--geometry open.xml", "wall w is not closed"],
@@ -375,7 +382,10 @@ fn mistakes_name_the_option_and_the_value() {
     }
     let mut left: Vec<_> = fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     left.sort();
-    assert_eq!(left, ["bad.toml", "cheese.xml", "letter", "letters", "open.xml", "worse.toml"]);
+    assert_eq!(
+        left,
+        ["bad.toml", "cheese.xml", "letter", "letters", "metres.toml", "open.xml", "worse.toml"]
+    );
 }
 
 /// A crowd that cannot be placed for long: Ctrl-C ends it, and nothing is left.

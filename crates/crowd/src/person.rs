@@ -51,6 +51,16 @@ impl Measure {
         }
     }
 
+    /// \[m\] or \[kg\] what people measure, children and giants too; other numbers are in another unit.
+    pub fn possible(self) -> [f64; 2] {
+        match self {
+            Measure::Breadth => [0.1, 2.0],
+            Measure::Depth => [0.05, 2.0],
+            Measure::Stature => [0.3, 3.0],
+            Measure::Mass => [1.0, 500.0],
+        }
+    }
+
     /// "m" or "kg".
     pub fn unit(self) -> &'static str {
         if self == Measure::Mass { "kg" } else { "m" }

@@ -115,6 +115,11 @@ pub enum PopulationError {
     Proportion { of: &'static str, value: f64 },
     #[error("{} statistics, {}: {error}", sex.name(), measure.name())]
     Statistics { sex: Sex, measure: Measure, error: TruncatedNormalError },
+    #[error(
+        "{} statistics, {}: {limit} = {value} {unit}: people measure {} to {} {unit}",
+        sex.name(), measure.name(), measure.possible()[0], measure.possible()[1], unit = measure.unit()
+    )]
+    Impossible { sex: Sex, measure: Measure, limit: &'static str, value: f64 },
     #[error("{} statistics: {error}", sex.name())]
     Correlations { sex: Sex, error: CorrelationsError },
     #[error(
@@ -161,6 +166,12 @@ impl Statistics {
     fn custom(sex: Sex, custom: &CustomMeasures) -> Result<Statistics, PopulationError> {
         for (measure, normal) in Measure::ALL.into_iter().zip(custom.all()) {
             normal.check().map_err(|error| PopulationError::Statistics { sex, measure, error })?;
+            let [least, most] = measure.possible();
+            for (limit, value) in [("min", normal.min), ("max", normal.max)] {
+                if !(least..=most).contains(&value) {
+                    return Err(PopulationError::Impossible { sex, measure, limit, value });
+                }
+            }
         }
         let copula = Copula::new(&custom.spearman);
         let copula = copula.map_err(|error| PopulationError::Correlations { sex, error })?;

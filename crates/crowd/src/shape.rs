@@ -9,7 +9,7 @@ use thiserror::Error;
 /// The union of some disks: a pedestrian from above, in its own frame: the origin at the centroid of the area, the
 /// gaze along +x, so left is +y.
 ///
-/// The paper's files have the mean of the disk centres at the origin instead, 3 to 4 mm further ahead. The centroid
+/// The paper's files have the mean of the disk centres at the origin instead, 2 to 6 mm behind it. The centroid
 /// of the area is the centre of mass of a body of uniform density, about which it turns, and of its moment of inertia.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {

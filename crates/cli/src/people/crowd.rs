@@ -323,12 +323,13 @@ impl TrialArguments {
                 return Err(TrialHasErrors.into());
             }
         }
+        // From here on files appear.
+        interrupt.check()?;
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
             // Its warnings are those printed already.
             write_fmu(&[directory], binaries, self.packing.naming(), file)?;
             say(out, "FMU", file)?;
         }
-        interrupt.check()?;
         if let Some(file) = &self.zip {
             write_trial_zip(trial, file)?;
             say(out, "zip", file)?;

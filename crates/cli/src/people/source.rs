@@ -10,10 +10,10 @@ use std::path::PathBuf;
     next_help_heading = "Who (default: the survey ANSUR II of 2012, people's measures belong together)"
 )]
 pub struct SourceArguments {
-    /// Part of the pedestrians that are men, 0 to 1; default: 0.5
+    /// Chance of each pedestrian to be a man, 0 to 1; default: 0.5
     #[arg(long, value_name = "PART", value_parser = part, allow_negative_numbers = true, conflicts_with = "fixed")]
     men: Option<f64>,
-    /// Part of the crowd that are pedestrians, 0 to 1, the others bicycles with riders; default: 1
+    /// Chance of each to be a pedestrian, 0 to 1, the others bicycles with riders; default: 1
     #[arg(long, value_name = "PART", value_parser = part, allow_negative_numbers = true)]
     pedestrians: Option<f64>,
     /// Statistics of one's own, see below

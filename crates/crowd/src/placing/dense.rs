@@ -33,7 +33,7 @@ const REPORT: u64 = 25;
 /// Part of a circle that is covered when a crowd in the open begins in it: shapes are hardly pressed there.
 const LOOSE_COVER: f64 = 0.5;
 /// Attempts to begin no denser than asked for.
-const LOOSER: u32 = 4;
+const LOOSER: u32 = 24;
 /// Places that are tried for a shape that is moved elsewhere.
 const TRIALS: u32 = 400;
 /// \[rad\] Those that face one way to begin with are put elsewhere turned by this at the most.
@@ -188,10 +188,12 @@ impl Packer<'_, '_> {
             slide = self.grow(&mut pile);
             // The hull is smaller than the circle, so that a loose crowd may already be too dense.
             let dense = shapes.len() as f64 / hull_area(&pile.circles()) / wanted;
-            if slide != Slide::Clear || dense <= 1.0 {
-                break;
+            match slide {
+                Slide::Clear if dense > 1.0 => radius *= dense.sqrt() * 1.01,
+                Slide::Clear | Slide::Over(_) => break,
+                // Long shapes need more room than they cover.
+                Slide::AtRest => radius *= 1.3,
             }
-            radius *= dense.sqrt() * 1.01;
         }
         let mut best: Option<Vec<Body>> = None;
         // The circle shrinks by ever less.

@@ -5,6 +5,7 @@ use super::neighbours::CellGrid;
 use super::{Circle, Region, TOLERANCE, disks_at, reach};
 use crate::shape::Shape;
 use crowd_mechanics::engine::{Pose, Vec2};
+use std::collections::BinaryHeap;
 
 /// How well shapes stand.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,12 +42,23 @@ pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
         }
     }
     let mut left = vec![true; disks.len()];
-    while let Some(worst) =
-        (0..sum.len()).filter(|&k| left[k] && sum[k] > TOLERANCE).max_by(|&a, &b| sum[a].total_cmp(&sum[b]))
-    {
+    // The bits of numbers that are not negative are ordered as they are. A sum that has shrunk stands in the
+    // heap again; what it was before is passed over.
+    let entry = |sum: &[f64], k: usize| (sum[k].max(0.0).to_bits(), k);
+    let overlaps = |sum: &[f64], k: usize| sum[k] > TOLERANCE;
+    let mut heap: BinaryHeap<(u64, usize)> =
+        (0..sum.len()).filter(|&k| overlaps(&sum, k)).map(|k| entry(&sum, k)).collect();
+    while let Some(top) = heap.pop() {
+        let worst = top.1;
+        if !left[worst] || top != entry(&sum, worst) {
+            continue;
+        }
         left[worst] = false;
         for &(other, overlap) in &partners[worst] {
             sum[other] -= overlap;
+            if left[other] && overlaps(&sum, other) {
+                heap.push(entry(&sum, other));
+            }
         }
     }
     let clear: Vec<Vec<Circle>> =

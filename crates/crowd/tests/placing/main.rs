@@ -165,6 +165,20 @@ fn dense_in_the_open() {
     }
 }
 
+/// People four times as broad as deep do not fit the first circle, which is made for round ones.
+#[test]
+fn long_shapes_in_the_open() {
+    for count in [2, 3, 5, 8] {
+        for seed in 1..4 {
+            let shapes = vec![Shape::fit(0.8, 0.15).unwrap(); count];
+            let settings = Dense { seed, ..Dense::default() };
+            let packing = dense(&shapes, &Region::plane(), &settings, &mut go).unwrap();
+            assert!(packing.complete, "{count} {seed}: {packing:?}");
+            assert_clear(&shapes, &Region::plane(), &packing);
+        }
+    }
+}
+
 #[test]
 fn as_dense_as_it_goes() {
     let (shapes, region) = (people(20, 1), Region::plane());
