@@ -316,11 +316,11 @@ impl Crowd {
     fn write_output(&self, time: f64) -> Result<(), WriteError> {
         let (Some(world), false) = (&self.world, self.output_directory.is_empty()) else { return Ok(()) };
         let directory = Path::new(&self.output_directory);
-        let time = output_time(time);
+        let [dynamics_name, interactions_name] = output_names(time);
         let dynamics = dynamics_xml(&self.trial.agents, &dynamics_of(world), Drive::Omitted);
-        let dynamics = Change::Write(directory.join(format!("AgentDynamics output t={time}.xml")), dynamics);
+        let dynamics = Change::Write(directory.join(dynamics_name), dynamics);
         // One that an earlier run left behind must not be taken for this one's.
-        let place = directory.join(format!("AgentInteractions t={time}.xml"));
+        let place = directory.join(interactions_name);
         let interactions = if world.contacts().contacts.is_empty() {
             Change::Remove(place)
         } else {
@@ -391,6 +391,12 @@ fn edited(packed: &Trial, settings: &Settings, table: &[Variable]) -> Trial {
         }
     }
     trial
+}
+
+/// The names of the two files of a communication point \[s\] in an `OutputDirectory`: dynamics, interactions.
+pub fn output_names(time: f64) -> [String; 2] {
+    let time = output_time(time);
+    [format!("AgentDynamics output t={time}.xml"), format!("AgentInteractions t={time}.xml")]
 }
 
 /// A time \[s\] as the paper's script writes it into file names, with as many decimals as it needs.

@@ -354,6 +354,37 @@ impl Trial {
         })
     }
 
+    /// Reads an `AgentDynamics.xml` of this Trial's agents, in their order.
+    ///
+    /// # Errors
+    /// All that is wrong with it.
+    pub fn read_dynamics(&self, path: &Path) -> Result<Vec<AgentDynamics>, Problems> {
+        let ids = self.agent_ids();
+        checked(|problems| {
+            xml::read_file(path, "Agents", problems, |root, problems| {
+                dynamics::read(root, Some((&self.agents, &ids)), problems)
+            })
+        })
+    }
+
+    /// Reads an `AgentInteractions.xml` of this Trial's agents and walls.
+    ///
+    /// # Errors
+    /// All that is wrong with it.
+    pub fn read_interactions(&self, path: &Path) -> Result<Interactions, Problems> {
+        let agents = self.agent_ids();
+        let walls = xml::Ids::of(self.geometry.walls.iter().map(|wall| wall.id.as_str()));
+        checked(|problems| {
+            xml::read_file(path, "Interactions", problems, |root, problems| {
+                interactions::read(root, (&self.agents, &agents), (&self.geometry, &walls), problems)
+            })
+        })
+    }
+
+    fn agent_ids(&self) -> xml::Ids {
+        xml::Ids::of(self.agents.iter().map(|agent| agent.id.as_str()))
+    }
+
     /// Writes a complete Trial directory, each file whole or not at all.
     ///
     /// Static and Dynamic directories that lie outside the Trial directory become `./static/` and `./dynamic/`
@@ -391,6 +422,14 @@ impl Trial {
             Err(error) if error.kind() != ErrorKind::NotFound => Err(WriteError { path, error }),
             _ => Ok(()),
         }
+    }
+}
+
+fn checked<T>(read: impl FnOnce(&mut Problems) -> Option<T>) -> Result<T, Problems> {
+    let mut problems = Problems::default();
+    match read(&mut problems) {
+        Some(read) if !problems.has_errors() => Ok(read),
+        _ => Err(problems),
     }
 }
 

@@ -269,6 +269,12 @@ pub(super) struct Ids {
 }
 
 impl Ids {
+    /// Of elements that were read before.
+    pub(super) fn of<'a>(ids: impl Iterator<Item = &'a str>) -> Ids {
+        let places: HashMap<_, _> = ids.enumerate().map(|(place, id)| (id.to_owned(), (place, 0))).collect();
+        Ids { count: places.len(), places }
+    }
+
     /// Reads the Id of the next element of the kind.
     pub(super) fn take(&mut self, element: Element<'_>, problems: &mut Problems) -> String {
         let id = element.text("Id", problems);

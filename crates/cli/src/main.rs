@@ -11,6 +11,7 @@ mod crowd;
 mod decide;
 mod describe;
 mod drive;
+mod export;
 mod info;
 mod outputs;
 mod pack;
@@ -48,6 +49,8 @@ enum Command {
     Connect(connect::Arguments),
     /// Run a Trial directory, an FMU or coupled FMUs and write the trajectories
     Run(run::Arguments),
+    /// Write a run for JuPedSim, PedPy or ChAOS, as XML, or as the Trial that goes on where it ended
+    Export(export::Arguments),
     /// List the variables of an FMU
     Info(info::Arguments),
     /// Say all that is wrong with Trial directories
@@ -92,6 +95,7 @@ fn main() -> ExitCode {
         Command::Decide(arguments) => decide::decide(&arguments),
         Command::Connect(arguments) => connect::connect(&arguments),
         Command::Run(arguments) => run::run(&arguments),
+        Command::Export(arguments) => export::export(&arguments),
         Command::Info(arguments) => info::info(&arguments),
         Command::Check(arguments) => check::check(&arguments),
         Command::Describe(arguments) => describe::describe(&arguments),

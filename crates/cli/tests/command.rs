@@ -216,11 +216,74 @@ fn commands_stand_in_the_order_of_their_use() {
     let directory = TempDir::new().unwrap();
     let help = out(&lemons(directory.path(), &["--help"]));
     let words = help.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
-    let words: Vec<&str> = words.filter_map(|line| line.split_whitespace().next()).take(10).collect();
+    let words: Vec<&str> = words.filter_map(|line| line.split_whitespace().next()).take(11).collect();
     assert_eq!(
         words,
-        ["crowd", "person", "pack", "decide", "connect", "run", "info", "check", "describe", "verify"]
+        [
+            "crowd", "person", "pack", "decide", "connect", "run", "export", "info", "check", "describe",
+            "verify"
+        ]
     );
+}
+
+#[test]
+fn export_writes_what_was_run_and_says_what_it_lacks() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let trial = trial(at, "own", "static/Agents.xml", "Id=\"0\"", "Id=\"0\"");
+    assert_code(&lemons(at, &["run", &trial, "--until", "0.23"]), 0);
+    assert_code(&lemons(at, &["pack", &trial, "-o", "own.fmu"]), 0);
+
+    // 0.2 and 0.23 s: no constant frame rate, but each second frame has one.
+    let table = ["export", "trajectories.csv"];
+    let export = |more: &[&str]| lemons(at, &[&table[..], more].concat());
+    let output = export(&["run.txt", "--to", "pedpy"]);
+    assert_code(&output, 1);
+    assert!(err(&output).contains("trajectories.csv: line 27: column t: t = 0.23 s"), "{}", err(&output));
+    assert!(!at.join("run.txt").exists());
+    let output = export(&["run.txt", "--to", "pedpy", "--every", "2"]);
+    assert_code(&output, 0);
+    assert_eq!(out(&output), "run.txt: 5 agents, 3 frames from 0.0 to 0.2 s\n");
+    for walls in [&["--trial", "own"][..], &["--trial", "own.fmu"], &[]] {
+        let output = export(&[&["run.sqlite", "--to", "jupedsim", "--every", "2"], walls].concat());
+        assert_code(&output, 0);
+        assert_eq!(err(&output).contains("inside of wall"), !walls.is_empty(), "{}", err(&output));
+        assert_eq!(err(&output).contains("walls unknown"), walls.is_empty(), "{}", err(&output));
+    }
+
+    // A table holds no contacts; the series of it lies in the Trial, which is found.
+    let output = export(&["own/out", "--to", "series", "--trial", "own"]);
+    assert_code(&output, 0);
+    assert!(err(&output).contains("no contacts"), "{}", err(&output));
+    assert_eq!(fs::read_dir(at.join("own/out")).unwrap().count(), 6);
+    let output = lemons(at, &["export", "own/out", "end", "--to", "trial"]);
+    assert_code(&output, 0);
+    assert_eq!(out(&output), "end: 5 agents as at t = 0.23 s\n");
+    let rows = fs::read_to_string(at.join("trajectories.csv")).unwrap();
+    let last: Vec<&str> = rows.lines().last().unwrap().split(',').collect();
+    let dynamics = fs::read_to_string(at.join("end/dynamic/AgentDynamics.xml")).unwrap();
+    assert!(dynamics.contains(&format!("Position=\"{},{}\"", last[2], last[3])), "{dynamics}");
+    assert_code(&lemons(at, &["check", "end"]), 0);
+
+    for (arguments, expected) in [
+        (&["none.csv", "x.txt", "--to", "pedpy"][..], "none.csv: cannot be read"),
+        (&["trajectories.csv", "x", "--to", "series"], "trajectories.csv: give its Trial or FMU: --trial"),
+        (&["trajectories.csv", "x", "--to", "chaos", "--trial", "none"], "none"),
+        (&["own/static", "x", "--to", "chaos"], "own/static: holds no series"),
+        (&["trajectories.csv", "trajectories.csv", "--to", "pedpy"], "the export reads it"),
+        (&["own/out", "own", "--to", "trial", "--trial", "own"], "the export reads it"),
+        (&["own/out", "own", "--to", "trial"], "the export reads it"),
+        (&["own/out", "x", "--to", "trial", "--every", "2"], "--every is not for --to trial"),
+        (&["trajectories.csv", "no/such/x.sqlite", "--to", "jupedsim", "--every", "2"], "no/such/x.sqlite"),
+        (&["trajectories.csv", "own", "--to", "jupedsim", "--every", "2"], "own: cannot be written"),
+    ] {
+        let output = lemons(at, &[&["export"], arguments].concat());
+        assert_code(&output, 1);
+        assert!(err(&output).contains(expected), "{arguments:?}: {}", err(&output));
+        assert!(!at.join("x").exists() && !at.join("x.txt").exists());
+    }
+    assert_code(&lemons(at, &["export", "trajectories.csv", "x", "--to", "elsewhere"]), 2);
+    assert_code(&lemons(at, &["export", "trajectories.csv", "x", "--to", "pedpy", "--every", "0"]), 2);
 }
 
 /// The crowd's library, out of its FMU.

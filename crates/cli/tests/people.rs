@@ -295,7 +295,7 @@ fn mistakes_name_the_option_and_the_value() {
         .replace("</Wall>", r#"<Corner Coordinates="0,3"/><Corner Coordinates="0,0"/></Wall>"#);
     fs::write(at.join("cheese.xml"), cheese).unwrap();
     let person = ["person", "--breadth", "49", "--depth", "25", "--stature", "1.75", "--mass", "70"];
-    let cases: [(&[&str], i32, &[&str]); 33] = [
+    let cases: [(&[&str], i32, &[&str]); 34] = [
         (
             &["person", "--breadth", "25", "--depth", "49", "--stature", "1.75", "--mass", "70"],
             2,

@@ -1,0 +1,140 @@
+//! `lemons export`: a run for the field's tools, and a Trial that goes on where it ended.
+
+use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
+use crowd_mechanics::trial::Trial;
+use lemons_export::{Run, chaos, jupedsim, pedpy, series, trial_at_end};
+use lemons_master::Fmu;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// What lemons run wrote, or an OutputDirectory of AgentDynamics and AgentInteractions
+    #[arg(value_name = "FILE.csv or SERIES")]
+    source: PathBuf,
+    /// What to write
+    #[arg(long, value_name = "FORMAT")]
+    to: Format,
+    /// Where it goes: a file for jupedsim and pedpy, a directory for the others
+    #[arg(value_name = "OUT")]
+    out: PathBuf,
+    /// The Trial or FMU that ran; default: the Trial directory that a series lies in. A table needs it
+    /// for its walls (jupedsim), for a series, and for a Trial
+    #[arg(long, value_name = "TRIAL or FILE.fmu")]
+    trial: Option<PathBuf>,
+    /// Take each N-th frame, the first one included
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Format {
+    /// SQLite of JuPedSim, version 2, with the walkable area from the walls: pedpy.load_trajectory_from_jupedsim_sqlite
+    Jupedsim,
+    /// Text "id frame x y z" after the frame rate: pedpy.load_trajectory
+    Pedpy,
+    /// trajNNN.csv of each agent: t,x,y,0.0
+    Chaos,
+    /// The paper's AgentDynamics and, from a series, AgentInteractions of each time
+    Series,
+    /// A Trial that starts where the run ended; from a series with its springs
+    Trial,
+}
+
+pub fn export(arguments: &Arguments) -> Result<()> {
+    let Arguments { source, to, out, every, .. } = arguments;
+    if *to == Format::Trial && *every != 1 {
+        bail!("--every is not for --to trial, which takes the last frame");
+    }
+    let trial = trial_of(arguments)?;
+    let reads =
+        [Some(source.as_path()), arguments.trial.as_deref(), trial.as_ref().map(|t| t.directory.as_path())];
+    if reads.into_iter().flatten().any(|read| same(read, out)) {
+        bail!("cannot write {}: the export reads it", out.display());
+    }
+    let need =
+        || trial.as_ref().with_context(|| format!("{}: give its Trial or FMU: --trial", source.display()));
+    let run = if source.is_dir() {
+        Run::read_series(source, need()?)?
+    } else {
+        let run = Run::read_table(source)?;
+        match &trial {
+            Some(trial) => run.of_trial(trial)?,
+            None => run,
+        }
+    };
+    let run = run.every(*every as usize);
+    let mut said = Vec::new();
+    match to {
+        Format::Jupedsim => {
+            if trial.is_none() {
+                said.push("walls unknown: give the Trial or FMU that ran (--trial)".to_owned());
+            }
+            let walls = trial.as_ref().map_or(&[][..], |trial| &trial.geometry.walls);
+            said.extend(jupedsim(&run, walls, out)?);
+        }
+        Format::Pedpy => pedpy(&run, out)?,
+        Format::Chaos => chaos(&run, out)?,
+        Format::Series => series(&run, need()?, out)?,
+        Format::Trial => trial_at_end(&run, need()?)?.write(out)?,
+    }
+    if matches!(to, Format::Jupedsim | Format::Pedpy) && !run.names().are_ids {
+        said.push("Ids are no whole numbers: agents are numbered in the order of the source, from 0".into());
+    }
+    let without_contacts = run.frames.iter().any(|frame| frame.interactions.is_none());
+    if *to == Format::Series && without_contacts {
+        said.push(
+            "a table holds no contacts: no AgentInteractions; run with OutputDirectory for these".into(),
+        );
+    }
+    if *to == Format::Trial {
+        if without_contacts {
+            said.push(
+                "a table holds no contacts: all springs start unstretched; take a series for these".into(),
+            );
+        }
+        said.push(
+            "Fp and Mp stay the Trial's, as runs do not record them; a drive.csv is not taken along".into(),
+        );
+    }
+    for line in said {
+        eprintln!("{line}");
+    }
+    let (first, last) = (&run.frames[0], &run.frames[run.frames.len() - 1]);
+    let (agents, out) = (run.ids.len(), out.display());
+    match to {
+        Format::Trial => println!("{out}: {agents} agents as at t = {:?} s", last.time),
+        _ => println!(
+            "{out}: {agents} agents, {} frames from {:?} to {:?} s",
+            run.frames.len(),
+            first.time,
+            last.time
+        ),
+    }
+    Ok(())
+}
+
+/// What was given, else the Trial directory that a series lies in.
+fn trial_of(arguments: &Arguments) -> Result<Option<Trial>> {
+    let Arguments { source, trial, .. } = arguments;
+    let Some(path) = trial else {
+        let own = source.canonicalize().ok().filter(|source| source.is_dir());
+        let around = own.iter().flat_map(|own| own.ancestors().take(2));
+        let found = around.map(Path::to_owned).find(|path| path.join("Parameters.xml").is_file());
+        return found.map(|path| Ok(Trial::read(&path)?.0)).transpose();
+    };
+    if path.is_dir() {
+        return Ok(Some(Trial::read(path)?.0));
+    }
+    let fmu = Fmu::open(path)?;
+    let resources = fmu.resources().with_context(|| path.display().to_string())?;
+    if resources.names().len() > 1 {
+        eprintln!("warning: {} holds several Trials: {:?} is taken", path.display(), resources.first());
+    }
+    Ok(Some(resources.load(resources.first())?.0))
+}
+
+fn same(read: &Path, written: &Path) -> bool {
+    let only = |path: &Path| path.canonicalize().ok();
+    only(read).is_some_and(|read| only(written) == Some(read))
+}

@@ -1,0 +1,20 @@
+//! Runs of crowds in the formats that the field's tools read, and the way back to a Trial.
+//!
+//! A [`Run`] comes from the table of `lemons run` ([`Run::read_table`]) or from the XML series of an
+//! `OutputDirectory` ([`Run::read_series`]). It goes to [`jupedsim`], [`pedpy`], [`chaos`] or [`series`];
+//! [`trial_at_end`] is the Trial that goes on where it ended.
+
+mod area;
+mod error;
+mod jupedsim;
+mod run;
+mod series;
+mod table;
+mod text;
+
+pub use area::{Area, MARGIN, walkable_area};
+pub use error::ExportError;
+pub use jupedsim::jupedsim;
+pub use run::{Frame, Names, Run};
+pub use series::{series, trial_at_end};
+pub use text::{chaos, pedpy};

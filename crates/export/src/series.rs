@@ -1,0 +1,117 @@
+//! The paper's series of XML files, as an `OutputDirectory` holds it, and the Trial that goes on from its end.
+
+use crate::text::own;
+use crate::{ExportError, Frame, Run};
+use crowd_mechanics::crowd::output_names;
+use crowd_mechanics::files::{Change, change_all};
+use crowd_mechanics::trial::{AgentDynamics, Drive, Interactions, Trial, dynamics_xml, interactions_xml};
+use std::path::Path;
+
+const DYNAMICS: &str = "AgentDynamics output t=";
+const INTERACTIONS: &str = "AgentInteractions t=";
+
+/// What stands between a prefix and `.xml`.
+fn time_of<'a>(name: &'a str, prefix: &str) -> Option<&'a str> {
+    name.strip_prefix(prefix)?.strip_suffix(".xml")
+}
+
+impl Run {
+    /// Reads the series `AgentDynamics output t=….xml`, `AgentInteractions t=….xml` of a Trial's agents.
+    ///
+    /// # Errors
+    /// No such series there, or what is wrong with its files.
+    pub fn read_series(directory: &Path, trial: &Trial) -> Result<Run, ExportError> {
+        let cannot = |error| ExportError::Read { path: directory.to_owned(), error };
+        let (mut times, mut contacts) = (Vec::new(), Vec::new());
+        for entry in std::fs::read_dir(directory).map_err(cannot)? {
+            let name = entry.map_err(cannot)?.file_name();
+            let Some(name) = name.to_str() else { continue };
+            if let Some(text) = time_of(name, DYNAMICS) {
+                let time = text.parse::<f64>().ok().filter(|time| time.is_finite());
+                let message = "the name holds no time in seconds after \"t=\"";
+                let time = time.ok_or_else(|| ExportError::wrong(&directory.join(name), message))?;
+                times.push((time, text.to_owned()));
+            } else if let Some(text) = time_of(name, INTERACTIONS) {
+                contacts.push(text.to_owned());
+            }
+        }
+        times.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
+        if times.is_empty() {
+            let message = format!("holds no series: no file is named {DYNAMICS:?}….xml");
+            return Err(ExportError::wrong(directory, message));
+        }
+        if let Some(pair) = times.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            let path = directory.join(format!("{DYNAMICS}{}.xml", pair[1].1));
+            return Err(ExportError::wrong(&path, format!("t={} is the same time", pair[0].1)));
+        }
+        contacts.sort();
+        if let Some(alone) = contacts.iter().find(|text| times.iter().all(|(_, time)| time != *text)) {
+            let path = directory.join(format!("{INTERACTIONS}{alone}.xml"));
+            return Err(ExportError::wrong(
+                &path,
+                format!("there is no {:?} beside it", format!("{DYNAMICS}{alone}.xml")),
+            ));
+        }
+        let frames = times.into_iter().map(|(time, text)| {
+            let place = format!("{DYNAMICS}{text}.xml");
+            let interactions = if contacts.binary_search(&text).is_ok() {
+                trial.read_interactions(&directory.join(format!("{INTERACTIONS}{text}.xml")))?
+            } else {
+                Interactions::default()
+            };
+            let agents = trial.read_dynamics(&directory.join(&place))?;
+            Ok(Frame { time, agents, interactions: Some(interactions), place })
+        });
+        Ok(Run {
+            source: directory.to_owned(),
+            ids: trial.agents.iter().map(|agent| agent.id.clone()).collect(),
+            frames: frames.collect::<Result<_, ExportError>>()?,
+        })
+    }
+}
+
+/// Writes a run of a Trial as such a series; interactions where they were recorded.
+///
+/// # Errors
+/// Not the Trial's agents, files of another run in the directory, or a file cannot be written.
+pub fn series(run: &Run, trial: &Trial, directory: &Path) -> Result<(), ExportError> {
+    let run = run.clone().of_trial(trial)?;
+    let names: Vec<[String; 2]> = run.frames.iter().map(|frame| output_names(frame.time)).collect();
+    if let Some(k) = (1..names.len()).find(|&k| names[k] == names[k - 1]) {
+        let message =
+            format!("{}: column t: as near to the frame before as no file name tells", run.frames[k].place);
+        return Err(ExportError::wrong(&run.source, message));
+    }
+    let kind = |name: &str| time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS)).is_some();
+    own(directory, names.as_flattened(), kind)?;
+    for (frame, [dynamics, interactions]) in run.frames.iter().zip(names) {
+        let text = dynamics_xml(&trial.agents, &frame.agents, Drive::Omitted);
+        let dynamics = Change::Write(directory.join(dynamics), text);
+        let place = directory.join(interactions);
+        let interactions = match &frame.interactions {
+            Some(some) if *some != Interactions::default() => {
+                Change::Write(place, interactions_xml(trial, some))
+            }
+            _ => Change::Remove(place),
+        };
+        change_all(&[dynamics, interactions])?;
+    }
+    Ok(())
+}
+
+/// The Trial that goes on where a run ended: its last poses, velocities and springs. Fp and Mp, which no run
+/// records, stay the Trial's.
+///
+/// # Errors
+/// Not the Trial's agents.
+pub fn trial_at_end(run: &Run, trial: &Trial) -> Result<Trial, ExportError> {
+    let last = run.frames.last().cloned().into_iter().collect();
+    let run = Run { frames: last, ids: run.ids.clone(), source: run.source.clone() }.of_trial(trial)?;
+    let mut trial = trial.clone();
+    if let Some(last) = run.frames.into_iter().next() {
+        let moved = last.agents.into_iter().zip(&trial.dynamics);
+        trial.dynamics = moved.map(|(now, was)| AgentDynamics { fp: was.fp, mp: was.mp, ..now }).collect();
+        trial.interactions = last.interactions.unwrap_or_default();
+    }
+    Ok(trial)
+}

@@ -1,0 +1,150 @@
+//! Tables of runs: what is read, what is refused, what is written of them.
+
+use crowd_mechanics::trial::Trial;
+use lemons_export::{Run, chaos, jupedsim, pedpy};
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+const HEADER: &str = "t,id,x,y,vx,vy,theta,omega,agent_contacts";
+
+fn table(directory: &TempDir, text: &str) -> PathBuf {
+    let path = directory.path().join("run.csv");
+    fs::write(&path, text).unwrap();
+    path
+}
+
+/// Two people, three times.
+fn good(directory: &TempDir) -> Run {
+    let row = |t: &str, id: &str, x: f64| format!("{t},{id},{x:?},0.5,1,0,0.25,0,0\n");
+    let times = ["0.0", "0.1", "0.2"].iter().enumerate();
+    let rows: String =
+        times.map(|(k, t)| row(t, "7", k as f64 / 3.0) + &row(t, "3", 1.0 + k as f64 / 3.0)).collect();
+    Run::read_table(&table(directory, &format!("{HEADER}\n{rows}"))).unwrap()
+}
+
+#[test]
+fn mistakes_name_file_line_and_column() {
+    let directory = TempDir::new().unwrap();
+    let said = |text: &str| {
+        let message = Run::read_table(&table(&directory, text)).unwrap_err().to_string();
+        assert!(message.contains("run.csv: "), "{message}");
+        message
+    };
+    let row = "0.1,a,1,2,0,0,0,0,0";
+    for (rows, expected) in [
+        ("", "line 2: the run is empty"),
+        ("0.1,a,1,two,0,0,0,0,0", "line 2: column y: \"two\" is no finite number"),
+        ("0.1,a,1,2,0,0,0,inf,0", "line 2: column omega: \"inf\""),
+        ("0.1,a,1,2", "line 2: has 4 columns, the header 9"),
+        ("0.1,,1,2,0,0,0,0,0", "line 2: column id: is empty"),
+        (&format!("{row}\n{row}"), "line 3: column id: agent \"a\" stands twice at t = 0.1 s"),
+        (&format!("{row}\n0,a,1,2,0,0,0,0,0"), "line 3: column t: t = 0.0 s must not come after t = 0.1 s"),
+        (&format!("{row}\n0.2,b,1,2,0,0,0,0,0"), "line 3: column id: agent \"b\" was not there"),
+        (
+            &format!("{row}\n0.1,b,1,2,0,0,0,0,0\n0.2,b,1,2,0,0,0,0,0"),
+            "line 4: at t = 0.2 s agent \"a\" is missing",
+        ),
+    ] {
+        let message = said(&format!("{HEADER}\n{rows}\n"));
+        assert!(message.contains(expected), "{message}");
+    }
+    assert!(said("t,id,x,y,vx,vy,omega\n").contains("line 1: there is no column \"theta\""));
+    assert!(said("t,id,x,y,vx,vy,theta,omega,x\n").contains("two columns \"x\""));
+    assert!(said("").contains("there is no column \"t\""));
+    let missing = Run::read_table(&directory.path().join("no.csv")).unwrap_err().to_string();
+    assert!(missing.contains("no.csv: cannot be read"), "{missing}");
+    fs::write(directory.path().join("run.csv"), [HEADER.as_bytes(), b"\n0,a,\xff,0,0,0,0,0,0\n"].concat())
+        .unwrap();
+    let message = Run::read_table(&directory.path().join("run.csv")).unwrap_err().to_string();
+    assert!(message.contains("line 2: column 3: is not UTF-8"), "{message}");
+}
+
+#[test]
+fn times_must_be_even() {
+    let directory = TempDir::new().unwrap();
+    let run = |times: &[f64]| {
+        let rows: String = times.iter().map(|t| format!("{t:?},0,0,0,0,0,0,0,0\n")).collect();
+        Run::read_table(&table(&directory, &format!("{HEADER}\n{rows}"))).unwrap()
+    };
+    let fifths: Vec<f64> = (0..8).map(|k| 10.0 + f64::from(k) * 0.2).collect();
+    assert_eq!(run(&fifths).frame_rate().unwrap(), 5.0);
+    assert_eq!(run(&fifths).every(2).frame_rate().unwrap(), 2.5);
+    let thirds: Vec<f64> = (0..8).map(|k| f64::from(k) / 3.0).collect();
+    assert_eq!(run(&thirds).frame_rate().unwrap(), 3.0);
+    let slow: Vec<f64> = (0..8).map(|k| 0.3 + f64::from(k) * 1.6).collect();
+    assert_eq!(run(&slow).frame_rate().unwrap(), 0.625);
+    let uneven = [0.0, 0.1, 0.2, 0.25];
+    let path = directory.path().join("out");
+    for said in [
+        pedpy(&run(&uneven), &path).unwrap_err().to_string(),
+        jupedsim(&run(&uneven), &[], &path).unwrap_err().to_string(),
+    ] {
+        assert!(said.contains("run.csv: line 5: column t: t = 0.25 s comes 0.050000 s after"), "{said}");
+        assert!(!path.exists());
+    }
+    assert_eq!(run(&uneven).every(2).frame_rate().unwrap(), 5.0);
+    assert!(run(&[1.0]).frame_rate().unwrap_err().to_string().contains("one frame only"));
+    chaos(&run(&uneven), &path).unwrap();
+}
+
+#[test]
+fn formats_are_as_their_readers_want_them() {
+    let directory = TempDir::new().unwrap();
+    let at = |name: &str| directory.path().join(name);
+    let run = good(&directory);
+    pedpy(&run, &at("t.txt")).unwrap();
+    let text = fs::read_to_string(at("t.txt")).unwrap();
+    let expected = "# framerate: 10.0 fps\n# id frame x/m y/m z/m\n7 0 0.0 0.5 0.0\n3 0 1.0 0.5 0.0\n\
+                    7 1 0.3333333333333333 0.5 0.0\n";
+    assert!(text.starts_with(expected), "{text}");
+    assert_eq!(text.lines().count(), 8);
+
+    chaos(&run, &at("chaos")).unwrap();
+    chaos(&run, &at("chaos")).unwrap();
+    let text = fs::read_to_string(at("chaos/traj001.csv")).unwrap();
+    assert_eq!(text, "0.0,1.0,0.5,0.0\n0.1,1.3333333333333333,0.5,0.0\n0.2,1.6666666666666665,0.5,0.0\n");
+    fs::write(at("chaos/traj002.csv"), "").unwrap();
+    let said = chaos(&run, &at("chaos")).unwrap_err().to_string();
+    assert!(said.contains("traj002.csv: is of another run"), "{said}");
+
+    fs::write(at("t.sqlite"), "what was there before").unwrap();
+    let said = jupedsim(&run, &[], &at("t.sqlite")).unwrap();
+    assert!(said[0].contains("bounding box"), "{said:?}");
+    let database = rusqlite::Connection::open(at("t.sqlite")).unwrap();
+    let one = |query: &str| database.query_row(query, [], |row| row.get::<_, String>(0)).unwrap();
+    assert_eq!(one("SELECT value FROM metadata WHERE key = 'version'"), "2");
+    assert_eq!(one("SELECT value FROM metadata WHERE key = 'fps'"), "10.0");
+    assert_eq!(one("SELECT value FROM metadata WHERE key = 'xmin'"), "-0.5");
+    assert_eq!(one("SELECT count(*) || '' FROM trajectory_data"), "6");
+    assert_eq!(one("SELECT count(*) || '' FROM frame_data, geometry WHERE geometry_hash = hash"), "3");
+    let query = "SELECT pos_x, ori_x, ori_y FROM trajectory_data WHERE frame = 2 AND id = 3";
+    let seen: (f64, f64, f64) =
+        database.query_row(query, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?))).unwrap();
+    assert_eq!(seen.0, 1.0 + 2.0 / 3.0);
+    assert!((seen.1 - 0.968_912_421_710_644_8).abs() < 1e-15, "cos 0.25: {}", seen.1);
+    assert!((seen.2 - 0.247_403_959_254_522_93).abs() < 1e-15, "sin 0.25: {}", seen.2);
+    let left: Vec<_> =
+        fs::read_dir(directory.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 4, "no temporary file is left: {left:?}");
+}
+
+#[test]
+fn agents_are_those_of_the_trial() {
+    let directory = TempDir::new().unwrap();
+    let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
+    let (mut trial, _) = Trial::read(&resources).unwrap();
+    let said = good(&directory).of_trial(&trial).unwrap_err().to_string();
+    assert!(said.contains("column id: there is no agent \"7\" in the Trial \"Trial_push\""), "{said}");
+    trial.agents[0].id = "3".into();
+    trial.agents[1].id = "7".into();
+    trial.agents[2].id = "2b".into();
+    let said = good(&directory).of_trial(&trial).unwrap_err().to_string();
+    assert!(said.contains("has no agent \"2b\""), "{said}");
+    trial.agents.truncate(2);
+    let run = good(&directory).of_trial(&trial).unwrap();
+    assert_eq!((run.ids[0].as_str(), run.frames[0].agents[0].position.x), ("3", 1.0));
+    assert_eq!(run.names().numbers, [3, 7]);
+    let named = Run { ids: vec!["3".into(), "b".into()], ..run };
+    assert_eq!((named.names().numbers, named.names().are_ids), (vec![0, 1], false));
+}
