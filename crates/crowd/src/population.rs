@@ -116,7 +116,7 @@ pub enum PopulationError {
     #[error("{} statistics, {}: {error}", sex.name(), measure.name())]
     Statistics { sex: Sex, measure: Measure, error: TruncatedNormalError },
     #[error(
-        "{} statistics, {}: {limit} = {value} {unit}: people measure {} to {} {unit}",
+        "{} statistics, {}: {limit} = {value:.3} {unit}: people measure {} to {} {unit}",
         sex.name(), measure.name(), measure.possible()[0], measure.possible()[1], unit = measure.unit()
     )]
     Impossible { sex: Sex, measure: Measure, limit: &'static str, value: f64 },
