@@ -11,7 +11,8 @@ use lemons_decision::{Person, Plan, Wishes};
 use std::path::PathBuf;
 
 /// In a Trial's directory, if it is not named otherwise.
-const WISHES_FILE: &str = "decision.toml";
+/// In a Trial's directory.
+pub const WISHES_FILE: &str = "decision.toml";
 
 /// Wishes of everybody, as short as they can be.
 const SHORTEST: &str = "  desired_speed = 1.34

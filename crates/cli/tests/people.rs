@@ -267,7 +267,7 @@ fn mixed_crowds_go_into_the_light_file_only() {
     }
     for (option, file) in [("-o", "T"), ("--zip", "t.zip"), ("--fmu", "t.fmu")] {
         let refused = lemons(at, &[&mixed[..], &[option, file]].concat());
-        assert_code(&refused, 1);
+        assert_code(&refused, 2);
         let said = err(&refused);
         assert!(said.contains(option) && said.contains("the mechanics takes pedestrians only"), "{said}");
         assert!(!at.join(file).exists());

@@ -6,16 +6,17 @@ use super::placing::PlacingArguments;
 use super::source::{CUSTOM_HELP, Mixed, SourceArguments};
 use super::{Output, line, refuse_same, within};
 use crate::binary::CROWD;
+use crate::decide::WISHES_FILE;
 use crate::pack::{FmuArguments, write_fmu};
 use crate::{Misused, TrialHasErrors};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 use crowd_mechanics::engine::{Rotation, Vec2, vec2};
-use crowd_mechanics::pack::Binary;
+use crowd_mechanics::pack::{Binary, DRIVE_FILE};
 use crowd_mechanics::trial::Trial;
 use lemons_crowd::{
-    Agent, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TrialSettings, crowd_csv, crowd_trial,
-    light_xml, may_write, write_geojson, write_trial, write_trial_zip, write_wkt,
+    Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TrialSettings, crowd_csv,
+    crowd_trial, light_xml, may_write, write_geojson, write_trial, write_trial_zip, write_wkt,
 };
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::io::{self, Write};
@@ -188,7 +189,19 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         makeable.as_ref().map_err(|error| anyhow!("no Trial of {}: {error}", place.name))?;
     }
     if let Some(directory) = &trial.output {
-        may_write(directory, trial.overwrite()).context(if trial.force { "-o" } else { "-o (--force)" })?;
+        may_write(directory, trial.overwrite()).context(if trial.force {
+            "-o"
+        } else {
+            "-o (unless --force)"
+        })?;
+        for file in [DRIVE_FILE, WISHES_FILE] {
+            if directory.join(file).is_file() {
+                eprintln!(
+                    "warning: {} of the Trial that was there stays, and is used",
+                    directory.join(file).display()
+                );
+            }
+        }
     }
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
     let mut outputs = arguments.outputs()?;
@@ -196,12 +209,22 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
 
     let agents: Vec<Agent> = population.agents(*seed).take(wanted.number).collect();
     let shapes = agents.iter().map(shape).collect::<Result<Vec<Shape>>>()?;
+    if !others.sections.is_empty() || others.obj.is_some() || others.stl.is_some() {
+        for (k, person) in agents.iter().enumerate().filter_map(|(k, agent)| Some((k, pedestrian(agent)?))) {
+            Body3d::possible(&person).with_context(|| format!("agent {k}"))?;
+        }
+    }
     let started = Instant::now();
     let packing = placing.run(&shapes, &place, wanted, *seed, &interrupt)?;
     let seconds = started.elapsed().as_secs_f64();
     let ground =
         if place.region.is_plane() { shapes.len() as f64 / packing.density } else { place.region.area() };
-    let covered: f64 = shapes.iter().map(|shape| shape.moments().area).sum();
+    // Of a bicycle the two rectangles, not the disks that keep others off them.
+    let area = |(agent, shape): (&Agent, &Shape)| match agent {
+        Agent::Pedestrian(_) => shape.moments().area,
+        Agent::Bicycle(bicycle) => bicycle.area(),
+    };
+    let covered: f64 = agents.iter().zip(&shapes).map(area).sum();
 
     // Printed when all is written: who closes the pipe early has the files nevertheless.
     let mut out = Vec::new();
@@ -357,10 +380,11 @@ impl Arguments {
             ("--png", &self.others.png),
         ];
         if let Some((option, _)) = asked.iter().find(|(_, path)| path.is_some()) {
-            bail!(
+            let message = format!(
                 "{option}: the mechanics takes pedestrians only, and a part of this crowd rides bicycles \
                  (pedestrians below 1): --light-xml FILE.xml writes a mixed crowd"
             );
+            return Err(Misused(message).into());
         }
         Ok(())
     }

@@ -156,6 +156,21 @@ impl Body3d {
     /// # Errors
     /// A measure is not a number or nobody's, or the depth exceeds the breadth.
     pub fn of(person: &Person) -> Result<Body3d, BodyError> {
+        Body3d::possible(person)?;
+        let (mut skins, girth_factor) = fit(&Template::of(person), person.mass / BODY_DENSITY);
+        skins.lean_arm();
+        let Skins { trunk, arm, leg } = skins;
+        let (right_arm, right_leg) = (other_side(&arm), other_side(&leg));
+        let rings = [trunk, arm, right_arm, leg, right_leg];
+        let tubes = Part::ALL.into_iter().zip(rings).map(|(part, rings)| Tube { part, rings }).collect();
+        Ok(Body3d { person: *person, tubes, girth_factor }.about_torso())
+    }
+
+    /// Whether a person can have a body.
+    ///
+    /// # Errors
+    /// As [`Body3d::of`].
+    pub fn possible(person: &Person) -> Result<(), BodyError> {
         let given = [person.breadth, person.depth, person.stature, person.mass];
         for (value, (measure, unit, least, most)) in given.into_iter().zip(LIMITS) {
             if !(least..=most).contains(&value) {
@@ -165,13 +180,7 @@ impl Body3d {
         if person.depth > person.breadth {
             return Err(BodyError::DeeperThanBroad { depth: person.depth, breadth: person.breadth });
         }
-        let (mut skins, girth_factor) = fit(&Template::of(person), person.mass / BODY_DENSITY);
-        skins.lean_arm();
-        let Skins { trunk, arm, leg } = skins;
-        let (right_arm, right_leg) = (other_side(&arm), other_side(&leg));
-        let rings = [trunk, arm, right_arm, leg, right_leg];
-        let tubes = Part::ALL.into_iter().zip(rings).map(|(part, rings)| Tube { part, rings }).collect();
-        Ok(Body3d { person: *person, tubes, girth_factor }.about_torso())
+        Ok(())
     }
 
     /// Moved so that the section at the torso's altitude has its centroid on the axis.
