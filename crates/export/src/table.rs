@@ -1,16 +1,18 @@
 //! The table that `lemons run` writes.
 
-use crate::{ExportError, Frame, Run};
+use crate::{ExportError, Frame, Observed, Run};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::trial::AgentDynamics;
 use std::collections::HashMap;
 use std::path::Path;
 
 const COLUMNS: [&str; 8] = ["t", "id", "x", "y", "vx", "vy", "theta", "omega"];
+/// Read where all of them are there.
+const OBSERVED: [&str; 4] = ["agent_contacts", "wall_contacts", "contacting_agents", "normal_force"];
 
 impl Run {
-    /// Reads `trajectories.csv`: the columns t, id, x, y, vx, vy, theta, omega in any order, further ones do
-    /// not matter; all agents at one time, then all at the next.
+    /// Reads `trajectories.csv`: the columns t, id, x, y, vx, vy, theta, omega in any order, the contact
+    /// counts and the squeeze where they are there, further ones do not matter; all agents at one time, then all at the next.
     ///
     /// # Errors
     /// What is wrong, with line and column.
@@ -36,6 +38,7 @@ fn read(path: &Path, file: impl std::io::Read) -> Result<Run, String> {
     for (place, name) in columns.iter_mut().zip(COLUMNS) {
         *place = column(name)?;
     }
+    let observed: Option<Vec<usize>> = OBSERVED.iter().map(|name| column(name).ok()).collect();
     let mut builder = Builder::default();
     let mut row = csv::StringRecord::new();
     while reader.read_record(&mut row).map_err(broken)? {
@@ -53,7 +56,21 @@ fn read(path: &Path, file: impl std::io::Read) -> Result<Run, String> {
             fp: Vec2::ZERO,
             mp: 0.0,
         };
-        builder.add(line, number(0)?, &row[columns[1]], agent)?;
+        let wrong = |k: usize, what: &str| {
+            let place = observed.as_ref().map_or(0, |places| places[k]);
+            format!("line {line}: column {}: {:?} is no {what}", OBSERVED[k], &row[place])
+        };
+        let seen = observed.as_ref().map(|places| {
+            let count = |k: usize| row[places[k]].parse::<u32>().map_err(|_| wrong(k, "number of contacts"));
+            let force = row[places[3]].parse::<f64>().ok().filter(|force| *force >= 0.0 && force.is_finite());
+            Ok::<_, String>(Observed {
+                agent_contacts: count(0)?,
+                wall_contacts: count(1)?,
+                contacting_agents: count(2)?,
+                normal_force: force.ok_or_else(|| wrong(3, "squeeze in newtons"))?,
+            })
+        });
+        builder.add(line, number(0)?, &row[columns[1]], (agent, seen.transpose()?))?;
     }
     builder.finish(path)
 }
@@ -72,17 +89,20 @@ fn broken(error: csv::Error) -> String {
     }
 }
 
+/// Of one agent at one time.
+type Seen = (AgentDynamics, Option<Observed>);
+
 #[derive(Default)]
 struct Builder {
     ids: Vec<String>,
     places: HashMap<String, usize>,
     frames: Vec<Frame>,
     /// Of the newest frame, by place.
-    agents: Vec<Option<AgentDynamics>>,
+    agents: Vec<Option<Seen>>,
 }
 
 impl Builder {
-    fn add(&mut self, line: u64, time: f64, id: &str, agent: AgentDynamics) -> Result<(), String> {
+    fn add(&mut self, line: u64, time: f64, id: &str, agent: Seen) -> Result<(), String> {
         match self.frames.last().map(|frame| frame.time) {
             Some(last) if time == last => {}
             Some(last) if time < last => {
@@ -93,7 +113,8 @@ impl Builder {
             _ => {
                 self.close()?;
                 let place = format!("line {line}");
-                self.frames.push(Frame { time, agents: Vec::new(), interactions: None, place });
+                let (agents, observed, interactions) = (Vec::new(), None, None);
+                self.frames.push(Frame { time, agents, observed, interactions, place });
             }
         }
         if id.is_empty() {
@@ -120,7 +141,8 @@ impl Builder {
             let missing = || format!("{}: at t = {:?} s agent {id:?} is missing", frame.place, frame.time);
             agent.take().ok_or_else(missing)
         });
-        frame.agents = all.collect::<Result<_, _>>()?;
+        let (agents, observed): (_, Vec<_>) = all.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        (frame.agents, frame.observed) = (agents, observed.into_iter().collect());
         Ok(())
     }
 
