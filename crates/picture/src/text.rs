@@ -2,6 +2,9 @@
 
 use std::fmt::Write;
 
+/// Decimals of a length in pixels.
+pub(crate) const PX: usize = 2;
+
 /// The largest of 1, 2, 5 · 10ⁿ that is not above.
 pub(crate) fn round_below(limit: f64) -> f64 {
     let mut best = 1e-6;
