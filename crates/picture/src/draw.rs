@@ -1,5 +1,6 @@
 //! One scene on a page.
 
+use crate::colour::Colour;
 use crate::colouring::Colouring;
 use crate::furniture::{Header, colour_bar, footer_height, lettered, scale_bar, small};
 use crate::lettering::{Anchor, Place};
@@ -33,7 +34,7 @@ pub fn svg(scene: &Scene, style: &Style) -> String {
     let page = Page { unit, width, height };
 
     let mut out = String::new();
-    begin(&mut out, &page, &scene.trial.name, &look);
+    begin(&mut out, &page, &scene.trial.name, look.palette.paper);
     world(&mut out, scene, &look, &frame, &colouring);
     if let Some(text) = &time {
         let x = if alone { frame.left } else { margin };
@@ -57,12 +58,12 @@ pub(crate) fn stamp(t: f64) -> String {
 }
 
 /// The page itself, of the colour of paper.
-pub(crate) fn begin(out: &mut String, page: &Page, title: &str, look: &Look) {
+pub(crate) fn begin(out: &mut String, page: &Page, title: &str, paper: Colour) {
     let (w, h) = (text_of(page.width, PX), text_of(page.height, PX));
     *out += &format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" role=\"img\">\n\
          <title>{}</title>\n<rect width=\"{w}\" height=\"{h}\" fill=\"{}\"/>\n",
         escaped(title),
-        look.palette.paper
+        paper
     );
 }

@@ -89,7 +89,7 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
     let page = Page { unit, width, height };
 
     let mut out = String::new();
-    begin(&mut out, &page, scenes.first().map_or("", |s| &s.trial.name), &look);
+    begin(&mut out, &page, scenes.first().map_or("", |s| &s.trial.name), look.palette.paper);
     for (k, (panel, colouring)) in panels.iter().zip(&colourings).enumerate() {
         let (column, row) = (k % columns, k / columns);
         let left = margin + column as f64 * (cell + GUTTER * unit);
