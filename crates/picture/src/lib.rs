@@ -17,14 +17,18 @@ mod animation;
 mod body;
 mod chart;
 mod colour;
+mod colouring;
 mod density;
 mod draw;
+mod furniture;
 mod lettering;
+mod page;
 mod raster;
 mod scene;
 mod sheet;
 mod style;
 mod text;
+mod world;
 
 pub use animation::{Animation, AnimationFormat};
 pub use body::body_area;

@@ -2,6 +2,9 @@
 
 use std::fmt::Write;
 
+/// Decimals of a length in pixels.
+pub(crate) const PX: usize = 2;
+
 /// The largest of 1, 2, 5 · 10ⁿ that is not above.
 pub(crate) fn round_below(limit: f64) -> f64 {
     let mut best = 1e-6;
@@ -15,6 +18,16 @@ pub(crate) fn round_below(limit: f64) -> f64 {
         }
     }
     best
+}
+
+/// The smallest of 1, 2, 5 · 10ⁿ that is not below.
+pub(crate) fn round_above(limit: f64) -> f64 {
+    let power = limit.log10().floor().clamp(-300.0, 307.0) as i32;
+    let whole = |digit: f64, power: i32| {
+        if power < 0 { digit / 10f64.powi(-power) } else { digit * 10f64.powi(power) }
+    };
+    let steps = [whole(1.0, power), whole(2.0, power), whole(5.0, power), whole(10.0, power)];
+    steps.into_iter().find(|s| *s >= limit * (1.0 - 1e-12)).unwrap_or(steps[3])
 }
 
 /// Three significant digits.
@@ -121,5 +134,8 @@ mod tests {
         assert_eq!(round_below(0.49), 0.2);
         assert_eq!(round_below(73.0), 50.0);
         assert_eq!(round_below(1.0), 1.0);
+        assert_eq!(round_above(0.21), 0.5);
+        assert_eq!(round_above(0.2), 0.2);
+        assert_eq!(round_above(7.0), 10.0);
     }
 }
