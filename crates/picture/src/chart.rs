@@ -20,6 +20,8 @@ const MOST_NAMED: usize = 8;
 /// \[px\] of a line with a name, and of one of a crowd.
 const STROKE: f64 = 1.6;
 const THIN: f64 = 0.7;
+/// \[px\] from one line in steps to the next where they are equal.
+const ASIDE: f64 = 1.7;
 /// \[px\] dash and gap.
 const DASH: (f64, f64) = (4.2, 2.6);
 /// \[px\] between two panels, below the names of the ticks of the upper one.
@@ -95,7 +97,8 @@ impl Default for ChartStyle {
 /// The chart as SVG: a group `chart-panel` per panel with its `grid` and `lines`, then `legend`.
 ///
 /// Up to eight lines have their colour, and their name at the end. More are a crowd: thin grey lines, with
-/// the median of all and the one that gets highest on top of them. Curves of more points than can be seen
+/// the median of all and the one that gets highest on top of them. Few lines in steps, which would hide each
+/// other where counts are equal, stand a little above each other. Curves of more points than can be seen
 /// lose none of their extremes.
 pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let palette = Palette::of(style.theme);
@@ -177,7 +180,7 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
         fitting(&mut out, "label", &title, place, width - 2.0 * margin, palette.ink);
         out += "<g class=\"lines\" fill=\"none\" stroke-linejoin=\"round\">\n";
         for stroke in &ready.strokes {
-            stroke.draw(&mut out, panel.steps, unit, across, up);
+            stroke.draw(&mut out, panel.steps, unit, across, |v| up(v) - stroke.aside);
         }
         out += "</g>\n";
         ready.names(&mut out, (above, bottom), right, (width - margin - right).max(unit), unit, across, up);
@@ -273,6 +276,8 @@ struct Stroke {
     colour: Colour,
     /// \[px\]
     width: f64,
+    /// \[px\] drawn so far above its place.
+    aside: f64,
     opacity: f64,
     dashed: bool,
     /// At its end.
@@ -300,6 +305,14 @@ impl Ready {
         } else {
             crowd(panel, &lines, x, unit, palette)
         };
+        let mut strokes = strokes;
+        if panel.steps && groups.len() <= MOST_NAMED {
+            let each = (ASIDE * unit).min(0.4 * tall / (y.high - y.low) / groups.len() as f64);
+            for (stroke, line) in strokes.iter_mut().zip(&lines) {
+                let place = groups.iter().position(|g| *g == line.group).unwrap_or(0);
+                stroke.aside = each * place as f64;
+            }
+        }
         Ready { y, ticks, strokes }
     }
 
@@ -387,6 +400,7 @@ fn named(lines: &[&Line], unit: f64, palette: &Palette) -> Vec<Stroke> {
         points: line.points.clone(),
         colour: palette.series(line.group),
         width: STROKE * unit,
+        aside: 0.0,
         opacity: 1.0,
         dashed: line.dashed,
         name: speaker(line).is_some_and(|s| std::ptr::eq(s, *line)).then(|| line.name.clone()),
@@ -403,6 +417,7 @@ fn crowd(panel: &ChartPanel, lines: &[&Line], x: Range, unit: f64, palette: &Pal
         points: line.points.clone(),
         colour: palette.ink,
         width: THIN * unit,
+        aside: 0.0,
         opacity,
         dashed: line.dashed,
         name: None,
@@ -420,6 +435,7 @@ fn crowd(panel: &ChartPanel, lines: &[&Line], x: Range, unit: f64, palette: &Pal
         points,
         colour,
         width: STROKE * unit,
+        aside: 0.0,
         opacity: 1.0,
         dashed: false,
         title: name.clone(),
@@ -428,7 +444,8 @@ fn crowd(panel: &ChartPanel, lines: &[&Line], x: Range, unit: f64, palette: &Pal
     // The first of those that get equally high.
     let highest = solid.iter().copied().reduce(|a, b| if top(b) > top(a) { b } else { a });
     if let Some(line) = highest {
-        strokes.push(strong("highest", line.points.clone(), palette.series(1), line.name.clone()));
+        let name = format!("{} (max)", line.name);
+        strokes.push(strong("highest", line.points.clone(), palette.series(1), name));
     }
     let mut each: Vec<_> = solid.iter().map(|l| Reader { points: &l.points, next: 0 }).collect();
     let median = (0..=SAMPLES).map(|k| {
