@@ -223,8 +223,10 @@ fn bodies(
             "<g class=\"bodies\" fill=\"none\" stroke=\"#ffffff\" stroke-opacity=\".75\" stroke-width=\"{stroke}\">\n"
         );
     } else {
+        // Of one colour, bodies are only the ground on which the trails' colours are compared.
+        let pale = if colouring.scale.is_none() && measured(&[scene]) { " fill-opacity=\".4\"" } else { "" };
         *out += &format!(
-            "<g class=\"bodies\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{stroke}\">\n",
+            "<g class=\"bodies\" fill=\"{}\"{pale} stroke=\"{}\" stroke-width=\"{stroke}\">\n",
             colouring.single, palette.outline
         );
     }
