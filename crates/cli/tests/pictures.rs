@@ -52,8 +52,8 @@ fn places(svg: &str) -> Vec<(f64, f64)> {
 fn a_scene_is_where_the_run_was() {
     let directory = push();
     let at = directory.path();
-    let text = svg(at, &["trajectories.csv", "--trial", "push", "--at", "0.5", "--fill", "squeeze"]);
-    let (rows, drawn) = (rows_at(at, 0.5), places(&text));
+    let text = svg(at, &["trajectories.csv", "--trial", "push", "--at", "0.4", "--fill", "squeeze"]);
+    let (rows, drawn) = (rows_at(at, 0.4), places(&text));
     assert_eq!(drawn.len(), 5);
     for (row, place) in rows.iter().zip(drawn) {
         assert!((row[2] - place.0).abs() < 6e-5 && (row[3] - place.1).abs() < 6e-5, "{row:?} {place:?}");
@@ -61,7 +61,7 @@ fn a_scene_is_where_the_run_was() {
     let greatest = rows.iter().map(|row| row[11]).fold(0.0, f64::max);
     let labels = labels(&text);
     assert!(greatest > 10.0);
-    assert!(labels.contains(&"t = 0.50 s") && labels.contains(&"squeeze (N)"), "{labels:?}");
+    assert!(labels.contains(&"t = 0.40 s") && labels.contains(&"squeeze (N)"), "{labels:?}");
     let high: f64 = labels[labels.iter().position(|l| *l == "squeeze (N)").unwrap() - 1].parse().unwrap();
     assert!((high / greatest - 1.0).abs() < 0.01, "{labels:?}, {greatest} N");
 }
@@ -73,7 +73,7 @@ fn a_trial_its_table_and_its_series_give_one_picture() {
     for look in [&["--fill", "squeeze", "--forces", "--trails"][..], &["--fill", "contacts", "--ids"]] {
         let times = ["--at", "0.2,0.4,1"];
         let of_table = svg(at, &[&["trajectories.csv", "--trial", "push"], &times[..], look].concat());
-        assert_eq!(labels(&of_table).iter().filter(|label| label.starts_with("t = ")).count(), 3);
+        assert_eq!(labels(&of_table).iter().filter(|label| label.contains("t = ")).count(), 3);
         assert!(of_table == svg(at, &[&["push"], &times[..], look].concat()));
         // A series has no frame at the start, where a trail begins.
         let without = |text: &str| text.lines().filter(|line| !line.contains("=\"halo\"")).count();
@@ -129,7 +129,7 @@ fn time_series_and_maps() {
     let one = svg(at, &["trajectories.csv", "--series", "speed", "--agents", "3", "--from", "0.5"]);
     assert!(one.contains("<title>3</title>") && !one.contains("<title>2</title>"));
     let map = svg(at, &["trajectories.csv", "--trial", "push", "--density"]);
-    assert!(map.contains("class=\"density\"") && !map.contains("class=\"bodies\""));
+    assert!(map.contains("class=\"density\"") && places(&map).is_empty());
     assert!(labels(&map).iter().any(|label| label.contains("density")), "{:?}", labels(&map));
 }
 
@@ -139,12 +139,17 @@ fn mistakes_have_clear_messages() {
     let at = directory.path();
     fs::write(at.join("strangers.csv"), "t,id,x,y\n0,nobody,0,0\n").unwrap();
     let table = fs::read_to_string(at.join("trajectories.csv")).unwrap();
-    let bare: String = table.lines().map(|row| row.split(',').take(8).collect::<Vec<_>>().join(",") + "\n").collect();
+    let bare: String =
+        table.lines().map(|row| row.split(',').take(8).collect::<Vec<_>>().join(",") + "\n").collect();
     fs::write(at.join("bare.csv"), bare).unwrap();
     for (arguments, code, expected) in [
         (&["plot", "push", "-o", "a.jpg"][..], 2, "a.jpg: pictures are .png or .svg"),
         (&["plot", "trajectories.csv"], 1, "give the Trial or FMU that ran"),
-        (&["plot", "trajectories.csv", "--trial", "push", "--at", "2"], 1, "t = 2.0 s is not in it: it goes from 0.0 to 1.0 s"),
+        (
+            &["plot", "trajectories.csv", "--trial", "push", "--at", "2"],
+            1,
+            "t = 2.0 s is not in it: it goes from 0.0 to 1.0 s",
+        ),
         (&["plot", "push", "--at", "-1"], 2, "--at"),
         (&["plot", "push", "--fill", "mood"], 2, "area, speed, squeeze, contacts"),
         (&["plot", "push", "--view", "1,1,0,0"], 2, "lower left"),
@@ -155,9 +160,13 @@ fn mistakes_have_clear_messages() {
         (&["plot", "push", "--measured", "strangers.csv"], 1, "there is no agent \"nobody\""),
         (&["plot", "bare.csv", "--series", "squeeze"], 1, "does not say the squeeze"),
         (&["plot", "trajectories.csv", "--series", "x", "--agents", "9"], 1, "no agent \"9\""),
-        (&["plot", "trajectories.csv", "--trial", "push", "--density", "--from", "3"], 1, "no frame from 3.0"),
+        (
+            &["plot", "trajectories.csv", "--trial", "push", "--density", "--from", "3"],
+            1,
+            "no frame from 3.0",
+        ),
         (&["movie", "push", "-o", "a.avi"], 2, "movies are .mp4, .png or .gif"),
-        (&["movie", "push", "--speed-up", "100", "-o", "a.gif"], 1, "frames: a movie has from 2"),
+        (&["movie", "push", "--speed-up", "1000", "-o", "a.gif"], 1, "frames: a movie has from 2"),
     ] {
         let output = lemons(at, arguments);
         assert_code(&output, code);

@@ -53,7 +53,10 @@ impl Source {
         let runs = self.runs();
         if !runs && (self.drive.is_some() || self.no_drive || self.step.is_some()) {
             let path = self.path.display();
-            return Err(Misused(format!("{path} is the record of a run: --drive, --no-drive and --step are for a run that is made now")).into());
+            return Err(Misused(format!(
+                "{path} is the record of a run: --drive, --no-drive and --step are for a run that is made now"
+            ))
+            .into());
         }
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
         let mut trial = trial_of(&self.path, given)?;
@@ -75,7 +78,9 @@ impl Source {
     /// With shapes and walls.
     pub fn footage(&self, until: Option<f64>) -> Result<Footage> {
         let Opened { trial, run } = self.open(until)?;
-        let need = || format!("{}: give the Trial or FMU that ran, for shapes and walls: --trial", self.path.display());
+        let need = || {
+            format!("{}: give the Trial or FMU that ran, for shapes and walls: --trial", self.path.display())
+        };
         Ok(Footage::new(trial.with_context(need)?, run)?)
     }
 
@@ -87,7 +92,8 @@ impl Source {
 
     /// As `lemons run` does it.
     fn record(&self, until: f64) -> Result<Run> {
-        let directory = tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
+        let directory =
+            tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
         let table = directory.path().join("trajectories.csv");
         let mut words: Vec<OsString> = vec!["run".into(), self.path.clone().into()];
         let mut option = |name: &str, value: OsString| words.extend([name.into(), value]);
