@@ -229,8 +229,8 @@ impl Range {
         if reaches_zero && low > 0.0 && low < 0.6 * high {
             low = 0.0;
         }
-        if high / 2.0 - low / 2.0 <= 1e-12 * high.abs().max(low.abs()) {
-            let grow = if high == 0.0 { 1.0 } else { 0.1 * high.abs() };
+        if high / 2.0 - low / 2.0 <= (1e-12 * high.abs().max(low.abs())).max(1e-250) {
+            let grow = if high.abs() < 1e-250 { 1.0 } else { 0.1 * high.abs() };
             if low == 0.0 && reaches_zero {
                 high = grow;
             } else {

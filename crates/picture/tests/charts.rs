@@ -158,7 +158,7 @@ fn nothing_panics() {
     for a in odd {
         for b in odd {
             for steps in [false, true] {
-                for n in [0, 1, 3, 12] {
+                for n in [0, 1, 12] {
                     let of = |k: usize| {
                         line(k, k % 2 == 1, vec![(0.0, a), (a, b), (b, 1.0), (2.0, 0.0), (1.0, b)])
                     };
@@ -168,7 +168,8 @@ fn nothing_panics() {
                     let style = ChartStyle { width: a, theme: Theme::Dark, aspect: Some(b) };
                     let text = chart_svg(&chart, &style);
                     Document::parse(&text).unwrap();
-                    assert!(!text.contains("NaN") && !text.contains("inf"), "{a} {b}");
+                    let bad = text.find("NaN").or_else(|| text.find("inf"));
+                    assert!(bad.is_none(), "{a:e} {b:e} {n}: {}", &text[bad.unwrap()..][..200]);
                     png(&text, 48).unwrap();
                 }
             }
