@@ -170,7 +170,9 @@ fn nothing_panics() {
                     Document::parse(&text).unwrap();
                     let bad = text.find("NaN").or_else(|| text.find("inf"));
                     assert!(bad.is_none(), "{a:e} {b:e} {n}: {}", &text[bad.unwrap()..][..200]);
-                    png(&text, 48).unwrap();
+                    if n == 12 {
+                        png(&text, 48).unwrap();
+                    }
                 }
             }
         }
