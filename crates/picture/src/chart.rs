@@ -229,8 +229,8 @@ impl Range {
         if reaches_zero && low > 0.0 && low < 0.6 * high {
             low = 0.0;
         }
-        if high / 2.0 - low / 2.0 <= 1e-12 * high.abs().max(low.abs()) {
-            let grow = if high == 0.0 { 1.0 } else { 0.1 * high.abs() };
+        if high / 2.0 - low / 2.0 <= (1e-12 * high.abs().max(low.abs())).max(1e-250) {
+            let grow = if high.abs() < 1e-250 { 1.0 } else { 0.1 * high.abs() };
             if low == 0.0 && reaches_zero {
                 high = grow;
             } else {
@@ -326,7 +326,7 @@ impl Ready {
             .strokes
             .iter()
             .filter_map(|s| {
-                let (_, y) = s.points.iter().rev().find(|p| drawable(p))?;
+                let (_, y) = s.points.iter().rev().find(drawable)?;
                 Some((up(*y) - s.aside, s.name.as_deref().filter(|n| !n.is_empty())?, s.colour))
             })
             .collect();
@@ -482,7 +482,7 @@ impl Reader<'_> {
         while self.points.get(self.next).is_some_and(|p| p.0 <= x || p.0.is_nan()) {
             self.next += 1;
         }
-        let before = self.points[..self.next].last().filter(|p| drawable(p))?;
+        let before = self.points[..self.next].last().filter(drawable)?;
         if steps || before.0 == x {
             return (self.next < self.points.len() || before.0 == x).then_some(before.1);
         }

@@ -124,6 +124,15 @@ fn drawable_forces<'a>(scene: &'a Scene) -> impl Iterator<Item = &'a Force> {
 /// Draws the scene where the frame has it.
 pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame, colouring: &Colouring) {
     let Look { style, palette, .. } = look;
+    let pale;
+    let colouring = if colouring.scale.is_none() && measured(&[scene]) {
+        // Of one colour, bodies are only the ground on which the trails' colours are compared.
+        let single = colouring.single.mixed(palette.paper, 0.6);
+        pale = Colouring { single, ..colouring.clone() };
+        &pale
+    } else {
+        colouring
+    };
     let drawn: Vec<_> = scene
         .drawn()
         .filter(|(_, pose, body)| style.bodies.shown() && !frame.misses(pose.position, body.reach))
@@ -223,10 +232,8 @@ fn bodies(
             "<g class=\"bodies\" fill=\"none\" stroke=\"#ffffff\" stroke-opacity=\".75\" stroke-width=\"{stroke}\">\n"
         );
     } else {
-        // Of one colour, bodies are only the ground on which the trails' colours are compared.
-        let pale = if colouring.scale.is_none() && measured(&[scene]) { " fill-opacity=\".4\"" } else { "" };
         *out += &format!(
-            "<g class=\"bodies\" fill=\"{}\"{pale} stroke=\"{}\" stroke-width=\"{stroke}\">\n",
+            "<g class=\"bodies\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{stroke}\">\n",
             colouring.single, palette.outline
         );
     }
