@@ -5,12 +5,14 @@
 
 use crate::colour::{Colour, Palette};
 use crate::colouring::titled;
+use crate::curve::{apart, extremes, thinned};
 use crate::draw::begin;
 use crate::furniture::{Entry, Header, lettered, small};
 use crate::lettering::{self, Anchor, Place};
 use crate::page::{CAP_HEIGHT, MARGIN, NOMINAL_WIDTH, Page, page_width};
+use crate::range::Range;
 use crate::style::Theme;
-use crate::text::{PX, escaped, pair, round_above, short, text_of};
+use crate::text::{PX, escaped, pair, text_of};
 use std::collections::BTreeSet;
 
 /// Part of the lettering of a scene's page.
@@ -211,64 +213,6 @@ fn fitting(out: &mut String, class: &str, text: &str, place: Place, room: f64, c
     }
 }
 
-/// The values that an axis shows.
-#[derive(Debug, Clone, Copy)]
-struct Range {
-    low: f64,
-    high: f64,
-}
-
-impl Range {
-    /// All values; with zero where it is not far, for an axis that `reaches_zero`.
-    fn around(values: impl Iterator<Item = f64>, reaches_zero: bool) -> Range {
-        let (mut low, mut high) =
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        if low > high {
-            (low, high) = (0.0, 1.0);
-        }
-        if reaches_zero && low > 0.0 && low < 0.6 * high {
-            low = 0.0;
-        }
-        if high / 2.0 - low / 2.0 <= (1e-12 * high.abs().max(low.abs())).max(1e-250) {
-            let grow = if high.abs() < 1e-250 { 1.0 } else { 0.1 * high.abs() };
-            if low == 0.0 && reaches_zero {
-                high = grow;
-            } else {
-                (low, high) = (low - grow, high + grow);
-            }
-        }
-        Range { low: low.max(-1e307), high: high.min(1e307) }
-    }
-
-    /// Space beyond the curves, but not below zero.
-    fn airy(self) -> Range {
-        let air = 0.05 * (self.high - self.low);
-        let low = if self.low == 0.0 { 0.0 } else { self.low - air };
-        Range { low, high: self.high + air }
-    }
-
-    fn part(self, v: f64) -> f64 {
-        ((v - self.low) / (self.high - self.low)).clamp(-0.1, 1.1)
-    }
-
-    /// Round numbers, about so many; whole ones for counts.
-    fn ticks(self, about: f64, whole: bool) -> Vec<(f64, String)> {
-        let mut step = round_above((self.high - self.low) / about);
-        if whole {
-            step = step.max(1.0);
-        }
-        let first = (self.low / step).ceil();
-        let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
-        let plain = (1e-4..1e6).contains(&step) && self.high.abs().max(self.low.abs()) < 1e6;
-        (0..100)
-            .map(|k| first + f64::from(k))
-            .map(|k| k * step)
-            .take_while(|v| *v <= self.high * (1.0 + 1e-12 * self.high.signum()))
-            .map(|v| (v, if plain { text_of(v, decimals) } else { short(v) }))
-            .collect()
-    }
-}
-
 /// A curve to be drawn.
 struct Stroke {
     class: &'static str,
@@ -351,48 +295,6 @@ fn step_aside(strokes: &mut [Stroke], lines: &[&Line], groups: &BTreeSet<usize>,
         let place = groups.range(..line.group).count() as f64;
         stroke.aside = each * if many { place - 0.5 * n } else { place };
     }
-}
-
-/// Sorted places at least `step` apart, as near as can be to where they were, all within the limits as long
-/// as there is room.
-fn apart(mut y: Vec<f64>, step: f64, low: f64, high: f64) -> Vec<f64> {
-    let n = y.len();
-    if n == 0 {
-        return y;
-    }
-    let step = if n > 1 { step.min((high - low).max(0.0) / (n - 1) as f64) } else { step };
-    // Neighbours that are too near become one block about their middle, until none are.
-    let mut blocks: Vec<(f64, usize)> = Vec::new();
-    for v in y.drain(..) {
-        let mut block = (v, 1);
-        while let Some(&(middle, count)) = blocks.last() {
-            let reach = 0.5 * step * (count + block.1) as f64;
-            if block.0 - middle >= reach {
-                break;
-            }
-            let all = (count + block.1) as f64;
-            block = ((middle * count as f64 + block.0 * block.1 as f64) / all, count + block.1);
-            blocks.pop();
-        }
-        let half = 0.5 * step * (block.1 - 1) as f64;
-        block.0 = block.0.min(high - half).max(low + half);
-        blocks.push(block);
-    }
-    let mut placed: Vec<f64> = blocks
-        .iter()
-        .flat_map(|(middle, count)| {
-            (0..*count).map(move |k| middle + step * (k as f64 - 0.5 * (*count as f64 - 1.0)))
-        })
-        .collect();
-    // A block held back by a limit may meet its neighbour.
-    for k in (0..n.saturating_sub(1)).rev() {
-        placed[k] = placed[k].min(placed[k + 1] - step);
-    }
-    placed[0] = placed[0].max(low);
-    for k in 1..n {
-        placed[k] = placed[k].max(placed[k - 1] + step);
-    }
-    placed
 }
 
 /// A few lines, each with its colour and one name per group.
@@ -541,48 +443,4 @@ impl Stroke {
             escaped(&self.title)
         );
     }
-}
-
-/// Of the points in one column of pixels: first, lowest, highest, last.
-fn extremes(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
-    let mut kept = Vec::new();
-    let place = |p: &(f64, f64)| (p.0 / column).floor();
-    for chunk in points.chunk_by(|a, b| place(a) == place(b)) {
-        if chunk.len() <= 4 {
-            kept.extend_from_slice(chunk);
-            continue;
-        }
-        let by = |best: fn(f64, f64) -> bool| {
-            (0..chunk.len()).reduce(|a, b| if best(chunk[b].1, chunk[a].1) { b } else { a }).unwrap_or(0)
-        };
-        let wanted = BTreeSet::from([0, by(|a, b| a < b), by(|a, b| a > b), chunk.len() - 1]);
-        kept.extend(wanted.into_iter().map(|k| chunk[k]));
-    }
-    kept
-}
-
-/// Points without which the line is the same to within the tolerance left out (Ramer, Douglas, Peucker).
-fn thinned(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
-    let mut keep = vec![false; points.len()];
-    let [.., _] = points else { return Vec::new() };
-    let last = points.len() - 1;
-    (keep[0], keep[last]) = (true, true);
-    let mut open = vec![(0, last)];
-    while let Some((a, b)) = open.pop() {
-        let (p, q) = (points[a], points[b]);
-        let (dx, dy) = (q.0 - p.0, q.1 - p.1);
-        let length = dx.hypot(dy);
-        let off = |m: usize| {
-            let (x, y) = (points[m].0 - p.0, points[m].1 - p.1);
-            if length > 0.0 { (x * dy - y * dx).abs() / length } else { x.hypot(y) }
-        };
-        let far = (a + 1..b).map(|m| (off(m), m)).reduce(|s, t| if t.0 > s.0 { t } else { s });
-        if let Some((distance, m)) = far
-            && distance > tolerance
-        {
-            keep[m] = true;
-            open.extend([(a, m), (m, b)]);
-        }
-    }
-    points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
 }

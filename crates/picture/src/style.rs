@@ -23,7 +23,8 @@ pub struct Style {
     pub time: Option<f64>,
     /// The bodies; hidden for a map of density alone.
     pub bodies: Visibility,
-    /// \[N\] the force that is drawn widest; the largest of the picture when `None`.
+    /// \[N\] the force that is drawn widest; the largest of the picture when `None`. Given, its legend is
+    /// there even when no force is: a movie's.
     pub forces: Option<f64>,
 }
 

@@ -1,15 +1,16 @@
 //! Everything to scale, in metres.
 
-use crate::body::{Body, TENTH_OF_MM, point};
+use crate::body::{Body, point};
 use crate::colour::{Colour, Palette};
-use crate::colouring::{Colouring, Scale};
+use crate::colouring::Colouring;
 use crate::furniture::Entry;
+use crate::isobands::isobands;
 use crate::lettering::{self, Anchor, PEN, Place, Up};
+use crate::overlay::{forces, trails};
 use crate::page::{Frame, MARGIN};
 use crate::scene::{Force, Pose, Scene, TrailKind, near};
 use crate::style::Style;
 use crate::text::{PX, escaped, number, round_below, text_of};
-use contour::ContourBuilder;
 use crowd_mechanics::engine::{Rotation, Vec2, vec2};
 use std::fmt::Write;
 
@@ -24,19 +25,11 @@ const FORCE_STROKE: f64 = 6.0;
 /// The widest line of force, as a part of the square root of a body's area.
 const FORCE_PART: f64 = 0.2;
 /// \[px\] of the halo on each side of a line of force; no more than the line itself is wide.
-const FORCE_HALO: f64 = 0.8;
+pub(crate) const FORCE_HALO: f64 = 0.8;
 /// \[px\]
-const TRAIL_STROKE: f64 = 1.5;
-/// \[px\] on each side.
-const TRAIL_HALO: f64 = 0.9;
+pub(crate) const TRAIL_STROKE: f64 = 1.5;
 /// \[px\] dash and gap of what is measured.
-const DASH: (f64, f64) = (4.2, 2.6);
-/// \[px\] Points of a trail nearer than this to the last one are left out.
-const TRAIL_STEP: f64 = 0.4;
-/// Pieces of different paleness of a trail.
-const AGES: usize = 8;
-/// Shades of a map of density.
-const SHADES: usize = 24;
+pub(crate) const DASH: (f64, f64) = (4.2, 2.6);
 
 /// What is drawn the same in every scene of a page.
 pub(crate) struct Look<'a> {
@@ -104,18 +97,18 @@ impl Look<'_> {
     /// \[N\] the round force of the legend.
     fn sample_force(&self, scenes: &[&Scene]) -> Option<f64> {
         let given = self.style.forces.filter(|f| f.is_finite() && *f > 0.0);
-        let forces = || scenes.iter().flat_map(|s| drawable_forces(s)).map(|f| f.normal_force);
-        // A fixed scale is a movie's: its legend stays when nobody is touched.
-        let largest = given.unwrap_or_else(|| forces().fold(0.0, f64::max));
-        (largest > 0.0 && (given.is_some() || forces().next().is_some())).then(|| round_below(largest))
+        let forces = scenes.iter().flat_map(|s| drawable_forces(s)).map(|f| f.normal_force);
+        // A given scale is a movie's: its legend stays when nobody is touched.
+        let largest = given.unwrap_or_else(|| forces.fold(0.0, f64::max));
+        (largest > 0.0).then(|| round_below(largest))
     }
 }
 
-fn measured(scenes: &[&Scene]) -> bool {
+pub(crate) fn measured(scenes: &[&Scene]) -> bool {
     scenes.iter().flat_map(|s| &s.trails).any(|t| t.kind == TrailKind::Measured)
 }
 
-fn drawable_forces<'a>(scene: &'a Scene) -> impl Iterator<Item = &'a Force> {
+pub(crate) fn drawable_forces<'a>(scene: &'a Scene) -> impl Iterator<Item = &'a Force> {
     let drawable =
         |f: &&Force| near(f.from) && near(f.to) && f.normal_force.is_finite() && f.normal_force > 0.0;
     scene.forces.iter().filter(drawable)
@@ -168,7 +161,7 @@ pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame,
 
     let over_density = match (&scene.density, &colouring.scale) {
         (Some(_), Some(scale)) => {
-            density(out, scene, frame, scale);
+            isobands(out, scene, frame, scale);
             true
         }
         _ => false,
@@ -302,160 +295,4 @@ fn id_on(out: &mut String, id: &str, pose: &Pose, body: &Body, fill: Colour, cro
         path(fill, &format!(" stroke-width=\"{}\"", text_of(4.0 * PEN * grid, PX)));
     }
     path(fill.contrast(), "");
-}
-
-/// The pieces of a row of points between those that cannot be drawn, thinned to what can be seen; a lone
-/// point is none.
-fn pieces(points: &[Vec2], step: f64) -> Vec<Vec<Vec2>> {
-    let mut all = Vec::new();
-    for piece in points.split(|p| !near(*p)) {
-        let mut kept: Vec<Vec2> = Vec::new();
-        for (k, p) in piece.iter().enumerate() {
-            let far = kept.last().is_none_or(|last| (*p - *last).norm() >= step);
-            if far || k + 1 == piece.len() {
-                kept.push(*p);
-            }
-        }
-        // Whoever stood still has left no trail: a dot would be all halo.
-        if kept.len() > 2 || matches!(kept[..], [a, b] if (b - a).norm() >= step) {
-            all.push(kept);
-        }
-    }
-    all
-}
-
-fn polyline(d: &mut String, points: &[Vec2]) {
-    for (k, p) in points.iter().enumerate() {
-        d.push(if k == 0 { 'M' } else { 'L' });
-        point(d, *p);
-    }
-}
-
-fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: &Frame) {
-    if scene.trails.is_empty() {
-        return;
-    }
-    let px = frame.unit / frame.scale;
-    let [core, cased, dash, gap] =
-        [TRAIL_STROKE, TRAIL_STROKE + 2.0 * TRAIL_HALO, DASH.0, DASH.1].map(|v| text_of(v * px, 6));
-    let step = TRAIL_STEP * px;
-    if !measured(&[scene]) {
-        // Whose trail it is, the body at its end says. Pieces of one age are one path.
-        let mut ages = vec![String::new(); AGES];
-        for trail in &scene.trails {
-            let n = trail.points.len();
-            for (age, d) in ages.iter_mut().enumerate() {
-                let (from, to) = (age * n / AGES, ((age + 1) * n / AGES + 1).min(n));
-                for piece in pieces(&trail.points[from.min(to)..to], step) {
-                    polyline(d, &piece);
-                }
-            }
-        }
-        *out += "<g class=\"trails\" fill=\"none\" stroke-linecap=\"butt\">\n";
-        for (age, d) in ages.iter().enumerate().filter(|(_, d)| !d.is_empty()) {
-            let opacity = 0.15 + 0.8 * (age + 1) as f64 / AGES as f64;
-            let [halo, line] = [0.6 * opacity, opacity].map(|v| text_of(v, 3));
-            *out += &format!(
-                "<path class=\"halo\" stroke=\"{}\" stroke-width=\"{cased}\" stroke-opacity=\"{halo}\" d=\"{d}\"/>\n\
-                 <path class=\"simulated\" stroke=\"{}\" stroke-width=\"{core}\" stroke-opacity=\"{line}\" d=\"{d}\"/>\n",
-                palette.paper, palette.ink
-            );
-        }
-        *out += "</g>\n";
-        return;
-    }
-    let lines: Vec<_> = scene
-        .trails
-        .iter()
-        .enumerate()
-        .map(|(k, trail)| {
-            let mut d = String::new();
-            pieces(&trail.points, step).iter().for_each(|piece| polyline(&mut d, piece));
-            (trail.kind, palette.series(trail.agent.unwrap_or(k)), d)
-        })
-        .filter(|(_, _, d)| !d.is_empty())
-        .collect();
-    let all: String = lines.iter().map(|(_, _, d)| d.as_str()).collect();
-    *out += &format!(
-        "<g class=\"trails\" fill=\"none\">\n\
-         <path class=\"halo\" stroke=\"{}\" stroke-width=\"{cased}\" stroke-opacity=\".85\" d=\"{all}\"/>\n",
-        palette.paper
-    );
-    for (kind, colour, d) in &lines {
-        let (class, dashes) = match kind {
-            TrailKind::Simulated => ("simulated", String::new()),
-            TrailKind::Measured => {
-                ("measured", format!(" stroke-linecap=\"butt\" stroke-dasharray=\"{dash} {gap}\""))
-            }
-        };
-        *out += &format!(
-            "<path class=\"{class}\" stroke=\"{colour}\" stroke-width=\"{core}\"{dashes} d=\"{d}\"/>\n"
-        );
-    }
-    *out += "</g>\n";
-}
-
-/// All halos below all lines, so that a chain of forces is one thing.
-fn forces(out: &mut String, scene: &Scene, look: &Look, frame: &Frame) {
-    if scene.forces.is_empty() {
-        return;
-    }
-    let px = frame.unit / frame.scale;
-    // Weak ones first: a strong one is never crossed by a weak one.
-    let mut drawn: Vec<(f64, &Force)> =
-        drawable_forces(scene).map(|f| (f.normal_force * look.force_scale / frame.scale, f)).collect();
-    drawn.retain(|(width, _)| *width > 0.01 * px);
-    drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut group = |class: &str, colour: Colour, halo: f64| {
-        *out += &format!("<g class=\"{class}\" fill=\"none\" stroke=\"{colour}\">\n");
-        for (width, force) in &drawn {
-            let _ = write!(out, "<path stroke-width=\"{}\" d=\"", text_of(width + 2.0 * halo.min(*width), 6));
-            polyline(out, &[force.from, force.to]);
-            *out += "\"/>\n";
-        }
-        *out += "</g>\n";
-    };
-    group("force-halos", look.palette.halo, FORCE_HALO * px);
-    group("forces", look.palette.force, 0.0);
-}
-
-/// Areas above one level after the other, each painted over the one before.
-fn density(out: &mut String, scene: &Scene, frame: &Frame, scale: &Scale) {
-    let Some(map) = &scene.density else { return };
-    let (view, (columns, rows), cell) = (map.view(), map.cells(), map.cell());
-    let shade = |k: usize| (k as f64 + 0.5) / SHADES as f64;
-    let between = |part: f64| scale.low * (1.0 - part) + scale.high * part;
-    let [x, y, w, h] = [view.low.x, view.low.y, view.high.x - view.low.x, view.high.y - view.low.y]
-        .map(|v| text_of(v, TENTH_OF_MM));
-    *out += "<g class=\"density\" stroke=\"none\">\n";
-    *out += &format!(
-        "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"{}\"/>\n",
-        scale.of(between(shade(0)))
-    );
-    let levels: Vec<f64> = (1..SHADES).map(|k| between(k as f64 / SHADES as f64)).collect();
-    let builder = ContourBuilder::new(columns, rows, true)
-        .x_origin(view.low.x)
-        .y_origin(view.low.y)
-        .x_step(cell.x)
-        .y_step(cell.y);
-    let contours = builder.contours(&map.values(), &levels).unwrap_or_default();
-    let decimals = if frame.scale > 300.0 { 4 } else { 3 };
-    for (k, contour) in contours.iter().enumerate() {
-        let mut d = String::new();
-        for polygon in contour.geometry() {
-            for ring in std::iter::once(polygon.exterior()).chain(polygon.interiors()) {
-                let points = &ring.0[..ring.0.len().saturating_sub(1)];
-                for (n, p) in points.iter().enumerate() {
-                    d.push(if n == 0 { 'M' } else { 'L' });
-                    crate::text::pair(&mut d, (p.x, p.y), decimals);
-                }
-                d.push('Z');
-            }
-        }
-        if !d.is_empty() {
-            let colour = scale.of(between(shade(k + 1)));
-            *out += &format!("<path fill=\"{colour}\" fill-rule=\"evenodd\" d=\"{d}\"/>\n");
-        }
-    }
-    *out += "</g>\n";
 }

@@ -1,0 +1,89 @@
+//! Points on the page: which of them are drawn, and how far apart names stand.
+
+use std::collections::BTreeSet;
+
+/// Of the points in one column of pixels: first, lowest, highest, last.
+pub(crate) fn extremes(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
+    let mut kept = Vec::new();
+    let place = |p: &(f64, f64)| (p.0 / column).floor();
+    for chunk in points.chunk_by(|a, b| place(a) == place(b)) {
+        if chunk.len() <= 4 {
+            kept.extend_from_slice(chunk);
+            continue;
+        }
+        let by = |best: fn(f64, f64) -> bool| {
+            (0..chunk.len()).reduce(|a, b| if best(chunk[b].1, chunk[a].1) { b } else { a }).unwrap_or(0)
+        };
+        let wanted = BTreeSet::from([0, by(|a, b| a < b), by(|a, b| a > b), chunk.len() - 1]);
+        kept.extend(wanted.into_iter().map(|k| chunk[k]));
+    }
+    kept
+}
+
+/// Points without which the line is the same to within the tolerance left out (Ramer, Douglas, Peucker).
+pub(crate) fn thinned(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
+    let mut keep = vec![false; points.len()];
+    let [.., _] = points else { return Vec::new() };
+    let last = points.len() - 1;
+    (keep[0], keep[last]) = (true, true);
+    let mut open = vec![(0, last)];
+    while let Some((a, b)) = open.pop() {
+        let (p, q) = (points[a], points[b]);
+        let (dx, dy) = (q.0 - p.0, q.1 - p.1);
+        let length = dx.hypot(dy);
+        let off = |m: usize| {
+            let (x, y) = (points[m].0 - p.0, points[m].1 - p.1);
+            if length > 0.0 { (x * dy - y * dx).abs() / length } else { x.hypot(y) }
+        };
+        let far = (a + 1..b).map(|m| (off(m), m)).reduce(|s, t| if t.0 > s.0 { t } else { s });
+        if let Some((distance, m)) = far
+            && distance > tolerance
+        {
+            keep[m] = true;
+            open.extend([(a, m), (m, b)]);
+        }
+    }
+    points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
+}
+
+/// Sorted places at least `step` apart, as near as can be to where they were, all within the limits as long
+/// as there is room.
+pub(crate) fn apart(mut y: Vec<f64>, step: f64, low: f64, high: f64) -> Vec<f64> {
+    let n = y.len();
+    if n == 0 {
+        return y;
+    }
+    let step = if n > 1 { step.min((high - low).max(0.0) / (n - 1) as f64) } else { step };
+    // Neighbours that are too near become one block about their middle, until none are.
+    let mut blocks: Vec<(f64, usize)> = Vec::new();
+    for v in y.drain(..) {
+        let mut block = (v, 1);
+        while let Some(&(middle, count)) = blocks.last() {
+            let reach = 0.5 * step * (count + block.1) as f64;
+            if block.0 - middle >= reach {
+                break;
+            }
+            let all = (count + block.1) as f64;
+            block = ((middle * count as f64 + block.0 * block.1 as f64) / all, count + block.1);
+            blocks.pop();
+        }
+        let half = 0.5 * step * (block.1 - 1) as f64;
+        block.0 = block.0.min(high - half).max(low + half);
+        blocks.push(block);
+    }
+    let mut placed: Vec<f64> = blocks
+        .iter()
+        .flat_map(|(middle, count)| {
+            (0..*count).map(move |k| middle + step * (k as f64 - 0.5 * (*count as f64 - 1.0)))
+        })
+        .collect();
+    // A block held back by a limit may meet its neighbour.
+    for k in (0..n.saturating_sub(1)).rev() {
+        placed[k] = placed[k].min(placed[k + 1] - step);
+    }
+    placed[0] = placed[0].max(low);
+    for k in 1..n {
+        placed[k] = placed[k].max(placed[k - 1] + step);
+    }
+    placed
+}

@@ -1,0 +1,132 @@
+//! Lines over the bodies: where they have been, and the forces between them.
+
+use crate::body::point;
+use crate::colour::{Colour, Palette};
+use crate::page::Frame;
+use crate::scene::{Force, Scene, TrailKind, near};
+use crate::text::text_of;
+use crate::world::{DASH, FORCE_HALO, Look, TRAIL_STROKE, drawable_forces, measured};
+use crowd_mechanics::engine::Vec2;
+use std::fmt::Write;
+
+/// \[px\] on each side.
+const TRAIL_HALO: f64 = 0.9;
+/// \[px\] Points of a trail nearer than this to the last one are left out.
+const TRAIL_STEP: f64 = 0.4;
+/// Pieces of different paleness of a trail.
+const AGES: usize = 8;
+
+/// The pieces of a row of points between those that cannot be drawn, thinned to what can be seen; a lone
+/// point is none.
+fn pieces(points: &[Vec2], step: f64) -> Vec<Vec<Vec2>> {
+    let mut all = Vec::new();
+    for piece in points.split(|p| !near(*p)) {
+        let mut kept: Vec<Vec2> = Vec::new();
+        for (k, p) in piece.iter().enumerate() {
+            let far = kept.last().is_none_or(|last| (*p - *last).norm() >= step);
+            if far || k + 1 == piece.len() {
+                kept.push(*p);
+            }
+        }
+        // Whoever stood still has left no trail: a dot would be all halo.
+        if kept.len() > 2 || matches!(kept[..], [a, b] if (b - a).norm() >= step) {
+            all.push(kept);
+        }
+    }
+    all
+}
+
+fn polyline(d: &mut String, points: &[Vec2]) {
+    for (k, p) in points.iter().enumerate() {
+        d.push(if k == 0 { 'M' } else { 'L' });
+        point(d, *p);
+    }
+}
+
+pub(crate) fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: &Frame) {
+    if scene.trails.is_empty() {
+        return;
+    }
+    let px = frame.unit / frame.scale;
+    let [core, cased, dash, gap] =
+        [TRAIL_STROKE, TRAIL_STROKE + 2.0 * TRAIL_HALO, DASH.0, DASH.1].map(|v| text_of(v * px, 6));
+    let step = TRAIL_STEP * px;
+    if !measured(&[scene]) {
+        // Whose trail it is, the body at its end says. Pieces of one age are one path.
+        let mut ages = vec![String::new(); AGES];
+        for trail in &scene.trails {
+            let n = trail.points.len();
+            for (age, d) in ages.iter_mut().enumerate() {
+                let (from, to) = (age * n / AGES, ((age + 1) * n / AGES + 1).min(n));
+                for piece in pieces(&trail.points[from.min(to)..to], step) {
+                    polyline(d, &piece);
+                }
+            }
+        }
+        *out += "<g class=\"trails\" fill=\"none\" stroke-linecap=\"butt\">\n";
+        for (age, d) in ages.iter().enumerate().filter(|(_, d)| !d.is_empty()) {
+            let opacity = 0.15 + 0.8 * (age + 1) as f64 / AGES as f64;
+            let [halo, line] = [0.6 * opacity, opacity].map(|v| text_of(v, 3));
+            *out += &format!(
+                "<path class=\"halo\" stroke=\"{}\" stroke-width=\"{cased}\" stroke-opacity=\"{halo}\" d=\"{d}\"/>\n\
+                 <path class=\"simulated\" stroke=\"{}\" stroke-width=\"{core}\" stroke-opacity=\"{line}\" d=\"{d}\"/>\n",
+                palette.paper, palette.ink
+            );
+        }
+        *out += "</g>\n";
+        return;
+    }
+    let lines: Vec<_> = scene
+        .trails
+        .iter()
+        .enumerate()
+        .map(|(k, trail)| {
+            let mut d = String::new();
+            pieces(&trail.points, step).iter().for_each(|piece| polyline(&mut d, piece));
+            (trail.kind, palette.series(trail.agent.unwrap_or(k)), d)
+        })
+        .filter(|(_, _, d)| !d.is_empty())
+        .collect();
+    let all: String = lines.iter().map(|(_, _, d)| d.as_str()).collect();
+    *out += &format!(
+        "<g class=\"trails\" fill=\"none\">\n\
+         <path class=\"halo\" stroke=\"{}\" stroke-width=\"{cased}\" stroke-opacity=\".85\" d=\"{all}\"/>\n",
+        palette.paper
+    );
+    for (kind, colour, d) in &lines {
+        let (class, dashes) = match kind {
+            TrailKind::Simulated => ("simulated", String::new()),
+            TrailKind::Measured => {
+                ("measured", format!(" stroke-linecap=\"butt\" stroke-dasharray=\"{dash} {gap}\""))
+            }
+        };
+        *out += &format!(
+            "<path class=\"{class}\" stroke=\"{colour}\" stroke-width=\"{core}\"{dashes} d=\"{d}\"/>\n"
+        );
+    }
+    *out += "</g>\n";
+}
+
+/// All halos below all lines, so that a chain of forces is one thing.
+pub(crate) fn forces(out: &mut String, scene: &Scene, look: &Look, frame: &Frame) {
+    if scene.forces.is_empty() {
+        return;
+    }
+    let px = frame.unit / frame.scale;
+    // Weak ones first: a strong one is never crossed by a weak one.
+    let mut drawn: Vec<(f64, &Force)> =
+        drawable_forces(scene).map(|f| (f.normal_force * look.force_scale / frame.scale, f)).collect();
+    drawn.retain(|(width, _)| *width > 0.01 * px);
+    drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut group = |class: &str, colour: Colour, halo: f64| {
+        *out += &format!("<g class=\"{class}\" fill=\"none\" stroke=\"{colour}\">\n");
+        for (width, force) in &drawn {
+            let _ = write!(out, "<path stroke-width=\"{}\" d=\"", text_of(width + 2.0 * halo.min(*width), 6));
+            polyline(out, &[force.from, force.to]);
+            *out += "\"/>\n";
+        }
+        *out += "</g>\n";
+    };
+    group("force-halos", look.palette.halo, FORCE_HALO * px);
+    group("forces", look.palette.force, 0.0);
+}
