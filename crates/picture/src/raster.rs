@@ -67,7 +67,19 @@ impl Pixels {
 
 /// The SVG as a PNG of this width; the height follows from the SVG.
 pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
-    render(svg, width_px)?.encode_png().map_err(|e| PictureError::Png(e.to_string()))
+    let Pixels { width, height, rgba } = pixels(svg, width_px)?;
+    let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
+    let failed = |error: png::EncodingError| PictureError::Png(error.to_string());
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Balanced);
+    // Flat colours repeat exactly; filters only hide that.
+    encoder.set_filter(png::Filter::NoFilter);
+    let mut writer = encoder.write_header().map_err(failed)?;
+    writer.write_image_data(&rgb).map_err(failed)?;
+    writer.finish().map_err(failed)?;
+    Ok(bytes)
 }
 
 /// The SVG as pixels of this width; the height follows from the SVG. What is transparent is white.

@@ -29,12 +29,12 @@ impl Pixels {
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut bytes).unwrap();
-        assert_eq!(info.color_type, png::ColorType::Rgba);
+        assert_eq!(info.color_type, png::ColorType::Rgb);
         Pixels { width: info.width as usize, height: info.height as usize, bytes }
     }
 
     fn at(&self, x: f64, y: f64) -> Colour {
-        let k = 4 * (y as usize * self.width + x as usize);
+        let k = 3 * (y as usize * self.width + x as usize);
         Colour(self.bytes[k], self.bytes[k + 1], self.bytes[k + 2])
     }
 }

@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Makes the pictures of the README anew: docs/pictures.sh, after cargo build --release.
+# docs/measured.png needs the measured push (../shared/data/push_wed); it stays as it is without.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+lemons=${LEMONS:-$PWD/target/release/lemons}
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+"$lemons" plot resources/Trial_push --step 0.001 --at 0.15,0.38,0.54,0.73 --columns 2 --fill squeeze -o docs/push.png
+
+"$lemons" crowd --number 150 --box 4.56x4.56 --speed 0.5 -o "$scratch/Trial_box" >/dev/null
+"$lemons" plot "$scratch/Trial_box" --at 2 --fill squeeze --forces --width 600 -o docs/crowd.png
+
+push=../shared/data/push_wed
+if [[ -d $push ]]; then
+    # The recorded push is a force per unit of mass, on agent 0.
+    mass=$(sed -n 's/.*<Agent [^>]*Id="0"[^>]*Mass="\([0-9.]*\)".*/\1/p' "$push/Trial/static/Agents.xml")
+    awk -v mass="$mass" 'BEGIN { print "t,agent,Fp.x,Fp.y,Mp" } NR > 1 { printf "%s,0,%.9g,0,0\n", $1, mass * $2 }' \
+        "$push/external_force_per_mass.txt" >"$scratch/push.csv"
+    "$lemons" plot "$push/Trial" --drive "$scratch/push.csv" --step 0.01 --at 2.5,2.7,2.9,3.3 --columns 2 --fill '#8cb4de' \
+        --measured "$push/measured_head_trajectories.csv" --measured-from start -o docs/measured.png
+fi
