@@ -46,7 +46,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     if *to == Format::Trial && *every != 1 {
         bail!("--every is not for --to trial, which takes the last frame");
     }
-    let trial = trial_of(arguments)?;
+    let trial = trial_of(source, arguments.trial.as_deref())?;
     let reads =
         [Some(source.as_path()), arguments.trial.as_deref(), trial.as_ref().map(|t| t.directory.as_path())];
     if reads.into_iter().flatten().any(|read| same(read, out)) {
@@ -114,10 +114,9 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What was given, else the Trial directory that a series lies in.
-fn trial_of(arguments: &Arguments) -> Result<Option<Trial>> {
-    let Arguments { source, trial, .. } = arguments;
-    let Some(path) = trial else {
+/// The Trial or FMU that was given with the record of a run, else the Trial directory that a series lies in.
+pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
+    let Some(path) = given else {
         let own = source.canonicalize().ok().filter(|source| source.is_dir());
         let around = own.iter().flat_map(|own| own.ancestors().take(2));
         let found = around.map(Path::to_owned).find(|path| path.join("Parameters.xml").is_file());

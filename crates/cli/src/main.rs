@@ -17,6 +17,7 @@ mod interrupt;
 mod outputs;
 mod pack;
 mod people;
+mod pictures;
 mod results;
 mod run;
 mod saved;
@@ -52,6 +53,10 @@ enum Command {
     Connect(connect::Arguments),
     /// Run a Trial directory, an FMU or coupled FMUs and write the trajectories
     Run(run::Arguments),
+    /// Draw scenes, time series or a map of density of a run
+    Plot(Box<pictures::plot::Arguments>),
+    /// Draw a run as a movie
+    Movie(Box<pictures::movie::Arguments>),
     /// Write a run for JuPedSim, PedPy or ChAOS, as XML, or as the Trial that goes on where it ended
     Export(export::Arguments),
     /// List the variables of an FMU
@@ -98,6 +103,8 @@ fn main() -> ExitCode {
         Command::Decide(arguments) => decide::decide(&arguments),
         Command::Connect(arguments) => connect::connect(&arguments),
         Command::Run(arguments) => run::run(&arguments),
+        Command::Plot(arguments) => pictures::plot::plot(&arguments),
+        Command::Movie(arguments) => pictures::movie::movie(&arguments),
         Command::Export(arguments) => export::export(&arguments),
         Command::Info(arguments) => info::info(&arguments),
         Command::Check(arguments) => check::check(&arguments),

@@ -7,6 +7,7 @@
 mod area;
 mod error;
 mod jupedsim;
+mod parquet;
 mod run;
 mod series;
 mod table;
@@ -15,6 +16,6 @@ mod text;
 pub use area::{Area, MARGIN, walkable_area};
 pub use error::ExportError;
 pub use jupedsim::jupedsim;
-pub use run::{Frame, Names, Run};
+pub use run::{Frame, Names, Observed, Run};
 pub use series::{series, trial_at_end};
 pub use text::{chaos, pedpy};

@@ -24,10 +24,25 @@ pub struct Frame {
     pub time: f64,
     /// In the order of the run's Ids; their Fp and Mp mean nothing: runs do not record them.
     pub agents: Vec<AgentDynamics>,
+    /// In the order of the run's Ids; `None` where the source does not say.
+    pub observed: Option<Vec<Observed>>,
     /// `None` where the source does not record contacts.
     pub interactions: Option<Interactions>,
     /// For messages: a line or a file of the source.
     pub place: String,
+}
+
+/// What the contacts do to an agent: the FMU's outputs.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Observed {
+    /// Disk–disk contacts.
+    pub agent_contacts: u32,
+    /// Disk–face contacts.
+    pub wall_contacts: u32,
+    /// Different agents that touch this one.
+    pub contacting_agents: u32,
+    /// \[N\] squeeze: sum of |F_n| over its contacts.
+    pub normal_force: f64,
 }
 
 /// Agents as tools want them that know only numbers.
@@ -108,6 +123,7 @@ impl Run {
         }
         let sorted = |frame: Frame| Frame {
             agents: order.iter().map(|&place| frame.agents[place].clone()).collect(),
+            observed: frame.observed.map(|all| order.iter().map(|&place| all[place]).collect()),
             ..frame
         };
         Ok(Run {

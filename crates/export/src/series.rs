@@ -1,10 +1,11 @@
 //! The paper's series of XML files, as an `OutputDirectory` holds it, and the Trial that goes on from its end.
 
 use crate::text::own;
-use crate::{ExportError, Frame, Run};
+use crate::{ExportError, Frame, Observed, Run};
 use crowd_mechanics::crowd::output_names;
 use crowd_mechanics::files::{Change, change_all};
 use crowd_mechanics::trial::{AgentDynamics, Drive, Interactions, Trial, dynamics_xml, interactions_xml};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 const DYNAMICS: &str = "AgentDynamics output t=";
@@ -60,7 +61,8 @@ impl Run {
                 Interactions::default()
             };
             let agents = trial.read_dynamics(&directory.join(&place))?;
-            Ok(Frame { time, agents, interactions: Some(interactions), place })
+            let observed = Some(observed(trial.agents.len(), &interactions));
+            Ok(Frame { time, agents, observed, interactions: Some(interactions), place })
         });
         Ok(Run {
             source: directory.to_owned(),
@@ -68,6 +70,27 @@ impl Run {
             frames: frames.collect::<Result<_, ExportError>>()?,
         })
     }
+}
+
+/// What contacts do to each of so many agents.
+fn observed(agents: usize, interactions: &Interactions) -> Vec<Observed> {
+    let mut all = vec![Observed::default(); agents];
+    let mut touching = BTreeSet::new();
+    for contact in &interactions.agents {
+        for agent in [contact.parent, contact.child] {
+            all[agent].agent_contacts += 1;
+            all[agent].normal_force += contact.force.normal.norm();
+        }
+        if touching.insert((contact.parent, contact.child)) {
+            all[contact.parent].contacting_agents += 1;
+            all[contact.child].contacting_agents += 1;
+        }
+    }
+    for contact in &interactions.walls {
+        all[contact.agent].wall_contacts += 1;
+        all[contact.agent].normal_force += contact.force.normal.norm();
+    }
+    all
 }
 
 /// Writes a run of a Trial as such a series; interactions where they were recorded.

@@ -59,6 +59,12 @@ fn the_end_of_a_series_is_where_the_run_was() {
     let (mut rubbed_agents, mut rubbed_walls) = (0, 0);
     for (k, mut world) in worlds.into_iter().enumerate() {
         let frames = series.frames[..=k].to_vec();
+        let seen = world.contacts().bodies.iter().zip(frames[k].observed.as_ref().unwrap());
+        for (wanted, seen) in seen {
+            let counts = (seen.agent_contacts, seen.wall_contacts, seen.contacting_agents);
+            assert_eq!(counts, (wanted.agent_contacts, wanted.wall_contacts, wanted.touching_bodies));
+            assert!((seen.normal_force - wanted.squeeze).abs() <= 1e-12 * wanted.squeeze);
+        }
         let until = Run { frames, ..series.clone() };
         trial_at_end(&until, &trial).unwrap().write(&at.join("end")).unwrap();
         let (end, _) = Trial::read(&at.join("end")).unwrap();

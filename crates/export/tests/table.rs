@@ -1,7 +1,7 @@
 //! Tables of runs: what is read, what is refused, what is written of them.
 
 use crowd_mechanics::trial::Trial;
-use lemons_export::{Run, chaos, jupedsim, pedpy};
+use lemons_export::{Observed, Run, chaos, jupedsim, pedpy};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -24,6 +24,25 @@ fn good(directory: &TempDir) -> Run {
 }
 
 #[test]
+fn contacts_and_squeeze_are_read_where_all_are_there() {
+    let directory = TempDir::new().unwrap();
+    assert!(good(&directory).frames.iter().all(|frame| frame.observed.is_none()));
+    let text = |row: &str| {
+        format!("{HEADER},wall_contacts,contacting_agents,normal_force\n0.0,a,1,2,0,0,0,0,{row}\n")
+    };
+    let run = Run::read_table(&table(&directory, &text("3,1,2,125.5"))).unwrap();
+    let seen = Observed { agent_contacts: 3, wall_contacts: 1, contacting_agents: 2, normal_force: 125.5 };
+    assert_eq!(run.frames[0].observed, Some(vec![seen]));
+    for (row, expected) in [
+        ("3,-1,2,0.0", "line 2: column wall_contacts: \"-1\" is no number of contacts"),
+        ("3,1,2,-1.0", "line 2: column normal_force: \"-1.0\" is no squeeze in newtons"),
+    ] {
+        let message = Run::read_table(&table(&directory, &text(row))).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
 fn mistakes_name_file_line_and_column() {
     let directory = TempDir::new().unwrap();
     let said = |text: &str| {
@@ -33,7 +52,7 @@ fn mistakes_name_file_line_and_column() {
     };
     let row = "0.1,a,1,2,0,0,0,0,0";
     for (rows, expected) in [
-        ("", "line 2: the run is empty"),
+        ("", "the run is empty"),
         ("0.1,a,1,two,0,0,0,0,0", "line 2: column y: \"two\" is no finite number"),
         ("0.1,a,1,2,0,0,0,inf,0", "line 2: column omega: \"inf\""),
         ("0.1,a,1,2", "line 2: has 4 columns, the header 9"),

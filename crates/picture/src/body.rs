@@ -1,7 +1,7 @@
 //! A body in its own frame: facing +x, left shoulder towards +y, centre of mass at the origin.
 
-use crate::draw::{number, pair};
 use crate::scene::{Pose, near};
+use crate::text::{number, pair};
 use crowd_mechanics::engine::{Rotation, Vec2, vec2};
 use crowd_mechanics::trial::Agent;
 use std::f64::consts::{PI, TAU};
@@ -11,7 +11,7 @@ const LONGEST_ARC: f64 = 2.0;
 /// \[rad\] Shorter gaps between covering disks are rounding.
 const SHORTEST_ARC: f64 = 1e-9;
 /// Decimals of a length in metres.
-const TENTH_OF_MM: usize = 4;
+pub(crate) const TENTH_OF_MM: usize = 4;
 
 /// \[m²\] Area that the agent's disks cover together.
 pub fn body_area(agent: &Agent) -> f64 {

@@ -1,5 +1,6 @@
 //! Colours and the colour map.
 
+use crate::style::Theme;
 use std::fmt;
 
 /// Red, green, blue (sRGB).
@@ -61,4 +62,59 @@ pub fn viridis(fraction: f64) -> Colour {
     let place = fraction.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
     let below = (place as usize).min(VIRIDIS.len() - 2);
     VIRIDIS[below].mixed(VIRIDIS[below + 1], place - below as f64)
+}
+
+/// Colours that are not the bodies'.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Palette {
+    pub paper: Colour,
+    pub ink: Colour,
+    pub wall: Colour,
+    pub outline: Colour,
+    /// Lines of a grid.
+    pub faint: Colour,
+    /// A line of force, and the halo around it.
+    pub force: Colour,
+    pub halo: Colour,
+}
+
+impl Palette {
+    pub fn of(theme: Theme) -> Palette {
+        match theme {
+            Theme::Light => Palette {
+                paper: Colour(0xff, 0xff, 0xff),
+                ink: Colour(0x3a, 0x43, 0x50),
+                wall: Colour(0x2a, 0x30, 0x3a),
+                outline: Colour(0x1c, 0x2b, 0x40),
+                faint: Colour(0xe3, 0xe7, 0xec),
+                force: Colour(0xd0, 0x1c, 0x3f),
+                halo: Colour(0xff, 0xff, 0xff),
+            },
+            Theme::Dark => Palette {
+                paper: Colour(0x12, 0x16, 0x1d),
+                ink: Colour(0xc4, 0xcc, 0xd8),
+                wall: Colour(0xd5, 0xdb, 0xe4),
+                outline: Colour(0xee, 0xf2, 0xf7),
+                faint: Colour(0x2a, 0x31, 0x3b),
+                force: Colour(0xd0, 0x1c, 0x3f),
+                halo: Colour(0xff, 0xff, 0xff),
+            },
+        }
+    }
+
+    /// A colour per agent, after M. Okabe and K. Ito (2008): told apart by colour-blind readers. Their
+    /// yellow is left out, which white paper swallows; their black is the ink.
+    pub fn series(&self, place: usize) -> Colour {
+        match place % 7 {
+            // Their blue is too dark on near-black.
+            0 if self.paper.0 < 128 => Colour(0x40, 0x95, 0xc8),
+            0 => Colour(0x00, 0x72, 0xb2),
+            1 => Colour(0xd5, 0x5e, 0x00),
+            2 => Colour(0x00, 0x9e, 0x73),
+            3 => Colour(0xcc, 0x79, 0xa7),
+            4 => Colour(0xe6, 0x9f, 0x00),
+            5 => Colour(0x56, 0xb4, 0xe9),
+            _ => self.ink,
+        }
+    }
 }

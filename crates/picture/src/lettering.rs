@@ -1,6 +1,6 @@
 //! Text as strokes: the same everywhere, with no font at all.
 
-use crate::draw::pair;
+use crate::text::pair;
 
 /// Cap height in units of the glyph grid.
 pub(crate) const CAP: f64 = 12.0;

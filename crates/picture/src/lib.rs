@@ -13,17 +13,30 @@
 //! font is looked for. The drawing itself is in metres, the y axis upwards, under one transform: the
 //! numbers in the SVG are those of the Trial.
 
+mod animation;
 mod body;
+mod chart;
 mod colour;
+mod colouring;
+mod density;
 mod draw;
+mod furniture;
 mod lettering;
+mod page;
 mod raster;
 mod scene;
+mod sheet;
 mod style;
+mod text;
+mod world;
 
+pub use animation::{Animation, AnimationFormat};
 pub use body::body_area;
+pub use chart::{Axis, Chart, ChartPanel, ChartStyle, Line, chart_svg};
 pub use colour::{Colour, viridis};
+pub use density::{DENSITY_KERNEL, DensityMap};
 pub use draw::svg;
-pub use raster::{PictureError, png};
-pub use scene::{Pose, Scene, View};
+pub use raster::{PictureError, Pixels, pixels, png};
+pub use scene::{Force, Pose, Scene, Trail, TrailKind, View};
+pub use sheet::{Panel, SheetStyle, sheet};
 pub use style::{Fill, Style, Theme, Values, Visibility};

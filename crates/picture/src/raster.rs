@@ -22,10 +22,69 @@ pub enum PictureError {
     /// The encoder failed.
     #[error("PNG: {0}")]
     Png(String),
+    /// An encoder of GIF failed.
+    #[error("GIF: {0}")]
+    Gif(String),
+    /// Frames that cannot be an animation.
+    #[error("animation: {0}")]
+    Animation(String),
+    /// The file cannot be written.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+}
+
+/// A picture as bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pixels {
+    /// \[px\]
+    pub width: u32,
+    /// \[px\]
+    pub height: u32,
+    /// Red, green, blue, alpha of each pixel, row by row from the top; opaque.
+    pub rgba: Vec<u8>,
+}
+
+impl Pixels {
+    /// The same with the last column or row repeated where their number is odd: H.264 in 4:2:0, what
+    /// players read, has an even width and height.
+    pub fn even(self) -> Pixels {
+        let (width, height) = (self.width + self.width % 2, self.height + self.height % 2);
+        if (width, height) == (self.width, self.height) {
+            return self;
+        }
+        let row = 4 * self.width as usize;
+        let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
+        for y in 0..height.min(self.height + 1) {
+            let start = row * y.min(self.height - 1) as usize;
+            rgba.extend_from_slice(&self.rgba[start..start + row]);
+            if width > self.width {
+                rgba.extend_from_slice(&self.rgba[start + row - 4..start + row]);
+            }
+        }
+        Pixels { width, height, rgba }
+    }
 }
 
 /// The SVG as a PNG of this width; the height follows from the SVG.
 pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
+    render(svg, width_px)?.encode_png().map_err(|e| PictureError::Png(e.to_string()))
+}
+
+/// The SVG as pixels of this width; the height follows from the SVG. What is transparent is white.
+pub fn pixels(svg: &str, width_px: u32) -> Result<Pixels, PictureError> {
+    let picture = render(svg, width_px)?;
+    let (width, height) = (picture.width(), picture.height());
+    let mut rgba = picture.take();
+    // The colours are multiplied by alpha already.
+    for pixel in rgba.chunks_exact_mut(4).filter(|p| p[3] < 255) {
+        let white = 255 - pixel[3];
+        pixel[..3].iter_mut().for_each(|part| *part = part.saturating_add(white));
+        pixel[3] = 255;
+    }
+    Ok(Pixels { width, height, rgba })
+}
+
+fn render(svg: &str, width_px: u32) -> Result<tiny_skia::Pixmap, PictureError> {
     let tree = usvg::Tree::from_str(svg, &usvg::Options::default())?;
     let scale = f64::from(width_px) / f64::from(tree.size().width());
     let height = (scale * f64::from(tree.size().height())).round().max(1.0);
@@ -36,5 +95,5 @@ pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
     let mut pixels = tiny_skia::Pixmap::new(width_px, height as u32).ok_or_else(too_big)?;
     let stretch = height as f32 / tree.size().height();
     resvg::render(&tree, tiny_skia::Transform::from_scale(scale as f32, stretch), &mut pixels.as_mut());
-    pixels.encode_png().map_err(|e| PictureError::Png(e.to_string()))
+    Ok(pixels)
 }

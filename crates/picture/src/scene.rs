@@ -1,6 +1,7 @@
 //! What is drawn.
 
 use crate::body::Body;
+use crate::density::DensityMap;
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::trial::Trial;
 
@@ -33,6 +34,37 @@ pub struct View {
     pub high: Vec2,
 }
 
+/// A force in a contact, a line whose width is the force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Force {
+    /// \[m\] centre of one body.
+    pub from: Vec2,
+    /// \[m\] centre of the other, or where the wall is touched.
+    pub to: Vec2,
+    /// \[N\] not drawn unless it is positive and finite.
+    pub normal_force: f64,
+}
+
+/// Where somebody has been.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trail {
+    /// Place among the agents; gives the colour.
+    pub agent: Option<usize>,
+    /// Solid or dashed.
+    pub kind: TrailKind,
+    /// \[m\] in the order of time. What is not finite interrupts the line.
+    pub points: Vec<Vec2>,
+}
+
+/// Where a trail comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TrailKind {
+    /// Solid. Where there is no measured trail beside it: one colour, paler the longer ago.
+    Simulated,
+    /// Dashed.
+    Measured,
+}
+
 /// Walls, and bodies at given poses.
 ///
 /// For a movie: one scene, [`Scene::view`] fixed at the first frame, and new `poses` for every frame.
@@ -42,15 +74,23 @@ pub struct Scene<'a> {
     pub trial: &'a Trial,
     /// One per agent, in the order of the agents. An agent without a finite pose is not drawn.
     pub poses: Vec<Pose>,
-    /// The part of the plane shown; all walls and bodies when `None`.
+    /// The part of the plane shown; all walls, bodies and trails when `None`.
     pub view: Option<View>,
+    /// Forces between bodies, drawn on top of them.
+    pub forces: Vec<Force>,
+    /// Where the agents have been.
+    pub trails: Vec<Trail>,
+    /// People per area, drawn below everything else. Bodies are then outlines, and the colour bar is the
+    /// density's.
+    pub density: Option<DensityMap>,
     pub(crate) bodies: Vec<Body>,
 }
 
 impl<'a> Scene<'a> {
     /// The agents of the Trial at these poses.
     pub fn new(trial: &'a Trial, poses: Vec<Pose>) -> Scene<'a> {
-        Scene { trial, poses, view: None, bodies: trial.agents.iter().map(Body::new).collect() }
+        let bodies = trial.agents.iter().map(Body::new).collect();
+        Scene { trial, poses, view: None, forces: Vec::new(), trails: Vec::new(), density: None, bodies }
     }
 
     /// The Trial as its files have it.
@@ -59,7 +99,7 @@ impl<'a> Scene<'a> {
         Scene::new(trial, poses)
     }
 
-    /// The smallest rectangle around all walls and bodies; a metre about the origin when there are none.
+    /// The smallest rectangle around all walls, bodies and trails; a metre about the origin when there are none.
     pub fn extent(&self) -> View {
         let mut low = vec2(f64::INFINITY, f64::INFINITY);
         let mut high = -low;
@@ -69,6 +109,9 @@ impl<'a> Scene<'a> {
         };
         for wall in &self.trial.geometry.walls {
             wall.corners.iter().filter(|c| near(**c)).for_each(|c| include(*c, 0.0));
+        }
+        for trail in &self.trails {
+            trail.points.iter().filter(|p| near(**p)).for_each(|p| include(*p, 0.0));
         }
         for (_, pose, body) in self.drawn() {
             body.disks_at(pose).for_each(|(centre, radius)| include(centre, radius));

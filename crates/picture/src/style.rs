@@ -21,6 +21,10 @@ pub struct Style {
     pub colour_bar: Visibility,
     /// \[s\] shown above the scene.
     pub time: Option<f64>,
+    /// The bodies; hidden for a map of density alone.
+    pub bodies: Visibility,
+    /// \[N\] the force that is drawn widest; the largest of the picture when `None`.
+    pub forces: Option<f64>,
 }
 
 impl Default for Style {
@@ -34,6 +38,8 @@ impl Default for Style {
             scale_bar: Visibility::Shown,
             colour_bar: Visibility::Shown,
             time: None,
+            bodies: Visibility::Shown,
+            forces: None,
         }
     }
 }

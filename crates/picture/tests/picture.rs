@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{agent, pedestrian, shared, trial};
+use common::{agent, pedestrian, trial};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::trial::{Shape, Trial};
 use lemons_picture::{
@@ -224,54 +224,4 @@ fn the_areas_of_people() {
         (-300..300).flat_map(|x| (-300..300).map(move |y| (x, y))).filter(|&(x, y)| covered(x, y)).count();
     let area = body_area(&person);
     assert!((area - 1e-6 * count as f64).abs() < 1e-4, "{area}");
-}
-
-/// Pictures to look at, in the target directory.
-#[test]
-fn gallery() {
-    let show = |name: &str, scene: &Scene, style: &Style, width: u32| {
-        let text = svg(scene, style);
-        let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-        std::fs::write(path.with_extension("svg"), &text).unwrap();
-        std::fs::write(path.with_extension("png"), png(&text, width).unwrap()).unwrap();
-    };
-    let dark = Style { theme: Theme::Dark, ..Style::default() };
-    let alphabet = " AaBbCcDdEeFfGgHhIiJjKkLlMm NnOoPpQqRrSsTtUuVvWwXxYyZz 0123456789 .,:·-+=_/()%°²³µθω é";
-    let t = trial(vec![(pedestrian("17"), Vec2::ZERO, 0.9)], vec![]);
-    let values =
-        Values { values: vec![1.0], label: alphabet.into(), unit: "N/m".into(), range: Some((0.0, 2.5)) };
-    show(
-        "single",
-        &Scene::at_start(&t),
-        &Style { ids: Visibility::Shown, fill: Fill::Values(values), ..Style::default() },
-        1200,
-    );
-    if let Some(t) = shared("push_wed/Trial") {
-        let scene = Scene::at_start(&t);
-        show("row", &scene, &Style::default(), 400);
-        show(
-            "row-full",
-            &scene,
-            &Style { ids: Visibility::Shown, time: Some(0.25), fill: Fill::BodyArea, ..dark.clone() },
-            1000,
-        );
-    }
-    if let Some(t) = shared("crowds/dense_100") {
-        let scene = Scene::at_start(&t);
-        show("dense", &scene, &Style::default(), 400);
-        let speeds = (0..t.agents.len()).map(|k| (k as f64 * 0.7).sin().abs()).collect();
-        let values = Values { values: speeds, label: "speed".into(), unit: "m/s".into(), range: None };
-        show(
-            "dense-full",
-            &scene,
-            &Style {
-                ids: Visibility::Shown,
-                time: Some(12.0),
-                fill: Fill::Values(values.clone()),
-                ..Style::default()
-            },
-            1000,
-        );
-        show("dense-dark", &scene, &Style { fill: Fill::Values(values), ..dark }, 400);
-    }
 }

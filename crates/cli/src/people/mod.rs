@@ -66,24 +66,24 @@ fn person(sex: Sex, [breadth, depth, stature, mass]: [f64; 4]) -> Result<Person,
 
 /// A file that appears under its name only when it is complete; it is opened before any long work, so that a place
 /// that cannot be written is found at once.
-struct Output {
+pub struct Output {
     path: PathBuf,
     file: BufWriter<Staged>,
 }
 
 impl Output {
-    fn open(path: &Path) -> Result<Output> {
+    pub fn open(path: &Path) -> Result<Output> {
         let file = Staged::beside(path).with_context(|| format!("cannot write {}", path.display()))?;
         Ok(Output { path: path.to_owned(), file: BufWriter::new(file) })
     }
 
     /// Writes the content; the file does not appear yet.
-    fn fill(&mut self, write: impl FnOnce(&mut BufWriter<Staged>) -> std::io::Result<()>) -> Result<()> {
+    pub fn fill(&mut self, write: impl FnOnce(&mut BufWriter<Staged>) -> std::io::Result<()>) -> Result<()> {
         let filled = write(&mut self.file).and_then(|()| self.file.flush());
         filled.with_context(|| format!("cannot write {}", self.path.display()))
     }
 
-    fn persist(self) -> Result<()> {
+    pub fn persist(self) -> Result<()> {
         let cannot = || format!("cannot write {}", self.path.display());
         let file = self.file.into_inner().map_err(|error| error.into_error()).with_context(cannot)?;
         file.persist().with_context(cannot)

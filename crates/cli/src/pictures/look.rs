@@ -1,0 +1,307 @@
+//! How scenes look: options that `lemons plot` and `lemons movie` share.
+
+use super::measured::{Measured, Origin};
+use super::moment::{Footage, Moment, Shadow};
+use anyhow::Result;
+use clap::ValueEnum;
+use crowd_mechanics::engine::{Vec2, vec2};
+use lemons_picture::{
+    Colour, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, View, Visibility, body_area,
+};
+use std::path::PathBuf;
+
+/// \[m\] A trail's points are not nearer than this to each other.
+const TRAIL_STEP: f64 = 0.005;
+
+#[derive(clap::Args)]
+#[command(next_help_heading = "Look")]
+pub struct Look {
+    /// Colour of the bodies: area, speed, squeeze, contacts, or one colour as in #8cb4de
+    #[arg(long, value_name = "FILL", default_value = "area", value_parser = filling)]
+    pub fill: Filling,
+    /// What the two ends of the colour bar are; default: the least and the greatest shown
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    range: Option<(f64, f64)>,
+    /// Contacts as lines, as wide as their normal force
+    #[arg(long)]
+    forces: bool,
+    /// The force that has the widest line, in newtons; default: the greatest shown
+    #[arg(long, value_name = "NEWTONS", requires = "forces", value_parser = positive)]
+    widest: Option<f64>,
+    /// Where everybody came from; with a number, in the last so many seconds
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "inf", value_parser = trail)]
+    trails: Option<f64>,
+    /// Measured trajectories, drawn dashed: CSV with t,id,x,y; the id is that of Agents.xml
+    #[arg(long, value_name = "FILE.csv")]
+    measured: Option<PathBuf>,
+    /// What the x and y of the measured trajectories are
+    #[arg(long, value_name = "ORIGIN", default_value = "plane", requires = "measured")]
+    measured_from: Origin,
+    /// The agents' Ids, on the bodies
+    #[arg(long)]
+    ids: bool,
+    /// No mark where each body faces
+    #[arg(long)]
+    no_orientation: bool,
+    /// The part of the plane shown, in metres; default: walls, bodies and trails
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = view, allow_hyphen_values = true)]
+    view: Option<View>,
+    /// Light on near-black
+    #[arg(long)]
+    dark: bool,
+    /// In pixels; the height follows
+    #[arg(long, value_name = "PIXELS", default_value_t = 800, value_parser = clap::value_parser!(u32).range(64..=8192))]
+    pub width: u32,
+}
+
+/// What the colour of a body says.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Filling {
+    Area,
+    Of(Quantity),
+    Single(Colour),
+}
+
+/// What is known of each agent at each time.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Quantity {
+    /// Of the centre of mass
+    X,
+    /// Of the centre of mass
+    Y,
+    Speed,
+    /// Sum of |F_n| over the contacts
+    Squeeze,
+    /// With other people's disks and with walls
+    Contacts,
+}
+
+impl Quantity {
+    /// Name and unit.
+    pub fn label(self) -> (&'static str, &'static str) {
+        match self {
+            Quantity::X => ("x", "m"),
+            Quantity::Y => ("y", "m"),
+            Quantity::Speed => ("speed", "m/s"),
+            Quantity::Squeeze => ("squeeze", "N"),
+            Quantity::Contacts => ("contacts", ""),
+        }
+    }
+
+    fn of(self, moment: &Moment) -> Vec<f64> {
+        let agents = moment.agents.iter();
+        let observed = moment.observed.iter();
+        match self {
+            Quantity::X => agents.map(|agent| agent.position.x).collect(),
+            Quantity::Y => agents.map(|agent| agent.position.y).collect(),
+            Quantity::Speed => agents.map(|agent| agent.velocity.norm()).collect(),
+            Quantity::Squeeze => observed.map(|seen| seen.normal_force).collect(),
+            Quantity::Contacts => {
+                observed.map(|seen| f64::from(seen.agent_contacts + seen.wall_contacts)).collect()
+            }
+        }
+    }
+}
+
+fn filling(text: &str) -> Result<Filling, String> {
+    if text == "area" {
+        return Ok(Filling::Area);
+    }
+    if let Some(colour) = colour(text) {
+        return Ok(Filling::Single(colour));
+    }
+    match Quantity::from_str(text, false) {
+        Ok(quantity) if !matches!(quantity, Quantity::X | Quantity::Y) => Ok(Filling::Of(quantity)),
+        _ => Err("must be area, speed, squeeze, contacts or a colour as in #8cb4de".into()),
+    }
+}
+
+fn colour(text: &str) -> Option<Colour> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
+    let part = |k: usize| u8::from_str_radix(&digits[k..k + 2], 16).ok();
+    Some(Colour(part(0)?, part(2)?, part(4)?))
+}
+
+fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Vec<f64> = text.split(',').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
+    let numbers: [f64; N] = numbers.try_into().ok()?;
+    numbers.iter().all(|number| number.is_finite()).then_some(numbers)
+}
+
+fn range(text: &str) -> Result<(f64, f64), String> {
+    match numbers(text) {
+        Some([low, high]) if low < high => Ok((low, high)),
+        _ => Err("must be two numbers, the lower first, as in 0,500".into()),
+    }
+}
+
+fn view(text: &str) -> Result<View, String> {
+    match numbers(text) {
+        Some([x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(View { low: vec2(x0, y0), high: vec2(x1, y1) }),
+        _ => Err("must be the lower left and the upper right corner, as in -1,0,4,2.5".into()),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a positive number".into()),
+    }
+}
+
+fn trail(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 => Ok(value),
+        _ => Err("must be a positive number of seconds".into()),
+    }
+}
+
+/// The scenes of one run: all in one view, their colours and widths on one scale.
+pub struct Looks<'f> {
+    look: &'f Look,
+    footage: &'f Footage,
+    measured: Option<Measured>,
+    shadow: Option<Shadow>,
+    scene: Scene<'f>,
+    range: Option<(f64, f64)>,
+    widest: Option<f64>,
+    other_parameters: bool,
+}
+
+impl Look {
+    pub fn theme(&self) -> Theme {
+        if self.dark { Theme::Dark } else { Theme::Light }
+    }
+
+    /// `--range`
+    pub fn range(&self) -> Option<(f64, f64)> {
+        self.range
+    }
+
+    /// Of the agents with these Ids, who start there.
+    pub fn measured(&self, ids: &[String], starts: &[Vec2]) -> Result<Option<Measured>> {
+        let placed = |path: &PathBuf| Measured::read(path)?.placed(self.measured_from, ids, starts);
+        self.measured.as_ref().map(placed).transpose()
+    }
+}
+
+impl<'f> Looks<'f> {
+    /// Of scenes at these times.
+    pub fn new(look: &'f Look, footage: &'f Footage, times: &[f64]) -> Result<Looks<'f>> {
+        let first = footage.frame(0);
+        let starts: Vec<Vec2> = first.agents.iter().map(|agent| agent.position).collect();
+        let mut looks = Looks {
+            look,
+            footage,
+            measured: look.measured(&footage.run.ids, &starts)?,
+            shadow: look.forces.then(|| Shadow::new(&footage.trial)).transpose()?,
+            scene: Scene::new(&footage.trial, first.poses()),
+            range: look.range,
+            widest: look.widest,
+            other_parameters: false,
+        };
+        let moments: Vec<Moment> = times.iter().map(|time| footage.at(*time)).collect();
+        if let (Filling::Of(quantity), None) = (look.fill, look.range) {
+            let greatest = moments.iter().flat_map(|moment| quantity.of(moment)).fold(0.0, f64::max);
+            looks.range = Some((0.0, if greatest > 0.0 { greatest } else { 1.0 }));
+        }
+        if look.widest.is_none() {
+            let forces = moments.iter().flat_map(|moment| looks.forces(moment));
+            looks.widest = forces.map(|force| force.normal_force).reduce(f64::max);
+        }
+        looks.scene.view = look.view.or_else(|| {
+            let extents = moments.iter().map(|moment| {
+                (looks.scene.poses, looks.scene.trails) = (moment.poses(), looks.trails(moment));
+                looks.scene.extent()
+            });
+            extents.reduce(around)
+        });
+        Ok(looks)
+    }
+
+    /// What is to be drawn of a moment.
+    pub fn scene(&mut self, moment: &Moment) -> Scene<'f> {
+        let (poses, trails, forces) = (moment.poses(), self.trails(moment), self.forces(moment));
+        let mut scene = self.scene.clone();
+        (scene.poses, scene.trails, scene.forces) = (poses, trails, forces);
+        scene
+    }
+
+    /// How.
+    pub fn style(&self, moment: &Moment) -> Style {
+        let values = |values, (label, unit): (&str, &str)| {
+            let (label, unit, range) = (label.to_owned(), unit.to_owned(), self.range);
+            Fill::Values(Values { values, label, unit, range })
+        };
+        let shown = |shown: bool| if shown { Visibility::Shown } else { Visibility::Hidden };
+        Style {
+            width: f64::from(self.look.width),
+            fill: match self.look.fill {
+                Filling::Single(colour) => Fill::Single(colour),
+                Filling::Of(quantity) => values(quantity.of(moment), quantity.label()),
+                Filling::Area if self.range.is_none() => Fill::BodyArea,
+                Filling::Area => {
+                    let areas = self.footage.trial.agents.iter().map(body_area);
+                    values(areas.collect(), ("body area", "m²"))
+                }
+            },
+            theme: self.look.theme(),
+            ids: shown(self.look.ids),
+            orientation: shown(!self.look.no_orientation),
+            time: Some(moment.time),
+            forces: self.widest,
+            ..Style::default()
+        }
+    }
+
+    /// Whether forces were shown that the run did not have: it had other parameters than the Trial.
+    pub fn other_parameters(&self) -> bool {
+        self.other_parameters
+    }
+
+    fn forces(&mut self, moment: &Moment) -> Vec<Force> {
+        let Some(shadow) = &mut self.shadow else { return Vec::new() };
+        let (forces, agree) = shadow.forces(self.footage, moment);
+        self.other_parameters |= !agree;
+        forces
+    }
+
+    /// Simulated ones, then measured ones, until the moment.
+    fn trails(&self, moment: &Moment) -> Vec<Trail> {
+        let length = self.look.trails.or(self.measured.as_ref().map(|_| f64::INFINITY));
+        let Some(length) = length else { return Vec::new() };
+        let (from, to) = (moment.time - length, moment.time);
+        let within = |time: f64| (from..=to).contains(&time);
+        let frames = || self.footage.run.frames.iter().filter(|frame| within(frame.time));
+        let simulated = (0..moment.agents.len()).map(|agent| {
+            let past = frames().map(|frame| frame.agents[agent].position);
+            let points = thinned(past.chain([moment.agents[agent].position]));
+            Trail { agent: Some(agent), kind: TrailKind::Simulated, points }
+        });
+        let measured = self.measured.iter().flat_map(|measured| {
+            self.footage.run.ids.iter().enumerate().map(|(agent, id)| {
+                let past = measured.of(id).iter().filter(|(time, _)| within(*time)).map(|row| row.1);
+                Trail { agent: Some(agent), kind: TrailKind::Measured, points: thinned(past) }
+            })
+        });
+        simulated.chain(measured).filter(|trail| trail.points.len() > 1).collect()
+    }
+}
+
+/// Without points nearer than this to the one before.
+fn thinned(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
+    let mut kept: Vec<Vec2> = Vec::new();
+    for point in points {
+        if kept.last().is_none_or(|last| (point - *last).norm() >= TRAIL_STEP) {
+            kept.push(point);
+        }
+    }
+    kept
+}
+
+fn around(a: View, b: View) -> View {
+    View {
+        low: vec2(a.low.x.min(b.low.x), a.low.y.min(b.low.y)),
+        high: vec2(a.high.x.max(b.high.x), a.high.y.max(b.high.y)),
+    }
+}

@@ -1,0 +1,121 @@
+//! Measured trajectories, to be drawn beside simulated ones.
+
+use anyhow::{Context, Result, bail};
+use crowd_mechanics::engine::{Vec2, vec2};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Where people were seen, by the Id of the agent that stands for each.
+pub struct Measured {
+    people: BTreeMap<String, Vec<(f64, Vec2)>>,
+}
+
+/// What the x and y of the file are.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Origin {
+    /// Positions in the Trial's plane
+    Plane,
+    /// Displacements of each from its place at the file's first time
+    Start,
+}
+
+impl Measured {
+    /// Reads a CSV with the columns t, id, x, y, in s and m; rows of one person by time.
+    pub fn read(path: &Path) -> Result<Measured> {
+        Self::parse(path).with_context(|| format!("measured trajectories {}", path.display()))
+    }
+
+    fn parse(path: &Path) -> Result<Measured> {
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_path(path)?;
+        let header = reader.headers()?.clone();
+        let column = |name: &str| {
+            let named = |column: &str| plain(column.trim_start_matches('\u{feff}')) == name;
+            let place = header.iter().position(named);
+            place.with_context(|| format!("there is no column {name:?} (expected t,id,x,y)"))
+        };
+        let (id, numbers) = (column("id")?, [column("t")?, column("x")?, column("y")?]);
+        let mut people: BTreeMap<String, Vec<(f64, Vec2)>> = BTreeMap::new();
+        for record in reader.records() {
+            let record = record?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let number = |place: usize| {
+                let text = &record[place];
+                match text.parse::<f64>() {
+                    Ok(value) if value.is_finite() => Ok(value),
+                    _ => bail!("line {line}: {}={text:?}: not a finite number", &header[place]),
+                }
+            };
+            let [t, x, y] = [number(numbers[0])?, number(numbers[1])?, number(numbers[2])?];
+            let rows = people.entry(record[id].to_owned()).or_default();
+            if let Some(last) = rows.last().filter(|last| last.0 >= t) {
+                bail!("line {line}: t={t} does not come after t={} of the same person", last.0);
+            }
+            rows.push((t, vec2(x, y)));
+        }
+        if people.is_empty() {
+            bail!("holds no row");
+        }
+        Ok(Measured { people })
+    }
+
+    /// Moved to where each agent starts, if the file has displacements from there.
+    ///
+    /// # Errors
+    /// Somebody is no agent.
+    pub fn placed(mut self, origin: Origin, ids: &[String], starts: &[Vec2]) -> Result<Measured> {
+        for (id, rows) in &mut self.people {
+            let place = ids.iter().position(|known| known == id);
+            let place = place.with_context(|| format!("measured trajectories: there is no agent {id:?}"))?;
+            if origin == Origin::Start {
+                let shift = starts[place] - rows[0].1;
+                rows.iter_mut().for_each(|row| row.1 += shift);
+            }
+        }
+        Ok(self)
+    }
+
+    /// The rows of an agent \[s, m\]; none if nobody measured it.
+    pub fn of(&self, id: &str) -> &[(f64, Vec2)] {
+        self.people.get(id).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// A column's name without its unit: `x [m]` is `x`.
+fn plain(column: &str) -> &str {
+    column.split_once('[').map_or(column, |(name, _)| name).trim_end()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Measured> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), text).unwrap();
+        Measured::read(file.path())
+    }
+
+    #[test]
+    fn displacements_begin_where_agents_start() {
+        let rows = "t [s],id,x [m],y [m]\n0,a,0.5,0\n0,b,0,0\n0.1,a,0.75,-1\n";
+        let starts = [vec2(10.0, 20.0), vec2(0.0, 1.0)];
+        let ids = ["a".to_owned(), "b".to_owned()];
+        let placed = read(rows).unwrap().placed(Origin::Start, &ids, &starts).unwrap();
+        assert_eq!(placed.of("a"), [(0.0, vec2(10.0, 20.0)), (0.1, vec2(10.25, 19.0))]);
+        assert_eq!(placed.of("c"), []);
+        let plane = read(rows).unwrap().placed(Origin::Plane, &ids, &starts).unwrap();
+        assert_eq!(plane.of("a")[1], (0.1, vec2(0.75, -1.0)));
+        let stranger = read(rows).unwrap().placed(Origin::Plane, &ids[..1], &starts).err().unwrap();
+        assert!(stranger.to_string().contains("no agent \"b\""));
+    }
+
+    #[test]
+    fn says_line_and_value() {
+        let said = |text: &str| format!("{:#}", read(text).err().unwrap());
+        assert!(said("t,id,x\n").contains("no column \"y\""));
+        assert!(said("t,id,x,y\n").contains("holds no row"));
+        assert!(said("t,id,x,y\n0,a,nan,0\n").contains("line 2: x=\"nan\""));
+        assert!(said("t,id,x,y\n1,a,0,0\n1,a,0,0\n").contains("line 3: t=1"));
+    }
+}

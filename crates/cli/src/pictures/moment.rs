@@ -1,0 +1,168 @@
+//! A run at any time: between its frames everything is linear.
+
+use crowd_mechanics::engine::{Pair, Pose as EnginePose, Rotation, State, Twist, Vec2, World};
+use crowd_mechanics::trial::{AgentDynamics, Trial, WorldError};
+use lemons_export::{Frame, Observed, Run};
+use lemons_picture::{Force, Pose};
+use std::collections::BTreeMap;
+
+/// The crowd at one time.
+pub struct Moment {
+    /// \[s\]
+    pub time: f64,
+    pub agents: Vec<AgentDynamics>,
+    /// At the frame that is nearest in time.
+    pub observed: Vec<Observed>,
+    /// Of that frame.
+    pub nearest: usize,
+}
+
+impl Moment {
+    pub fn poses(&self) -> Vec<Pose> {
+        self.agents.iter().map(|agent| Pose { position: agent.position, theta: agent.theta }).collect()
+    }
+}
+
+/// \[1\], \[N\] Recorded and computed squeezes agree to this, or the run had other parameters.
+const AGREEMENT: (f64, f64) = (1e-3, 1.0);
+
+/// A run of a Trial, whose frames all say what contacts do to each agent.
+pub struct Footage {
+    pub trial: Trial,
+    pub run: Run,
+}
+
+/// The Trial's bodies, put where a run had them.
+pub struct Shadow(World);
+
+impl Footage {
+    /// A run of the Trial's agents, in their order.
+    pub fn new(trial: Trial, mut run: Run) -> Result<Footage, WorldError> {
+        let mut shadow = Shadow::new(&trial)?;
+        for frame in run.frames.iter_mut().filter(|frame| frame.observed.is_none()) {
+            shadow.put(&frame.agents);
+            let bodies = shadow.0.contacts().bodies.iter();
+            let seen = bodies.map(|body| Observed {
+                agent_contacts: body.agent_contacts,
+                wall_contacts: body.wall_contacts,
+                contacting_agents: body.touching_bodies,
+                normal_force: body.squeeze,
+            });
+            frame.observed = Some(seen.collect());
+        }
+        Ok(Footage { trial, run })
+    }
+
+    pub fn first(&self) -> f64 {
+        self.run.frames[0].time
+    }
+
+    pub fn last(&self) -> f64 {
+        self.run.frames[self.run.frames.len() - 1].time
+    }
+
+    /// At a time \[s\] of the run; its ends for times beyond them.
+    pub fn at(&self, time: f64) -> Moment {
+        let frames = &self.run.frames;
+        let after = frames.partition_point(|frame| frame.time <= time);
+        let (Some(before), Some(next)) = (after.checked_sub(1), frames.get(after)) else {
+            return self.frame(after.min(frames.len() - 1));
+        };
+        let (a, b) = (&frames[before], next);
+        let part = (time - a.time) / (b.time - a.time);
+        let nearest = if part < 0.5 { before } else { after };
+        let agents = a.agents.iter().zip(&b.agents).map(|(a, b)| between(a, b, part));
+        Moment { time, agents: agents.collect(), observed: observed(&frames[nearest]).to_vec(), nearest }
+    }
+
+    /// One of the frames as it is.
+    pub fn frame(&self, place: usize) -> Moment {
+        let frame = &self.run.frames[place];
+        Moment {
+            time: frame.time,
+            agents: frame.agents.clone(),
+            observed: observed(frame).to_vec(),
+            nearest: place,
+        }
+    }
+}
+
+impl Shadow {
+    pub fn new(trial: &Trial) -> Result<Shadow, WorldError> {
+        Ok(Shadow(trial.world()?))
+    }
+
+    fn put(&mut self, agents: &[AgentDynamics]) {
+        let poses =
+            agents.iter().map(|agent| EnginePose { position: agent.position, orientation: agent.theta });
+        let twists =
+            agents.iter().map(|agent| Twist { velocity: agent.velocity, angular_velocity: agent.omega });
+        self.0.restore(State::new(poses.collect(), twists.collect()));
+    }
+
+    /// The normal forces at the nearest frame: for each two that touch, their contacts together, from body to
+    /// body; for each wall, from the body to where it touches.
+    ///
+    /// Also whether they are those that the run recorded; a run with other parameters had others.
+    pub fn forces(&mut self, footage: &Footage, moment: &Moment) -> (Vec<Force>, bool) {
+        let frame = &footage.run.frames[moment.nearest];
+        self.put(&frame.agents);
+        let (scene, report) = (self.0.scene(), self.0.contacts());
+        let here = |body: usize| moment.agents[body].position;
+        let mut pairs: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+        // The strongest contact says where a body leans on a wall.
+        let mut walls: BTreeMap<(usize, usize), (f64, f64, Vec2)> = BTreeMap::new();
+        for contact in &report.contacts {
+            let force = contact.normal_force.abs();
+            match contact.pair {
+                Pair::Disks { first, second } => {
+                    let [first, second] = [first, second].map(|disk| scene.body_of(disk).index());
+                    *pairs.entry((first, second)).or_default() += force;
+                }
+                Pair::Face { disk, face, .. } => {
+                    let (body, disk) = (scene.body_of(disk).index(), &scene.disks[disk.index()]);
+                    let centre = disk.offset.rotated(Rotation::by(moment.agents[body].theta));
+                    let point = here(body) + centre - contact.normal * (disk.radius - 0.5 * contact.depth);
+                    let wall = scene.faces[face.index()].wall.index();
+                    let sum = walls.entry((body, wall)).or_insert((0.0, -1.0, point));
+                    sum.0 += force;
+                    if force > sum.1 {
+                        (sum.1, sum.2) = (force, point);
+                    }
+                }
+            }
+        }
+        let between = pairs.into_iter().map(|((first, second), normal_force)| Force {
+            from: here(first),
+            to: here(second),
+            normal_force,
+        });
+        let leaning = walls.into_iter().map(|((body, _), (normal_force, _, to))| Force {
+            from: here(body),
+            to,
+            normal_force,
+        });
+        let (relative, absolute) = AGREEMENT;
+        let agree = report.bodies.iter().zip(observed(frame)).all(|(computed, recorded)| {
+            (computed.squeeze - recorded.normal_force).abs()
+                <= absolute + relative * recorded.normal_force.max(computed.squeeze)
+        });
+        (between.chain(leaning).collect(), agree)
+    }
+}
+
+fn observed(frame: &Frame) -> &[Observed] {
+    frame.observed.as_deref().unwrap_or_default()
+}
+
+fn between(a: &AgentDynamics, b: &AgentDynamics, part: f64) -> AgentDynamics {
+    let vector = |a: Vec2, b: Vec2| a + (b - a) * part;
+    let number = |a: f64, b: f64| a + (b - a) * part;
+    AgentDynamics {
+        position: vector(a.position, b.position),
+        velocity: vector(a.velocity, b.velocity),
+        theta: number(a.theta, b.theta),
+        omega: number(a.omega, b.omega),
+        ..a.clone()
+    }
+}

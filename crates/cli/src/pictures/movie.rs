@@ -1,0 +1,259 @@
+//! `lemons movie`: the scene over time.
+
+use super::look::{Look, Looks};
+use super::plot::OTHER_PARAMETERS;
+use super::source::Source;
+use crate::Misused;
+use crate::interrupt::Interrupt;
+use anyhow::{Context, Result, bail};
+use crowd_mechanics::files::Staged;
+use indicatif::{ProgressBar, ProgressStyle};
+use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use tempfile::TempPath;
+
+/// Frames that are drawn at once, by all processors.
+const BATCH: usize = 16;
+/// Longer movies are a mistake.
+const MOST_FRAMES: f64 = 100_000.0;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    source: Source,
+    /// MP4 (by ffmpeg), animated PNG or GIF; default: movie.mp4, movie.gif where there is no ffmpeg
+    #[arg(short, long, value_name = "FILE.mp4, .png or .gif")]
+    output: Option<PathBuf>,
+    /// Frames per second of the movie
+    #[arg(long, value_name = "FPS", default_value_t = 25.0, value_parser = rate)]
+    frame_rate: f64,
+    /// Seconds of the run per second of the movie: 0.1 is slow motion
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor)]
+    speed_up: f64,
+    /// Where the movie begins, in seconds
+    #[arg(long, value_name = "SECONDS")]
+    from: Option<f64>,
+    /// Where it ends; default: a record's end, 5 s of a run that is made now
+    #[arg(long, value_name = "SECONDS")]
+    until: Option<f64>,
+    #[command(flatten)]
+    look: Look,
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.1..=240.0).contains(&value) => Ok(value),
+        _ => Err("must be a number from 0.1 to 240".into()),
+    }
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a positive number".into()),
+    }
+}
+
+pub fn movie(arguments: &Arguments) -> Result<()> {
+    let Arguments { source, look, frame_rate, speed_up, .. } = arguments;
+    let path = arguments.output.clone().unwrap_or_else(default_output);
+    let kind = Kind::of(&path)?;
+    let until = arguments.until.unwrap_or(crowd_mechanics::model_description::DEFAULT_STOP_TIME);
+    let footage = source.footage(source.runs().then_some(until))?;
+    let (first, last) = (
+        arguments.from.unwrap_or_else(|| footage.first()),
+        arguments.until.unwrap_or_else(|| footage.last()),
+    );
+    [first, last].into_iter().try_for_each(|time| footage.check(time))?;
+    let frames = ((last - first) * frame_rate / speed_up + 1e-9).floor() + 1.0;
+    if !(2.0..=MOST_FRAMES).contains(&frames) {
+        bail!(
+            "from {first:?} to {last:?} s there would be {frames} frames: a movie has from 2 to {MOST_FRAMES} \
+             (--frame-rate, --speed-up)"
+        );
+    }
+    let times: Vec<f64> = (0..frames as u64).map(|k| first + k as f64 * speed_up / frame_rate).collect();
+    let mut looks = Looks::new(look, &footage, &times)?;
+    let interrupt = Interrupt::watch()?;
+    let mut film = Film::begin(&path, kind, *frame_rate, times.len())?;
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left")?;
+    let progress = ProgressBar::new(times.len() as u64).with_style(style);
+    for batch in times.chunks(BATCH) {
+        let scenes: Vec<(Scene, Style)> = batch
+            .iter()
+            .map(|time| {
+                let moment = footage.at(*time);
+                (looks.scene(&moment), looks.style(&moment))
+            })
+            .collect();
+        let drawn: Vec<_> =
+            scenes.par_iter().map(|(scene, style)| pixels(&svg(scene, style), look.width)).collect();
+        for frame in drawn {
+            interrupt.check()?;
+            film.add(frame?)?;
+            progress.inc(1);
+        }
+    }
+    film.end()?;
+    progress.finish_and_clear();
+    if looks.other_parameters() {
+        eprintln!("{OTHER_PARAMETERS}");
+    }
+    let seconds = frames / frame_rate;
+    println!("{}: {frames} frames, {seconds:.2} s", path.display());
+    Ok(())
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Mp4,
+    Of(AnimationFormat),
+}
+
+impl Kind {
+    fn of(path: &Path) -> Result<Kind> {
+        match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("mp4") if ffmpeg_is_there() => Ok(Kind::Mp4),
+            Some("mp4") => bail!(
+                "{}: MP4 needs the program ffmpeg, which is not there; .png (animated PNG) and .gif need nothing",
+                path.display()
+            ),
+            Some("png" | "apng") => Ok(Kind::Of(AnimationFormat::Apng)),
+            Some("gif") => Ok(Kind::Of(AnimationFormat::Gif)),
+            _ => bail!(Misused(format!("{}: movies are .mp4, .png or .gif", path.display()))),
+        }
+    }
+}
+
+fn default_output() -> PathBuf {
+    PathBuf::from(if ffmpeg_is_there() { "movie.mp4" } else { "movie.gif" })
+}
+
+fn ffmpeg_is_there() -> bool {
+    let mut asked = Command::new("ffmpeg");
+    asked.arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    asked.status().is_ok_and(|status| status.success())
+}
+
+/// A movie being written; it appears under its name when it is complete.
+enum Film {
+    /// Begun with the first frame, which gives the size.
+    Ffmpeg {
+        path: PathBuf,
+        frame_rate: f64,
+        running: Option<Ffmpeg>,
+    },
+    Animated {
+        animation: Animation<BufWriter<Staged>>,
+        path: PathBuf,
+    },
+}
+
+struct Ffmpeg {
+    program: Child,
+    frames: BufWriter<ChildStdin>,
+    size: (u32, u32),
+    /// Where ffmpeg writes.
+    made: TempPath,
+    file: Staged,
+}
+
+impl Film {
+    fn begin(path: &Path, kind: Kind, frame_rate: f64, frames: usize) -> Result<Film> {
+        let path = path.to_owned();
+        Ok(match kind {
+            Kind::Mp4 => Film::Ffmpeg { path, frame_rate, running: None },
+            Kind::Of(format) => {
+                let file = Staged::beside(&path).with_context(|| cannot(&path))?;
+                let frames = u32::try_from(frames)?;
+                let animation = Animation::new(BufWriter::new(file), format, frame_rate, frames)?;
+                Film::Animated { animation, path }
+            }
+        })
+    }
+
+    fn add(&mut self, frame: Pixels) -> Result<()> {
+        match self {
+            Film::Animated { animation, path } => animation.add(&frame).with_context(|| cannot(path)),
+            Film::Ffmpeg { path, frame_rate, running } => {
+                let frame = frame.even();
+                let size = (frame.width, frame.height);
+                let ffmpeg = match running {
+                    Some(ffmpeg) => ffmpeg,
+                    None => running.insert(Ffmpeg::start(path, *frame_rate, size)?),
+                };
+                if size != ffmpeg.size {
+                    bail!("{}: a frame has another size", path.display());
+                }
+                match ffmpeg.frames.write_all(&frame.rgba) {
+                    Ok(()) => Ok(()),
+                    // It has said why.
+                    Err(_) => running.take().map_or(Ok(()), |ffmpeg| ffmpeg.end(path)),
+                }
+            }
+        }
+    }
+
+    fn end(self) -> Result<()> {
+        match self {
+            Film::Animated { animation, path } => {
+                let file = animation.finish().with_context(|| cannot(&path))?;
+                let file =
+                    file.into_inner().map_err(|error| error.into_error()).with_context(|| cannot(&path))?;
+                file.persist().with_context(|| cannot(&path))
+            }
+            Film::Ffmpeg { path, running, .. } => running.map_or(Ok(()), |ffmpeg| ffmpeg.end(&path)),
+        }
+    }
+}
+
+fn cannot(path: &Path) -> String {
+    format!("cannot write {}", path.display())
+}
+
+impl Ffmpeg {
+    fn start(path: &Path, frame_rate: f64, size: (u32, u32)) -> Result<Ffmpeg> {
+        let file = Staged::beside(path).with_context(|| cannot(path))?;
+        // It goes back in the file to put the index first, so it cannot write to a pipe.
+        let made = tempfile::Builder::new().prefix("lemons-").suffix(".mp4").tempfile();
+        let made = made.context("cannot make a temporary file")?.into_temp_path();
+        let mut program = Command::new("ffmpeg");
+        // Ctrl-C is for this program: it ends ffmpeg by closing its input.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut program, 0);
+        let mut program = program
+            .args(["-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba"])
+            .args(["-s", &format!("{}x{}", size.0, size.1), "-r", &frame_rate.to_string(), "-i", "-"])
+            // What every player reads; the index first, so that pages play it while it loads.
+            .args(["-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-y"])
+            .arg(&*made)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .context("cannot start ffmpeg")?;
+        let frames = BufWriter::new(program.stdin.take().context("ffmpeg takes no frames")?);
+        Ok(Ffmpeg { program, frames, size, made, file })
+    }
+
+    fn end(self, path: &Path) -> Result<()> {
+        let Ffmpeg { mut program, frames, made, mut file, .. } = self;
+        // A broken pipe is told by ffmpeg itself.
+        let _ = frames.into_inner();
+        let mut said = String::new();
+        if let Some(stderr) = program.stderr.take() {
+            BufReader::new(stderr).read_to_string(&mut said).context("ffmpeg")?;
+        }
+        let status = program.wait().context("ffmpeg")?;
+        if !status.success() {
+            bail!("{}: ffmpeg ({status}): {}", path.display(), said.trim());
+        }
+        let mut made = File::open(&made).context("what ffmpeg made")?;
+        std::io::copy(&mut made, &mut file).with_context(|| cannot(path))?;
+        file.persist().with_context(|| cannot(path))
+    }
+}

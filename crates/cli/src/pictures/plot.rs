@@ -1,0 +1,207 @@
+//! `lemons plot`: scenes, time series, a map of density.
+
+use super::look::{Look, Looks, Quantity};
+use super::moment::{Footage, Moment};
+use super::series::{Selection, chart};
+use super::source::Source;
+use crate::Misused;
+use crate::people::Output;
+use anyhow::{Result, bail};
+use lemons_picture::{
+    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, SheetStyle, Style, Visibility, chart_svg, png,
+    sheet, svg,
+};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    source: Source,
+    /// Where the picture goes: SVG or PNG
+    #[arg(short, long, default_value = "plot.png", value_name = "FILE.png or FILE.svg")]
+    output: PathBuf,
+    /// Scenes at these times, in seconds; default: a Trial's or FMU's start, the end of a record
+    #[arg(long, value_name = "T,T,…", value_delimiter = ',', conflicts_with_all = ["series", "density"])]
+    at: Vec<f64>,
+    /// Scenes beside each other; default: by their shape
+    #[arg(long, value_name = "N", requires = "at", value_parser = clap::value_parser!(u32).range(1..))]
+    columns: Option<u32>,
+    /// Instead of scenes: these over time, for each agent
+    #[arg(long, value_name = "QUANTITY,…", value_delimiter = ',', num_args = 1.., conflicts_with = "density")]
+    series: Vec<Quantity>,
+    /// Only these agents' time series, by Id; default: all
+    #[arg(long, value_name = "ID,…", value_delimiter = ',', requires = "series")]
+    agents: Vec<String>,
+    /// Instead of scenes: people per square metre, averaged over time
+    #[arg(long)]
+    density: bool,
+    /// Of the map of density: standard deviation of everybody's Gaussian, in metres
+    #[arg(long, value_name = "METRES", requires = "density", default_value_t = DENSITY_KERNEL, value_parser = kernel)]
+    kernel: f64,
+    /// Time series and map begin here, in seconds
+    #[arg(long, value_name = "SECONDS")]
+    from: Option<f64>,
+    /// Time series and map end here; default: a record's end, 5 s of a run that is made now
+    #[arg(long, value_name = "SECONDS")]
+    until: Option<f64>,
+    #[command(flatten)]
+    look: Look,
+}
+
+/// \[m\] Narrower ones need more cells than a picture has pixels.
+fn kernel(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.02..=100.0).contains(&value) => Ok(value),
+        _ => Err("must be a number of metres from 0.02 to 100".into()),
+    }
+}
+
+pub fn plot(arguments: &Arguments) -> Result<()> {
+    let Arguments { output, look, .. } = arguments;
+    let format = Format::of(output)?;
+    if arguments.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
+        bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
+    }
+    let mut file = Output::open(output)?;
+    let text = if !arguments.series.is_empty() {
+        series(arguments)?
+    } else if arguments.density {
+        density(arguments)?
+    } else {
+        scenes(arguments)?
+    };
+    let bytes = match format {
+        Format::Svg => text.into_bytes(),
+        Format::Png => png(&text, look.width)?,
+    };
+    file.fill(|out| out.write_all(&bytes))?;
+    file.persist()?;
+    println!("{}", output.display());
+    Ok(())
+}
+
+#[derive(Clone, Copy)]
+enum Format {
+    Svg,
+    Png,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Format> {
+        match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("svg") => Ok(Format::Svg),
+            Some("png") => Ok(Format::Png),
+            _ => bail!(Misused(format!("{}: pictures are .png or .svg", path.display()))),
+        }
+    }
+}
+
+fn scenes(arguments: &Arguments) -> Result<String> {
+    let Arguments { source, at, look, .. } = arguments;
+    let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
+    let footage = source.footage(latest)?;
+    let times = if at.is_empty() { vec![footage.last()] } else { at.clone() };
+    for time in &times {
+        footage.check(*time)?;
+    }
+    let mut looks = Looks::new(look, &footage, &times)?;
+    let moments: Vec<Moment> = times.iter().map(|time| footage.at(*time)).collect();
+    let scenes: Vec<Scene> = moments.iter().map(|moment| looks.scene(moment)).collect();
+    if looks.other_parameters() {
+        eprintln!("{OTHER_PARAMETERS}");
+    }
+    if let ([scene], [moment]) = (&scenes[..], &moments[..]) {
+        return Ok(svg(scene, &looks.style(moment)));
+    }
+    let panels: Vec<Panel> = scenes
+        .iter()
+        .zip(&moments)
+        .map(|(scene, moment)| Panel { scene, time: Some(moment.time), fill: Some(looks.style(moment).fill) })
+        .collect();
+    let size = scenes[0].extent();
+    let size = scenes[0].view.map_or(size.high - size.low, |view| view.high - view.low);
+    let columns = arguments.columns.map_or_else(|| columns(panels.len(), size.x / size.y), |n| n as usize);
+    let style = SheetStyle { style: looks.style(&moments[0]), ..SheetStyle::default() };
+    Ok(sheet(&panels, columns, &style))
+}
+
+/// Said of forces.
+pub const OTHER_PARAMETERS: &str = "warning: with the Trial's parameters the contacts would not have the squeeze that \
+    the run recorded: the forces shown are not the run's (give what was set: --set)";
+
+/// So that the sheet is about as wide as a page is.
+fn columns(panels: usize, aspect: f64) -> usize {
+    /// Width of a sheet over its height.
+    const WIDE: f64 = 1.3;
+    let badness = |columns: &usize| {
+        let rows = panels.div_ceil(*columns);
+        let empty = (rows * columns - panels) as f64;
+        ((*columns as f64 * aspect) / (rows as f64 * WIDE)).ln().abs() + 0.3 * empty
+    };
+    (1..=panels).min_by(|a, b| badness(a).total_cmp(&badness(b))).unwrap_or(1)
+}
+
+fn series(arguments: &Arguments) -> Result<String> {
+    let Arguments { source, look, .. } = arguments;
+    let opened = source.open(source.runs().then(|| arguments.end()))?;
+    let (from, until) = (arguments.from, arguments.until);
+    let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
+    let chart = chart(opened, look, &selection)?;
+    let theme = look.theme();
+    Ok(chart_svg(&chart, &ChartStyle { width: f64::from(look.width), theme, ..ChartStyle::default() }))
+}
+
+fn density(arguments: &Arguments) -> Result<String> {
+    let Arguments { source, look, .. } = arguments;
+    let footage = source.footage(source.runs().then(|| arguments.end()))?;
+    let within = |time: f64| {
+        arguments.from.is_none_or(|from| time >= from) && arguments.until.is_none_or(|until| time <= until)
+    };
+    let places: Vec<usize> =
+        (0..footage.run.frames.len()).filter(|&k| within(footage.run.frames[k].time)).collect();
+    let Some(&last) = places.last() else { bail!(footage.nothing_between(arguments.from, arguments.until)) };
+    let times: Vec<f64> = places.iter().map(|&place| footage.run.frames[place].time).collect();
+    let mut looks = Looks::new(look, &footage, &times)?;
+    let moment = footage.frame(last);
+    let mut scene = looks.scene(&moment);
+    let view = scene.view.unwrap_or_else(|| scene.extent());
+    let mut map = DensityMap::new(view, arguments.kernel);
+    for place in &places {
+        map.add(footage.run.frames[*place].agents.iter().map(|agent| agent.position));
+    }
+    map.range = look.range();
+    scene.density = Some(map);
+    let one = places.len() == 1;
+    let bodies = if one { Visibility::Shown } else { Visibility::Hidden };
+    let time = one.then_some(moment.time);
+    Ok(svg(&scene, &Style { bodies, time, ..looks.style(&moment) }))
+}
+
+impl Arguments {
+    /// \[s\] Of a run that is made now.
+    fn end(&self) -> f64 {
+        self.until.unwrap_or(crowd_mechanics::model_description::DEFAULT_STOP_TIME)
+    }
+}
+
+/// Of a run.
+impl Footage {
+    /// That a time \[s\] is one of the run's.
+    pub fn check(&self, time: f64) -> Result<()> {
+        const ROUNDING: f64 = 1e-9;
+        let (first, last) = (self.first(), self.last());
+        if time < first - ROUNDING || time > last + ROUNDING {
+            let source = self.run.source.display();
+            bail!("{source}: t = {time:?} s is not in it: it goes from {first:?} to {last:?} s");
+        }
+        Ok(())
+    }
+
+    fn nothing_between(&self, from: Option<f64>, until: Option<f64>) -> String {
+        let (first, last) = (self.first(), self.last());
+        let (from, until) = (from.unwrap_or(first), until.unwrap_or(last));
+        let source = self.run.source.display();
+        format!("{source}: no frame from {from:?} to {until:?} s: it goes from {first:?} to {last:?} s")
+    }
+}

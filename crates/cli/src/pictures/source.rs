@@ -1,0 +1,144 @@
+//! What `lemons plot` and `lemons movie` show: a Trial, an FMU, or the record of a run.
+
+use super::moment::Footage;
+use crate::Misused;
+use crate::export::trial_of;
+use anyhow::{Context, Result, anyhow, bail};
+use clap::Parser;
+use crowd_mechanics::trial::Trial;
+use crowd_mechanics::variables::{Kind, in_documents_mut, table};
+use lemons_export::{Frame, Run};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args)]
+pub struct Source {
+    /// A Trial directory or an FMU, which is run as lemons run does; or the record of a run: its table, or
+    /// an OutputDirectory
+    #[arg(value_name = "TRIAL, FILE.fmu, FILE.csv or SERIES")]
+    pub path: PathBuf,
+    /// The Trial or FMU that ran, for shapes and walls; default: the Trial directory that a series lies in
+    #[arg(long, value_name = "TRIAL or FILE.fmu")]
+    trial: Option<PathBuf>,
+    /// Propulsion over time of a run that is made now; default: the Trial's drive.csv
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
+    drive: Option<PathBuf>,
+    /// Ignore the Trial's drive.csv
+    #[arg(long)]
+    no_drive: bool,
+    /// A parameter of a run that is made now
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    settings: Vec<String>,
+    /// Communication step of a run that is made now, in seconds; default: the Trial's TimeStep
+    #[arg(long, value_name = "SECONDS")]
+    step: Option<f64>,
+}
+
+#[derive(clap::Parser)]
+struct Running {
+    #[command(flatten)]
+    arguments: crate::run::Arguments,
+}
+
+/// What was found there.
+pub struct Opened {
+    /// `None` where a table came without.
+    pub trial: Option<Trial>,
+    pub run: Run,
+}
+
+impl Source {
+    /// A Trial or an FMU is run until a time \[s\]; without one it is shown as it begins.
+    pub fn open(&self, until: Option<f64>) -> Result<Opened> {
+        let runs = self.runs();
+        if !runs && (self.drive.is_some() || self.no_drive || self.step.is_some()) {
+            let path = self.path.display();
+            return Err(Misused(format!(
+                "{path} is the record of a run: --drive, --no-drive and --step are for a run that is made now"
+            ))
+            .into());
+        }
+        let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
+        let mut trial = trial_of(&self.path, given)?;
+        if let Some(trial) = &mut trial {
+            for setting in &self.settings {
+                set(trial, setting)?;
+            }
+        }
+        let run = match (runs, until, &trial) {
+            (true, Some(until), Some(_)) => self.record(until)?,
+            (true, None, Some(trial)) => still(&self.path, trial),
+            (_, _, Some(trial)) if self.path.is_dir() => Run::read_series(&self.path, trial)?,
+            (_, _, Some(trial)) => Run::read_table(&self.path)?.of_trial(trial)?,
+            (_, _, None) => Run::read_table(&self.path)?,
+        };
+        Ok(Opened { trial, run })
+    }
+
+    /// With shapes and walls.
+    pub fn footage(&self, until: Option<f64>) -> Result<Footage> {
+        let Opened { trial, run } = self.open(until)?;
+        let need = || {
+            format!("{}: give the Trial or FMU that ran, for shapes and walls: --trial", self.path.display())
+        };
+        Ok(Footage::new(trial.with_context(need)?, run)?)
+    }
+
+    /// Whether it is something to run.
+    pub fn runs(&self) -> bool {
+        let fmu = self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
+        fmu || self.path.join("Parameters.xml").is_file()
+    }
+
+    /// As `lemons run` does it.
+    fn record(&self, until: f64) -> Result<Run> {
+        let directory =
+            tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
+        let table = directory.path().join("trajectories.csv");
+        let mut words: Vec<OsString> = vec!["run".into(), self.path.clone().into()];
+        let mut option = |name: &str, value: OsString| words.extend([name.into(), value]);
+        option("--until", until.to_string().into());
+        option("--output", table.clone().into());
+        self.drive.iter().for_each(|drive| option("--drive", drive.into()));
+        self.settings.iter().for_each(|setting| option("--set", setting.into()));
+        self.step.iter().for_each(|step| option("--step", step.to_string().into()));
+        words.extend(self.no_drive.then(|| "--no-drive".into()));
+        crate::run::run(&Running::parse_from(words).arguments)?;
+        Ok(Run { source: self.path.clone(), ..Run::read_table(&table)? })
+    }
+}
+
+/// A Trial as it begins.
+fn still(path: &Path, trial: &Trial) -> Run {
+    let start = Frame {
+        time: 0.0,
+        agents: trial.dynamics.clone(),
+        observed: None,
+        interactions: Some(trial.interactions.clone()),
+        place: "start".to_owned(),
+    };
+    let ids = trial.agents.iter().map(|agent| agent.id.clone()).collect();
+    Run { source: path.to_owned(), ids, frames: vec![start] }
+}
+
+/// A parameter of the run, which its contacts depend on.
+fn set(trial: &mut Trial, setting: &str) -> Result<()> {
+    let (name, value) =
+        setting.split_once('=').with_context(|| format!("--set {setting}: expected NAME=VALUE"))?;
+    let variables = table(trial);
+    let variable = variables.iter().find(|variable| variable.name == name);
+    let variable = variable.with_context(|| format!("--set {setting}: there is no variable {name:?}"))?;
+    match variable.kind {
+        Kind::Real(_) => {}
+        // Results do not depend on them.
+        Kind::Integer => return Ok(()),
+        Kind::String => bail!("--set {setting}: not for pictures"),
+    }
+    let value: f64 = value.parse().with_context(|| format!("--set {setting}: not a number"))?;
+    variable.domain.check(value).map_err(|must| anyhow!("--set {setting}: must be {must}"))?;
+    match in_documents_mut(trial, variable.quantity) {
+        Some(place) => *place = value,
+        None => bail!("--set {setting}: {name} is computed"),
+    }
+    Ok(())
+}

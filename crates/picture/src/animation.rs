@@ -1,0 +1,340 @@
+//! Frames to animated PNG and GIF.
+//!
+//! Of each frame only the rectangle in which something changed is written, and in it what did not change is
+//! transparent. Two frames are held, whatever the number.
+
+use crate::colour::viridis;
+use crate::raster::{PictureError, Pixels};
+use std::collections::HashMap;
+use std::io::Write;
+
+/// Shades of the colour map that every palette has.
+const RAMP: usize = 64;
+/// Place of the transparent colour in a palette of a GIF.
+const TRANSPARENT: u8 = 255;
+/// Squared distance of two colours, summed over red, green, blue, that is seen where they meet.
+const SEEN: u32 = 3 * 10 * 10;
+/// Pixels of such a distance in a thousand, from which on a frame has a palette of its own.
+const TOLERATED: usize = 2;
+
+/// Which file is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AnimationFormat {
+    /// Animated PNG: every colour as it is.
+    Apng,
+    /// GIF: 256 colours, at most 50 frames per second (players show faster ones slowly).
+    Gif,
+}
+
+/// An animated picture, written frame by frame; it is shown over and over.
+pub struct Animation<W: Write> {
+    /// Where to, until the first frame says how large.
+    to: Option<W>,
+    encoder: Option<Encoder<W>>,
+    format: AnimationFormat,
+    frames_per_second: f64,
+    frames: u32,
+    written: u32,
+    last: Option<Pixels>,
+}
+
+enum Encoder<W: Write> {
+    Apng(png::Writer<W>),
+    Gif(Box<gif::Encoder<W>>, Palette),
+}
+
+impl<W: Write> Animation<W> {
+    /// An animation of so many frames (an animated PNG tells their number first). Their size is that of the
+    /// first.
+    pub fn new(
+        to: W,
+        format: AnimationFormat,
+        frames_per_second: f64,
+        frames: u32,
+    ) -> Result<Animation<W>, PictureError> {
+        let most = match format {
+            AnimationFormat::Apng => 1000.0,
+            AnimationFormat::Gif => 50.0,
+        };
+        if !(0.001..=most).contains(&frames_per_second) {
+            let text = format!("{frames_per_second} frames per second; from 0.001 to {most} can be shown");
+            return Err(PictureError::Animation(text));
+        }
+        if frames == 0 {
+            return Err(PictureError::Animation("no frames".to_owned()));
+        }
+        let (to, encoder, last) = (Some(to), None, None);
+        Ok(Animation { to, encoder, format, frames_per_second, frames, written: 0, last })
+    }
+
+    /// The next frame.
+    pub fn add(&mut self, frame: &Pixels) -> Result<(), PictureError> {
+        let Pixels { width, height, ref rgba } = *frame;
+        if rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) || rgba.is_empty() {
+            let text = format!("{} bytes are no {width} × {height} pixels", rgba.len());
+            return Err(PictureError::Animation(text));
+        }
+        if let Some(last) = &self.last
+            && (last.width, last.height) != (width, height)
+        {
+            let text = format!(
+                "frame {} has {width} × {height} pixels, those before {} × {}",
+                self.written, last.width, last.height
+            );
+            return Err(PictureError::Animation(text));
+        }
+        if self.written == self.frames {
+            return Err(PictureError::Animation(format!("more than {} frames", self.frames)));
+        }
+        if let Some(to) = self.to.take() {
+            self.encoder = Some(match self.format {
+                AnimationFormat::Apng => Encoder::Apng(apng(to, frame, self.frames)?),
+                AnimationFormat::Gif => gif(to, frame)?,
+            });
+        }
+        let area = self.last.as_ref().map_or(Area { x: 0, y: 0, width, height }, |last| changed(last, frame));
+        let number = self.written;
+        match &mut self.encoder {
+            Some(Encoder::Apng(writer)) => {
+                let (over, under) = fraction(self.frames_per_second);
+                writer.set_frame_delay(over, under).map_err(png_error)?;
+                if number > 0 {
+                    writer.reset_frame_position().map_err(png_error)?;
+                    writer.set_frame_dimension(area.width, area.height).map_err(png_error)?;
+                    writer.set_frame_position(area.x, area.y).map_err(png_error)?;
+                }
+                let pixels = area.pixels(frame, self.last.as_ref());
+                writer.write_image_data(&pixels.concat()).map_err(png_error)?;
+            }
+            Some(Encoder::Gif(encoder, palette)) => {
+                // The end of each frame in whole hundredths: the film as a whole is neither slow nor fast.
+                let end = |k: u32| (f64::from(k) * 100.0 / self.frames_per_second).round() as u64;
+                let delay = (end(number + 1) - end(number)).min(u64::from(u16::MAX)) as u16;
+                let pixels = area.pixels(frame, self.last.as_ref());
+                let (buffer, colours) = if palette.serves(&pixels) {
+                    (palette.indices(&pixels), None)
+                } else {
+                    let mut own = Palette::of(&pixels);
+                    (own.indices(&pixels), Some(own.bytes()))
+                };
+                let frame = gif::Frame {
+                    delay,
+                    dispose: gif::DisposalMethod::Keep,
+                    transparent: Some(TRANSPARENT),
+                    top: area.y as u16,
+                    left: area.x as u16,
+                    width: area.width as u16,
+                    height: area.height as u16,
+                    palette: colours,
+                    buffer: buffer.into(),
+                    ..gif::Frame::default()
+                };
+                encoder.write_frame(&frame).map_err(gif_error)?;
+            }
+            None => return Err(PictureError::Animation("ended by an error before".to_owned())),
+        }
+        self.last = Some(frame.clone());
+        self.written += 1;
+        Ok(())
+    }
+
+    /// Ends the file, after the last frame.
+    pub fn finish(self) -> Result<(), PictureError> {
+        if self.written < self.frames {
+            let text = format!("{} frames of {}", self.written, self.frames);
+            return Err(PictureError::Animation(text));
+        }
+        match self.encoder {
+            Some(Encoder::Apng(writer)) => writer.finish().map_err(png_error),
+            Some(Encoder::Gif(encoder, _)) => Ok(encoder.into_inner().map_err(gif_error)?.flush()?),
+            None => Ok(()),
+        }
+    }
+}
+
+fn apng<W: Write>(to: W, first: &Pixels, frames: u32) -> Result<png::Writer<W>, PictureError> {
+    let mut encoder = png::Encoder::new(to, first.width, first.height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_animated(frames, 0).map_err(png_error)?;
+    encoder.set_blend_op(png::BlendOp::Over).map_err(png_error)?;
+    encoder.set_dispose_op(png::DisposeOp::None).map_err(png_error)?;
+    encoder.write_header().map_err(png_error)
+}
+
+fn gif<W: Write>(to: W, first: &Pixels) -> Result<Encoder<W>, PictureError> {
+    let [width, height] = [first.width, first.height].map(u16::try_from);
+    let (Ok(width), Ok(height)) = (width, height) else {
+        return Err(PictureError::Size { width: first.width, height: first.height.into() });
+    };
+    let whole = Area { x: 0, y: 0, width: first.width, height: first.height };
+    let palette = Palette::of(&whole.pixels(first, None));
+    let mut encoder = gif::Encoder::new(to, width, height, &palette.bytes()).map_err(gif_error)?;
+    encoder.set_repeat(gif::Repeat::Infinite).map_err(gif_error)?;
+    Ok(Encoder::Gif(Box::new(encoder), palette))
+}
+
+fn png_error(error: png::EncodingError) -> PictureError {
+    match error {
+        png::EncodingError::IoError(error) => error.into(),
+        error => PictureError::Png(error.to_string()),
+    }
+}
+
+fn gif_error(error: gif::EncodingError) -> PictureError {
+    match error {
+        gif::EncodingError::Io(error) => error.into(),
+        error => PictureError::Gif(error.to_string()),
+    }
+}
+
+/// \[s\] Time of a frame, as an animated PNG has it: exact for whole rates.
+fn fraction(frames_per_second: f64) -> (u16, u16) {
+    if frames_per_second.fract() == 0.0 {
+        return (1, frames_per_second as u16);
+    }
+    let under = (65_535.0 * frames_per_second).min(10_000.0);
+    let mut best = (1, 1, f64::INFINITY);
+    for under in 1..=(under.ceil() as u16) {
+        let over = (f64::from(under) / frames_per_second).round();
+        let off = (over / f64::from(under) * frames_per_second - 1.0).abs();
+        if (1.0..=65_535.0).contains(&over) && off < best.2 - 1e-12 {
+            best = (over as u16, under, off);
+        }
+    }
+    (best.0, best.1)
+}
+
+/// A rectangle \[px\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Area {
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+}
+
+impl Area {
+    /// Its pixels; transparent where they are those of the last frame.
+    fn pixels(&self, frame: &Pixels, last: Option<&Pixels>) -> Vec<[u8; 4]> {
+        let mut pixels = Vec::with_capacity(self.width as usize * self.height as usize);
+        for y in self.y..self.y + self.height {
+            let start = 4 * (y as usize * frame.width as usize + self.x as usize);
+            let row = start..start + 4 * self.width as usize;
+            let colours = frame.rgba[row.clone()].chunks_exact(4).map(|p| [p[0], p[1], p[2], 255]);
+            match last {
+                None => pixels.extend(colours),
+                Some(last) => {
+                    let before = last.rgba[row].chunks_exact(4);
+                    pixels
+                        .extend(colours.zip(before).map(|(p, b)| if p[..3] == b[..3] { [0; 4] } else { p }));
+                }
+            }
+        }
+        pixels
+    }
+}
+
+/// The smallest rectangle around what changed; one pixel when nothing did.
+fn changed(last: &Pixels, frame: &Pixels) -> Area {
+    let row = 4 * frame.width as usize;
+    let rows = || last.rgba.chunks_exact(row).zip(frame.rgba.chunks_exact(row)).enumerate();
+    let mut differing = rows().filter(|(_, (a, b))| a != b).map(|(y, _)| y);
+    let Some(top) = differing.next() else { return Area { x: 0, y: 0, width: 1, height: 1 } };
+    let bottom = differing.last().unwrap_or(top);
+    let (mut left, mut right) = (frame.width as usize - 1, 0);
+    for (_, (a, b)) in rows().skip(top).take(bottom - top + 1) {
+        let mut differing =
+            a.chunks_exact(4).zip(b.chunks_exact(4)).enumerate().filter(|(_, (a, b))| a != b).map(|(x, _)| x);
+        if let Some(first) = differing.next() {
+            left = left.min(first);
+            right = right.max(differing.last().unwrap_or(first));
+        }
+    }
+    Area {
+        x: left as u32,
+        y: top as u32,
+        width: (right - left + 1) as u32,
+        height: (bottom - top + 1) as u32,
+    }
+}
+
+/// Up to 255 colours, and the nearest of those met so far.
+struct Palette {
+    colours: Vec<[u8; 3]>,
+    nearest: HashMap<[u8; 3], (u8, u32)>,
+}
+
+impl Palette {
+    /// The colour map, then the commonest colours that differ from all before by as much as fills the
+    /// palette: flat areas and lines keep their colours, their soft edges share the rest.
+    fn of(pixels: &[[u8; 4]]) -> Palette {
+        let mut counts: HashMap<[u8; 3], usize> = HashMap::new();
+        for [r, g, b, _] in pixels.iter().filter(|p| p[3] > 0) {
+            *counts.entry([*r, *g, *b]).or_default() += 1;
+        }
+        let mut common: Vec<_> = counts.into_iter().collect();
+        common.sort_unstable_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+        let mut colours: Vec<[u8; 3]> = Vec::with_capacity(usize::from(TRANSPARENT));
+        // What covers more than a thousandth is exact.
+        let large = pixels.len() / 1000;
+        colours.extend(common.iter().take(48).filter(|(_, n)| *n > large).map(|(c, _)| *c));
+        for k in 0..RAMP {
+            let shade = viridis(k as f64 / (RAMP - 1) as f64);
+            let shade = [shade.0, shade.1, shade.2];
+            if !colours.contains(&shade) {
+                colours.push(shade);
+            }
+        }
+        for apart in [40, 28, 20, 14, 10, 7, 5, 3, 1] {
+            for (colour, _) in &common {
+                if colours.len() == usize::from(TRANSPARENT) {
+                    break;
+                }
+                if colours.iter().all(|c| distance(*c, *colour) >= apart * apart) {
+                    colours.push(*colour);
+                }
+            }
+        }
+        Palette { colours, nearest: HashMap::new() }
+    }
+
+    /// Red, green, blue of 256 colours.
+    fn bytes(&self) -> Vec<u8> {
+        let mut bytes = self.colours.concat();
+        bytes.resize(3 * 256, 0);
+        bytes
+    }
+
+    fn nearest(&mut self, colour: [u8; 3]) -> (u8, u32) {
+        let colours = &self.colours;
+        *self.nearest.entry(colour).or_insert_with(|| {
+            let all = colours.iter().zip(0u8..).map(|(c, k)| (distance(*c, colour), k));
+            all.min().map_or((0, u32::MAX), |(distance, k)| (k, distance))
+        })
+    }
+
+    /// Whether these pixels look as they should.
+    fn serves(&mut self, pixels: &[[u8; 4]]) -> bool {
+        let off =
+            pixels.iter().filter(|p| p[3] > 0).filter(|[r, g, b, _]| self.nearest([*r, *g, *b]).1 > SEEN);
+        let (off, all) = (off.count(), pixels.iter().filter(|p| p[3] > 0).count());
+        // Colours never end in a long film.
+        if self.nearest.len() > 200_000 {
+            self.nearest.clear();
+        }
+        1000 * off <= TOLERATED * all
+    }
+
+    fn indices(&mut self, pixels: &[[u8; 4]]) -> Vec<u8> {
+        pixels
+            .iter()
+            .map(|[r, g, b, a]| if *a == 0 { TRANSPARENT } else { self.nearest([*r, *g, *b]).0 })
+            .collect()
+    }
+}
+
+fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
+    a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
+}

@@ -1,0 +1,565 @@
+//! Curves over time.
+//!
+//! Drawn here, not by a plotting library: the same lettering in strokes as beside a scene, hence the same
+//! bytes on every machine, and nothing for the rasteriser to look a font up for.
+
+use crate::colour::{Colour, Palette};
+use crate::colouring::titled;
+use crate::draw::begin;
+use crate::furniture::{Entry, Header, lettered, small};
+use crate::lettering::{self, Anchor, Place};
+use crate::page::{CAP_HEIGHT, MARGIN, NOMINAL_WIDTH, Page, page_width};
+use crate::style::Theme;
+use crate::text::{PX, escaped, pair, round_above, short, text_of};
+use std::collections::BTreeSet;
+
+/// Part of the lettering of a scene's page.
+const FINER: f64 = 0.85;
+/// More lines than these are a crowd: none has a colour or a name but the highest.
+const MOST_NAMED: usize = 8;
+/// \[px\] of a line with a name, and of one of a crowd.
+const STROKE: f64 = 1.6;
+const THIN: f64 = 0.7;
+/// \[px\] dash and gap.
+const DASH: (f64, f64) = (4.2, 2.6);
+/// \[px\] between two panels, below the names of the ticks of the upper one.
+const PANEL_GAP: f64 = 13.0;
+/// \[px\] from an axis to its numbers.
+const TICK_GAP: f64 = 5.0;
+/// \[px\] from a grid line to the next, at least.
+const GRID: (f64, f64) = (62.0, 24.0);
+/// \[px\] A curve is drawn with less than this error.
+const TOLERANCE: f64 = 0.12;
+/// Places along x at which the median of a crowd is taken.
+const SAMPLES: usize = 300;
+
+/// Panels above each other that share the x axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// Below all panels.
+    pub x: Axis,
+    /// From the top down.
+    pub panels: Vec<ChartPanel>,
+}
+
+/// What an axis shows.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Axis {
+    /// What it is.
+    pub label: String,
+    /// Its unit; empty for none.
+    pub unit: String,
+}
+
+/// One set of lines.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ChartPanel {
+    /// Written above the panel.
+    pub y: Axis,
+    /// In the order in which they are drawn.
+    pub lines: Vec<Line>,
+    /// The value holds until the next point: for counts.
+    pub steps: bool,
+}
+
+/// One curve.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Line {
+    /// Written at its end, such as an agent's id.
+    pub name: String,
+    /// x and y, x growing. What is not finite interrupts the curve.
+    pub points: Vec<(f64, f64)>,
+    /// Lines of one group have one colour and one name in all panels: an agent, simulated and measured.
+    pub group: usize,
+    /// For what is measured; solid lines are simulated.
+    pub dashed: bool,
+}
+
+/// How a chart is drawn. Lines and lettering grow with the width.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartStyle {
+    /// \[px\] the height follows from the panels.
+    pub width: f64,
+    /// Colours.
+    pub theme: Theme,
+    /// Height of a panel, as a part of the width; by the number of panels when `None`.
+    pub aspect: Option<f64>,
+}
+
+impl Default for ChartStyle {
+    fn default() -> ChartStyle {
+        ChartStyle { width: 400.0, theme: Theme::Light, aspect: None }
+    }
+}
+
+/// The chart as SVG: a group `chart-panel` per panel with its `grid` and `lines`, then `legend`.
+///
+/// Up to eight lines have their colour, and their name at the end. More are a crowd: thin grey lines, with
+/// the median of all and the one that gets highest on top of them. Curves of more points than can be seen
+/// lose none of their extremes.
+pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
+    let palette = Palette::of(style.theme);
+    let width = page_width(style.width);
+    let unit = width / NOMINAL_WIDTH * FINER;
+    let (margin, cap) = (MARGIN * unit, CAP_HEIGHT * unit);
+    let xs = || chart.panels.iter().flat_map(|p| &p.lines).flat_map(|l| &l.points).filter(drawable);
+    let x = Range::around(xs().map(|p| p.0), false);
+
+    let lines =
+        || chart.panels.iter().flat_map(|p| &p.lines).filter(|l| l.points.iter().any(|p| drawable(&p)));
+    let mut legend = Vec::new();
+    if lines().any(|l| l.dashed) && lines().any(|l| !l.dashed) {
+        let entry = |class, label: &str, dash| Entry {
+            class,
+            label: label.to_owned(),
+            colour: palette.ink,
+            width: STROKE * unit,
+            halo: None,
+            dash,
+        };
+        legend.push(entry("simulated", "simulated", None));
+        legend.push(entry("measured", "measured", Some((DASH.0 * unit, DASH.1 * unit))));
+    }
+    let header = Header::new(None, legend, unit, width);
+
+    let aspect = style.aspect.filter(|a| a.is_finite() && *a > 0.0).map(|a| a.clamp(0.02, 10.0));
+    let tall = aspect.unwrap_or(if chart.panels.len() > 1 { 0.25 } else { 0.5 }) * width;
+    let panels: Vec<Ready> = chart.panels.iter().map(|p| Ready::new(p, x, tall, unit, &palette)).collect();
+    let numbers = panels.iter().flat_map(|p| &p.ticks).map(|(_, text)| lettering::width(text, cap));
+    let left = margin + numbers.fold(0.0, f64::max) + TICK_GAP * unit;
+    let names = panels.iter().flat_map(|p| &p.strokes).filter_map(|s| s.name.as_ref());
+    let named = names.map(|n| lettering::width(n, cap) + 1.3 * TICK_GAP * unit).fold(0.0, f64::max);
+    // Names without end leave half of the page to the curves.
+    let right = (width - margin - named).max(0.5 * width).max(left + unit);
+    let x_ticks = x.ticks(((right - left) / (GRID.0 * unit)).max(1.0), false);
+
+    let pitch = cap + 6.0 * unit + tall + PANEL_GAP * unit;
+    let top = margin + header.height;
+    let below = (2.0 * (CAP_HEIGHT + TICK_GAP) + 3.0) * unit;
+    let count = panels.len().max(1) as f64;
+    let height = (top + count * pitch - PANEL_GAP * unit + below + margin - 1e-6).ceil();
+    let page = Page { unit, width, height };
+
+    let mut out = String::new();
+    begin(&mut out, &page, &titled(&chart.x.label, &chart.x.unit), palette.paper);
+    let across = |v: f64| left + x.part(v) * (right - left);
+    for (k, (panel, ready)) in chart.panels.iter().zip(&panels).enumerate() {
+        let above = top + k as f64 * pitch + cap + 6.0 * unit;
+        let bottom = above + tall;
+        let up = |v: f64| bottom - ready.y.part(v) * tall;
+        out += "<g class=\"chart-panel\">\n";
+        let mut d = String::new();
+        for (v, _) in &ready.ticks {
+            d += &format!("M{} {}H{}", text_of(left, PX), text_of(up(*v), PX), text_of(right, PX));
+        }
+        for (v, _) in &x_ticks {
+            d += &format!("M{} {}V{}", text_of(across(*v), PX), text_of(above, PX), text_of(bottom, PX));
+        }
+        let hair = text_of(0.8 * unit, PX);
+        out += &format!(
+            "<path class=\"grid\" fill=\"none\" stroke=\"{}\" stroke-width=\"{hair}\" d=\"{d}\"/>\n",
+            palette.faint
+        );
+        let base = text_of(if ready.y.low < 0.0 && ready.y.high > 0.0 { up(0.0) } else { bottom }, PX);
+        out += &format!(
+            "<path class=\"axis\" fill=\"none\" stroke=\"{}\" stroke-width=\"{hair}\" d=\"M{} {base}H{}\"/>\n",
+            palette.ink.mixed(palette.paper, 0.35),
+            text_of(left, PX),
+            text_of(right, PX)
+        );
+        for (v, text) in &ready.ticks {
+            let place =
+                Place { x: left - TICK_GAP * unit, y: up(*v) + 0.5 * cap, ..small(unit, Anchor::End) };
+            lettered(&mut out, "tick", text, place, palette.ink);
+        }
+        let title = titled(&panel.y.label, &panel.y.unit);
+        let place = Place { x: margin, y: above - 6.0 * unit, ..small(unit, Anchor::Start) };
+        fitting(&mut out, "label", &title, place, width - 2.0 * margin, palette.ink);
+        out += "<g class=\"lines\" fill=\"none\" stroke-linejoin=\"round\">\n";
+        for stroke in &ready.strokes {
+            stroke.draw(&mut out, panel.steps, unit, across, up);
+        }
+        out += "</g>\n";
+        ready.names(&mut out, (above, bottom), right, (width - margin - right).max(unit), unit, across, up);
+        out += "</g>\n";
+    }
+    let bottom = height - margin - below;
+    for (v, text) in &x_ticks {
+        let place = Place { x: across(*v), y: bottom + TICK_GAP * unit + cap, ..small(unit, Anchor::Middle) };
+        lettered(&mut out, "tick", text, place, palette.ink);
+    }
+    let place = Place { x: 0.5 * (left + right), y: height - margin, ..small(unit, Anchor::Middle) };
+    let title = titled(&chart.x.label, &chart.x.unit);
+    fitting(&mut out, "label", &title, place, width - 2.0 * margin, palette.ink);
+    header.draw(&mut out, &page, &palette, margin);
+    out += "</svg>\n";
+    out
+}
+
+fn drawable(p: &&(f64, f64)) -> bool {
+    p.0.is_finite() && p.1.is_finite()
+}
+
+/// Text that shrinks where it is longer than the room.
+fn fitting(out: &mut String, class: &str, text: &str, place: Place, room: f64, colour: Colour) {
+    if !text.is_empty() {
+        let shrink = (room / lettering::width(text, place.cap_height).max(1e-9)).min(1.0);
+        lettered(out, class, text, Place { cap_height: place.cap_height * shrink, ..place }, colour);
+    }
+}
+
+/// The values that an axis shows.
+#[derive(Debug, Clone, Copy)]
+struct Range {
+    low: f64,
+    high: f64,
+}
+
+impl Range {
+    /// All values; with zero where it is not far, for an axis that `reaches_zero`.
+    fn around(values: impl Iterator<Item = f64>, reaches_zero: bool) -> Range {
+        let (mut low, mut high) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        if low > high {
+            (low, high) = (0.0, 1.0);
+        }
+        if reaches_zero && low > 0.0 && low < 0.6 * high {
+            low = 0.0;
+        }
+        if high / 2.0 - low / 2.0 <= 1e-12 * high.abs().max(low.abs()) {
+            let grow = if high == 0.0 { 1.0 } else { 0.1 * high.abs() };
+            if low == 0.0 && reaches_zero {
+                high = grow;
+            } else {
+                (low, high) = (low - grow, high + grow);
+            }
+        }
+        Range { low: low.max(-1e307), high: high.min(1e307) }
+    }
+
+    /// Space beyond the curves, but not below zero.
+    fn airy(self) -> Range {
+        let air = 0.04 * (self.high - self.low);
+        let low = if self.low == 0.0 { 0.0 } else { self.low - air };
+        Range { low, high: self.high + air }
+    }
+
+    fn part(self, v: f64) -> f64 {
+        ((v - self.low) / (self.high - self.low)).clamp(-0.1, 1.1)
+    }
+
+    /// Round numbers, about so many; whole ones for counts.
+    fn ticks(self, about: f64, whole: bool) -> Vec<(f64, String)> {
+        let mut step = round_above((self.high - self.low) / about);
+        if whole {
+            step = step.max(1.0);
+        }
+        let first = (self.low / step).ceil();
+        let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
+        let plain = (1e-4..1e6).contains(&step) && self.high.abs().max(self.low.abs()) < 1e6;
+        (0..100)
+            .map(|k| first + f64::from(k))
+            .map(|k| k * step)
+            .take_while(|v| *v <= self.high * (1.0 + 1e-12 * self.high.signum()))
+            .map(|v| (v, if plain { text_of(v, decimals) } else { short(v) }))
+            .collect()
+    }
+}
+
+/// A curve to be drawn.
+struct Stroke {
+    class: &'static str,
+    points: Vec<(f64, f64)>,
+    colour: Colour,
+    /// \[px\]
+    width: f64,
+    opacity: f64,
+    dashed: bool,
+    /// At its end.
+    name: Option<String>,
+    title: String,
+}
+
+/// A panel with all but its place on the page.
+struct Ready {
+    y: Range,
+    ticks: Vec<(f64, String)>,
+    strokes: Vec<Stroke>,
+}
+
+impl Ready {
+    fn new(panel: &ChartPanel, x: Range, tall: f64, unit: f64, palette: &Palette) -> Ready {
+        let lines: Vec<&Line> =
+            panel.lines.iter().filter(|l| l.points.iter().any(|p| drawable(&p))).collect();
+        let values = lines.iter().flat_map(|l| &l.points).filter(drawable).map(|p| p.1);
+        let y = Range::around(values, true).airy();
+        let ticks = y.ticks((tall / (GRID.1 * unit)).max(1.0), panel.steps);
+        let groups: BTreeSet<usize> = lines.iter().map(|l| l.group).collect();
+        let strokes = if groups.len() <= MOST_NAMED {
+            named(&lines, unit, palette)
+        } else {
+            crowd(panel, &lines, x, unit, palette)
+        };
+        Ready { y, ticks, strokes }
+    }
+
+    /// The names beside the ends of their curves, moved apart.
+    #[allow(clippy::too_many_arguments)]
+    fn names(
+        &self,
+        out: &mut String,
+        (above, bottom): (f64, f64),
+        right: f64,
+        room: f64,
+        unit: f64,
+        across: impl Fn(f64) -> f64,
+        up: impl Fn(f64) -> f64,
+    ) {
+        let cap = CAP_HEIGHT * unit;
+        let ends = |s: &Stroke| s.points.iter().rev().find(|p| drawable(p)).copied();
+        let mut names: Vec<(f64, f64, &str, Colour)> = self
+            .strokes
+            .iter()
+            .filter_map(|s| Some((s.name.as_deref().filter(|n| !n.is_empty())?, ends(s)?, s.colour)))
+            .map(|(name, (x, y), colour)| (up(y), across(x), name, colour))
+            .collect();
+        names.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let places =
+            apart(names.iter().map(|n| n.0).collect(), 1.5 * cap, above + 0.5 * cap, bottom - 0.5 * cap);
+        for ((_, _, name, colour), y) in names.iter().zip(places) {
+            let gap = 1.3 * TICK_GAP * unit;
+            let place = Place { x: right + gap, y: y + 0.5 * cap, ..small(unit, Anchor::Start) };
+            fitting(out, "name", name, place, (room - gap).max(unit), *colour);
+        }
+    }
+}
+
+/// Sorted places at least `step` apart, as near as can be to where they were, all within the limits as long
+/// as there is room.
+fn apart(mut y: Vec<f64>, step: f64, low: f64, high: f64) -> Vec<f64> {
+    let n = y.len();
+    if n == 0 {
+        return y;
+    }
+    let step = if n > 1 { step.min((high - low).max(0.0) / (n - 1) as f64) } else { step };
+    // Neighbours that are too near become one block about their middle, until none are.
+    let mut blocks: Vec<(f64, usize)> = Vec::new();
+    for v in y.drain(..) {
+        let mut block = (v, 1);
+        while let Some(&(middle, count)) = blocks.last() {
+            let reach = 0.5 * step * (count + block.1) as f64;
+            if block.0 - middle >= reach {
+                break;
+            }
+            let all = (count + block.1) as f64;
+            block = ((middle * count as f64 + block.0 * block.1 as f64) / all, count + block.1);
+            blocks.pop();
+        }
+        let half = 0.5 * step * (block.1 - 1) as f64;
+        block.0 = block.0.min(high - half).max(low + half);
+        blocks.push(block);
+    }
+    let mut placed: Vec<f64> = blocks
+        .iter()
+        .flat_map(|(middle, count)| {
+            (0..*count).map(move |k| middle + step * (k as f64 - 0.5 * (*count as f64 - 1.0)))
+        })
+        .collect();
+    // A block held back by a limit may meet its neighbour.
+    for k in (0..n.saturating_sub(1)).rev() {
+        placed[k] = placed[k].min(placed[k + 1] - step);
+    }
+    placed[0] = placed[0].max(low);
+    for k in 1..n {
+        placed[k] = placed[k].max(placed[k - 1] + step);
+    }
+    placed
+}
+
+/// A few lines, each with its colour and one name per group.
+fn named(lines: &[&Line], unit: f64, palette: &Palette) -> Vec<Stroke> {
+    let speaker = |line: &Line| {
+        let of_group = || lines.iter().filter(|l| l.group == line.group);
+        of_group().find(|l| !l.dashed).or_else(|| of_group().next()).copied()
+    };
+    let stroke = |line: &&Line| Stroke {
+        class: if line.dashed { "measured" } else { "simulated" },
+        points: line.points.clone(),
+        colour: palette.series(line.group),
+        width: STROKE * unit,
+        opacity: 1.0,
+        dashed: line.dashed,
+        name: speaker(line).is_some_and(|s| std::ptr::eq(s, *line)).then(|| line.name.clone()),
+        title: line.name.clone(),
+    };
+    lines.iter().map(stroke).collect()
+}
+
+/// Many lines: all of them pale, their median, and the one that gets highest.
+fn crowd(panel: &ChartPanel, lines: &[&Line], x: Range, unit: f64, palette: &Palette) -> Vec<Stroke> {
+    let opacity = (14.0 / lines.len() as f64).clamp(0.1, 0.5);
+    let pale = |line: &&Line| Stroke {
+        class: if line.dashed { "measured" } else { "simulated" },
+        points: line.points.clone(),
+        colour: palette.ink,
+        width: THIN * unit,
+        opacity,
+        dashed: line.dashed,
+        name: None,
+        title: line.name.clone(),
+    };
+    let mut strokes: Vec<Stroke> = lines.iter().map(pale).collect();
+    let solid: Vec<&&Line> = if lines.iter().any(|l| !l.dashed) {
+        lines.iter().filter(|l| !l.dashed).collect()
+    } else {
+        lines.iter().collect()
+    };
+    let top = |line: &Line| line.points.iter().filter(drawable).fold(f64::NEG_INFINITY, |h, p| h.max(p.1));
+    let strong = |class, points, colour, name: String| Stroke {
+        class,
+        points,
+        colour,
+        width: STROKE * unit,
+        opacity: 1.0,
+        dashed: false,
+        title: name.clone(),
+        name: Some(name),
+    };
+    // The first of those that get equally high.
+    let highest = solid.iter().copied().reduce(|a, b| if top(b) > top(a) { b } else { a });
+    if let Some(line) = highest {
+        strokes.push(strong("highest", line.points.clone(), palette.series(1), line.name.clone()));
+    }
+    let mut each: Vec<_> = solid.iter().map(|l| Reader { points: &l.points, next: 0 }).collect();
+    let median = (0..=SAMPLES).map(|k| {
+        let at = x.low + (x.high - x.low) * k as f64 / SAMPLES as f64;
+        let mut values: Vec<f64> = each.iter_mut().filter_map(|r| r.at(at, panel.steps)).collect();
+        values.sort_by(f64::total_cmp);
+        let middle = values.len() / 2;
+        let value = match values.len() {
+            0 => f64::NAN,
+            n if n % 2 == 1 || panel.steps => values[middle],
+            _ => 0.5 * values[middle - 1] + 0.5 * values[middle],
+        };
+        (at, value)
+    });
+    let median: Vec<_> = median.collect();
+    strokes.push(strong("median", median, palette.series(0), "median".to_owned()));
+    strokes
+}
+
+/// A curve read at places that grow.
+struct Reader<'a> {
+    points: &'a [(f64, f64)],
+    next: usize,
+}
+
+impl Reader<'_> {
+    fn at(&mut self, x: f64, steps: bool) -> Option<f64> {
+        while self.points.get(self.next).is_some_and(|p| !(p.0 > x)) {
+            self.next += 1;
+        }
+        let before = self.points[..self.next].last().filter(drawable)?;
+        if steps || before.0 == x {
+            return (self.next < self.points.len() || before.0 == x).then_some(before.1);
+        }
+        let after = self.points.get(self.next).filter(drawable)?;
+        let part = (x - before.0) / (after.0 - before.0);
+        Some(before.1 * (1.0 - part) + after.1 * part)
+    }
+}
+
+impl Stroke {
+    fn draw(
+        &self,
+        out: &mut String,
+        steps: bool,
+        unit: f64,
+        across: impl Fn(f64) -> f64,
+        up: impl Fn(f64) -> f64,
+    ) {
+        let mut d = String::new();
+        for piece in self.points.split(|p| !drawable(&p)) {
+            let mut on_page: Vec<(f64, f64)> = Vec::with_capacity(piece.len());
+            for p in piece {
+                let (x, y) = (across(p.0), up(p.1));
+                if steps && let Some(last) = on_page.last() {
+                    on_page.push((x, last.1));
+                }
+                on_page.push((x, y));
+            }
+            for (k, p) in thinned(&extremes(&on_page, 0.5 * unit), TOLERANCE * unit).iter().enumerate() {
+                d.push(if k == 0 { 'M' } else { 'L' });
+                pair(&mut d, *p, PX);
+            }
+            if let [only] = on_page[..] {
+                // A lone point between gaps is a dot.
+                d.push('L');
+                pair(&mut d, only, PX);
+            }
+        }
+        if d.is_empty() {
+            return;
+        }
+        let mut more = String::new();
+        if self.opacity < 1.0 {
+            more += &format!(" stroke-opacity=\"{}\"", text_of(self.opacity, 2));
+        }
+        more += &if self.dashed {
+            format!(" stroke-dasharray=\"{} {}\"", text_of(DASH.0 * unit, PX), text_of(DASH.1 * unit, PX))
+        } else {
+            " stroke-linecap=\"round\"".to_owned()
+        };
+        *out += &format!(
+            "<path class=\"{}\" stroke=\"{}\" stroke-width=\"{}\"{more} d=\"{d}\"><title>{}</title></path>\n",
+            self.class,
+            self.colour,
+            text_of(self.width, PX),
+            escaped(&self.title)
+        );
+    }
+}
+
+/// Of the points in one column of pixels: first, lowest, highest, last.
+fn extremes(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
+    let mut kept = Vec::new();
+    let place = |p: &(f64, f64)| (p.0 / column).floor();
+    for chunk in points.chunk_by(|a, b| place(a) == place(b)) {
+        if chunk.len() <= 4 {
+            kept.extend_from_slice(chunk);
+            continue;
+        }
+        let by = |best: fn(f64, f64) -> bool| {
+            (0..chunk.len()).reduce(|a, b| if best(chunk[b].1, chunk[a].1) { b } else { a }).unwrap_or(0)
+        };
+        let wanted = BTreeSet::from([0, by(|a, b| a < b), by(|a, b| a > b), chunk.len() - 1]);
+        kept.extend(wanted.into_iter().map(|k| chunk[k]));
+    }
+    kept
+}
+
+/// Points without which the line is the same to within the tolerance left out (Ramer, Douglas, Peucker).
+fn thinned(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
+    let mut keep = vec![false; points.len()];
+    let [.., _] = points else { return Vec::new() };
+    let last = points.len() - 1;
+    (keep[0], keep[last]) = (true, true);
+    let mut open = vec![(0, last)];
+    while let Some((a, b)) = open.pop() {
+        let (p, q) = (points[a], points[b]);
+        let (dx, dy) = (q.0 - p.0, q.1 - p.1);
+        let length = dx.hypot(dy);
+        let off = |m: usize| {
+            let (x, y) = (points[m].0 - p.0, points[m].1 - p.1);
+            if length > 0.0 { (x * dy - y * dx).abs() / length } else { x.hypot(y) }
+        };
+        let far = (a + 1..b).map(|m| (off(m), m)).reduce(|s, t| if t.0 > s.0 { t } else { s });
+        if let Some((distance, m)) = far
+            && distance > tolerance
+        {
+            keep[m] = true;
+            open.extend([(a, m), (m, b)]);
+        }
+    }
+    points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
+}

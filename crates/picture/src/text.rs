@@ -1,0 +1,141 @@
+//! Numbers and text as SVG has them.
+
+use std::fmt::Write;
+
+/// Decimals of a length in pixels.
+pub(crate) const PX: usize = 2;
+
+/// The largest of 1, 2, 5 · 10ⁿ that is not above.
+pub(crate) fn round_below(limit: f64) -> f64 {
+    let mut best = 1e-6;
+    for power in -6..8 {
+        for digit in [1.0, 2.0, 5.0] {
+            // A quotient of whole numbers: 0.2 is then 0.2 to the last bit.
+            let step = if power < 0 { digit / 10f64.powi(-power) } else { digit * 10f64.powi(power) };
+            if step <= limit {
+                best = step;
+            }
+        }
+    }
+    best
+}
+
+/// The smallest of 1, 2, 5 · 10ⁿ that is not below.
+pub(crate) fn round_above(limit: f64) -> f64 {
+    let power = limit.log10().floor().clamp(-300.0, 307.0) as i32;
+    let whole = |digit: f64, power: i32| {
+        if power < 0 { digit / 10f64.powi(-power) } else { digit * 10f64.powi(power) }
+    };
+    let steps = [whole(1.0, power), whole(2.0, power), whole(5.0, power), whole(10.0, power)];
+    steps.into_iter().find(|s| *s >= limit * (1.0 - 1e-12)).unwrap_or(steps[3])
+}
+
+/// Three significant digits.
+pub(crate) fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let scientific = format!("{value:.2e}");
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    match exponent.parse::<i32>() {
+        Ok(e @ -3..=4) => text_of(value, (2 - e).max(0) as usize),
+        _ if mantissa.contains('.') => {
+            format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
+        }
+        _ => scientific,
+    }
+}
+
+/// Writes a number with at most so many decimals, no zeros at the end and no −0.
+pub(crate) fn number(out: &mut String, value: f64, decimals: usize) {
+    let start = out.len();
+    let _ = write!(out, "{value:.decimals$}");
+    if decimals > 0 {
+        let kept = out.trim_end_matches('0').trim_end_matches('.').len();
+        out.truncate(kept.max(start + 1));
+    }
+    if &out[start..] == "-0" || &out[start..] == "-" {
+        out.replace_range(start.., "0");
+    } else if out[start..].starts_with("0.") {
+        out.remove(start);
+    } else if out[start..].starts_with("-0.") {
+        out.remove(start + 1);
+    }
+}
+
+/// Writes two numbers; a minus sign parts them as well as a space does.
+pub(crate) fn pair(out: &mut String, (x, y): (f64, f64), decimals: usize) {
+    number(out, x, decimals);
+    let end = out.len();
+    number(out, y, decimals);
+    if !out[end..].starts_with('-') {
+        out.insert(end, ' ');
+    }
+}
+
+pub(crate) fn text_of(value: f64, decimals: usize) -> String {
+    let mut out = String::new();
+    number(&mut out, value, decimals);
+    if out.starts_with('.') { format!("0{out}") } else { out }
+}
+
+/// Text for XML: markup escaped, characters that XML 1.0 does not know replaced.
+pub(crate) fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out += "&amp;",
+            '<' => out += "&lt;",
+            '>' => out += "&gt;",
+            '"' => out += "&quot;",
+            '\t' | '\n' | '\r' => out.push(' '),
+            '\0'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.00001, "0"),
+            (0.5, ".5"),
+            (-0.25, "-.25"),
+            (100.0, "100"),
+            (1.23456, "1.2346"),
+            (-3.0, "-3"),
+        ] {
+            let mut out = "10".to_owned();
+            number(&mut out, value, 4);
+            assert_eq!(out, format!("10{text}"));
+        }
+        assert_eq!(text_of(10.0, 0), "10");
+        for (value, text) in [
+            (0.0, "0"),
+            (1.5, "1.5"),
+            (1234.5, "1234"),
+            (0.01234, "0.0123"),
+            (1.2e7, "1.2e7"),
+            (-3e-9, "-3e-9"),
+            (9.999, "10"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+    }
+
+    #[test]
+    fn round_lengths() {
+        assert_eq!(round_below(0.49), 0.2);
+        assert_eq!(round_below(73.0), 50.0);
+        assert_eq!(round_below(1.0), 1.0);
+        assert_eq!(round_above(0.21), 0.5);
+        assert_eq!(round_above(0.2), 0.2);
+        assert_eq!(round_above(7.0), 10.0);
+    }
+}
