@@ -242,14 +242,14 @@ fn changed(last: &Pixels, frame: &Pixels) -> Area {
     let rows = || last.rgba.chunks_exact(row).zip(frame.rgba.chunks_exact(row)).enumerate();
     let mut differing = rows().filter(|(_, (a, b))| a != b).map(|(y, _)| y);
     let Some(top) = differing.next() else { return Area { x: 0, y: 0, width: 1, height: 1 } };
-    let bottom = differing.last().unwrap_or(top);
+    let bottom = differing.next_back().unwrap_or(top);
     let (mut left, mut right) = (frame.width as usize - 1, 0);
     for (_, (a, b)) in rows().skip(top).take(bottom - top + 1) {
         let mut differing =
             a.chunks_exact(4).zip(b.chunks_exact(4)).enumerate().filter(|(_, (a, b))| a != b).map(|(x, _)| x);
         if let Some(first) = differing.next() {
             left = left.min(first);
-            right = right.max(differing.last().unwrap_or(first));
+            right = right.max(differing.next_back().unwrap_or(first));
         }
     }
     Area {

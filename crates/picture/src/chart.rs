@@ -20,6 +20,8 @@ const MOST_NAMED: usize = 8;
 /// \[px\] of a line with a name, and of one of a crowd.
 const STROKE: f64 = 1.6;
 const THIN: f64 = 0.7;
+/// \[px\] from one line in steps to the next where they are equal.
+const ASIDE: f64 = 1.7;
 /// \[px\] dash and gap.
 const DASH: (f64, f64) = (4.2, 2.6);
 /// \[px\] between two panels, below the names of the ticks of the upper one.
@@ -95,7 +97,8 @@ impl Default for ChartStyle {
 /// The chart as SVG: a group `chart-panel` per panel with its `grid` and `lines`, then `legend`.
 ///
 /// Up to eight lines have their colour, and their name at the end. More are a crowd: thin grey lines, with
-/// the median of all and the one that gets highest on top of them. Curves of more points than can be seen
+/// the median of all and the one that gets highest on top of them. Lines in steps, which would hide each
+/// other where counts are equal, stand a little above each other. Curves of more points than can be seen
 /// lose none of their extremes.
 pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let palette = Palette::of(style.theme);
@@ -177,10 +180,10 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
         fitting(&mut out, "label", &title, place, width - 2.0 * margin, palette.ink);
         out += "<g class=\"lines\" fill=\"none\" stroke-linejoin=\"round\">\n";
         for stroke in &ready.strokes {
-            stroke.draw(&mut out, panel.steps, unit, across, up);
+            stroke.draw(&mut out, panel.steps, unit, across, |v| up(v) - stroke.aside);
         }
         out += "</g>\n";
-        ready.names(&mut out, (above, bottom), right, (width - margin - right).max(unit), unit, across, up);
+        ready.names(&mut out, (above, bottom), right, (width - margin - right).max(unit), unit, up);
         out += "</g>\n";
     }
     let bottom = height - margin - below;
@@ -226,8 +229,8 @@ impl Range {
         if reaches_zero && low > 0.0 && low < 0.6 * high {
             low = 0.0;
         }
-        if high / 2.0 - low / 2.0 <= 1e-12 * high.abs().max(low.abs()) {
-            let grow = if high == 0.0 { 1.0 } else { 0.1 * high.abs() };
+        if high / 2.0 - low / 2.0 <= (1e-12 * high.abs().max(low.abs())).max(1e-250) {
+            let grow = if high.abs() < 1e-250 { 1.0 } else { 0.1 * high.abs() };
             if low == 0.0 && reaches_zero {
                 high = grow;
             } else {
@@ -239,7 +242,7 @@ impl Range {
 
     /// Space beyond the curves, but not below zero.
     fn airy(self) -> Range {
-        let air = 0.04 * (self.high - self.low);
+        let air = 0.05 * (self.high - self.low);
         let low = if self.low == 0.0 { 0.0 } else { self.low - air };
         Range { low, high: self.high + air }
     }
@@ -273,6 +276,8 @@ struct Stroke {
     colour: Colour,
     /// \[px\]
     width: f64,
+    /// \[px\] drawn so far above its place.
+    aside: f64,
     opacity: f64,
     dashed: bool,
     /// At its end.
@@ -295,16 +300,18 @@ impl Ready {
         let y = Range::around(values, true).airy();
         let ticks = y.ticks((tall / (GRID.1 * unit)).max(1.0), panel.steps);
         let groups: BTreeSet<usize> = lines.iter().map(|l| l.group).collect();
-        let strokes = if groups.len() <= MOST_NAMED {
+        let mut strokes = if groups.len() <= MOST_NAMED {
             named(&lines, unit, palette)
         } else {
             crowd(panel, &lines, x, unit, palette)
         };
+        if panel.steps {
+            step_aside(&mut strokes, &lines, &groups, tall / (y.high - y.low), unit);
+        }
         Ready { y, ticks, strokes }
     }
 
     /// The names beside the ends of their curves, moved apart.
-    #[allow(clippy::too_many_arguments)]
     fn names(
         &self,
         out: &mut String,
@@ -312,25 +319,37 @@ impl Ready {
         right: f64,
         room: f64,
         unit: f64,
-        across: impl Fn(f64) -> f64,
         up: impl Fn(f64) -> f64,
     ) {
         let cap = CAP_HEIGHT * unit;
-        let ends = |s: &Stroke| s.points.iter().rev().find(|p| drawable(p)).copied();
-        let mut names: Vec<(f64, f64, &str, Colour)> = self
+        let mut names: Vec<(f64, &str, Colour)> = self
             .strokes
             .iter()
-            .filter_map(|s| Some((s.name.as_deref().filter(|n| !n.is_empty())?, ends(s)?, s.colour)))
-            .map(|(name, (x, y), colour)| (up(y), across(x), name, colour))
+            .filter_map(|s| {
+                let (_, y) = s.points.iter().rev().find(drawable)?;
+                Some((up(*y) - s.aside, s.name.as_deref().filter(|n| !n.is_empty())?, s.colour))
+            })
             .collect();
         names.sort_by(|a, b| a.0.total_cmp(&b.0));
         let places =
             apart(names.iter().map(|n| n.0).collect(), 1.5 * cap, above + 0.5 * cap, bottom - 0.5 * cap);
-        for ((_, _, name, colour), y) in names.iter().zip(places) {
+        for ((_, name, colour), y) in names.iter().zip(places) {
             let gap = 1.3 * TICK_GAP * unit;
             let place = Place { x: right + gap, y: y + 0.5 * cap, ..small(unit, Anchor::Start) };
             fitting(out, "name", name, place, (room - gap).max(unit), *colour);
         }
+    }
+}
+
+/// Counts are often equal: each line stands a little above the one before, those of a crowd make a band
+/// that is the darker the more there are. `tall` is one count in px.
+fn step_aside(strokes: &mut [Stroke], lines: &[&Line], groups: &BTreeSet<usize>, tall: f64, unit: f64) {
+    let many = groups.len() > MOST_NAMED;
+    let n = groups.len() as f64;
+    let each = if many { 0.5 * tall / n } else { (ASIDE * unit).min(0.4 * tall / n) };
+    for (stroke, line) in strokes.iter_mut().zip(lines) {
+        let place = groups.range(..line.group).count() as f64;
+        stroke.aside = each * if many { place - 0.5 * n } else { place };
     }
 }
 
@@ -387,6 +406,7 @@ fn named(lines: &[&Line], unit: f64, palette: &Palette) -> Vec<Stroke> {
         points: line.points.clone(),
         colour: palette.series(line.group),
         width: STROKE * unit,
+        aside: 0.0,
         opacity: 1.0,
         dashed: line.dashed,
         name: speaker(line).is_some_and(|s| std::ptr::eq(s, *line)).then(|| line.name.clone()),
@@ -403,6 +423,7 @@ fn crowd(panel: &ChartPanel, lines: &[&Line], x: Range, unit: f64, palette: &Pal
         points: line.points.clone(),
         colour: palette.ink,
         width: THIN * unit,
+        aside: 0.0,
         opacity,
         dashed: line.dashed,
         name: None,
@@ -420,6 +441,7 @@ fn crowd(panel: &ChartPanel, lines: &[&Line], x: Range, unit: f64, palette: &Pal
         points,
         colour,
         width: STROKE * unit,
+        aside: 0.0,
         opacity: 1.0,
         dashed: false,
         title: name.clone(),
@@ -428,7 +450,8 @@ fn crowd(panel: &ChartPanel, lines: &[&Line], x: Range, unit: f64, palette: &Pal
     // The first of those that get equally high.
     let highest = solid.iter().copied().reduce(|a, b| if top(b) > top(a) { b } else { a });
     if let Some(line) = highest {
-        strokes.push(strong("highest", line.points.clone(), palette.series(1), line.name.clone()));
+        let name = format!("{} (max)", line.name);
+        strokes.push(strong("highest", line.points.clone(), palette.series(1), name));
     }
     let mut each: Vec<_> = solid.iter().map(|l| Reader { points: &l.points, next: 0 }).collect();
     let median = (0..=SAMPLES).map(|k| {
@@ -456,7 +479,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn at(&mut self, x: f64, steps: bool) -> Option<f64> {
-        while self.points.get(self.next).is_some_and(|p| !(p.0 > x)) {
+        while self.points.get(self.next).is_some_and(|p| p.0 <= x || p.0.is_nan()) {
             self.next += 1;
         }
         let before = self.points[..self.next].last().filter(drawable)?;

@@ -5,10 +5,11 @@ use crate::scene::Scene;
 use crate::style::{Fill, Values};
 use std::borrow::Cow;
 
+#[derive(Debug, Clone)]
 pub(crate) struct Colouring<'a> {
     pub single: Colour,
     pub scale: Option<Scale>,
-    values: Cow<'a, [f64]>,
+    pub values: Cow<'a, [f64]>,
 }
 
 /// What the colour map stands for.

@@ -6,9 +6,9 @@ use crowd_mechanics::engine::{Vec2, vec2};
 /// \[m\] Standard deviation of the kernel unless another is given: half a shoulder breadth and a bit.
 pub const DENSITY_KERNEL: f64 = 0.3;
 /// Cells per standard deviation of the kernel, both ways.
-const CELLS_PER_KERNEL: f64 = 3.0;
+const CELLS_PER_KERNEL: f64 = 4.0;
 /// Most cells of a map: beyond them the cells are larger.
-const MOST_CELLS: f64 = 250_000.0;
+const MOST_CELLS: f64 = 100_000.0;
 /// The kernel is cut here, in standard deviations: 2 · 10⁻⁹ of a person is lost.
 const REACH: f64 = 6.0;
 

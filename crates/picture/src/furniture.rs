@@ -94,7 +94,9 @@ impl Entry {
     /// Returns where it ends.
     fn draw(&self, out: &mut String, page: &Page, palette: &Palette, x: f64, base: f64) -> f64 {
         let (unit, cap) = (page.unit, CAP_HEIGHT * page.unit);
-        let [x0, x1, y] = [x, x + SAMPLE * unit, base - 0.5 * cap].map(|v| text_of(v, PX));
+        // Round ends reach beyond a line.
+        let end = self.dash.map_or(0.5 * self.width + self.halo.map_or(0.0, |h| h.1), |_| 0.0);
+        let [x0, x1, y] = [x + end, x + SAMPLE * unit - end, base - 0.5 * cap].map(|v| text_of(v, PX));
         let line = |out: &mut String, class: &str, colour: Colour, width: f64, more: &str| {
             let width = text_of(width, 3);
             *out += &format!(

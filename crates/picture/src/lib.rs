@@ -9,6 +9,9 @@
 //! # }
 //! ```
 //!
+//! [`svg`] draws one scene, [`sheet`] several times of a run on one page, [`chart_svg`] curves over time;
+//! [`pixels`] and [`Animation`] make movies of them.
+//!
 //! The same input gives the same bytes on every machine: all text is drawn in strokes of our own, no
 //! font is looked for. The drawing itself is in metres, the y axis upwards, under one transform: the
 //! numbers in the SVG are those of the Trial.

@@ -19,10 +19,10 @@ const WALL_STROKE: f64 = 2.4;
 const BODY_STROKE: f64 = 1.1;
 /// Outline of a body, as a part of the square root of its area.
 const BODY_STROKE_PART: f64 = 0.05;
-/// \[px\] at most: the greatest force, or a third of a small body's size.
-const FORCE_STROKE: f64 = 7.0;
+/// \[px\] at most: the greatest force, or a part of a small body's size.
+const FORCE_STROKE: f64 = 6.0;
 /// The widest line of force, as a part of the square root of a body's area.
-const FORCE_PART: f64 = 0.28;
+const FORCE_PART: f64 = 0.2;
 /// \[px\] of the halo on each side of a line of force; no more than the line itself is wide.
 const FORCE_HALO: f64 = 0.8;
 /// \[px\]
@@ -124,6 +124,15 @@ fn drawable_forces<'a>(scene: &'a Scene) -> impl Iterator<Item = &'a Force> {
 /// Draws the scene where the frame has it.
 pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame, colouring: &Colouring) {
     let Look { style, palette, .. } = look;
+    let pale;
+    let colouring = if colouring.scale.is_none() && measured(&[scene]) {
+        // Of one colour, bodies are only the ground on which the trails' colours are compared.
+        let single = colouring.single.mixed(palette.paper, 0.6);
+        pale = Colouring { single, ..colouring.clone() };
+        &pale
+    } else {
+        colouring
+    };
     let drawn: Vec<_> = scene
         .drawn()
         .filter(|(_, pose, body)| style.bodies.shown() && !frame.misses(pose.position, body.reach))
@@ -307,7 +316,8 @@ fn pieces(points: &[Vec2], step: f64) -> Vec<Vec<Vec2>> {
                 kept.push(*p);
             }
         }
-        if kept.len() > 1 {
+        // Whoever stood still has left no trail: a dot would be all halo.
+        if kept.len() > 2 || matches!(kept[..], [a, b] if (b - a).norm() >= step) {
             all.push(kept);
         }
     }
@@ -354,24 +364,32 @@ fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: &Frame) {
         *out += "</g>\n";
         return;
     }
-    *out += "<g class=\"trails\" fill=\"none\">\n";
-    for (k, trail) in scene.trails.iter().enumerate() {
-        let mut d = String::new();
-        pieces(&trail.points, step).iter().for_each(|piece| polyline(&mut d, piece));
-        if d.is_empty() {
-            continue;
-        }
-        let colour = palette.series(trail.agent.unwrap_or(k));
-        let (class, dashes) = match trail.kind {
+    let lines: Vec<_> = scene
+        .trails
+        .iter()
+        .enumerate()
+        .map(|(k, trail)| {
+            let mut d = String::new();
+            pieces(&trail.points, step).iter().for_each(|piece| polyline(&mut d, piece));
+            (trail.kind, palette.series(trail.agent.unwrap_or(k)), d)
+        })
+        .filter(|(_, _, d)| !d.is_empty())
+        .collect();
+    let all: String = lines.iter().map(|(_, _, d)| d.as_str()).collect();
+    *out += &format!(
+        "<g class=\"trails\" fill=\"none\">\n\
+         <path class=\"halo\" stroke=\"{}\" stroke-width=\"{cased}\" stroke-opacity=\".85\" d=\"{all}\"/>\n",
+        palette.paper
+    );
+    for (kind, colour, d) in &lines {
+        let (class, dashes) = match kind {
             TrailKind::Simulated => ("simulated", String::new()),
             TrailKind::Measured => {
                 ("measured", format!(" stroke-linecap=\"butt\" stroke-dasharray=\"{dash} {gap}\""))
             }
         };
         *out += &format!(
-            "<path class=\"halo\" stroke=\"{}\" stroke-width=\"{cased}\" stroke-opacity=\".85\" d=\"{d}\"/>\n\
-             <path class=\"{class}\" stroke=\"{colour}\" stroke-width=\"{core}\"{dashes} d=\"{d}\"/>\n",
-            palette.paper
+            "<path class=\"{class}\" stroke=\"{colour}\" stroke-width=\"{core}\"{dashes} d=\"{d}\"/>\n"
         );
     }
     *out += "</g>\n";

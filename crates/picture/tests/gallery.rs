@@ -135,9 +135,15 @@ fn measured(t: &Trial) -> Option<Vec<Vec<(f64, Vec2)>>> {
     for line in text.lines().skip(1) {
         let n: Vec<f64> = line.split(',').map(|v| v.parse().unwrap()).collect();
         let id = n[1] as usize;
-        all[id].push((n[0], t.dynamics[id].position + vec2(n[2], n[3])));
+        all[id].push((n[0], vec2(n[2], n[3])));
     }
-    Some(all)
+    Some(all.into_iter().zip(&t.dynamics).map(|(m, d)| from_start(m, d.position)).collect())
+}
+
+/// As if it had begun at `start`.
+fn from_start(points: Vec<(f64, Vec2)>, start: Vec2) -> Vec<(f64, Vec2)> {
+    let first = points.first().map_or(Vec2::ZERO, |p| p.1);
+    points.into_iter().map(|(t, p)| (t, start + (p - first))).collect()
 }
 
 #[test]

@@ -77,6 +77,11 @@ impl Output {
         Ok(Output { path: path.to_owned(), file: BufWriter::new(file) })
     }
 
+    /// To be written to; [`Output::persist`] writes what is left in it.
+    pub fn writer(&mut self) -> &mut BufWriter<Staged> {
+        &mut self.file
+    }
+
     /// Writes the content; the file does not appear yet.
     pub fn fill(&mut self, write: impl FnOnce(&mut BufWriter<Staged>) -> std::io::Result<()>) -> Result<()> {
         let filled = write(&mut self.file).and_then(|()| self.file.flush());

@@ -28,8 +28,8 @@ pub struct Look {
     /// The force that has the widest line, in newtons; default: the greatest shown
     #[arg(long, value_name = "NEWTONS", requires = "forces", value_parser = positive)]
     widest: Option<f64>,
-    /// Where everybody came from; with a number, in the last so many seconds
-    #[arg(long, value_name = "SECONDS", num_args = 0..=1, default_missing_value = "inf", value_parser = trail)]
+    /// Where everybody came from; --trails=2: in the last two seconds
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, require_equals = true, default_missing_value = "inf", value_parser = trail)]
     trails: Option<f64>,
     /// Measured trajectories, drawn dashed: CSV with t,id,x,y; the id is that of Agents.xml
     #[arg(long, value_name = "FILE.csv")]

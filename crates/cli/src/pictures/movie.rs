@@ -5,6 +5,7 @@ use super::plot::OTHER_PARAMETERS;
 use super::source::Source;
 use crate::Misused;
 use crate::interrupt::Interrupt;
+use crate::people::Output;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -79,7 +80,9 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let times: Vec<f64> = (0..frames as u64).map(|k| first + k as f64 * speed_up / frame_rate).collect();
     let mut looks = Looks::new(look, &footage, &times)?;
     let interrupt = Interrupt::watch()?;
-    let mut film = Film::begin(&path, kind, *frame_rate, times.len())?;
+    let mut file = Output::open(&path)?;
+    let of_path = || path.display().to_string();
+    let mut film = Film::begin(file.writer(), kind, *frame_rate, times.len()).with_context(of_path)?;
     let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left")?;
     let progress = ProgressBar::new(times.len() as u64).with_style(style);
     for batch in times.chunks(BATCH) {
@@ -94,11 +97,12 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
             scenes.par_iter().map(|(scene, style)| pixels(&svg(scene, style), look.width)).collect();
         for frame in drawn {
             interrupt.check()?;
-            film.add(frame?)?;
+            film.add(frame?).with_context(of_path)?;
             progress.inc(1);
         }
     }
-    film.end()?;
+    film.end().with_context(of_path)?;
+    file.persist()?;
     progress.finish_and_clear();
     if looks.other_parameters() {
         eprintln!("{OTHER_PARAMETERS}");
@@ -139,60 +143,60 @@ fn ffmpeg_is_there() -> bool {
     asked.status().is_ok_and(|status| status.success())
 }
 
-/// A movie being written; it appears under its name when it is complete.
-enum Film {
-    /// Begun with the first frame, which gives the size.
+/// A movie being written.
+enum Film<'a> {
     Ffmpeg {
-        path: PathBuf,
         frame_rate: f64,
+        /// Begun with the first frame, which gives the size.
         running: Option<Ffmpeg>,
+        file: &'a mut BufWriter<Staged>,
     },
-    Animated {
-        animation: Animation<BufWriter<Staged>>,
-        path: PathBuf,
-    },
+    Animated(Animation<&'a mut BufWriter<Staged>>),
 }
 
 struct Ffmpeg {
     program: Child,
     frames: BufWriter<ChildStdin>,
     size: (u32, u32),
-    /// Where ffmpeg writes.
+    /// Where it writes.
     made: TempPath,
-    file: Staged,
 }
 
-impl Film {
-    fn begin(path: &Path, kind: Kind, frame_rate: f64, frames: usize) -> Result<Film> {
-        let path = path.to_owned();
+impl<'a> Film<'a> {
+    fn begin(
+        file: &'a mut BufWriter<Staged>,
+        kind: Kind,
+        frame_rate: f64,
+        frames: usize,
+    ) -> Result<Film<'a>> {
         Ok(match kind {
-            Kind::Mp4 => Film::Ffmpeg { path, frame_rate, running: None },
+            Kind::Mp4 => Film::Ffmpeg { frame_rate, running: None, file },
             Kind::Of(format) => {
-                let file = Staged::beside(&path).with_context(|| cannot(&path))?;
-                let frames = u32::try_from(frames)?;
-                let animation = Animation::new(BufWriter::new(file), format, frame_rate, frames)?;
-                Film::Animated { animation, path }
+                Film::Animated(Animation::new(file, format, frame_rate, u32::try_from(frames)?)?)
             }
         })
     }
 
     fn add(&mut self, frame: Pixels) -> Result<()> {
         match self {
-            Film::Animated { animation, path } => animation.add(&frame).with_context(|| cannot(path)),
-            Film::Ffmpeg { path, frame_rate, running } => {
+            Film::Animated(animation) => Ok(animation.add(&frame)?),
+            Film::Ffmpeg { frame_rate, running, .. } => {
                 let frame = frame.even();
                 let size = (frame.width, frame.height);
                 let ffmpeg = match running {
                     Some(ffmpeg) => ffmpeg,
-                    None => running.insert(Ffmpeg::start(path, *frame_rate, size)?),
+                    None => running.insert(Ffmpeg::start(*frame_rate, size)?),
                 };
                 if size != ffmpeg.size {
-                    bail!("{}: a frame has another size", path.display());
+                    bail!("a frame has another size");
                 }
                 match ffmpeg.frames.write_all(&frame.rgba) {
                     Ok(()) => Ok(()),
                     // It has said why.
-                    Err(_) => running.take().map_or(Ok(()), |ffmpeg| ffmpeg.end(path)),
+                    Err(error) => {
+                        running.take().map_or(Ok(()), |ffmpeg| ffmpeg.end().map(drop))?;
+                        Err(error).context("ffmpeg")
+                    }
                 }
             }
         }
@@ -200,24 +204,19 @@ impl Film {
 
     fn end(self) -> Result<()> {
         match self {
-            Film::Animated { animation, path } => {
-                let file = animation.finish().with_context(|| cannot(&path))?;
-                let file =
-                    file.into_inner().map_err(|error| error.into_error()).with_context(|| cannot(&path))?;
-                file.persist().with_context(|| cannot(&path))
+            Film::Animated(animation) => Ok(animation.finish()?),
+            Film::Ffmpeg { running, file, .. } => {
+                let Some(ffmpeg) = running else { return Ok(()) };
+                let made = ffmpeg.end()?;
+                std::io::copy(&mut File::open(&made).context("what ffmpeg made")?, file)?;
+                Ok(())
             }
-            Film::Ffmpeg { path, running, .. } => running.map_or(Ok(()), |ffmpeg| ffmpeg.end(&path)),
         }
     }
 }
 
-fn cannot(path: &Path) -> String {
-    format!("cannot write {}", path.display())
-}
-
 impl Ffmpeg {
-    fn start(path: &Path, frame_rate: f64, size: (u32, u32)) -> Result<Ffmpeg> {
-        let file = Staged::beside(path).with_context(|| cannot(path))?;
+    fn start(frame_rate: f64, size: (u32, u32)) -> Result<Ffmpeg> {
         // It goes back in the file to put the index first, so it cannot write to a pipe.
         let made = tempfile::Builder::new().prefix("lemons-").suffix(".mp4").tempfile();
         let made = made.context("cannot make a temporary file")?.into_temp_path();
@@ -237,11 +236,12 @@ impl Ffmpeg {
             .spawn()
             .context("cannot start ffmpeg")?;
         let frames = BufWriter::new(program.stdin.take().context("ffmpeg takes no frames")?);
-        Ok(Ffmpeg { program, frames, size, made, file })
+        Ok(Ffmpeg { program, frames, size, made })
     }
 
-    fn end(self, path: &Path) -> Result<()> {
-        let Ffmpeg { mut program, frames, made, mut file, .. } = self;
+    /// The file that it made.
+    fn end(self) -> Result<TempPath> {
+        let Ffmpeg { mut program, frames, made, .. } = self;
         // A broken pipe is told by ffmpeg itself.
         let _ = frames.into_inner();
         let mut said = String::new();
@@ -250,10 +250,8 @@ impl Ffmpeg {
         }
         let status = program.wait().context("ffmpeg")?;
         if !status.success() {
-            bail!("{}: ffmpeg ({status}): {}", path.display(), said.trim());
+            bail!("ffmpeg ({status}): {}", said.trim());
         }
-        let mut made = File::open(&made).context("what ffmpeg made")?;
-        std::io::copy(&mut made, &mut file).with_context(|| cannot(path))?;
-        file.persist().with_context(|| cannot(path))
+        Ok(made)
     }
 }

@@ -22,13 +22,13 @@ pub struct Arguments {
     #[arg(short, long, default_value = "plot.png", value_name = "FILE.png or FILE.svg")]
     output: PathBuf,
     /// Scenes at these times, in seconds; default: a Trial's or FMU's start, the end of a record
-    #[arg(long, value_name = "T,T,…", value_delimiter = ',', conflicts_with_all = ["series", "density"])]
+    #[arg(long, value_name = "T,T,…", value_delimiter = ',', allow_hyphen_values = true, conflicts_with_all = ["series", "density"])]
     at: Vec<f64>,
     /// Scenes beside each other; default: by their shape
     #[arg(long, value_name = "N", requires = "at", value_parser = clap::value_parser!(u32).range(1..))]
     columns: Option<u32>,
     /// Instead of scenes: these over time, for each agent
-    #[arg(long, value_name = "QUANTITY,…", value_delimiter = ',', num_args = 1.., conflicts_with = "density")]
+    #[arg(long, value_name = "QUANTITY,…", value_delimiter = ',', conflicts_with = "density")]
     series: Vec<Quantity>,
     /// Only these agents' time series, by Id; default: all
     #[arg(long, value_name = "ID,…", value_delimiter = ',', requires = "series")]

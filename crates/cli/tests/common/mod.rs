@@ -1,0 +1,44 @@
+//! What the tests of the command share.
+#![allow(dead_code)] // each test uses a part
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+pub fn default_trial() -> PathBuf {
+    root().join("resources/Trial_push")
+}
+
+pub fn command(directory: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lemons"));
+    command.args(arguments).current_dir(directory);
+    command
+}
+
+pub fn lemons(directory: &Path, arguments: &[&str]) -> Output {
+    command(directory, arguments).output().unwrap()
+}
+
+pub fn out(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+pub fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[track_caller]
+pub fn assert_code(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}{}", out(output), err(output));
+}
+
+/// What it prints, of a call that must do.
+#[track_caller]
+pub fn done(directory: &Path, arguments: &[&str]) -> Output {
+    let output = lemons(directory, arguments);
+    assert_code(&output, 0);
+    output
+}

@@ -1,0 +1,210 @@
+//! `lemons plot` and `lemons movie`: what is in the pictures is what was in the run.
+
+mod common;
+
+use common::{assert_code, command, default_trial, done, err, lemons};
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// The default push until 1 s, as a table, and as the XML series of the FMU.
+fn push() -> TempDir {
+    let directory = TempDir::new().unwrap();
+    let (at, trial) = (directory.path(), default_trial());
+    let trial = trial.to_str().unwrap();
+    done(at, &["run", trial, "--until", "1", "--set", "OutputDirectory=series"]);
+    std::os::unix::fs::symlink(trial, at.join("push")).unwrap();
+    directory
+}
+
+fn svg(at: &Path, arguments: &[&str]) -> String {
+    let output = done(at, &[&["plot"], arguments, &["-o", "plot.svg"]].concat());
+    assert!(output.stderr.is_empty(), "{}", err(&output));
+    fs::read_to_string(at.join("plot.svg")).unwrap()
+}
+
+/// The rows of a table at a time, as t, id and numbers in the columns' order.
+fn rows_at(at: &Path, time: f64) -> Vec<Vec<f64>> {
+    let table = fs::read_to_string(at.join("trajectories.csv")).unwrap();
+    let rows = table.lines().skip(1).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect());
+    rows.filter(|row: &Vec<f64>| (row[0] - time).abs() < 1e-9).collect()
+}
+
+/// The labels of everything that is lettered.
+fn labels(svg: &str) -> Vec<&str> {
+    svg.split("aria-label=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
+}
+
+/// Centres of the bodies, in the order of the picture.
+fn places(svg: &str) -> Vec<(f64, f64)> {
+    let bodies = svg.split("<g transform=\"translate(").skip(1);
+    let pairs = bodies.map(|rest| rest.split(')').next().unwrap());
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    pairs
+        .map(|pair| {
+            let cut = pair.find(' ').unwrap_or_else(|| 1 + pair[1..].find('-').unwrap());
+            (number(&pair[..cut]), number(pair[cut..].trim()))
+        })
+        .collect()
+}
+
+#[test]
+fn a_scene_is_where_the_run_was() {
+    let directory = push();
+    let at = directory.path();
+    let text = svg(at, &["trajectories.csv", "--trial", "push", "--at", "0.4", "--fill", "squeeze"]);
+    let (rows, drawn) = (rows_at(at, 0.4), places(&text));
+    assert_eq!(drawn.len(), 5);
+    for (row, place) in rows.iter().zip(drawn) {
+        assert!((row[2] - place.0).abs() < 6e-5 && (row[3] - place.1).abs() < 6e-5, "{row:?} {place:?}");
+    }
+    let greatest = rows.iter().map(|row| row[11]).fold(0.0, f64::max);
+    let labels = labels(&text);
+    assert!(greatest > 10.0);
+    assert!(labels.contains(&"t = 0.40 s") && labels.contains(&"squeeze (N)"), "{labels:?}");
+    let high: f64 = labels[labels.iter().position(|l| *l == "squeeze (N)").unwrap() - 1].parse().unwrap();
+    assert!((high / greatest - 1.0).abs() < 0.01, "{labels:?}, {greatest} N");
+}
+
+#[test]
+fn a_trial_its_table_and_its_series_give_one_picture() {
+    let directory = push();
+    let at = directory.path();
+    for look in [&["--fill", "squeeze", "--forces", "--trails"][..], &["--fill", "contacts", "--ids"]] {
+        let times = ["--at", "0.2,0.4,1"];
+        let of_table = svg(at, &[&["trajectories.csv", "--trial", "push"], &times[..], look].concat());
+        assert_eq!(labels(&of_table).iter().filter(|label| label.contains("t = ")).count(), 3);
+        assert!(of_table == svg(at, &[&["push"], &times[..], look].concat()));
+        // A series has no frame at the start, where a trail begins.
+        let without = |text: &str| text.lines().filter(|line| !line.contains("=\"halo\"")).count();
+        let of_series = svg(at, &[&["series", "--trial", "push"], &times[..], look].concat());
+        assert_eq!(places(&of_table), places(&of_series));
+        assert_eq!(without(&of_table), without(&of_series));
+    }
+    assert!(svg(at, &["push"]) == svg(at, &["push", "--at", "0"]));
+}
+
+#[test]
+fn forces_of_other_parameters_are_told() {
+    let directory = push();
+    let (at, setting) = (directory.path(), ["--set", "contact.human_naked.human_naked.GammaNormal=5000"]);
+    done(at, &[&["run", "push", "--until", "0.5"], &setting[..]].concat());
+    let plot = ["plot", "trajectories.csv", "--trial", "push", "--at", "0.25", "--forces", "-o", "a.svg"];
+    let told = done(at, &plot);
+    assert!(err(&told).contains("the forces shown are not the run's"), "{}", err(&told));
+    let told = done(at, &[&plot, &setting[..]].concat());
+    assert!(told.stderr.is_empty(), "{}", err(&told));
+    let text = fs::read_to_string(at.join("a.svg")).unwrap();
+    assert!(text.contains("class=\"forces\"") && labels(&text).iter().any(|label| label.ends_with('N')));
+}
+
+#[test]
+fn measured_beside_simulated() {
+    let directory = push();
+    let at = directory.path();
+    fs::write(at.join("seen.csv"), "t,id,x,y\n0,0,0,0\n0.25,0,0.1,0\n0.5,0,0.3,0.1\n0.9,0,9,9\n").unwrap();
+    let look = ["--measured", "seen.csv", "--measured-from", "start"];
+    let text = svg(at, &[&["push", "--at", "0.5"], &look[..]].concat());
+    let labels = labels(&text);
+    assert!(labels.contains(&"measured") && labels.contains(&"simulated"), "{labels:?}");
+    assert_eq!(text.matches("stroke-dasharray").count(), 2, "one line, one legend");
+    let start = &rows_at(at, 0.0)[0];
+    let line = text.lines().find(|line| line.contains("class=\"measured\"")).unwrap();
+    let d = line.split(" d=\"M").nth(1).unwrap();
+    let x: f64 = d.split([' ', 'L']).next().unwrap().parse().unwrap();
+    assert!((x - start[2]).abs() < 6e-5, "{line}");
+    assert!(!line.contains("9."), "what is seen later is not yet there");
+    let series = svg(at, &[&["trajectories.csv", "--series", "x,speed"], &look[..]].concat());
+    assert_eq!(series.matches("class=\"chart-panel\"").count(), 2);
+    assert!(series.contains("stroke-dasharray"));
+}
+
+#[test]
+fn time_series_and_maps() {
+    let directory = push();
+    let at = directory.path();
+    let all = svg(at, &["trajectories.csv", "--series", "x,speed,squeeze,contacts"]);
+    assert_eq!(all.matches("class=\"chart-panel\"").count(), 4);
+    assert!(all == svg(at, &["push", "--series", "x,speed,squeeze,contacts", "--until", "1"]));
+    let one = svg(at, &["trajectories.csv", "--series", "speed", "--agents", "3", "--from", "0.5"]);
+    assert!(one.contains("<title>3</title>") && !one.contains("<title>2</title>"));
+    let map = svg(at, &["trajectories.csv", "--trial", "push", "--density"]);
+    assert!(map.contains("class=\"density\"") && places(&map).is_empty());
+    assert!(labels(&map).iter().any(|label| label.contains("density")), "{:?}", labels(&map));
+}
+
+#[test]
+fn mistakes_have_clear_messages() {
+    let directory = push();
+    let at = directory.path();
+    fs::write(at.join("strangers.csv"), "t,id,x,y\n0,nobody,0,0\n").unwrap();
+    let table = fs::read_to_string(at.join("trajectories.csv")).unwrap();
+    let bare: String =
+        table.lines().map(|row| row.split(',').take(8).collect::<Vec<_>>().join(",") + "\n").collect();
+    fs::write(at.join("bare.csv"), bare).unwrap();
+    for (arguments, code, expected) in [
+        (&["plot", "push", "-o", "a.jpg"][..], 2, "a.jpg: pictures are .png or .svg"),
+        (&["plot", "trajectories.csv"], 1, "give the Trial or FMU that ran"),
+        (
+            &["plot", "trajectories.csv", "--trial", "push", "--at", "2"],
+            1,
+            "t = 2.0 s is not in it: it goes from 0.0 to 1.0 s",
+        ),
+        (&["plot", "push", "--at", "-1"], 2, "--at"),
+        (&["plot", "push", "--fill", "mood"], 2, "area, speed, squeeze, contacts"),
+        (&["plot", "push", "--view", "1,1,0,0"], 2, "lower left"),
+        (&["plot", "push", "--series", "x", "--density"], 2, "cannot be used"),
+        (&["plot", "push", "--set", "agent[0].Mass=-3"], 1, "must be positive"),
+        (&["plot", "push", "--set", "agent[0].Speed=3"], 1, "no variable \"agent[0].Speed\""),
+        (&["plot", "trajectories.csv", "--trial", "push", "--step", "0.1"], 2, "--step"),
+        (&["plot", "push", "--measured", "strangers.csv"], 1, "there is no agent \"nobody\""),
+        (&["plot", "bare.csv", "--series", "squeeze"], 1, "does not say the squeeze"),
+        (&["plot", "trajectories.csv", "--series", "x", "--agents", "9"], 1, "no agent \"9\""),
+        (
+            &["plot", "trajectories.csv", "--trial", "push", "--density", "--from", "3"],
+            1,
+            "no frame from 3.0",
+        ),
+        (&["movie", "push", "-o", "a.avi"], 2, "movies are .mp4, .png or .gif"),
+        (&["movie", "push", "--speed-up", "1000", "-o", "a.gif"], 1, "frames: a movie has from 2"),
+    ] {
+        let output = lemons(at, arguments);
+        assert_code(&output, code);
+        assert!(err(&output).contains(expected), "{arguments:?}: {}", err(&output));
+    }
+    let left = |name: &str| at.join(name).exists();
+    assert!(!left("plot.png") && !left("a.gif") && !left("a.svg"), "nothing half-written");
+    // What is recorded by the bodies at the table's poses.
+    done(at, &["plot", "bare.csv", "--trial", "push", "--series", "squeeze"]);
+}
+
+#[test]
+fn movies() {
+    let directory = push();
+    let at = directory.path();
+    let small = ["--width", "120", "--frame-rate", "10"];
+    let movie = |name: &str, more: &[&str]| {
+        done(at, &[&["movie", "trajectories.csv", "--trial", "push", "-o", name], &small[..], more].concat());
+        fs::read(at.join(name)).unwrap()
+    };
+    let frames = |bytes: Vec<u8>| {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let control = *reader.info().animation_control().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        (0..control.num_frames).for_each(|_| drop(reader.next_frame(&mut pixels).unwrap()));
+        control.num_frames
+    };
+    assert_eq!(frames(movie("a.png", &[])), 11);
+    assert_eq!(frames(movie("b.png", &["--speed-up", "0.5", "--from", "0.2", "--until", "0.6"])), 9);
+    assert!(movie("c.gif", &["--fill", "speed"]).starts_with(b"GIF89a"));
+    // Without ffmpeg it is a GIF, and MP4 says what it needs.
+    let without = |arguments: &[&str]| {
+        let arguments = [&["movie", "trajectories.csv", "--trial", "push"], &small[..], arguments].concat();
+        command(at, &arguments).env("PATH", "").output().unwrap()
+    };
+    assert_code(&without(&[]), 0);
+    assert!(at.join("movie.gif").is_file());
+    let refused = without(&["-o", "d.mp4"]);
+    assert_code(&refused, 1);
+    assert!(err(&refused).contains("MP4 needs the program ffmpeg") && !at.join("d.mp4").exists());
+}

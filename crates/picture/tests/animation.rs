@@ -1,0 +1,175 @@
+//! What decoders find in the animations.
+
+use lemons_picture::*;
+use std::io::Cursor;
+
+/// A white picture with one square of a colour of the map.
+fn frame(k: u32) -> Pixels {
+    let (width, height) = (40, 30);
+    let mut rgba = vec![255; 4 * width as usize * height as usize];
+    let shade = viridis(f64::from(k) / 9.0);
+    for y in 5..15 {
+        for x in 2 * k..2 * k + 10 {
+            let at = 4 * (y * width + x) as usize;
+            rgba[at..at + 3].copy_from_slice(&[shade.0, shade.1, shade.2]);
+        }
+    }
+    Pixels { width, height, rgba }
+}
+
+fn film(format: AnimationFormat, rate: f64, frames: &[Pixels]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut film = Animation::new(&mut bytes, format, rate, frames.len() as u32).unwrap();
+    frames.iter().for_each(|f| film.add(f).unwrap());
+    film.finish().unwrap();
+    bytes
+}
+
+/// Ten frames, the fifth like the fourth.
+fn frames() -> Vec<Pixels> {
+    (0..10).map(|k| frame(if k == 4 { 3 } else { k })).collect()
+}
+
+#[test]
+fn every_frame_of_an_animated_png() {
+    let frames = frames();
+    let bytes = film(AnimationFormat::Apng, 12.5, &frames);
+    let mut reader = png::Decoder::new(Cursor::new(&bytes)).read_info().unwrap();
+    let control = reader.info().animation_control.unwrap();
+    assert_eq!((control.num_frames, control.num_plays), (10, 0));
+    let mut canvas = vec![0u8; frames[0].rgba.len()];
+    for (k, frame) in frames.iter().enumerate() {
+        let mut buffer = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut buffer).unwrap();
+        let at = *reader.info().frame_control().unwrap();
+        assert_eq!(f64::from(at.delay_num) / f64::from(at.delay_den), 0.08);
+        for y in 0..info.height {
+            for x in 0..info.width {
+                let from = 4 * (y * info.width + x) as usize;
+                let to = 4 * ((y + at.y_offset) * 40 + x + at.x_offset) as usize;
+                if buffer[from + 3] == 255 {
+                    canvas[to..to + 4].copy_from_slice(&buffer[from..from + 4]);
+                }
+            }
+        }
+        assert!(canvas == frame.rgba, "frame {k}");
+        if k == 4 {
+            assert_eq!((info.width, info.height), (1, 1));
+        } else if k > 0 {
+            // The squares of this frame and the last one, no more.
+            assert!(info.width <= 14 && info.height == 10);
+        }
+    }
+}
+
+#[test]
+fn every_frame_of_a_gif() {
+    let frames = frames();
+    // 30 per second in hundredths: some frames longer than others, the film as long as it should be.
+    let bytes = film(AnimationFormat::Gif, 30.0, &frames);
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(&bytes[..]).unwrap();
+    assert_eq!(decoder.repeat(), gif::Repeat::Infinite);
+    let (mut canvas, mut hundredths, mut count) = (vec![0u8; frames[0].rgba.len()], 0, 0);
+    while let Some(part) = decoder.read_next_frame().unwrap() {
+        hundredths += part.delay;
+        assert!((3..=4).contains(&part.delay));
+        for (k, pixel) in part.buffer.chunks_exact(4).enumerate() {
+            let (x, y) = (k % part.width as usize, k / part.width as usize);
+            let to = 4 * ((y + part.top as usize) * 40 + x + part.left as usize);
+            if pixel[3] == 255 {
+                canvas[to..to + 4].copy_from_slice(pixel);
+            }
+        }
+        let off = canvas.iter().zip(&frames[count].rgba).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(off <= Some(3), "frame {count}: {off:?}");
+        count += 1;
+    }
+    assert_eq!((count, hundredths), (10, 33));
+}
+
+#[test]
+fn a_gif_keeps_colours_that_come_later() {
+    // Black and white first, then more reds than the first frame's palette knows of.
+    let mut second = frame(0);
+    for (k, pixel) in second.rgba.chunks_exact_mut(4).enumerate() {
+        pixel[..3].copy_from_slice(&[200 + (k % 50) as u8, 20, 60]);
+    }
+    let bytes = film(AnimationFormat::Gif, 10.0, &[frame(0), second.clone()]);
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(&bytes[..]).unwrap();
+    decoder.read_next_frame().unwrap().unwrap();
+    let shown = decoder.read_next_frame().unwrap().unwrap().buffer.to_vec();
+    assert_eq!(shown, second.rgba);
+}
+
+#[test]
+fn what_cannot_be_an_animation() {
+    let new = |format, rate, frames| Animation::new(Vec::new(), format, rate, frames);
+    for format in [AnimationFormat::Apng, AnimationFormat::Gif] {
+        for rate in [f64::NAN, f64::INFINITY, 0.0, -1.0, 1e9] {
+            assert!(new(format, rate, 1).is_err(), "{rate}");
+        }
+        assert!(new(format, 25.0, 0).is_err());
+        let mut film = new(format, 25.0, 2).unwrap();
+        film.add(&frame(0)).unwrap();
+        let small = Pixels { width: 2, height: 1, rgba: vec![255; 8] };
+        assert!(film.add(&small).unwrap_err().to_string().contains("frame 1 has 2 × 1"));
+        assert!(film.add(&Pixels { width: 40, height: 30, rgba: vec![] }).is_err());
+        film.add(&frame(1)).unwrap();
+        assert!(film.add(&frame(2)).is_err());
+        film.finish().unwrap();
+        let mut short = new(format, 25.0, 2).unwrap();
+        short.add(&frame(0)).unwrap();
+        assert_eq!(short.finish().unwrap_err().to_string(), "animation: 1 frames of 2");
+    }
+    assert!(new(AnimationFormat::Gif, 60.0, 1).is_err() && new(AnimationFormat::Apng, 60.0, 1).is_ok());
+    let wide = Pixels { width: 70_000, height: 1, rgba: vec![255; 280_000] };
+    assert!(new(AnimationFormat::Gif, 25.0, 1).unwrap().add(&wide).is_err());
+}
+
+/// A file that is full.
+struct Full(usize);
+
+impl std::io::Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if self.0 == 0 {
+            return Err(std::io::ErrorKind::StorageFull.into());
+        }
+        let n = bytes.len().min(self.0);
+        self.0 -= n;
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_full_disk_is_told() {
+    for format in [AnimationFormat::Apng, AnimationFormat::Gif] {
+        for room in [0, 10, 100, 900] {
+            let mut film = Animation::new(Full(room), format, 25.0, 10).unwrap();
+            let told = frames().iter().try_for_each(|f| film.add(f)).and_then(|()| film.finish());
+            assert!(matches!(told, Err(PictureError::Io(_))), "{format:?} {room}: {told:?}");
+        }
+    }
+}
+
+#[test]
+fn pixels_are_opaque_and_even() {
+    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"3\" height=\"5\"><rect width=\"1\" height=\"5\" fill=\"#102030\"/><rect x=\"1\" width=\"1\" height=\"5\" fill=\"#000\" fill-opacity=\".5\"/></svg>";
+    let picture = pixels(svg, 3).unwrap();
+    assert_eq!((picture.width, picture.height), (3, 5));
+    assert_eq!(picture.rgba[..12], [0x10, 0x20, 0x30, 255, 127, 127, 127, 255, 255, 255, 255, 255]);
+    let even = picture.clone().even();
+    assert_eq!((even.width, even.height, even.rgba.len()), (4, 6, 96));
+    assert_eq!(even.rgba[12..16], even.rgba[8..12]);
+    assert_eq!(even.rgba[80..], even.rgba[64..80]);
+    assert_eq!(even.rgba[..12], picture.rgba[..12]);
+    assert_eq!(even.clone().even(), even);
+    assert!(pixels(svg, 0).is_err() && pixels("<svg", 3).is_err());
+}

@@ -1,0 +1,181 @@
+//! What is in the charts.
+
+use lemons_picture::*;
+use roxmltree::{Document, Node};
+
+fn axis(label: &str, unit: &str) -> Axis {
+    Axis { label: label.into(), unit: unit.into() }
+}
+
+fn line(group: usize, dashed: bool, points: Vec<(f64, f64)>) -> Line {
+    Line { name: format!("agent {group}"), points, group, dashed }
+}
+
+fn one_panel(lines: Vec<Line>, steps: bool) -> Chart {
+    Chart { x: axis("time", "s"), panels: vec![ChartPanel { y: axis("speed", "m/s"), lines, steps }] }
+}
+
+fn drawn(chart: &Chart) -> String {
+    chart_svg(chart, &ChartStyle::default())
+}
+
+fn labels<'a>(document: &'a Document, class: &str) -> Vec<&'a str> {
+    let of = document.descendants().filter(|n| n.attribute("class") == Some(class));
+    of.map(|n| n.attribute("aria-label").unwrap()).collect()
+}
+
+fn paths<'a>(document: &'a Document<'a>, class: &str) -> Vec<Node<'a, 'a>> {
+    let lines = document.descendants().filter(|n| n.attribute("class") == Some("lines"));
+    lines.flat_map(|g| g.children()).filter(|n| n.attribute("class") == Some(class)).collect()
+}
+
+/// The corners of a path of M and L.
+fn corners(path: Node) -> Vec<(f64, f64)> {
+    let d = path.attribute("d").unwrap().replace('-', " -");
+    let corner = |p: &str| {
+        let n: Vec<f64> = p.split_whitespace().map(|n| n.parse().unwrap()).collect();
+        (n[0], n[1])
+    };
+    d.split(['M', 'L']).skip(1).map(corner).collect()
+}
+
+#[test]
+fn axes_lines_and_names() {
+    let ramp = |k: f64| (0..=10).map(|t| (f64::from(t), k * f64::from(t) / 10.0)).collect();
+    let text = drawn(&one_panel(
+        vec![line(0, false, ramp(0.9)), line(0, true, ramp(1.0)), line(1, false, ramp(0.5))],
+        false,
+    ));
+    let document = Document::parse(&text).unwrap();
+    assert_eq!(labels(&document, "label"), ["speed (m/s)", "time (s)"]);
+    assert_eq!(labels(&document, "entry"), ["simulated", "measured"]);
+    assert_eq!(labels(&document, "name"), ["agent 0", "agent 1"]);
+    let ticks = labels(&document, "tick");
+    assert!(ticks.starts_with(&["0", "0.2", "0.4"]) && ticks.ends_with(&["6", "8", "10"]), "{ticks:?}");
+    let (solid, dashed) = (paths(&document, "simulated"), paths(&document, "measured"));
+    assert_eq!((solid.len(), dashed.len()), (2, 1));
+    assert!(
+        solid[0].attribute("stroke-dasharray").is_none() && dashed[0].attribute("stroke-dasharray").is_some()
+    );
+    assert_eq!(solid[0].attribute("stroke"), dashed[0].attribute("stroke"));
+    assert_ne!(solid[0].attribute("stroke"), solid[1].attribute("stroke"));
+    // A straight line is its two ends, whatever the number of points.
+    assert_eq!(corners(solid[0]).len(), 2);
+    assert_eq!(
+        text,
+        drawn(&one_panel(
+            vec![line(0, false, ramp(0.9)), line(0, true, ramp(1.0)), line(1, false, ramp(0.5))],
+            false
+        ))
+    );
+    png(&text, 400).unwrap();
+}
+
+#[test]
+fn a_gap_and_steps() {
+    let nan = f64::NAN;
+    let points = vec![(0.0, 1.0), (1.0, 2.0), (2.0, nan), (3.0, 1.0), (4.0, 3.0)];
+    let text = drawn(&one_panel(vec![line(0, false, points.clone())], false));
+    let document = Document::parse(&text).unwrap();
+    assert_eq!(paths(&document, "simulated")[0].attribute("d").unwrap().matches('M').count(), 2);
+    let text = drawn(&one_panel(vec![line(0, false, points)], true));
+    let document = Document::parse(&text).unwrap();
+    let corners = corners(paths(&document, "simulated")[0]);
+    assert_eq!(corners.len(), 6);
+    assert!(corners[0].1 == corners[1].1 && corners[1].0 == corners[2].0 && corners[4].0 == corners[5].0);
+    assert_eq!(labels(&document, "tick")[..4], ["0", "1", "2", "3"]);
+}
+
+#[test]
+fn no_extreme_is_lost() {
+    // A million points, two of them far out for one sample each.
+    let mut points: Vec<(f64, f64)> =
+        (0..1_000_000).map(|k| (f64::from(k) * 1e-5, (f64::from(k) * 0.01).sin() * 0.1)).collect();
+    points[333_333].1 = 5.0;
+    points[777_777].1 = -3.0;
+    let text = drawn(&one_panel(vec![line(0, false, points)], false));
+    assert!(text.len() < 80_000, "{}", text.len());
+    let document = Document::parse(&text).unwrap();
+    let kept = corners(paths(&document, "simulated")[0]);
+    let high = kept.iter().copied().reduce(|a, b| if b.1 < a.1 { b } else { a }).unwrap();
+    let low = kept.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a }).unwrap();
+    let (first, last) = (kept[0], kept[kept.len() - 1]);
+    let part = |x: f64| (x - first.0) / (last.0 - first.0);
+    assert!((part(high.0) - 0.3333).abs() < 0.002 && (part(low.0) - 0.7778).abs() < 0.002);
+    // 8 of the axis from 5 to −3: the panel is half as high as it is wide, with 5 % of air above and below.
+    let expected = 0.5 * 400.0 * 8.0 / (1.1 * 8.0);
+    assert!((low.1 - high.1 - expected).abs() < 0.5, "{} {expected}", low.1 - high.1);
+}
+
+#[test]
+fn a_crowd_has_a_median_and_a_highest() {
+    // Lines k·t of 101 agents: the median is 50·t, the highest 100·t.
+    let of = |k: usize| line(k, false, (0..=20).map(|t| (f64::from(t), k as f64 * f64::from(t))).collect());
+    let text = drawn(&one_panel((0..101).map(of).collect(), false));
+    let document = Document::parse(&text).unwrap();
+    assert_eq!(paths(&document, "simulated").len(), 101);
+    assert_eq!(labels(&document, "name"), ["agent 100 (max)", "median"]);
+    let height = |class: &str| {
+        let c = corners(paths(&document, class)[0]);
+        c[0].1 - c[c.len() - 1].1
+    };
+    assert!((height("median") / height("highest") - 0.5).abs() < 0.01);
+    let opacity: f64 = paths(&document, "simulated")[0].attribute("stroke-opacity").unwrap().parse().unwrap();
+    assert!(opacity < 0.3);
+    // Eight still have names.
+    let text = drawn(&one_panel((0..8).map(of).collect(), false));
+    assert_eq!(labels(&Document::parse(&text).unwrap(), "name").len(), 8);
+}
+
+#[test]
+fn names_stand_apart() {
+    let flat = |k: usize| line(k, false, vec![(0.0, 1.0), (1.0, 1.0 + 0.001 * k as f64)]);
+    for n in 2..=8 {
+        let text = drawn(&one_panel((0..n).map(flat).collect(), false));
+        let document = Document::parse(&text).unwrap();
+        let names: Vec<(f64, f64)> = document
+            .descendants()
+            .filter(|n| n.attribute("class") == Some("name"))
+            .map(|n| {
+                let svg = format!(
+                    "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"9\" height=\"9\"><path d=\"{}\"/></svg>",
+                    n.attribute("d").unwrap()
+                );
+                let tree = resvg::usvg::Tree::from_str(&svg, &resvg::usvg::Options::default()).unwrap();
+                let b = tree.root().bounding_box();
+                (f64::from(b.top()), f64::from(b.bottom()))
+            })
+            .collect();
+        assert_eq!(names.len(), n);
+        assert!(names.windows(2).all(|w| w[1].0 > w[0].1), "{names:?}");
+    }
+}
+
+#[test]
+fn nothing_panics() {
+    let odd =
+        [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -1e308, 1e-308, 0.0, 1e16, 1e16 + 2.0, -1.5];
+    for a in odd {
+        for b in odd {
+            for steps in [false, true] {
+                for n in [0, 1, 12] {
+                    let of = |k: usize| {
+                        line(k, k % 2 == 1, vec![(0.0, a), (a, b), (b, 1.0), (2.0, 0.0), (1.0, b)])
+                    };
+                    let mut chart = one_panel((0..n).map(of).collect(), steps);
+                    chart.panels.push(ChartPanel::default());
+                    chart.panels[0].y.label = "é\u{0}<".repeat(40);
+                    let style = ChartStyle { width: a, theme: Theme::Dark, aspect: Some(b) };
+                    let text = chart_svg(&chart, &style);
+                    Document::parse(&text).unwrap();
+                    let bad = text.find("NaN").or_else(|| text.find("inf"));
+                    assert!(bad.is_none(), "{a:e} {b:e} {n}: {}", &text[bad.unwrap()..][..200]);
+                    if n == 12 {
+                        png(&text, 48).unwrap();
+                    }
+                }
+            }
+        }
+    }
+    png(&drawn(&Chart { x: Axis::default(), panels: vec![] }), 64).unwrap();
+}

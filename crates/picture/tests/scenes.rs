@@ -1,0 +1,337 @@
+//! Forces, trails, density and sheets in the SVG.
+
+mod common;
+
+use common::{pedestrian, trial};
+use crowd_mechanics::engine::{Vec2, vec2};
+use crowd_mechanics::trial::Trial;
+use lemons_picture::*;
+use roxmltree::{Document, Node};
+
+fn row(n: usize) -> Trial {
+    let people = (0..n).map(|k| (pedestrian(&k.to_string()), vec2(k as f64, 0.0), 0.0)).collect();
+    trial(people, vec![vec![vec2(-1.0, -1.0), vec2(n as f64, -1.0)]])
+}
+
+fn class<'a>(document: &'a Document, name: &str) -> Vec<Node<'a, 'a>> {
+    document.descendants().filter(|n| n.attribute("class") == Some(name)).collect()
+}
+
+fn number(node: Node, attribute: &str) -> f64 {
+    node.attribute(attribute).unwrap().parse().unwrap()
+}
+
+fn labels(document: &Document, name: &str) -> Vec<String> {
+    class(document, name).iter().map(|n| n.attribute("aria-label").unwrap().to_owned()).collect()
+}
+
+fn force(from: f64, to: f64, normal_force: f64) -> Force {
+    Force { from: vec2(from, 0.0), to: vec2(to, 0.0), normal_force }
+}
+
+#[test]
+fn a_line_is_as_wide_as_its_force() {
+    let t = row(4);
+    let mut scene = Scene::at_start(&t);
+    assert!(!svg(&scene, &Style::default()).contains("forces"));
+    scene.forces = vec![
+        force(0.0, 1.0, 2400.0),
+        force(1.0, 2.0, 600.0),
+        force(2.0, 3.0, f64::NAN),
+        force(0.0, 3.0, -5.0),
+        force(f64::INFINITY, 0.0, 10.0),
+    ];
+    let text = svg(&scene, &Style::default());
+    let document = Document::parse(&text).unwrap();
+    let [group] = class(&document, "forces")[..] else { panic!("one group") };
+    let lines: Vec<Node> = group.children().filter(Node::is_element).collect();
+    // The weak one first, so that it does not cross the strong one.
+    assert_eq!(lines.iter().map(|l| l.attribute("d").unwrap()).collect::<Vec<_>>(), ["M1 0L2 0", "M0 0L1 0"]);
+    let widths: Vec<f64> = lines.iter().map(|l| number(*l, "stroke-width")).collect();
+    assert!((widths[1] / widths[0] - 4.0).abs() < 1e-3, "{widths:?}");
+    // Bodies, then halos, then lines.
+    let at = |name: &str| text.find(&format!("class=\"{name}\"")).unwrap();
+    assert!(at("bodies") < at("force-halos") && at("force-halos") < at("forces"));
+    // The legend's line has the width of its force at the picture's scale.
+    assert_eq!(labels(&document, "entry"), ["2 kN"]);
+    let matrix = text.split("matrix(").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
+    let [sample] = class(&document, "force")[..] else { panic!("one sample") };
+    assert!((number(sample, "stroke-width") - widths[1] * matrix * 2000.0 / 2400.0).abs() < 2e-3);
+
+    // A movie's scale stays, and so does its legend.
+    let fixed = Style { forces: Some(4800.0), ..Style::default() };
+    let half = svg(&scene, &fixed);
+    let document = Document::parse(&half).unwrap();
+    let strongest = class(&document, "forces")[0].children().rfind(Node::is_element).unwrap();
+    assert!((number(strongest, "stroke-width") - 0.5 * widths[1]).abs() < 2e-6);
+    scene.forces.clear();
+    let none = svg(&scene, &fixed);
+    assert_eq!(labels(&Document::parse(&none).unwrap(), "entry"), ["2 kN"]);
+}
+
+#[test]
+fn forces_are_seen_on_every_fill() {
+    // In the middle between two bodies, on either theme, the line has its colour, and its halo beside it.
+    let t = row(2);
+    for theme in [Theme::Light, Theme::Dark] {
+        for end in [0.0, 1.0] {
+            let values = Values {
+                values: vec![end; 2],
+                label: String::new(),
+                unit: String::new(),
+                range: Some((0.0, 1.0)),
+            };
+            let mut scene = Scene::at_start(&t);
+            scene.forces = vec![force(0.0, 1.0, 100.0)];
+            scene.view = Some(View { low: vec2(-0.5, -0.5), high: vec2(1.5, 0.5) });
+            let style = Style {
+                theme,
+                fill: Fill::Values(values),
+                orientation: Visibility::Hidden,
+                ..Style::default()
+            };
+            let picture = pixels(&svg(&scene, &style), 1600).unwrap();
+            // 372 px of 400 are 2 m.
+            let scale = 744.0;
+            let on = |x: f64, px: f64| {
+                let top = f64::from(picture.height) - 4.0 * (12.0 + 2.4 * 7.5 + 2.0 + 14.0) - scale * 0.5;
+                let k = 4 * ((top + px) as usize * 1600 + (56.0 + scale * (x + 0.5)) as usize);
+                Colour(picture.rgba[k], picture.rgba[k + 1], picture.rgba[k + 2])
+            };
+            assert_eq!(on(0.08, 0.0), Colour(0xd0, 0x1c, 0x3f));
+            assert!((-24..24).any(|px| on(0.08, f64::from(px)) == Colour(255, 255, 255)));
+            assert_eq!(on(0.08, 45.0), viridis(end));
+        }
+    }
+}
+
+fn trail(kind: TrailKind, points: &[(f64, f64)]) -> Trail {
+    Trail { agent: Some(0), kind, points: points.iter().map(|(x, y)| vec2(*x, *y)).collect() }
+}
+
+#[test]
+fn measured_is_dashed_and_simulated_solid() {
+    let t = row(2);
+    let mut scene = Scene::at_start(&t);
+    let nan = f64::NAN;
+    scene.trails = vec![
+        trail(TrailKind::Simulated, &[(0.0, 0.5), (1.0, 0.5), (nan, 0.5), (1.5, 0.5), (2.0, 3.0)]),
+        trail(TrailKind::Measured, &[(0.0, 0.7), (1.0, 0.7)]),
+    ];
+    let text = svg(&scene, &Style::default());
+    let document = Document::parse(&text).unwrap();
+    let group = class(&document, "trails")[0];
+    let of = |name: &str| {
+        let found = group.children().find(|n| n.attribute("class") == Some(name)).unwrap();
+        (found.attribute("d").unwrap(), found.attribute("stroke-dasharray"), found.attribute("stroke"))
+    };
+    assert_eq!(of("simulated"), ("M0 .5L1 .5M1.5 .5L2 3", None, Some("#0072b2")));
+    let (d, dashes, colour) = of("measured");
+    assert_eq!((d, colour), ("M0 .7L1 .7", Some("#0072b2")));
+    assert!(dashes.is_some());
+    assert_eq!(labels(&document, "entry"), ["simulated", "measured"]);
+    assert_eq!(scene.extent().high.y, 3.0);
+
+    // Alone, the simulated ones fade with age and need no legend.
+    scene.trails = vec![Trail {
+        agent: None,
+        kind: TrailKind::Simulated,
+        points: (0..100).map(|k| vec2(f64::from(k) * 0.02, 0.5)).collect(),
+    }];
+    let text = svg(&scene, &Style::default());
+    let document = Document::parse(&text).unwrap();
+    let opacities: Vec<f64> =
+        class(&document, "simulated").iter().map(|n| number(*n, "stroke-opacity")).collect();
+    assert!(opacities.len() > 4 && opacities.is_sorted() && opacities[0] < 0.3, "{opacities:?}");
+    assert!(class(&document, "legend").is_empty());
+    // Each piece begins where the one before ends.
+    let ends: Vec<&str> = class(&document, "simulated").iter().map(|n| n.attribute("d").unwrap()).collect();
+    for pair in ends.windows(2) {
+        let last = pair[0].rsplit(['M', 'L']).next().unwrap();
+        assert_eq!(pair[1][1..].split('L').next().unwrap(), last);
+    }
+}
+
+#[test]
+fn nothing_overlaps_above_a_scene() {
+    // Time and legend on one page: none begins before the other ends.
+    let t = row(5);
+    let mut scene = Scene::at_start(&t);
+    scene.forces = vec![force(0.0, 1.0, 120.0)];
+    scene.trails = vec![
+        trail(TrailKind::Simulated, &[(0.0, 0.5), (1.0, 0.5)]),
+        trail(TrailKind::Measured, &[(0.0, 0.5), (1.0, 0.5)]),
+    ];
+    for time in [0.0, 1234567.0, 1e15, 1e40] {
+        let text = svg(&scene, &Style { time: Some(time), ..Style::default() });
+        let document = Document::parse(&text).unwrap();
+        let mut boxes: Vec<(f64, f64, f64, f64)> = Vec::new();
+        for node in class(&document, "time").into_iter().chain(class(&document, "entry")) {
+            boxes.push(bounds(node.attribute("d").unwrap()));
+        }
+        assert_eq!(boxes.len(), 4);
+        for (k, a) in boxes.iter().enumerate() {
+            assert!(a.0 >= 13.0 && (a.1 <= 387.0 || time > 1e20), "{time}: {a:?}");
+            for b in &boxes[..k] {
+                let apart = a.0 > b.1 + 3.0 || b.0 > a.1 + 3.0 || a.2 > b.3 + 3.0 || b.2 > a.3 + 3.0;
+                assert!(apart, "{time}: {a:?} {b:?}");
+            }
+        }
+    }
+}
+
+/// Of all points of a path of absolute commands: left, right, top, bottom.
+fn bounds(d: &str) -> (f64, f64, f64, f64) {
+    let path =
+        format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"9\" height=\"9\"><path d=\"{d}\"/></svg>");
+    let tree = resvg::usvg::Tree::from_str(&path, &resvg::usvg::Options::default()).unwrap();
+    let b = tree.root().bounding_box();
+    (b.left().into(), b.right().into(), b.top().into(), b.bottom().into())
+}
+
+#[test]
+fn the_integral_of_density_is_the_number_of_people() {
+    let view = View { low: vec2(-4.0, -3.0), high: vec2(9.0, 5.0) };
+    let frames = [vec![vec2(0.0, 0.0), vec2(0.3, 1.0), vec2(5.123, 2.0)], vec![vec2(1.0, 1.0)], vec![]];
+    for kernel in [0.05, DENSITY_KERNEL, 0.37] {
+        let mut map = DensityMap::new(view, kernel);
+        assert!(map.values().iter().all(|v| *v == 0.0));
+        for frame in &frames {
+            map.add(frame.iter().copied().chain([vec2(f64::NAN, 0.0)]));
+        }
+        let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
+        assert!((people - 4.0 / 3.0).abs() < 1e-6, "{kernel}: {people}");
+    }
+    // A person alone: the Gaussian's own peak, and half a person where the map ends at them.
+    let mut map = DensityMap::new(View { low: vec2(-3.0, -3.0), high: vec2(3.0, 3.0) }, 0.5);
+    map.add([Vec2::ZERO]);
+    let peak = map.values().into_iter().fold(0.0, f64::max);
+    let expected = 1.0 / (std::f64::consts::TAU * 0.25);
+    // A corner of four cells stands at the peak itself.
+    assert!((peak / expected - 1.0).abs() < 0.03, "{peak}");
+    let mut map = DensityMap::new(View { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5);
+    map.add([Vec2::ZERO]);
+    let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
+    assert!((people - 0.5).abs() < 1e-6, "{people}");
+}
+
+#[test]
+fn the_map_is_below_the_outlines() {
+    let t = row(3);
+    let mut scene = Scene::at_start(&t);
+    scene.view = Some(View { low: vec2(-2.0, -2.0), high: vec2(4.0, 2.0) });
+    let mut map = DensityMap::new(scene.view.unwrap(), 0.3);
+    map.add(t.dynamics.iter().map(|d| d.position));
+    scene.density = Some(map);
+    let text = svg(&scene, &Style::default());
+    let document = Document::parse(&text).unwrap();
+    assert_eq!(labels(&document, "label"), ["density (1/m²)"]);
+    assert_eq!(class(&document, "bodies")[0].attribute("fill"), Some("none"));
+    assert!(text.find("density").unwrap() < text.find("class=\"walls\"").unwrap());
+    assert!(text.len() < 60_000, "{}", text.len());
+    let levels = class(&document, "density")[0].children().filter(Node::is_element).count();
+    assert!((20..=24).contains(&levels), "{levels}");
+    // Nobody far off: the dark end; everybody in the middle: the bright one.
+    let picture = pixels(&text, 400).unwrap();
+    let scale = 372.0 / 6.0;
+    let on = |p: Vec2| {
+        let k = 4 * ((14.0 + scale * (2.0 - p.y)) as usize * 400 + (14.0 + scale * (p.x + 2.0)) as usize);
+        Colour(picture.rgba[k], picture.rgba[k + 1], picture.rgba[k + 2])
+    };
+    assert_eq!(on(vec2(1.0, 1.9)), viridis(0.5 / 24.0));
+    assert_eq!(on(vec2(1.0, 0.0)), viridis(23.5 / 24.0));
+    let hidden = svg(&scene, &Style { bodies: Visibility::Hidden, ..Style::default() });
+    assert!(class(&Document::parse(&hidden).unwrap(), "bodies")[0].first_element_child().is_none());
+}
+
+#[test]
+fn a_sheet_has_one_of_everything() {
+    let t = row(3);
+    let scenes: Vec<Scene> = (0..5)
+        .map(|k| {
+            let pose = |x: f64| Pose { position: vec2(x + f64::from(k), 0.0), theta: 0.0 };
+            let mut scene = Scene::new(&t, vec![pose(0.0), pose(1.0), pose(2.0)]);
+            scene.forces = vec![force(0.0, 1.0, 100.0 * f64::from(k))];
+            scene
+        })
+        .collect();
+    let panels: Vec<Panel> = scenes
+        .iter()
+        .enumerate()
+        .map(|(k, scene)| {
+            let values = vec![k as f64, 1.0, 2.0];
+            let fill = Values { values, label: "speed".into(), unit: "m/s".into(), range: None };
+            Panel { scene, time: Some(0.5 * k as f64), fill: Some(Fill::Values(fill)) }
+        })
+        .collect();
+    let text = sheet(&panels, 2, &SheetStyle::default());
+    let document = Document::parse(&text).unwrap();
+    assert_eq!(class(&document, "panel").len(), 5);
+    for once in ["colour-bar", "scale-bar", "legend"] {
+        assert_eq!(class(&document, once).len(), 1, "{once}");
+    }
+    assert_eq!(text.matches("id=").count(), 1);
+    assert!(!text.contains("<image"));
+    let times = labels(&document, "time");
+    assert_eq!((times.len(), &times[0][..], &times[4][..]), (5, "(a) t = 0.00 s", "(e) t = 2.00 s"));
+    assert_eq!((labels(&document, "low")[0].as_str(), labels(&document, "high")[0].as_str()), ("0", "4"));
+    // One scale, and one view: the same row of panels has the same heights.
+    let scales: Vec<&str> = text.split("matrix(").skip(1).map(|m| m.split(" 0 0").next().unwrap()).collect();
+    assert!(scales.len() == 5 && scales.iter().all(|s| *s == scales[0]));
+    // The same force is as wide in each; the greatest of all is the widest.
+    let widths: Vec<f64> = class(&document, "forces")
+        .iter()
+        .filter_map(|g| g.first_element_child().map(|l| number(l, "stroke-width")))
+        .collect();
+    assert_eq!(widths.len(), 4);
+    assert!((widths[3] / widths[0] - 4.0).abs() < 1e-3);
+    let bare = SheetStyle { letters: Visibility::Hidden, ..SheetStyle::default() };
+    let bare = sheet(&panels[1..2], 7, &bare);
+    assert_eq!(labels(&Document::parse(&bare).unwrap(), "time"), ["t = 0.50 s"]);
+    png(&sheet(&[], 0, &SheetStyle::default()), 100).unwrap();
+}
+
+#[test]
+fn nothing_panics() {
+    let odd =
+        [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, f64::MAX, f64::MIN_POSITIVE, 0.0, 1e6];
+    let t = row(2);
+    for v in odd {
+        for w in odd {
+            let mut scene = Scene::at_start(&t);
+            scene.forces = vec![
+                Force { from: vec2(v, 0.0), to: vec2(w, 0.0), normal_force: 1.0 },
+                Force { from: Vec2::ZERO, to: Vec2::ZERO, normal_force: v },
+                Force { from: Vec2::ZERO, to: vec2(1.0, 0.0), normal_force: w },
+            ];
+            let points = vec![vec2(v, w), Vec2::ZERO, vec2(w, 1.0), vec2(0.1, v), vec2(0.2, 0.2)];
+            for kind in [TrailKind::Simulated, TrailKind::Measured] {
+                scene.trails.push(Trail { agent: Some(usize::MAX), kind, points: points.clone() });
+                scene.trails.push(Trail { agent: None, kind, points: vec![] });
+                let style =
+                    Style { forces: Some(v), ids: Visibility::Shown, time: Some(w), ..Style::default() };
+                let text = svg(&scene, &style);
+                Document::parse(&text).unwrap();
+                png(&text, 64).unwrap();
+            }
+        }
+        densities(&t, v);
+    }
+}
+
+fn densities(t: &Trial, v: f64) {
+    let mut scene = Scene::at_start(t);
+    let view = View { low: vec2(v, -1.0), high: vec2(1.0, v) };
+    for view in [view, scene.extent(), View { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }] {
+        let mut map = DensityMap::new(view, v);
+        map.add([vec2(0.5, v), Vec2::ZERO]);
+        map.range = Some((v, 1.0));
+        scene.density = Some(map);
+        let panel = |time| Panel { scene: &scene, time, fill: None };
+        let style = Style { width: v, ..Style::default() };
+        let style = SheetStyle { style, ..SheetStyle::default() };
+        let text = sheet(&[panel(Some(v)), panel(None)], usize::MAX, &style);
+        Document::parse(&text).unwrap();
+        png(&text, 64).unwrap();
+    }
+}
