@@ -38,7 +38,7 @@ def as_csv(table):
     return list(seen.items())
 
 
-def test_parquet_holds_what_csv_holds(lemons, tmp_path, row):
+def test_parquet_holds_what_csv_holds(lemons, tmp_path):
     call(lemons, tmp_path, TRIAL_PUSH, "--until", 1)
     call(lemons, tmp_path, TRIAL_PUSH, "--until", 1, "--format", "parquet")
     file = pyarrow.parquet.ParquetFile(tmp_path / "trajectories.parquet")
@@ -58,7 +58,6 @@ def test_parquet_holds_what_csv_holds(lemons, tmp_path, row):
     about = file.metadata.metadata
     assert about[b"trial"] == b"Trial_push" and about[b"communication_step"] == b"0.05"
     assert about[b"guid"].startswith(b"{") and about[b"model_name"] and about[b"lemons_version"]
-    row("pyarrow", "the Parquet table of `lemons run`", "the numbers of the CSV, with units")
 
 
 @pytest.mark.parametrize("end", ["csv", "parquet"])
@@ -102,7 +101,7 @@ def test_the_coupled_door_goes_on(lemons, coupled, tmp_path, algorithm):
         assert (tmp_path / one).read_bytes() == (tmp_path / other).read_bytes()
     other = "jacobi" if algorithm != "jacobi" else "gauss-seidel"
     call(lemons, tmp_path, coupled, "--algorithm", other, "--resume", "door.run", code=1)
-    # Two crowds in the middle of contacts, as columns.
+    # The outputs of the Decision, as columns.
     call(lemons, tmp_path, *run, "--until", until, "--format", "parquet")
     outputs = pyarrow.parquet.read_table(tmp_path / "outputs.parquet")
     assert outputs.schema.field("decision.agent[0].Fp.x").metadata[b"unit"] == b"N"
