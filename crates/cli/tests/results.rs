@@ -233,7 +233,7 @@ fn saved_runs_are_hostile_until_checked() {
             assert!(text.contains(from), "{text}");
             text.replacen(from, to, 1).into_bytes()
         });
-        push(at, "--resume forged.run", 1)
+        push(at, "--resume forged.run --until 1", 1)
     };
     for (from, to, words) in [
         ("format = 1", "format = 2", "run.toml: format = 2: this program knows format 1 only"),
@@ -268,16 +268,16 @@ fn saved_runs_are_hostile_until_checked() {
         }
         bytes
     });
-    let message = push(at, "--resume forged.run", 1);
+    let message = push(at, "--resume forged.run --until 1", 1);
     assert!(message.contains("forged.run: the state is damaged"), "{message}");
     // A small archive of a lot.
     let mut zip = zip::ZipWriter::new(File::create(at.join("forged.run")).unwrap());
     zip.start_file("run.toml", zip::write::SimpleFileOptions::default()).unwrap();
     zip.write_all(&vec![b' '; 5_000_000]).unwrap();
     zip.finish().unwrap();
-    assert!(push(at, "--resume forged.run", 1).contains("run.toml: is refused: more than 4 MB"));
+    assert!(push(at, "--resume forged.run --until 1", 1).contains("run.toml: is refused: more than 4 MB"));
     fs::write(at.join("forged.run"), "t,id").unwrap();
-    assert!(push(at, "--resume forged.run", 1).contains("saved run forged.run: is none"));
+    assert!(push(at, "--resume forged.run --until 1", 1).contains("saved run forged.run: is none"));
     assert!(push(at, "--resume none.run", 1).contains("none.run"));
 }
 

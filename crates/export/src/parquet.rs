@@ -13,7 +13,9 @@ use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
 };
 use parquet::errors::ParquetError;
+use parquet::file::metadata::ParquetMetaData;
 use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 /// Rows that are read together.
@@ -22,10 +24,33 @@ const BATCH: usize = 1 << 13;
 type Wanted = (&'static str, Option<&'static str>);
 
 pub(crate) fn read(path: &Path, file: File) -> Result<Run, String> {
+    // The crate still panics at some broken files.
+    let read = AssertUnwindSafe(|| read_sound(path, file));
+    catch_unwind(read).unwrap_or_else(|_| Err("is no sound Parquet".into()))
+}
+
+/// Whether the parts of a file lie in it: `parquet` panics where they begin or end before its start.
+fn check_places(metadata: &ParquetMetaData, length: u64) -> Result<(), String> {
+    let columns = metadata.row_groups().iter().flat_map(|group| group.columns());
+    for column in columns {
+        let first = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
+        let inside = [first, column.data_page_offset(), column.compressed_size(), column.num_values()];
+        let end = first.checked_add(column.compressed_size()).and_then(|end| u64::try_from(end).ok());
+        if inside.iter().any(|number| *number < 0) || end.is_none_or(|end| end > length) {
+            let name = column.column_path().string();
+            return Err(format!("is no sound Parquet: column {name}: lies outside of the file"));
+        }
+    }
+    Ok(())
+}
+
+fn read_sound(path: &Path, file: File) -> Result<Run, String> {
     let broken = |error: ParquetError| format!("is no sound Parquet: {error}");
     // As Parquet has it: what Arrow made of it elsewhere (dictionaries, views) does not matter.
     let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
     let metadata = ArrowReaderMetadata::load(&file, options).map_err(broken)?;
+    let length = file.metadata().map_err(|error| format!("cannot be read: {error}"))?.len();
+    check_places(metadata.metadata(), length)?;
     let fields = metadata.schema().clone();
     let has = |name: &str| fields.fields().iter().any(|field| field.name() == name);
     let mut wanted: Vec<Wanted> = COLUMNS.to_vec();
