@@ -24,7 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let drive = after("--drive").map_or(Ok(Drive::new()), |path| read_drive(path.as_ref(), &trial))?;
 
     let mut world = trial.world()?;
-    println!("t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force");
+    println!(
+        "t [s],id,x [m],y [m],vx [m/s],vy [m/s],theta [rad],omega [rad/s],agent_contacts,wall_contacts,\
+         contacting_agents,normal_force [N],total_agent_contacts,total_wall_contacts"
+    );
     print(&trial, &world, 0.0);
     let mut time = 0.0;
     for k in 1..=steps {
@@ -41,11 +44,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn print(trial: &Trial, world: &World, time: f64) {
-    let state = world.state();
+    let (state, all) = (world.state(), world.contacts());
     for (i, agent) in trial.agents.iter().enumerate() {
-        let (pose, twist, contacts) = (&state.poses[i], &state.twists[i], &world.contacts().bodies[i]);
+        let (pose, twist, contacts) = (&state.poses[i], &state.twists[i], &all.bodies[i]);
         println!(
-            "{time:?},{},{:?},{:?},{:?},{:?},{:?},{:?},{},{},{},{:?}",
+            "{time:?},{},{:?},{:?},{:?},{:?},{:?},{:?},{},{},{},{:?},{},{}",
             agent.id,
             pose.position.x,
             pose.position.y,
@@ -57,6 +60,8 @@ fn print(trial: &Trial, world: &World, time: f64) {
             contacts.wall_contacts,
             contacts.touching_bodies,
             contacts.squeeze,
+            all.agent_contacts,
+            all.wall_contacts,
         );
     }
 }

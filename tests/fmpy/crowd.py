@@ -31,6 +31,10 @@ TRIAL_DOOR = REPOSITORY / "resources" / "Trial_door"
 INPUTS = ["Fp.x", "Fp.y", "Mp"]
 MOTION = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"]
 CONTACTS = ["AgentContacts", "WallContacts", "ContactingAgents"]
+# Of the table of `lemons run`, with their units.
+COLUMNS = {"t": "s", "id": None, "x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "theta": "rad", "omega": "rad/s"}
+COLUMNS |= {"agent_contacts": None, "wall_contacts": None, "contacting_agents": None, "normal_force": "N"}
+COLUMNS |= {"total_agent_contacts": None, "total_wall_contacts": None}
 OUTPUTS = [*MOTION, *CONTACTS, "NormalForce"]
 
 numbers = count()
@@ -203,13 +207,14 @@ def bits(seen):
 def read_table(text, ids):
     """trajectories.csv as `Crowd.run` returns it, with the start."""
     rows = list(csv.reader(text.splitlines()))
-    names = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force"
-    assert rows.pop(0) == names.split(",")
+    assert rows.pop(0) == [name if unit is None else f"{name} [{unit}]" for name, unit in COLUMNS.items()]
     seen = []
     for k in range(0, len(rows), len(ids)):
         block = rows[k : k + len(ids)]
         assert [row[1] for row in block] == ids
         assert len({row[0] for row in block}) == 1
+        touching, walls = (sum(int(row[place]) for row in block) for place in (8, 9))
+        assert all([int(row[12]), int(row[13])] == [touching / 2, walls] for row in block), "totals"
         numbers = [[*map(float, row[2:8]), *map(int, row[8:11]), float(row[11])] for row in block]
         seen.append((float(block[0][0]), numbers))
     return seen

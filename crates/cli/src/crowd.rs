@@ -1,30 +1,38 @@
 //! A crowd among the components of a run: its trajectories and extremes, from the outputs of its FMU.
 
-use crate::results::{Table, Tables};
-use anyhow::Result;
+use crate::results::{Cell, Column, Content, Extent, Kind, Place, Table};
+use crate::saved::CrowdRecord;
+use crate::watch::Recording;
+use anyhow::{Result, bail};
 use crowd_mechanics::engine::{Pose, State, Twist, World, vec2};
 use crowd_mechanics::trial::Trial;
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription, VariableType};
 use lemons_master::{Component, System};
+use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
 
-const MOTION: [&str; 6] = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"];
-const CONTACTS: [&str; 3] = ["AgentContacts", "WallContacts", "ContactingAgents"];
 const SQUEEZE: &str = "NormalForce";
-const HEADER: [&str; 12] = [
-    "t",
-    "id",
-    "x",
-    "y",
-    "vx",
-    "vy",
-    "theta",
-    "omega",
-    "agent_contacts",
-    "wall_contacts",
-    "contacting_agents",
-    "normal_force",
+/// Column, output of an agent, unit, description.
+type Row = (&'static str, &'static str, Option<&'static str>, &'static str);
+const MOTION_COLUMNS: [Row; 6] = [
+    ("x", "Position.x", Some("m"), "x of the centre of mass"),
+    ("y", "Position.y", Some("m"), "y of the centre of mass"),
+    ("vx", "Velocity.x", Some("m/s"), "velocity along x"),
+    ("vy", "Velocity.y", Some("m/s"), "velocity along y"),
+    ("theta", "Theta", Some("rad"), "orientation: angle from the x axis to the gaze"),
+    ("omega", "Omega", Some("rad/s"), "angular velocity"),
+];
+const CONTACT_COLUMNS: [Row; 3] = [
+    ("agent_contacts", "AgentContacts", None, "contacts of the agent's disks with disks of others"),
+    ("wall_contacts", "WallContacts", None, "contacts of the agent's disks with faces of walls"),
+    ("contacting_agents", "ContactingAgents", None, "how many other agents touch the agent"),
+];
+const SQUEEZE_COLUMN: Row =
+    ("normal_force", SQUEEZE, Some("N"), "squeeze: sum of the normal forces |F_n| of the agent's contacts");
+/// Of the whole crowd, in each row; without agent.
+const TOTAL_COLUMNS: [Row; 2] = [
+    ("total_agent_contacts", "AgentContacts", None, "contacts between disks of the crowd, each pair once"),
+    ("total_wall_contacts", "WallContacts", None, "contacts between disks of the crowd and faces of walls"),
 ];
 
 /// The agents of an instance, and what has been seen of them.
@@ -37,11 +45,31 @@ pub struct Crowd {
     motions: Vec<u32>,
     contacts: Vec<u32>,
     squeezes: Vec<u32>,
+    /// Empty if the FMU has none.
+    totals: Vec<u32>,
     trajectories: Table,
-    path: PathBuf,
-    largest_overlap: f64,
-    greatest_squeeze: f64,
-    most_squeezed: Option<(usize, f64)>,
+    extremes: Extremes,
+}
+
+/// The extremes of a run at its communication points.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Extremes {
+    /// \[m\]
+    pub largest_overlap: f64,
+    /// \[N\]
+    pub greatest_squeeze: f64,
+    pub most_squeezed: Option<Squeezed>,
+}
+
+/// Who was squeezed most.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Squeezed {
+    /// Among the agents.
+    pub agent: usize,
+    /// \[s\]
+    pub time: f64,
 }
 
 /// How many agents' outputs an FMU has under the names of our mechanics, from 0 on.
@@ -50,8 +78,8 @@ pub fn agents_of(description: &ModelDescription) -> usize {
     let outputs: HashSet<(&str, bool)> =
         outputs.map(|v| (v.name.as_str(), matches!(v.variableType, VariableType::Real { .. }))).collect();
     let has = |i: usize| {
-        let reals = MOTION.iter().chain([&SQUEEZE]).map(|name| (name, true));
-        let mut names = reals.chain(CONTACTS.iter().map(|name| (name, false)));
+        let reals = MOTION_COLUMNS.iter().chain([&SQUEEZE_COLUMN]).map(|row| (row.1, true));
+        let mut names = reals.chain(CONTACT_COLUMNS.iter().map(|row| (row.1, false)));
         names.all(|(name, real)| outputs.contains(&(format!("agent[{i}].{name}").as_str(), real)))
     };
     (0..).take_while(|&i| has(i)).count()
@@ -68,63 +96,109 @@ pub fn trial_of(component: &Component) -> Result<Option<Trial>> {
     Ok(Some(resources.load(&chosen[0])?.0))
 }
 
+/// Integer outputs of the whole crowd; none if one is missing.
+fn totals_of(component: &Component) -> Vec<u32> {
+    let variables = &component.fmu.description.modelVariables;
+    let totals = TOTAL_COLUMNS.iter().map(|row| {
+        let found = variables.iter().find(|variable| variable.name == row.1)?;
+        let counts = matches!(found.variableType, VariableType::Integer { .. });
+        (counts && found.causality == Causality::Output).then_some(found.valueReference)
+    });
+    totals.collect::<Option<_>>().unwrap_or_default()
+}
+
+/// The columns after the time.
+fn columns(description: &ModelDescription, totals: bool) -> Vec<Column> {
+    let id = Column {
+        name: "id".into(),
+        kind: Kind::Label,
+        unit: None,
+        variable: "agent[i]".into(),
+        description: "Id of the agent in Agents.xml; its place i if the FMU holds no Trial".into(),
+    };
+    let column = |(name, output, unit, description_): &Row, agent: &str, kind| {
+        // What the FMU itself says comes first: it might count in other units.
+        let variable = description.variable_by_name(&format!("agent[0].{output}")).ok();
+        let said = variable.filter(|_| kind == Kind::Real).and_then(|own| description.get_unit(own));
+        Column {
+            name: (*name).into(),
+            kind,
+            unit: said.or(*unit).map(str::to_owned),
+            variable: format!("{agent}{output}"),
+            description: (*description_).into(),
+        }
+    };
+    let mut columns = vec![id];
+    columns.extend(MOTION_COLUMNS.iter().map(|row| column(row, "agent[i].", Kind::Real)));
+    columns.extend(CONTACT_COLUMNS.iter().map(|row| column(row, "agent[i].", Kind::Integer)));
+    columns.push(column(&SQUEEZE_COLUMN, "agent[i].", Kind::Real));
+    if totals {
+        columns.extend(TOTAL_COLUMNS.iter().map(|row| column(row, "", Kind::Integer)));
+    }
+    columns
+}
+
 impl Crowd {
-    /// The first `agents` of an initialized component.
+    /// The first `agents` of an initialized component, perhaps after a run before.
     pub fn create(
         system: &System,
         place: usize,
         agents: usize,
         trial: Option<Trial>,
-        path: &Path,
-        tables: &mut Tables,
+        to: &Place,
+        recording: &mut Recording<'_>,
     ) -> Result<Crowd> {
         let component = &system.components()[place];
         let trial = trial.filter(|trial| trial.agents.len() == agents);
-        let references = |names: &[&str]| -> Result<Vec<u32>> {
-            let names = (0..agents).flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
+        let references = |rows: &[Row]| -> Result<Vec<u32>> {
+            let names = (0..agents).flat_map(|i| rows.iter().map(move |row| format!("agent[{i}].{}", row.1)));
             names.map(|name| component.instance.reference(&name)).collect()
         };
         let ids = match &trial {
             Some(trial) => trial.agents.iter().map(|agent| agent.id.clone()).collect(),
             None => (0..agents).map(|i| i.to_string()).collect(),
         };
+        let totals = totals_of(component);
+        let description = &component.fmu.description;
+        let columns = std::iter::once(Column::time()).chain(columns(description, !totals.is_empty()));
+        let mut about = recording.about.clone();
+        about.extend(trial.as_ref().map(|trial| ("trial", trial.name.clone())));
+        about.push(("component", component.name.clone()));
+        about.extend([("model_name", description.modelName.clone()), ("guid", description.guid.clone())]);
+        let content = Content { columns: columns.collect(), about };
+        let before = recording.before_of(&component.name)?;
+        let extremes = before.map(|before| before.extremes).unwrap_or_default();
+        if extremes.most_squeezed.is_some_and(|most| most.agent >= agents) {
+            bail!(
+                "the saved run is damaged: it speaks of an agent that component {:?} has not",
+                component.name
+            );
+        }
         Ok(Crowd {
-            motions: references(&MOTION)?,
-            contacts: references(&CONTACTS)?,
-            squeezes: references(&[SQUEEZE])?,
+            motions: references(&MOTION_COLUMNS)?,
+            contacts: references(&CONTACT_COLUMNS)?,
+            squeezes: references(&[SQUEEZE_COLUMN])?,
+            totals,
             shadow: trial.as_ref().map(Trial::world).transpose()?,
             place,
             ids,
-            trajectories: tables.create(path, HEADER)?,
-            path: path.to_owned(),
-            largest_overlap: 0.0,
-            greatest_squeeze: 0.0,
-            most_squeezed: None,
+            trajectories: recording.tables.create(to, &content, before.map(|before| before.extent()))?,
+            extremes,
         })
     }
 
-    /// Reads the outputs at a communication point, notes the extremes, writes the rows.
-    pub fn look(&mut self, system: &System) -> Result<()> {
+    /// Reads the outputs at a communication point, notes the extremes, writes the rows if they are wanted.
+    pub fn look(&mut self, system: &System, wanted: bool) -> Result<()> {
         let (time, instance) = (system.time(), &system.components()[self.place].instance);
         let mut motions = vec![0.0; self.motions.len()];
-        let mut contacts = vec![0; self.contacts.len()];
         let mut squeezes = vec![0.0; self.squeezes.len()];
         instance.get_real(&self.motions, &mut motions)?;
-        instance.get_integer(&self.contacts, &mut contacts)?;
         instance.get_real(&self.squeezes, &mut squeezes)?;
         let (motions, _) = motions.as_chunks::<6>();
-        let (contacts, _) = contacts.as_chunks::<3>();
-        for (i, id) in self.ids.iter().enumerate() {
-            // `{:?}` reads back to the same double.
-            let row = std::iter::once(format!("{time:?}"))
-                .chain([id.clone()])
-                .chain(motions[i].iter().map(|value| format!("{value:?}")))
-                .chain(contacts[i].iter().map(ToString::to_string))
-                .chain([format!("{:?}", squeezes[i])]);
-            self.trajectories.write(row)?;
-            if squeezes[i] > self.greatest_squeeze {
-                self.greatest_squeeze = squeezes[i];
-                self.most_squeezed = Some((i, time));
+        for (i, &squeeze) in squeezes.iter().enumerate() {
+            if squeeze > self.extremes.greatest_squeeze {
+                self.extremes.greatest_squeeze = squeeze;
+                self.extremes.most_squeezed = Some(Squeezed { agent: i, time });
             }
         }
         if let Some(shadow) = &mut self.shadow {
@@ -135,24 +209,55 @@ impl Crowd {
                 .map(|m| Twist { velocity: vec2(m[2], m[3]), angular_velocity: m[5] })
                 .collect();
             shadow.restore(State::new(poses, twists));
-            self.largest_overlap = self.largest_overlap.max(shadow.contacts().largest_overlap());
+            let overlap = shadow.contacts().largest_overlap();
+            self.extremes.largest_overlap = self.extremes.largest_overlap.max(overlap);
+        }
+        if !wanted {
+            return Ok(());
+        }
+        let mut contacts = vec![0; self.contacts.len()];
+        let mut totals = vec![0; self.totals.len()];
+        instance.get_integer(&self.contacts, &mut contacts)?;
+        instance.get_integer(&self.totals, &mut totals)?;
+        let (contacts, _) = contacts.as_chunks::<3>();
+        for (i, id) in self.ids.iter().enumerate() {
+            let row = std::iter::once(Cell::Text(id))
+                .chain(motions[i].iter().map(|value| Cell::Real(*value)))
+                .chain(contacts[i].iter().map(|count| Cell::Integer(*count)))
+                .chain([Cell::Real(squeezes[i])])
+                .chain(totals.iter().map(|count| Cell::Integer(*count)));
+            self.trajectories.write(time, row)?;
         }
         Ok(())
     }
 
+    /// What a saved run keeps of it.
+    pub fn record(&self, component: &str) -> CrowdRecord {
+        let Extent { rows, last } = self.trajectories.extent();
+        CrowdRecord { component: component.to_owned(), rows, last, extremes: self.extremes }
+    }
+
+    /// Among the components.
+    pub fn place(&self) -> usize {
+        self.place
+    }
+
     /// Puts the trajectories in their place; answers the lines of the summary.
     pub fn finish(self) -> Result<Vec<String>> {
+        let Extremes { largest_overlap, greatest_squeeze, most_squeezed } = self.extremes;
         let mut lines = Vec::new();
         if self.shadow.is_some() {
-            let overlap = 1e3 * self.largest_overlap;
+            let overlap = 1e3 * largest_overlap;
             lines.push(format!("largest overlap    {overlap:>10.3} mm   (at communication points)"));
         }
-        let squeeze = format!("greatest squeeze   {:>10.1} N", self.greatest_squeeze);
-        lines.push(match self.most_squeezed {
-            Some((i, time)) => format!("{squeeze}   (agent {} at t = {time:.3} s)", self.ids[i]),
+        let squeeze = format!("greatest squeeze   {greatest_squeeze:>10.1} N");
+        lines.push(match most_squeezed {
+            Some(Squeezed { agent, time }) => {
+                format!("{squeeze}   (agent {} at t = {time:.3} s)", self.ids[agent])
+            }
             None => squeeze,
         });
-        lines.push(format!("trajectories       {}", self.path.display()));
+        lines.push(format!("trajectories       {}", self.trajectories.said()));
         self.trajectories.finish()?;
         Ok(lines)
     }

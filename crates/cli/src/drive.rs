@@ -1,7 +1,8 @@
 //! A drive file: who is pushed when, and how hard.
 
 use anyhow::{Context, Result, bail};
-use std::collections::HashMap;
+use lemons_fmi2::fingerprint;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 /// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
@@ -53,6 +54,12 @@ impl Drive {
     /// The agents that the file names.
     pub fn agents(&self) -> impl Iterator<Item = &str> {
         self.agents.keys().map(String::as_str)
+    }
+
+    /// Equal for equal pushes, however the file is spelled.
+    pub fn fingerprint(&self) -> String {
+        let sorted: BTreeMap<_, _> = self.agents.iter().collect();
+        format!("{:032x}", fingerprint(format!("{sorted:?}").as_bytes()))
     }
 
     /// What an agent that the file names is driven by at a time \[s\]; `None` for others.

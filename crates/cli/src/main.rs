@@ -13,22 +13,25 @@ mod describe;
 mod drive;
 mod export;
 mod info;
+mod interrupt;
 mod outputs;
 mod pack;
 mod people;
 mod pictures;
 mod results;
 mod run;
+mod saved;
 mod verify;
 mod watch;
 
 use clap::{Parser, Subcommand};
-use people::interrupt::{EXIT_CODE, Interrupted};
+use interrupt::{EXIT_CODE, Interrupted};
 use std::process::ExitCode;
 
 /// Contact mechanics of dense crowds: Trials, FMUs, runs, coupling.
 ///
-/// Exit codes: 0 done; 1 something failed; 2 the command line is wrong; 3 a Trial has errors.
+/// Exit codes: 0 done; 1 something failed; 2 the command line is wrong; 3 a Trial has errors;
+/// 130 interrupted.
 #[derive(Parser)]
 #[command(name = "lemons", version, arg_required_else_help = true, max_term_width = 80)]
 struct Arguments {

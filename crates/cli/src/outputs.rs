@@ -1,15 +1,15 @@
-//! The outputs of components that are no crowd: one CSV, one column for each.
+//! The outputs of components that are no crowd: one table, one column for each.
 
-use crate::results::{Table, Tables};
+use crate::results::{Cell, Column, Content, Extent, Kind, Place, Table};
+use crate::watch::Recording;
 use anyhow::Result;
 use fmi_rs::model_description::fmi2::{Causality, VariableType};
 use lemons_master::System;
-use std::path::{Path, PathBuf};
 
 pub struct Outputs {
     components: Vec<Columns>,
     table: Table,
-    path: PathBuf,
+    /// After the time.
     count: usize,
 }
 
@@ -23,7 +23,7 @@ struct Columns {
     strings: References,
 }
 
-/// Value references, and the columns where their values go.
+/// Value references, and the columns after the time where their values go.
 #[derive(Default)]
 struct References {
     references: Vec<u32>,
@@ -35,10 +35,10 @@ impl Outputs {
     pub fn create(
         system: &System,
         places: Vec<usize>,
-        path: &Path,
-        tables: &mut Tables,
+        to: &Place,
+        recording: &mut Recording<'_>,
     ) -> Result<Option<Outputs>> {
-        let mut header = vec!["t".to_owned()];
+        let mut header = vec![Column::time()];
         let mut all = Vec::new();
         for place in places {
             let component = &system.components()[place];
@@ -49,17 +49,26 @@ impl Outputs {
                 booleans: References::default(),
                 strings: References::default(),
             };
-            let variables = component.fmu.description.modelVariables.iter();
+            let description = &component.fmu.description;
+            let variables = description.modelVariables.iter();
             for variable in variables.filter(|variable| variable.causality == Causality::Output) {
-                let list = match variable.variableType {
-                    VariableType::Real { .. } => &mut columns.reals,
-                    VariableType::Integer { .. } | VariableType::Enumeration { .. } => &mut columns.integers,
-                    VariableType::Boolean { .. } => &mut columns.booleans,
-                    VariableType::String { .. } => &mut columns.strings,
+                let (list, kind) = match variable.variableType {
+                    VariableType::Real { .. } => (&mut columns.reals, Kind::Real),
+                    VariableType::Integer { .. } | VariableType::Enumeration { .. } => {
+                        (&mut columns.integers, Kind::Integer)
+                    }
+                    VariableType::Boolean { .. } => (&mut columns.booleans, Kind::Boolean),
+                    VariableType::String { .. } => (&mut columns.strings, Kind::Text),
                 };
                 list.references.push(variable.valueReference);
-                list.columns.push(header.len());
-                header.push(format!("{}.{}", component.name, variable.name));
+                list.columns.push(header.len() - 1);
+                header.push(Column {
+                    name: format!("{}.{}", component.name, variable.name),
+                    kind,
+                    unit: description.get_unit(variable).map(str::to_owned),
+                    variable: variable.name.clone(),
+                    description: variable.description.clone().unwrap_or_default(),
+                });
             }
             all.push(columns);
         }
@@ -67,46 +76,64 @@ impl Outputs {
         if count == 0 {
             return Ok(None);
         }
-        let table = tables.create(path, header)?;
-        Ok(Some(Outputs { components: all, table, path: path.to_owned(), count }))
+        let content = Content { columns: header, about: recording.about.clone() };
+        let table = recording.tables.create(to, &content, recording.before_of_outputs())?;
+        Ok(Some(Outputs { components: all, table, count }))
     }
 
     /// Reads the outputs at a communication point and writes the row.
     pub fn look(&mut self, system: &System) -> Result<()> {
-        let mut row = vec![String::new(); self.count + 1];
-        row[0] = format!("{:?}", system.time());
+        let mut row = vec![Cell::Integer(0); self.count];
+        let mut texts = Vec::new();
         for columns in &self.components {
-            let Columns { place, reals, integers, booleans, strings } = columns;
-            let instance = &system.components()[*place].instance;
-            reals.put(&mut row, |r, v| instance.get_real(r, v), |v: f64| format!("{v:?}"))?;
-            integers.put(&mut row, |r, v| instance.get_integer(r, v), |v: i32| v.to_string())?;
-            booleans.put(&mut row, |r, v| instance.get_boolean(r, v), |v: i32| (v != 0).to_string())?;
-            strings.put(&mut row, |r, v| instance.get_string(r, v), |v: String| v)?;
+            let instance = &system.components()[columns.place].instance;
+            columns.reals.put(&mut row, |r, v| instance.get_real(r, v), Cell::Real)?;
+            columns.integers.put(&mut row, |r, v| instance.get_integer(r, v), Cell::Integer)?;
+            columns.booleans.put(
+                &mut row,
+                |r, v| instance.get_boolean(r, v),
+                |v: i32| Cell::Boolean(v != 0),
+            )?;
+            texts.push(columns.strings.get(|r, v| instance.get_string(r, v))?);
         }
-        self.table.write(row)
+        for (columns, texts) in self.components.iter().zip(&texts) {
+            for (column, text) in columns.strings.columns.iter().zip(texts) {
+                row[*column] = Cell::Text(text);
+            }
+        }
+        self.table.write(system.time(), row)
+    }
+
+    /// What was written.
+    pub fn extent(&self) -> Extent {
+        self.table.extent()
     }
 
     /// Puts the table in its place; answers the line of the summary.
     pub fn finish(self) -> Result<String> {
+        let said = format!("outputs            {}   ({} columns)", self.table.said(), self.count + 1);
         self.table.finish()?;
-        Ok(format!("outputs            {}   ({} columns)", self.path.display(), self.count + 1))
+        Ok(said)
     }
 }
 
 impl References {
-    fn put<T: Clone + Default>(
-        &self,
-        row: &mut [String],
-        get: impl FnOnce(&[u32], &mut [T]) -> Result<()>,
-        text: impl Fn(T) -> String,
-    ) -> Result<()> {
-        if self.references.is_empty() {
-            return Ok(());
-        }
+    fn get<T: Clone + Default>(&self, get: impl FnOnce(&[u32], &mut [T]) -> Result<()>) -> Result<Vec<T>> {
         let mut values = vec![T::default(); self.references.len()];
-        get(&self.references, &mut values)?;
-        for (column, value) in self.columns.iter().zip(values) {
-            row[*column] = text(value);
+        if !values.is_empty() {
+            get(&self.references, &mut values)?;
+        }
+        Ok(values)
+    }
+
+    fn put<'a, T: Clone + Default>(
+        &self,
+        row: &mut [Cell<'a>],
+        get: impl FnOnce(&[u32], &mut [T]) -> Result<()>,
+        cell: impl Fn(T) -> Cell<'a>,
+    ) -> Result<()> {
+        for (column, value) in self.columns.iter().zip(self.get(get)?) {
+            row[*column] = cell(value);
         }
         Ok(())
     }

@@ -1,21 +1,118 @@
-//! The CSV files of a run.
+//! The tables of a run: which there are, what they hold, how they are written.
+
+mod csv;
+mod parquet;
 
 use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
 use crowd_mechanics::files::Staged;
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
-use std::io::{self, BufWriter};
+use std::io;
 use std::path::{Path, PathBuf};
 
-/// The files of a run: no two tables go into one file, none into a file that the run reads.
+/// What a file of results is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Text: units in the header, numbers that read back to the same doubles
+    Csv,
+    /// Columns, compressed: some times smaller; units in the columns' metadata
+    Parquet,
+}
+
+impl Format {
+    /// What the extension of a file says.
+    pub fn of(path: &Path) -> Option<Format> {
+        let end = path.extension()?;
+        [Format::Csv, Format::Parquet].into_iter().find(|format| end.eq_ignore_ascii_case(format.extension()))
+    }
+
+    pub fn extension(self) -> &'static str {
+        match self {
+            Format::Csv => "csv",
+            Format::Parquet => "parquet",
+        }
+    }
+}
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Real,
+    Integer,
+    Boolean,
+    Text,
+    /// One of a few texts.
+    Label,
+}
+
+/// A column of a table.
+#[derive(Debug, Clone)]
+pub struct Column {
+    pub name: String,
+    pub kind: Kind,
+    pub unit: Option<String>,
+    /// Of the FMU, or what it is without one.
+    pub variable: String,
+    pub description: String,
+}
+
+impl Column {
+    /// In every table the first one.
+    pub fn time() -> Column {
+        Column {
+            name: "t".into(),
+            kind: Kind::Real,
+            unit: Some("s".into()),
+            variable: "time".into(),
+            description: "time of the communication point".into(),
+        }
+    }
+
+    /// `x [m]`
+    fn heading(&self) -> String {
+        match &self.unit {
+            Some(unit) => format!("{} [{unit}]", self.name),
+            None => self.name.clone(),
+        }
+    }
+}
+
+/// A value in a table.
+#[derive(Debug, Clone, Copy)]
+pub enum Cell<'a> {
+    Real(f64),
+    Integer(i32),
+    Boolean(bool),
+    Text(&'a str),
+}
+
+/// What a table holds: its columns, and what is said of the whole.
+pub struct Content {
+    pub columns: Vec<Column>,
+    pub about: Vec<(&'static str, String)>,
+}
+
+/// What was written of a table.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Extent {
+    pub rows: u64,
+    /// \[s\] of the last row
+    pub last: Option<f64>,
+}
+
+/// Where a table goes.
+#[derive(Clone)]
+pub struct Place {
+    pub path: PathBuf,
+    pub format: Format,
+}
+
+/// The files of a run: no two go into one, none into a file that the run reads.
 pub struct Tables {
     /// Why files cannot be written, by the one path of each.
     taken: HashMap<PathBuf, &'static str>,
-}
-
-/// A CSV that appears under its name only when it is complete.
-pub struct Table {
-    out: csv::Writer<BufWriter<Staged>>,
-    path: PathBuf,
 }
 
 impl Tables {
@@ -25,22 +122,51 @@ impl Tables {
         Tables { taken: inputs.map(|path| (path, "the run reads it")).collect() }
     }
 
-    pub fn create(
-        &mut self,
-        path: &Path,
-        header: impl IntoIterator<Item = impl AsRef<[u8]>>,
-    ) -> Result<Table> {
+    /// A file that appears under its name only when it is complete.
+    pub fn stage(&mut self, path: &Path) -> Result<Staged> {
         let cannot = || format!("cannot write {}", path.display());
         if let Some(why) = self.taken.insert(only_path(path).with_context(cannot)?, "other results go there")
         {
             bail!("{}: {why}", cannot());
         }
-        let file = Staged::beside(path).with_context(cannot)?;
-        let out = csv::WriterBuilder::new().from_writer(BufWriter::new(file));
-        let mut table = Table { out, path: path.to_owned() };
-        table.write(header)?;
-        Ok(table)
+        Staged::beside(path).with_context(cannot)
     }
+
+    /// A table; if a run before has written some rows of it, and they are there, they are kept.
+    pub fn create(&mut self, place: &Place, content: &Content, before: Option<Extent>) -> Result<Table> {
+        let file = self.stage(&place.path)?;
+        let path = place.path.clone();
+        let kept = before.filter(|before| before.rows > 0 && path.is_file());
+        let made = match place.format {
+            Format::Csv => csv::Table::create(file, content, &path, kept).map(Writer::Csv),
+            Format::Parquet => parquet::Table::create(file, content, &path, kept)
+                .map(|table| Writer::Parquet(Box::new(table))),
+        };
+        let writer = made.with_context(|| match kept {
+            Some(_) => format!(
+                "{}: is not what the saved run has written, it cannot go on there: choose another file, which \
+                 gets what follows only",
+                path.display()
+            ),
+            None => format!("cannot write {}", path.display()),
+        })?;
+        let started = match (before, kept) {
+            (None, _) => Started::Anew,
+            (Some(_), Some(_)) => Started::Continued,
+            (Some(_), None) => Started::Later,
+        };
+        Ok(Table { writer, path, extent: kept.unwrap_or_default(), started })
+    }
+}
+
+/// Whether the rows of a run before are in a table.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Started {
+    /// There was none.
+    Anew,
+    Continued,
+    /// They are elsewhere.
+    Later,
 }
 
 /// The one path of a file, which need not be there: absolute and without links.
@@ -53,15 +179,75 @@ fn only_path(path: &Path) -> io::Result<PathBuf> {
     Ok(directory.canonicalize()?.join(name))
 }
 
+/// A file of rows that appears under its name only when it is complete.
+pub struct Table {
+    writer: Writer,
+    path: PathBuf,
+    extent: Extent,
+    started: Started,
+}
+
+enum Writer {
+    Csv(csv::Table),
+    Parquet(Box<parquet::Table>),
+}
+
 impl Table {
-    pub fn write(&mut self, row: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Result<()> {
-        self.out.write_record(row).with_context(|| format!("cannot write {}", self.path.display()))
+    /// Writes a row: the time \[s\], and the other columns.
+    pub fn write<'a>(&mut self, time: f64, cells: impl IntoIterator<Item = Cell<'a>>) -> Result<()> {
+        let cells = std::iter::once(Cell::Real(time)).chain(cells);
+        let written = match &mut self.writer {
+            Writer::Csv(table) => table.write(cells),
+            Writer::Parquet(table) => table.write(cells),
+        };
+        written.with_context(|| format!("cannot write {}", self.path.display()))?;
+        self.extent = Extent { rows: self.extent.rows + 1, last: Some(time) };
+        Ok(())
     }
 
-    pub fn finish(self) -> Result<()> {
-        let cannot = || format!("cannot write {}", self.path.display());
-        let file = self.out.into_inner().map_err(|error| error.into_error()).with_context(cannot)?;
-        let file = file.into_inner().map_err(|error| error.into_error()).with_context(cannot)?;
-        file.persist().with_context(cannot)
+    pub fn extent(&self) -> Extent {
+        self.extent
     }
+
+    /// Its file, for a summary.
+    pub fn said(&self) -> String {
+        let path = self.path.display();
+        match self.started {
+            Started::Anew => path.to_string(),
+            Started::Continued => format!("{path}   (continued)"),
+            Started::Later => format!("{path}   (what came after the saved run)"),
+        }
+    }
+
+    /// Puts the file in its place.
+    pub fn finish(self) -> Result<()> {
+        let done = match self.writer {
+            Writer::Csv(table) => table.finish(),
+            Writer::Parquet(table) => table.finish(),
+        };
+        done.and_then(|file| Ok(file.persist()?))
+            .with_context(|| format!("cannot write {}", self.path.display()))
+    }
+}
+
+/// Whether a table there is what a run has written: columns, rows, time of the last row \[s\].
+fn check_kept(kept: Extent, rows: u64, last: Option<f64>) -> Result<()> {
+    if rows != kept.rows {
+        bail!("it has {rows} rows, the saved run has written {}", kept.rows);
+    }
+    if last.map(f64::to_bits) != kept.last.map(f64::to_bits) {
+        let said = |time: Option<f64>| time.map_or("no number".into(), |time| format!("{time:?} s"));
+        bail!("its last row is of t = {}, that of the saved run of t = {}", said(last), said(kept.last));
+    }
+    Ok(())
+}
+
+fn check_headings(there: impl Iterator<Item = String>, columns: &[Column]) -> Result<()> {
+    let there: Vec<String> = there.collect();
+    let here: Vec<String> = columns.iter().map(Column::heading).collect();
+    if let Some(k) = (0..there.len().max(here.len())).find(|&k| there.get(k) != here.get(k)) {
+        let said = |list: &[String]| list.get(k).map_or("missing".into(), |name| format!("{name:?}"));
+        bail!("column {} is {}, not {}", k + 1, said(&there), said(&here));
+    }
+    Ok(())
 }

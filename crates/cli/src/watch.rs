@@ -3,11 +3,36 @@
 use crate::connect::plain_names;
 use crate::crowd::{Crowd, agents_of};
 use crate::outputs::Outputs;
-use crate::results::Tables;
-use anyhow::Result;
+use crate::results::{Extent, Place, Tables};
+use crate::saved::{CrowdRecord, Saved};
+use anyhow::{Context, Result};
 use crowd_mechanics::trial::Trial;
 use lemons_master::System;
 use std::path::{Path, PathBuf};
+
+/// How it is recorded.
+pub struct Recording<'a> {
+    pub tables: &'a mut Tables,
+    /// What the tables say of the run.
+    pub about: Vec<(&'static str, String)>,
+    /// The run that this one goes on from.
+    pub before: Option<&'a Saved>,
+}
+
+impl<'a> Recording<'a> {
+    /// What the run before has recorded of a crowd.
+    pub fn before_of(&self, component: &str) -> Result<Option<&'a CrowdRecord>> {
+        let Some(saved) = self.before else { return Ok(None) };
+        let record = saved.crowd.iter().find(|record| record.component == component);
+        let missing = || format!("the saved run is damaged: it says nothing of the crowd {component:?}");
+        record.map(Some).with_context(missing)
+    }
+
+    /// What the run before has recorded of components that are no crowd.
+    pub fn before_of_outputs(&self) -> Option<Extent> {
+        self.before.map(|saved| saved.outputs.unwrap_or_default())
+    }
+}
 
 /// What is recorded of a run.
 pub struct Watch {
@@ -21,9 +46,9 @@ impl Watch {
     pub fn create(
         system: &System,
         trials: Vec<Option<Trial>>,
-        trajectories: &Path,
-        outputs: &Path,
-        mut tables: Tables,
+        trajectories: &Place,
+        outputs: &Place,
+        mut recording: Recording<'_>,
     ) -> Result<Watch> {
         let agents: Vec<usize> =
             system.components().iter().map(|component| agents_of(&component.fmu.description)).collect();
@@ -36,19 +61,34 @@ impl Watch {
                 others.push(place);
                 continue;
             }
-            let path = if several { with_name(trajectories, &names[place]) } else { trajectories.to_owned() };
+            let mut to = trajectories.clone();
+            if several {
+                to.path = with_name(&to.path, &names[place]);
+            }
             let name = several.then(|| system.components()[place].name.clone());
-            crowds.push((name, Crowd::create(system, place, agents[place], trial, &path, &mut tables)?));
+            crowds.push((name, Crowd::create(system, place, agents[place], trial, &to, &mut recording)?));
         }
-        Ok(Watch { crowds, outputs: Outputs::create(system, others, outputs, &mut tables)? })
+        Ok(Watch { crowds, outputs: Outputs::create(system, others, outputs, &mut recording)? })
     }
 
-    /// At a communication point.
-    pub fn look(&mut self, system: &System) -> Result<()> {
+    /// At a communication point, whose rows may be wanted or not.
+    pub fn look(&mut self, system: &System, wanted: bool) -> Result<()> {
         for (_, crowd) in &mut self.crowds {
-            crowd.look(system)?;
+            crowd.look(system, wanted)?;
         }
-        self.outputs.as_mut().map_or(Ok(()), |outputs| outputs.look(system))
+        match &mut self.outputs {
+            Some(outputs) if wanted => outputs.look(system),
+            _ => Ok(()),
+        }
+    }
+
+    /// What a saved run keeps: of each crowd, and of the outputs of the others.
+    pub fn records(&self, system: &System) -> (Vec<CrowdRecord>, Option<Extent>) {
+        let crowds = self.crowds.iter().map(|(_, crowd)| {
+            let name = &system.components()[crowd.place()].name;
+            crowd.record(name)
+        });
+        (crowds.collect(), self.outputs.as_ref().map(Outputs::extent))
     }
 
     /// Puts all files in their places; answers lines of the summary.

@@ -61,7 +61,8 @@ fn a_push_goes_through_the_row() {
     assert!(out(&output).lines().all(|line| line.chars().count() <= 80));
     let csv = fs::read_to_string(directory.path().join("trajectories.csv")).unwrap();
     let mut rows = csv.lines();
-    let header = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force";
+    let header = "t [s],id,x [m],y [m],vx [m/s],vy [m/s],theta [rad],omega [rad/s],agent_contacts,\
+                  wall_contacts,contacting_agents,normal_force [N],total_agent_contacts,total_wall_contacts";
     assert_eq!(rows.next(), Some(header));
     let rows: Vec<Vec<f64>> =
         rows.map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();

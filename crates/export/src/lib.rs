@@ -7,6 +7,7 @@
 mod area;
 mod error;
 mod jupedsim;
+mod parquet;
 mod run;
 mod series;
 mod table;

@@ -1,52 +1,111 @@
 //! The table that `lemons run` writes.
 
-use crate::{ExportError, Frame, Observed, Run};
+use crate::{ExportError, Frame, Observed, Run, parquet};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::trial::AgentDynamics;
 use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
-const COLUMNS: [&str; 8] = ["t", "id", "x", "y", "vx", "vy", "theta", "omega"];
+/// With their units.
+pub(crate) const COLUMNS: [(&str, Option<&str>); 8] = [
+    ("t", Some("s")),
+    ("id", None),
+    ("x", Some("m")),
+    ("y", Some("m")),
+    ("vx", Some("m/s")),
+    ("vy", Some("m/s")),
+    ("theta", Some("rad")),
+    ("omega", Some("rad/s")),
+];
 /// Read where all of them are there.
-const OBSERVED: [&str; 4] = ["agent_contacts", "wall_contacts", "contacting_agents", "normal_force"];
+pub(crate) const OBSERVED: [(&str, Option<&str>); 4] = [
+    ("agent_contacts", None),
+    ("wall_contacts", None),
+    ("contacting_agents", None),
+    ("normal_force", Some("N")),
+];
+/// What a file of Parquet begins with.
+const PARQUET: &[u8; 4] = b"PAR1";
 
 impl Run {
-    /// Reads `trajectories.csv`: the columns t, id, x, y, vx, vy, theta, omega in any order, the contact
-    /// counts and the squeeze where they are there, further ones do not matter; all agents at one time, then all at the next.
+    /// Reads `trajectories.csv` or, whatever it is called, a table in Parquet: the columns t, id, x, y, vx, vy,
+    /// theta, omega in any order, with their units or without, the contact counts and the squeeze where they are
+    /// there, further ones do not matter; all agents at one time, then all at the next.
     ///
     /// # Errors
-    /// What is wrong, with line and column.
+    /// What is wrong, with line (CSV) or row (Parquet) and column.
     pub fn read_table(path: &Path) -> Result<Run, ExportError> {
-        let file =
-            std::fs::File::open(path).map_err(|error| ExportError::Read { path: path.to_owned(), error })?;
-        read(path, file).map_err(|message| ExportError::wrong(path, message))
+        let cannot = |error| ExportError::Read { path: path.to_owned(), error };
+        let mut file = File::open(path).map_err(cannot)?;
+        let mut begin = Vec::new();
+        file.by_ref().take(PARQUET.len() as u64).read_to_end(&mut begin).map_err(cannot)?;
+        let run = if begin == PARQUET {
+            parquet::read(path, file)
+        } else {
+            // A pipe cannot go back.
+            read(path, begin.chain(file))
+        };
+        run.map_err(|message| ExportError::wrong(path, message))
     }
 }
 
-fn read(path: &Path, file: impl std::io::Read) -> Result<Run, String> {
+/// The name and the unit in the head of a column: `x`, or `x [m]`.
+fn name_and_unit(head: &str) -> (&str, Option<&str>) {
+    let head = head.trim_start_matches('\u{feff}');
+    match head.strip_suffix(']').and_then(|head| head.rsplit_once('[')) {
+        Some((name, unit)) => (name.trim_end(), Some(unit)),
+        None => (head, None),
+    }
+}
+
+/// Where a column is.
+fn column(header: &csv::StringRecord, (name, unit): (&str, Option<&str>)) -> Result<usize, String> {
+    let heads = header.iter().map(name_and_unit).enumerate();
+    let mut found = heads.filter(|(_, head)| head.0 == name);
+    let Some((place, (_, there))) = found.next() else {
+        let names = COLUMNS.map(|(name, _)| name).join(", ");
+        return Err(format!("line 1: there is no column {name:?} (lemons run writes {names})"));
+    };
+    if found.next().is_some() {
+        return Err(format!("line 1: there are two columns {name:?}"));
+    }
+    check_unit(name, there, unit).map_err(|wrong| format!("line 1: {wrong}"))?;
+    Ok(place)
+}
+
+/// A column without unit is in ours.
+pub(crate) fn check_unit(name: &str, there: Option<&str>, ours: Option<&str>) -> Result<(), String> {
+    match there {
+        Some(there) if Some(there) != ours => {
+            let ours = ours.map_or("without unit".into(), |unit| format!("in {unit:?}"));
+            Err(format!("column {name}: is in {there:?}, it must be {ours}"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn read(path: &Path, file: impl Read) -> Result<Run, String> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let header = reader.headers().map_err(broken)?.clone();
-    let column = |name: &str| {
-        let mut found = (0..header.len()).filter(|&at| header[at].trim_start_matches('\u{feff}') == name);
-        match (found.next(), found.next()) {
-            (Some(place), None) => Ok(place),
-            (Some(_), Some(_)) => Err(format!("line 1: there are two columns {name:?}")),
-            (None, _) => Err(format!("line 1: there is no column {name:?} (lemons run writes {COLUMNS:?})")),
-        }
-    };
     let mut columns = [0; COLUMNS.len()];
     for (place, name) in columns.iter_mut().zip(COLUMNS) {
-        *place = column(name)?;
+        *place = column(&header, name)?;
     }
-    let observed: Option<Vec<usize>> = OBSERVED.iter().map(|name| column(name).ok()).collect();
-    let mut builder = Builder::default();
+    let there = |name: &str| header.iter().any(|head| name_and_unit(head).0 == name);
+    let observed: Option<Vec<usize>> = match OBSERVED.iter().all(|(name, _)| there(name)) {
+        true => Some(OBSERVED.iter().map(|name| column(&header, *name)).collect::<Result<_, _>>()?),
+        false => None,
+    };
+    let mut builder = Builder::new("line");
     let mut row = csv::StringRecord::new();
     while reader.read_record(&mut row).map_err(broken)? {
         let line = row.position().map_or(0, csv::Position::line);
         let number = |k: usize| {
             let text = &row[columns[k]];
             let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
-            value.ok_or_else(|| format!("line {line}: column {}: {text:?} is no finite number", COLUMNS[k]))
+            value.ok_or_else(|| format!("line {line}: column {}: {text:?} is no finite number", COLUMNS[k].0))
         };
         let agent = AgentDynamics {
             position: vec2(number(2)?, number(3)?),
@@ -58,7 +117,7 @@ fn read(path: &Path, file: impl std::io::Read) -> Result<Run, String> {
         };
         let wrong = |k: usize, what: &str| {
             let place = observed.as_ref().map_or(0, |places| places[k]);
-            format!("line {line}: column {}: {:?} is no {what}", OBSERVED[k], &row[place])
+            format!("line {line}: column {}: {:?} is no {what}", OBSERVED[k].0, &row[place])
         };
         let seen = observed.as_ref().map(|places| {
             let count = |k: usize| row[places[k]].parse::<u32>().map_err(|_| wrong(k, "number of contacts"));
@@ -90,10 +149,12 @@ fn broken(error: csv::Error) -> String {
 }
 
 /// Of one agent at one time.
-type Seen = (AgentDynamics, Option<Observed>);
+pub(crate) type Seen = (AgentDynamics, Option<Observed>);
 
-#[derive(Default)]
-struct Builder {
+/// Rows become frames.
+pub(crate) struct Builder {
+    /// What is counted in the file: lines or rows.
+    what: &'static str,
     ids: Vec<String>,
     places: HashMap<String, usize>,
     frames: Vec<Frame>,
@@ -102,23 +163,29 @@ struct Builder {
 }
 
 impl Builder {
-    fn add(&mut self, line: u64, time: f64, id: &str, agent: Seen) -> Result<(), String> {
+    pub(crate) fn new(what: &'static str) -> Builder {
+        Builder { what, ids: Vec::new(), places: HashMap::new(), frames: Vec::new(), agents: Vec::new() }
+    }
+
+    /// The `n`-th row.
+    pub(crate) fn add(&mut self, n: u64, time: f64, id: &str, agent: Seen) -> Result<(), String> {
+        let what = self.what;
         match self.frames.last().map(|frame| frame.time) {
             Some(last) if time == last => {}
             Some(last) if time < last => {
                 return Err(format!(
-                    "line {line}: column t: t = {time:?} s must not come after t = {last:?} s"
+                    "{what} {n}: column t: t = {time:?} s must not come after t = {last:?} s"
                 ));
             }
             _ => {
                 self.close()?;
-                let place = format!("line {line}");
+                let place = format!("{what} {n}");
                 let (agents, observed, interactions) = (Vec::new(), None, None);
                 self.frames.push(Frame { time, agents, observed, interactions, place });
             }
         }
         if id.is_empty() {
-            return Err(format!("line {line}: column id: is empty"));
+            return Err(format!("{what} {n}: column id: is empty"));
         }
         if self.frames.len() == 1 && !self.places.contains_key(id) {
             self.places.insert(id.to_owned(), self.ids.len());
@@ -126,10 +193,10 @@ impl Builder {
             self.agents.push(None);
         }
         let Some(&place) = self.places.get(id) else {
-            return Err(format!("line {line}: column id: agent {id:?} was not there at the first time"));
+            return Err(format!("{what} {n}: column id: agent {id:?} was not there at the first time"));
         };
         match self.agents[place].replace(agent) {
-            Some(_) => Err(format!("line {line}: column id: agent {id:?} stands twice at t = {time:?} s")),
+            Some(_) => Err(format!("{what} {n}: column id: agent {id:?} stands twice at t = {time:?} s")),
             None => Ok(()),
         }
     }
@@ -146,10 +213,10 @@ impl Builder {
         Ok(())
     }
 
-    fn finish(mut self, path: &Path) -> Result<Run, String> {
+    pub(crate) fn finish(mut self, path: &Path) -> Result<Run, String> {
         self.close()?;
         if self.frames.is_empty() {
-            return Err("line 2: the run is empty: there is no row after the header".into());
+            return Err("the run is empty: there is no row".into());
         }
         Ok(Run { source: path.to_owned(), ids: self.ids, frames: self.frames })
     }

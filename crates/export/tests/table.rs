@@ -52,7 +52,7 @@ fn mistakes_name_file_line_and_column() {
     };
     let row = "0.1,a,1,2,0,0,0,0,0";
     for (rows, expected) in [
-        ("", "line 2: the run is empty"),
+        ("", "the run is empty"),
         ("0.1,a,1,two,0,0,0,0,0", "line 2: column y: \"two\" is no finite number"),
         ("0.1,a,1,2,0,0,0,inf,0", "line 2: column omega: \"inf\""),
         ("0.1,a,1,2", "line 2: has 4 columns, the header 9"),

@@ -109,7 +109,7 @@ fn root_cause(error: &dyn std::error::Error) -> String {
 
 /// What the FMU logs. Errors become the run's error; warnings are kept for the end.
 #[derive(Default)]
-struct Messages {
+pub(crate) struct Messages {
     errors: Mutex<Vec<String>>,
     warnings: Mutex<Vec<String>>,
 }
@@ -136,10 +136,18 @@ impl Messages {
     }
 }
 
+/// What a call answered; its error is what the FMU has said of it.
+pub(crate) fn done(messages: &Messages, status: fmi2Status, what: &str) -> Result<()> {
+    match status {
+        fmi2Status::Ok | fmi2Status::Warning => Ok(()),
+        other => Err(messages.explain(anyhow!("{what} answered {other:?}"))),
+    }
+}
+
 /// An instance of an FMU.
 pub struct Instance {
-    fmu: Arc<FMU2<CS>>,
-    messages: Arc<Messages>,
+    pub(crate) fmu: Arc<FMU2<CS>>,
+    pub(crate) messages: Arc<Messages>,
     /// Where the FMU was unzipped: of no interest to those who read messages.
     prefix: String,
     references: HashMap<String, u32>,
@@ -155,10 +163,7 @@ impl Instance {
     }
 
     fn done(&self, status: fmi2Status, what: &str) -> Result<()> {
-        match status {
-            fmi2Status::Ok | fmi2Status::Warning => Ok(()),
-            other => Err(self.messages.explain(anyhow!("{what} answered {other:?}"))),
-        }
+        done(&self.messages, status, what)
     }
 
     /// Sets a variable from its text.

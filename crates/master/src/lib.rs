@@ -2,11 +2,13 @@
 
 mod assemble;
 mod fmu;
+mod state;
 mod system;
 mod unzip;
 
 pub use assemble::{Assembled, assemble};
 pub use fmu::{Fmu, Instance};
+pub use state::{LARGEST_STATE, State};
 pub use system::{Algorithm, Component, System};
 
 use anyhow::{Context, Result, bail};

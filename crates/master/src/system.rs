@@ -10,7 +10,8 @@
 //! as there are components (values then have passed the longest chain without a loop), or until nothing changes.
 
 use crate::fmu::{Fmu, Instance};
-use anyhow::{Context, Result};
+use crate::state::State;
+use anyhow::{Context, Result, bail};
 use fmi_rs::model_description::fmi2::VariableType;
 use lemons_ssp::Affine;
 use std::collections::HashMap;
@@ -125,6 +126,11 @@ impl System {
         }
     }
 
+    /// In which order components exchange values and step.
+    pub fn algorithm(&self) -> Algorithm {
+        self.algorithm
+    }
+
     /// How many there are.
     pub fn connections(&self) -> usize {
         self.connections
@@ -178,6 +184,39 @@ impl System {
         }
         self.time = end;
         Ok(())
+    }
+
+    /// The state of each component at the present communication point.
+    ///
+    /// # Errors
+    /// A component's refusal.
+    pub fn states(&mut self) -> Result<Vec<State>> {
+        let mut states = Vec::with_capacity(self.components.len());
+        self.each(|system, c| {
+            states.push(system.components[c].instance.state()?);
+            Ok(())
+        })?;
+        Ok(states)
+    }
+
+    /// Goes to a communication point \[s\] where the components, initialized, had these states. Then all is as
+    /// it was there: the values that connections carry are those of the outputs.
+    ///
+    /// # Errors
+    /// States of other components, or a component's refusal.
+    pub fn restore(&mut self, time: f64, states: &[Vec<u8>]) -> Result<()> {
+        if states.len() != self.components.len() {
+            bail!("{} states for {} components", states.len(), self.components.len());
+        }
+        self.each(|system, c| system.components[c].instance.restore(&states[c]))?;
+        self.time = time;
+        self.each(|system, c| system.read(c).map(drop))
+    }
+
+    /// The connections as text: equal if and only if the same outputs feed the same inputs, equally converted.
+    pub fn wiring(&self) -> String {
+        [self.reals.wiring(), self.integers.wiring(), self.booleans.wiring(), self.strings.wiring()]
+            .join("\n")
     }
 
     /// Terminates all components.
@@ -354,6 +393,20 @@ impl<S: Signal> Channel<S> {
             inputs.references.push(wire.to.1);
             inputs.sources.push(Source { component: wire.from.0, place, map: wire.map });
         }
+    }
+
+    fn wiring(&self) -> String {
+        let inputs = self.inputs.iter().enumerate().flat_map(|(c, inputs)| {
+            let ends = inputs.references.iter().zip(&inputs.sources);
+            ends.map(move |(to, source)| (c, *to, source))
+        });
+        let lines = inputs.map(|(c, to, source)| {
+            let from = self.outputs[source.component].references[source.place];
+            format!("{}.{from} -> {c}.{to} {:?}", source.component, source.map)
+        });
+        let mut lines: Vec<String> = lines.collect();
+        lines.sort_unstable();
+        lines.join(" ")
     }
 
     fn feeds(&self, c: usize, reference: u32) -> bool {

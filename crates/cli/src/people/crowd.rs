@@ -1,12 +1,12 @@
 //! `lemons crowd`: people drawn, placed and written.
 
 use super::crowd_files::{Bodies, light};
-use super::interrupt::Interrupt;
 use super::placing::PlacingArguments;
 use super::source::{CUSTOM_HELP, Mixed, SourceArguments};
 use super::{Output, line, refuse_same, within};
 use crate::binary::CROWD;
 use crate::decide::WISHES_FILE;
+use crate::interrupt::Interrupt;
 use crate::pack::{FmuArguments, write_fmu};
 use crate::{Misused, TrialHasErrors};
 use anyhow::{Context, Result, anyhow};

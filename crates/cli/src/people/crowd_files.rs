@@ -1,7 +1,7 @@
 //! A crowd's bodies and its light XML.
 
 use super::Output;
-use super::interrupt::{Interrupt, Interrupted};
+use crate::interrupt::{Interrupt, Interrupted};
 use anyhow::{Context, Result};
 use crowd_mechanics::engine::Pose;
 use lemons_crowd::{
@@ -42,7 +42,7 @@ impl Bodies<'_> {
         let placed = self.agents.iter().zip(self.poses).enumerate();
         placed.filter_map(|(place, (agent, pose))| match agent {
             Agent::Pedestrian(person) => Some(match self.interrupt.pressed() {
-                true => Err(Interrupted.into()),
+                true => Err(Interrupted::nothing_written().into()),
                 false => Body3d::of(person)
                     .with_context(|| format!("agent {place}"))
                     .map(|body| (place, body, *pose)),

@@ -2,7 +2,6 @@
 
 pub mod crowd;
 mod crowd_files;
-pub mod interrupt;
 pub mod person;
 mod placing;
 mod source;

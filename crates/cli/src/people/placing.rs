@@ -1,6 +1,6 @@
 //! Where a crowd stands: the region, the placer, its progress.
 
-use super::interrupt::{Interrupt, Interrupted};
+use crate::interrupt::{Interrupt, Interrupted};
 use crate::{Misused, TrialHasErrors};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
@@ -219,7 +219,7 @@ impl PlacingArguments {
         let option = self.option();
         let packing = packing.with_context(|| format!("{count} in {}, {option}", place.name))?;
         if packing.ended == Ended::Cancelled {
-            return Err(Interrupted.into());
+            return Err(Interrupted::nothing_written().into());
         }
         let Measure { density, clear_density, largest_overlap, .. } = measure(shapes, region, &packing.poses);
         let clear_density = clear_density.max(packing.clear_density);

@@ -1,16 +1,23 @@
-//! Ctrl-C during long work: what was begun is given up, and nothing is left half-written.
+//! Ctrl-C during long work: nothing is left half-written.
 
 use anyhow::{Context, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The user pressed Ctrl-C.
+/// The user pressed Ctrl-C; what became of the work.
 #[derive(Debug)]
-pub struct Interrupted;
+pub struct Interrupted(pub String);
+
+impl Interrupted {
+    /// What was begun is given up.
+    pub fn nothing_written() -> Interrupted {
+        Interrupted("interrupted: nothing was written".into())
+    }
+}
 
 impl std::fmt::Display for Interrupted {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("interrupted: nothing was written")
+        f.write_str(&self.0)
     }
 }
 
@@ -42,6 +49,6 @@ impl Interrupt {
     }
 
     pub fn check(&self) -> Result<()> {
-        if self.pressed() { Err(Interrupted.into()) } else { Ok(()) }
+        if self.pressed() { Err(Interrupted::nothing_written().into()) } else { Ok(()) }
     }
 }

@@ -1,0 +1,245 @@
+//! A saved run: `run.toml` and the state of each component, in a zip.
+
+use crate::crowd::{Extremes, Squeezed};
+use crate::results::Extent;
+use anyhow::{Context, Result, anyhow, bail};
+use crowd_mechanics::files::Staged;
+use lemons_fmi2::fingerprint;
+use lemons_master::{LARGEST_STATE, System};
+use lemons_ssp::Allowance;
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read, Write};
+use std::path::Path;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+const RUN: &str = "run.toml";
+/// Of `run.toml`; raised when its meaning changes.
+const FORMAT: u32 = 1;
+/// \[byte\] of `run.toml`: thousands of components.
+const LARGEST_RUN: u64 = 4_000_000;
+
+/// `run.toml`: where a run was, and what it had recorded.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Saved {
+    pub format: u32,
+    /// The program that wrote it.
+    pub lemons: String,
+    /// \[s\]
+    pub start: f64,
+    /// \[s\] Communication points are `start + k * step`.
+    pub step: f64,
+    /// \[s\] when the run was to end
+    pub until: f64,
+    /// The last k.
+    pub index: u64,
+    /// \[s\] where it was: there, or after it if the last step was a shorter one.
+    pub time: f64,
+    pub every: u64,
+    pub algorithm: String,
+    /// Fingerprints.
+    pub wiring: String,
+    pub drive: String,
+    pub component: Vec<ComponentRecord>,
+    pub crowd: Vec<CrowdRecord>,
+    pub outputs: Option<Extent>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComponentRecord {
+    pub name: String,
+    /// modelName
+    pub model: String,
+    pub guid: String,
+    /// The entry of the archive, and its size.
+    pub state: String,
+    pub bytes: u64,
+}
+
+/// What was recorded of a crowd.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CrowdRecord {
+    pub component: String,
+    pub rows: u64,
+    /// \[s\] of the last row
+    pub last: Option<f64>,
+    pub extremes: Extremes,
+}
+
+impl CrowdRecord {
+    pub fn extent(&self) -> Extent {
+        Extent { rows: self.rows, last: self.last }
+    }
+}
+
+/// Of the connections between components.
+pub fn wiring_of(system: &System) -> String {
+    format!("{:032x}", fingerprint(system.wiring().as_bytes()))
+}
+
+impl Saved {
+    pub const FORMAT: u32 = FORMAT;
+
+    /// The parts of `component` for these states.
+    pub fn components(system: &System, states: &[Vec<u8>]) -> Vec<ComponentRecord> {
+        let all = system.components().iter().zip(states).enumerate();
+        let record = all.map(|(place, (component, state))| ComponentRecord {
+            name: component.name.clone(),
+            model: component.fmu.description.modelName.clone(),
+            guid: component.fmu.description.guid.clone(),
+            state: format!("state-{place}"),
+            bytes: state.len() as u64,
+        });
+        record.collect()
+    }
+
+    /// Writes the archive; the same run gives the same bytes.
+    pub fn write(&self, states: &[Vec<u8>], file: Staged) -> Result<()> {
+        let mut zip = ZipWriter::new(BufWriter::new(file));
+        let options = SimpleFileOptions::default()
+            .last_modified_time(DateTime::default())
+            .unix_permissions(0o644)
+            .compression_method(CompressionMethod::Deflated);
+        zip.start_file(RUN, options)?;
+        zip.write_all(toml::to_string(self)?.as_bytes())?;
+        for (component, state) in self.component.iter().zip(states) {
+            zip.start_file(component.state.as_str(), options)?;
+            zip.write_all(state)?;
+        }
+        let file = zip.finish()?.into_inner().map_err(|error| error.into_error())?;
+        Ok(file.persist()?)
+    }
+
+    /// Reads an archive, with the states of the components.
+    pub fn read(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
+        Saved::read_archive(path).with_context(|| format!("saved run {}", path.display()))
+    }
+
+    fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
+        let mut zip =
+            ZipArchive::new(BufReader::new(File::open(path)?)).context("is none (--state writes one)")?;
+        if zip.index_for_name(RUN).is_none() {
+            bail!("there is no {RUN} in it: no saved run (--state writes one)");
+        }
+        let mut text = Vec::new();
+        Allowance::new(LARGEST_RUN).copy(RUN, zip.by_name(RUN)?, &mut text)?;
+        let text = String::from_utf8(text).map_err(|_| anyhow!("{RUN}: is not UTF-8 text"))?;
+        let saved = Saved::parse(&text)?;
+        let mut left = Allowance::new(LARGEST_STATE as u64);
+        let mut states = Vec::new();
+        for component in &saved.component {
+            let name = &component.state;
+            if zip.index_for_name(name).is_none() {
+                bail!("there is no {name:?} in it, the state of component {:?}", component.name);
+            }
+            // No more is unpacked than is said, and no more than is said is allocated.
+            let mut bytes = Vec::new();
+            let entry = zip.by_name(name)?.take(component.bytes.saturating_add(1));
+            left.copy(name, entry, &mut bytes)?;
+            if bytes.len() as u64 != component.bytes {
+                bail!("{name}: has not the {} bytes that {RUN} says", component.bytes);
+            }
+            states.push(bytes);
+        }
+        Ok((saved, states))
+    }
+
+    fn parse(text: &str) -> Result<Saved> {
+        /// What every version has.
+        #[derive(Deserialize)]
+        struct Version {
+            format: u32,
+        }
+        let version: Version = toml::from_str(text).map_err(|error| anyhow!("{RUN}: {error}"))?;
+        if version.format != FORMAT {
+            bail!("{RUN}: format = {}: this program knows format {FORMAT} only", version.format);
+        }
+        let saved: Saved = toml::from_str(text).map_err(|error| anyhow!("{RUN}: {error}"))?;
+        saved.check_numbers().map_err(|(key, why)| anyhow!("{RUN}: {key}: {why}"))?;
+        Ok(saved)
+    }
+
+    fn check_numbers(&self) -> Result<(), (&'static str, String)> {
+        let Saved { start, step, until, time, index, every, .. } = *self;
+        let wrong = |key, value: f64, must: &str| Err((key, format!("{value:?}: must be {must}")));
+        if !start.is_finite() {
+            return wrong("start", start, "finite");
+        }
+        if !(step > 0.0 && step.is_finite()) {
+            return wrong("step", step, "positive and finite");
+        }
+        if !until.is_finite() {
+            return wrong("until", until, "finite");
+        }
+        let (point, next) = (start + index as f64 * step, start + (index as f64 + 1.0) * step);
+        if !(time >= point && time < next) {
+            return wrong("time", time, &format!("from {point:?} on and before {next:?}, at index {index}"));
+        }
+        if every == 0 {
+            return Err(("every", "0: must be positive".into()));
+        }
+        if self.component.is_empty() {
+            return Err(("component", "there is none".into()));
+        }
+        let extents = self.crowd.iter().map(CrowdRecord::extent).chain(self.outputs);
+        for Extent { rows, last } in extents {
+            match last {
+                Some(last) if !(start..=time).contains(&last) => {
+                    return wrong("last", last, &format!("from {start:?} to {time:?}"));
+                }
+                Some(_) if rows == 0 => return Err(("rows", "0: but there is a last one".into())),
+                None if rows > 0 => return Err(("rows", format!("{rows}: but there is no last one"))),
+                _ => {}
+            }
+        }
+        for CrowdRecord { extremes, .. } in &self.crowd {
+            let Extremes { largest_overlap, greatest_squeeze, most_squeezed } = *extremes;
+            for (key, value) in [("largest_overlap", largest_overlap), ("greatest_squeeze", greatest_squeeze)]
+            {
+                if !(value >= 0.0 && value.is_finite()) {
+                    return wrong(key, value, "finite and not negative");
+                }
+            }
+            if let Some(Squeezed { time: when, .. }) = most_squeezed
+                && !(start..=time).contains(&when)
+            {
+                return wrong("most_squeezed.time", when, &format!("from {start:?} to {time:?}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether it is a run of these components, coupled like this.
+    pub fn check_system(&self, system: &System, algorithm: &str) -> Result<()> {
+        let names = |list: &mut dyn Iterator<Item = &str>| list.collect::<Vec<_>>().join(", ");
+        let there = names(&mut self.component.iter().map(|component| component.name.as_str()));
+        let here = names(&mut system.components().iter().map(|component| component.name.as_str()));
+        if there != here || self.component.len() != system.components().len() {
+            bail!("the saved run is of the components {there}; here are {here}");
+        }
+        for (there, here) in self.component.iter().zip(system.components()) {
+            let own = &here.fmu.description;
+            if there.guid != own.guid {
+                bail!(
+                    "component {:?}: the saved run is of {:?} with the GUID {}; here is {:?} with {}",
+                    there.name,
+                    there.model,
+                    there.guid,
+                    own.modelName,
+                    own.guid
+                );
+            }
+        }
+        if self.algorithm != algorithm {
+            bail!("--algorithm: the saved run has {}, not {algorithm}", self.algorithm);
+        }
+        if self.wiring != wiring_of(system) {
+            bail!("the components are connected otherwise than in the saved run");
+        }
+        Ok(())
+    }
+}

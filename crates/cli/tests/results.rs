@@ -1,0 +1,342 @@
+//! What `lemons run` writes, stops and goes on with.
+
+use crowd_mechanics::trial::Trial;
+use lemons_export::Run;
+use std::fs::{self, File};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+
+fn trial() -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push").to_str().unwrap().to_owned()
+}
+
+fn lemons(directory: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_lemons")).args(arguments).current_dir(directory).output().unwrap()
+}
+
+fn said(output: &Output, code: i32) -> String {
+    let all = [&output.stdout[..], &output.stderr[..]].concat();
+    let all = String::from_utf8_lossy(&all).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{all}");
+    assert!(!all.contains("panicked"), "{all}");
+    all
+}
+
+/// Runs the push, with options.
+fn push(at: &Path, options: &str, code: i32) -> String {
+    let options: Vec<&str> = options.split_whitespace().collect();
+    said(&lemons(at, &[&["run", &trial()], &options[..]].concat()), code)
+}
+
+fn read(at: &Path, name: &str) -> Vec<u8> {
+    fs::read(at.join(name)).unwrap()
+}
+
+/// Hidden files too.
+fn names(at: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// Runs the push for very long and sends a signal as soon as some steps are written.
+#[cfg(unix)]
+fn signalled(at: &Path, signal: &str, options: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lemons"))
+        .args(["run", &trial(), "--until", "100000"])
+        .args(options.split_whitespace())
+        .current_dir(at)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let prefix = format!(".lemons-{}-", child.id());
+    let written = || {
+        let files = fs::read_dir(at).unwrap().map(|entry| entry.unwrap());
+        let mut own = files.filter(|entry| entry.file_name().to_str().unwrap().starts_with(&prefix));
+        own.any(|entry| entry.metadata().is_ok_and(|file| file.len() > 8_000))
+    };
+    while !written() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    child.wait_with_output().unwrap()
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_leaves_valid_results_and_the_run_goes_on_bit_for_bit() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let stopped = said(&signalled(at, "-INT", "--state push.run"), 130);
+    assert!(stopped.contains("stopped by Ctrl-C ") && stopped.contains("go on with --resume push.run"));
+    assert_eq!(names(at), ["push.run", "trajectories.csv"]);
+    let run = Run::read_table(&at.join("trajectories.csv")).unwrap();
+    let last = run.frames.len() - 1;
+    assert!(last >= 12, "contacts go on: {last}");
+    assert_eq!(run.frames[last].time, last as f64 * 0.05);
+    // Twice on, then at once.
+    for steps in [last + 7, last + 20] {
+        let more = format!("--resume push.run --state push.run --until {:?}", steps as f64 * 0.05);
+        let summary = push(at, &more, 0);
+        assert!(summary.contains("trajectories.csv   (continued)"), "{summary}");
+    }
+    let until = format!("--until {:?}", (last + 20) as f64 * 0.05);
+    let whole = push(at, &format!("{until} -o whole.csv --state whole.run"), 0);
+    assert!(read(at, "trajectories.csv") == read(at, "whole.csv"), "to the last byte");
+    let line = |text: &str, name: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
+    let summary = push(at, "--resume push.run --state push.run --until 100 -o - --step 9", 1);
+    assert!(summary.contains("--step 9.0: the saved run has a communication step of 0.05 s"), "{summary}");
+    // The extremes are those of the whole run.
+    let next = format!("--resume push.run --until {:?} -o rest.csv", (last + 21) as f64 * 0.05);
+    let summary = push(at, &next, 0);
+    assert!(summary.contains("rest.csv   (what came after the saved run)"), "{summary}");
+    for name in ["largest overlap", "greatest squeeze"] {
+        assert_eq!(line(&summary, name), line(&whole, name));
+    }
+    assert_eq!(String::from_utf8(read(at, "rest.csv")).unwrap().lines().count(), 1 + 5);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_killed_run_leaves_nothing_under_its_names() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    fs::write(at.join("trajectories.csv"), "of before").unwrap();
+    assert_eq!(signalled(at, "-KILL", "--state push.run").status.code(), None);
+    assert_eq!(read(at, "trajectories.csv"), b"of before");
+    assert!(!at.join("push.run").exists());
+}
+
+#[test]
+fn parquet_holds_what_csv_holds() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    push(at, "--until 1", 0);
+    push(at, "--until 1 --format parquet", 0);
+    push(at, "--until 1 -o again.parquet", 0);
+    assert!(read(at, "trajectories.parquet") == read(at, "again.parquet"), "same run, same bytes");
+    fs::rename(at.join("again.parquet"), at.join("odd.csv")).unwrap();
+    let csv = Run::read_table(&at.join("trajectories.csv")).unwrap();
+    for name in ["trajectories.parquet", "odd.csv"] {
+        let parquet = Run::read_table(&at.join(name)).unwrap();
+        assert_eq!(csv.ids, parquet.ids);
+        assert_eq!(csv.frames.len(), 21);
+        assert_eq!(csv.frames.len(), parquet.frames.len());
+        for (a, b) in csv.frames.iter().zip(&parquet.frames) {
+            assert_eq!((a.time, format!("{:?}", a.agents)), (b.time, format!("{:?}", b.agents)));
+            assert_eq!(format!("{:?}", a.observed), format!("{:?}", b.observed));
+            assert!(a.observed.is_some());
+        }
+    }
+    // Continued, the same values.
+    push(at, "--until 0.4 -o part.parquet --state part.run", 0);
+    push(at, "--until 1 -o part.parquet --resume part.run", 0);
+    let parts = Run::read_table(&at.join("part.parquet")).unwrap();
+    assert_eq!(
+        format!("{:?}", parts.frames),
+        format!("{:?}", Run::read_table(&at.join("odd.csv")).unwrap().frames)
+    );
+    push(at, "--until 1 -o part.txt --format parquet", 0);
+    assert!(read(at, "part.txt").starts_with(b"PAR1"));
+    for (options, words) in [
+        ("--format csv -o x.parquet", "x.parquet: ends in .parquet, but --format is csv"),
+        ("--format parquet --outputs x.csv", "x.csv: ends in .csv, but --format is parquet"),
+        ("--format hdf5", "hdf5"),
+        ("--every 0", "--every"),
+    ] {
+        assert!(push(at, options, 2).contains(words), "{options}");
+    }
+}
+
+#[test]
+fn broken_parquet_is_refused_without_a_panic() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    push(at, "--until 0.2 -o t.parquet", 0);
+    let good = read(at, "t.parquet");
+    let said = |bytes: &[u8]| {
+        fs::write(at.join("bad.parquet"), bytes).unwrap();
+        Run::read_table(&at.join("bad.parquet")).map_err(|error| error.to_string())
+    };
+    for length in [4, 5, 8, 12, good.len() / 2, good.len() - 1] {
+        let message = said(&good[..length]).unwrap_err();
+        assert!(message.contains("bad.parquet: is no sound Parquet: "), "{message}");
+    }
+    let mut refused = 0;
+    for place in 4..good.len() {
+        for mask in [0x01, 0x80] {
+            let mut bytes = good.clone();
+            bytes[place] ^= mask;
+            refused += usize::from(said(&bytes).is_err());
+        }
+    }
+    assert!(refused > good.len() / 4, "{refused} of {}", good.len());
+}
+
+#[test]
+fn every_nth_point_is_written_and_all_are_looked_at() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let all = push(at, "--until 1.03 -o all.csv", 0);
+    let some = push(at, "--until 1.03 -o some.csv --every 3", 0);
+    let text = |name: &str| String::from_utf8(read(at, name)).unwrap();
+    let (every, third) = (text("all.csv"), text("some.csv"));
+    let lines: Vec<&str> = every.lines().collect();
+    let wanted: Vec<&str> = lines[1..].chunks(5).step_by(3).flatten().copied().collect();
+    assert_eq!(third.lines().skip(1).collect::<Vec<_>>(), wanted);
+    assert_eq!(third.lines().next(), Some(lines[0]));
+    for name in ["largest overlap", "greatest squeeze"] {
+        let line = |text: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
+        assert_eq!(line(&all), line(&some));
+    }
+    // Stopped between two rows, the run goes on with the right ones.
+    push(at, "--until 0.5 -o part.csv --every 3 --state part.run", 0);
+    push(at, "--until 1.03 -o part.csv --resume part.run", 0);
+    assert!(text("part.csv") == third);
+}
+
+/// A saved run, its texts and states changed.
+fn forged(at: &Path, from: &str, change: impl Fn(&str, Vec<u8>) -> Vec<u8>) -> PathBuf {
+    let mut zip = zip::ZipArchive::new(File::open(at.join(from)).unwrap()).unwrap();
+    let path = at.join("forged.run");
+    let mut out = zip::ZipWriter::new(File::create(&path).unwrap());
+    for place in 0..zip.len() {
+        let mut entry = zip.by_index(place).unwrap();
+        let name = entry.name().unwrap().into_owned();
+        let mut bytes = Vec::new();
+        entry.read_to_end(&mut bytes).unwrap();
+        out.start_file(name.as_str(), zip::write::SimpleFileOptions::default()).unwrap();
+        out.write_all(&change(&name, bytes)).unwrap();
+    }
+    out.finish().unwrap();
+    path
+}
+
+#[test]
+fn saved_runs_are_hostile_until_checked() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    push(at, "--until 0.5 --state push.run", 0);
+    let before = read(at, "trajectories.csv");
+    let text = |from: &'static str, to: &'static str| {
+        forged(at, "push.run", |name, bytes| {
+            if name != "run.toml" {
+                return bytes;
+            }
+            let text = String::from_utf8(bytes).unwrap();
+            assert!(text.contains(from), "{text}");
+            text.replacen(from, to, 1).into_bytes()
+        });
+        push(at, "--resume forged.run --until 1", 1)
+    };
+    for (from, to, words) in [
+        ("format = 1", "format = 2", "run.toml: format = 2: this program knows format 1 only"),
+        ("step = 0.05", "step = nan", "run.toml: step: NaN: must be positive and finite"),
+        ("step = 0.05", "step = -1.0", "step: -1.0"),
+        ("start = 0.0", "start = inf", "start: inf"),
+        ("time = 0.5", "time = 0.7", "time: 0.7: must be from 0.5 on and before 0.55"),
+        ("index = 10", "index = -1", "run.toml: "),
+        ("index = 10", "index = 9000000000000000000", "time: 0.5: must be"),
+        ("every = 1", "every = 0", "every: 0"),
+        ("until = 0.5", "until = nan", "until: NaN"),
+        ("rows = 55", "rows = 54", "it has 55 rows, the saved run has written 54"),
+        ("last = 0.5", "last = 0.45", "its last row is of t = 0.5 s, that of the saved run of t = 0.45 s"),
+        ("last = 0.5", "last = nan", "last: NaN"),
+        ("largest_overlap = ", "largest_overlap = -", "largest_overlap: -"),
+        ("agent = ", "agent = 7", "speaks of an agent"),
+        ("state = \"state-0\"", "state = \"../x\"", "there is no \"../x\" in it"),
+        ("bytes = ", "bytes = 1", "state-0: has not the 1"),
+        ("every = 1", "every = 1\nevil = 1", "evil"),
+        ("guid = \"{", "guid = \"{0", "the saved run is of"),
+        ("[[crowd]]", "[[crowd]]\ncomponent = \"x\"", "run.toml: "),
+        ("component = \"crowd\"", "component = \"x\"", "it says nothing of the crowd \"crowd\""),
+    ] {
+        let said = text(from, to);
+        assert!(said.contains("run") && said.contains(words), "{from} -> {to}: {said}");
+        assert!(read(at, "trajectories.csv") == before, "{to}");
+    }
+    forged(at, "push.run", |name, mut bytes| {
+        if name == "state-0" {
+            let place = bytes.len() / 2;
+            bytes[place] ^= 1;
+        }
+        bytes
+    });
+    let message = push(at, "--resume forged.run --until 1", 1);
+    assert!(message.contains("forged.run: the state is damaged"), "{message}");
+    // A small archive of a lot.
+    let mut zip = zip::ZipWriter::new(File::create(at.join("forged.run")).unwrap());
+    zip.start_file("run.toml", zip::write::SimpleFileOptions::default()).unwrap();
+    zip.write_all(&vec![b' '; 5_000_000]).unwrap();
+    zip.finish().unwrap();
+    assert!(push(at, "--resume forged.run --until 1", 1).contains("run.toml: is refused: more than 4 MB"));
+    fs::write(at.join("forged.run"), "t,id").unwrap();
+    assert!(push(at, "--resume forged.run --until 1", 1).contains("saved run forged.run: is none"));
+    assert!(push(at, "--resume none.run", 1).contains("none.run"));
+}
+
+#[test]
+fn a_run_goes_on_as_it_went_or_not_at_all() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    push(at, "--until 0.5 --state push.run", 0);
+    let before = read(at, "trajectories.csv");
+    fs::write(at.join("drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,0,1,2,3\n").unwrap();
+    for (options, code, words) in [
+        (
+            "--set agent[0].Mass=80",
+            2,
+            "--set agent[0].Mass=80 with --resume: parameters are in the saved run",
+        ),
+        ("--threads 2", 2, "--threads 2 with --resume"),
+        ("--step 0.1", 1, "--step 0.1: the saved run has a communication step of 0.05 s"),
+        ("--every 2", 1, "--every 2: the saved run has --every 1"),
+        ("--drive drive.csv", 1, "driven otherwise"),
+        ("--no-drive", 1, "driven otherwise"),
+        ("--until 0.5", 1, "nothing to simulate: the saved run is at 0.5 s"),
+        ("", 1, "nothing to simulate"),
+        ("--until 1 --algorithm gauss-seidel", 1, "--algorithm: the saved run has Jacobi, not Gauss-Seidel"),
+        ("--until 1 --state trajectories.csv", 1, "trajectories.csv: other results go there"),
+    ] {
+        let until = if options.contains("--until") || options.is_empty() { "" } else { " --until 1" };
+        let said = push(at, &format!("--resume push.run {options}{until}"), code);
+        assert!(said.contains(words), "{options}: {said}");
+        assert!(read(at, "trajectories.csv") == before);
+    }
+    // Other results under the name.
+    for (text, words) in [
+        ("t [s],id\n", "column 3 is missing, not \"x [m]\""),
+        ("", "column 1 is "),
+        (&String::from_utf8_lossy(&before).replace("\n0.5,4,", "\n0.45,4,"), "its last row is of t = 0.45 s"),
+        (String::from_utf8_lossy(&before).trim_end(), "does not end with its line"),
+    ] {
+        fs::write(at.join("trajectories.csv"), text).unwrap();
+        let said = push(at, "--resume push.run --until 1", 1);
+        assert!(said.contains(words) && said.contains("choose another file"), "{said}");
+        assert_eq!(read(at, "trajectories.csv"), text.as_bytes());
+    }
+    // Another crowd.
+    let (mut other, _) = Trial::read(Path::new(&trial())).unwrap();
+    other.agents[0].id = "other".into();
+    other.write(&at.join("other")).unwrap();
+    let message =
+        said(&lemons(at, &["run", "other", "--resume", "push.run", "--no-drive", "--until", "1"]), 1);
+    assert!(
+        message.contains("saved run push.run: ") && message.contains("one of the packed Trials"),
+        "{message}"
+    );
+    assert!(names(at).iter().all(|name| !name.starts_with('.')), "{:?}", names(at));
+}
+
+#[test]
+fn help_is_readable() {
+    let directory = TempDir::new().unwrap();
+    let help = said(&lemons(directory.path(), &["run", "--help"]), 0);
+    assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
+}
