@@ -71,6 +71,14 @@ impl Staged {
         Err(io::ErrorKind::AlreadyExists.into())
     }
 
+    /// Makes what was written survive a power failure.
+    ///
+    /// # Errors
+    /// The disk refuses it.
+    pub fn sync(&self) -> io::Result<()> {
+        self.file.sync_all()
+    }
+
     /// Takes its place.
     ///
     /// # Errors

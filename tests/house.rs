@@ -104,7 +104,14 @@ const CRATES: [(&str, &Rooms); 6] = [
     ),
     (
         "crates/master/src",
-        &[("unzip", &[]), ("fmu", &["unzip"]), ("system", &["fmu"]), ("assemble", &["fmu", "system"])],
+        &[
+            ("unzip", &[]),
+            ("fmu", &["unzip"]),
+            ("state", &["fmu"]),
+            ("drive", &["fmu"]),
+            ("system", &["fmu", "state"]),
+            ("assemble", &["fmu", "system"]),
+        ],
     ),
 ];
 

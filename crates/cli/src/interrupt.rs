@@ -44,6 +44,11 @@ impl Interrupt {
         Ok(Interrupt(pressed))
     }
 
+    /// Set when Ctrl-C is pressed.
+    pub fn flag(&self) -> &AtomicBool {
+        &self.0
+    }
+
     pub fn pressed(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

@@ -10,7 +10,6 @@ mod connect;
 mod crowd;
 mod decide;
 mod describe;
-mod drive;
 mod export;
 mod info;
 mod interrupt;
@@ -21,6 +20,7 @@ mod pictures;
 mod results;
 mod run;
 mod saved;
+mod sweep;
 mod verify;
 mod watch;
 
@@ -53,6 +53,8 @@ enum Command {
     Connect(connect::Arguments),
     /// Run a Trial directory, an FMU or coupled FMUs and write the trajectories
     Run(run::Arguments),
+    /// Run with many combinations of parameters and measure each run
+    Sweep(sweep::Arguments),
     /// Draw scenes, time series or a map of density of a run
     Plot(Box<pictures::plot::Arguments>),
     /// Draw a run as a movie
@@ -103,6 +105,7 @@ fn main() -> ExitCode {
         Command::Decide(arguments) => decide::decide(&arguments),
         Command::Connect(arguments) => connect::connect(&arguments),
         Command::Run(arguments) => run::run(&arguments),
+        Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Plot(arguments) => pictures::plot::plot(&arguments),
         Command::Movie(arguments) => pictures::movie::movie(&arguments),
         Command::Export(arguments) => export::export(&arguments),

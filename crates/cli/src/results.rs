@@ -138,7 +138,9 @@ impl Tables {
         let path = place.path.clone();
         let kept = before.filter(|before| before.rows > 0 && path.is_file());
         let made = match place.format {
-            Format::Csv => csv::Table::create(file, content, &path, kept).map(Writer::Csv),
+            Format::Csv => {
+                csv::Table::create(file, content, &path, kept).map(|table| Writer::Csv(Box::new(table)))
+            }
             Format::Parquet => parquet::Table::create(file, content, &path, kept)
                 .map(|table| Writer::Parquet(Box::new(table))),
         };
@@ -188,7 +190,7 @@ pub struct Table {
 }
 
 enum Writer {
-    Csv(csv::Table),
+    Csv(Box<csv::Table>),
     Parquet(Box<parquet::Table>),
 }
 

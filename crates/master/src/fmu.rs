@@ -289,6 +289,14 @@ impl Instance {
         self.done(self.fmu.doStep(time, step, 1), "fmi2DoStep")
     }
 
+    /// `fmi2Reset`
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn reset(&self) -> Result<()> {
+        self.done(self.fmu.reset(), "fmi2Reset")
+    }
+
     /// `fmi2Terminate`
     ///
     /// # Errors

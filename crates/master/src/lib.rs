@@ -1,12 +1,14 @@
 //! An FMI 2.0 master on `fmi-rs`: knows of an FMU what its model description says, couples several by SSP.
 
 mod assemble;
+mod drive;
 mod fmu;
 mod state;
 mod system;
 mod unzip;
 
 pub use assemble::{Assembled, assemble};
+pub use drive::{Drive, Push, Pushes};
 pub use fmu::{Fmu, Instance};
 pub use state::{LARGEST_STATE, State};
 pub use system::{Algorithm, Component, System};

@@ -64,7 +64,8 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let path = arguments.output.clone().unwrap_or_else(default_output);
     let kind = Kind::of(&path)?;
     let until = arguments.until.unwrap_or(crowd_mechanics::model_description::DEFAULT_STOP_TIME);
-    let footage = source.footage(source.runs().then_some(until))?;
+    let interrupt = Interrupt::watch()?;
+    let footage = source.footage(source.runs().then_some(until), &interrupt)?;
     let (first, last) = (
         arguments.from.unwrap_or_else(|| footage.first()),
         arguments.until.unwrap_or_else(|| footage.last()),
@@ -79,7 +80,6 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     }
     let times: Vec<f64> = (0..frames as u64).map(|k| first + k as f64 * speed_up / frame_rate).collect();
     let mut looks = Looks::new(look, &footage, &times)?;
-    let interrupt = Interrupt::watch()?;
     let mut file = Output::open(&path)?;
     let of_path = || path.display().to_string();
     let mut film = Film::begin(file.writer(), kind, *frame_rate, times.len()).with_context(of_path)?;

@@ -5,6 +5,7 @@ use super::moment::{Footage, Moment};
 use super::series::{Selection, chart};
 use super::source::Source;
 use crate::Misused;
+use crate::interrupt::Interrupt;
 use crate::people::Output;
 use anyhow::{Result, bail};
 use lemons_picture::{
@@ -100,7 +101,7 @@ impl Format {
 fn scenes(arguments: &Arguments) -> Result<String> {
     let Arguments { source, at, look, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
-    let footage = source.footage(latest)?;
+    let footage = source.footage(latest, &Interrupt::watch()?)?;
     let times = if at.is_empty() { vec![footage.last()] } else { at.clone() };
     for time in &times {
         footage.check(*time)?;
@@ -144,7 +145,7 @@ fn columns(panels: usize, aspect: f64) -> usize {
 
 fn series(arguments: &Arguments) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let opened = source.open(source.runs().then(|| arguments.end()))?;
+    let opened = source.open(source.runs().then(|| arguments.end()), &Interrupt::watch()?)?;
     let (from, until) = (arguments.from, arguments.until);
     let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
     let chart = chart(opened, look, &selection)?;
@@ -154,7 +155,7 @@ fn series(arguments: &Arguments) -> Result<String> {
 
 fn density(arguments: &Arguments) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let footage = source.footage(source.runs().then(|| arguments.end()))?;
+    let footage = source.footage(source.runs().then(|| arguments.end()), &Interrupt::watch()?)?;
     let within = |time: f64| {
         arguments.from.is_none_or(|from| time >= from) && arguments.until.is_none_or(|until| time <= until)
     };

@@ -3,6 +3,8 @@
 use super::moment::Footage;
 use crate::Misused;
 use crate::export::trial_of;
+use crate::interrupt::{Interrupt, Interrupted};
+use crate::run::simulate;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use crowd_mechanics::trial::Trial;
@@ -49,7 +51,7 @@ pub struct Opened {
 
 impl Source {
     /// A Trial or an FMU is run until a time \[s\]; without one it is shown as it begins.
-    pub fn open(&self, until: Option<f64>) -> Result<Opened> {
+    pub fn open(&self, until: Option<f64>, interrupt: &Interrupt) -> Result<Opened> {
         let runs = self.runs();
         if !runs && (self.drive.is_some() || self.no_drive || self.step.is_some()) {
             let path = self.path.display();
@@ -66,7 +68,7 @@ impl Source {
             }
         }
         let run = match (runs, until, &trial) {
-            (true, Some(until), Some(_)) => self.record(until)?,
+            (true, Some(until), Some(_)) => self.record(until, interrupt)?,
             (true, None, Some(trial)) => still(&self.path, trial),
             (_, _, Some(trial)) if self.path.is_dir() => Run::read_series(&self.path, trial)?,
             (_, _, Some(trial)) => Run::read_table(&self.path)?.of_trial(trial)?,
@@ -76,8 +78,8 @@ impl Source {
     }
 
     /// With shapes and walls.
-    pub fn footage(&self, until: Option<f64>) -> Result<Footage> {
-        let Opened { trial, run } = self.open(until)?;
+    pub fn footage(&self, until: Option<f64>, interrupt: &Interrupt) -> Result<Footage> {
+        let Opened { trial, run } = self.open(until, interrupt)?;
         let need = || {
             format!("{}: give the Trial or FMU that ran, for shapes and walls: --trial", self.path.display())
         };
@@ -91,7 +93,7 @@ impl Source {
     }
 
     /// As `lemons run` does it.
-    fn record(&self, until: f64) -> Result<Run> {
+    fn record(&self, until: f64, interrupt: &Interrupt) -> Result<Run> {
         let directory =
             tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
         let table = directory.path().join("trajectories.csv");
@@ -103,7 +105,9 @@ impl Source {
         self.settings.iter().for_each(|setting| option("--set", setting.into()));
         self.step.iter().for_each(|step| option("--step", step.to_string().into()));
         words.extend(self.no_drive.then(|| "--no-drive".into()));
-        crate::run::run(&Running::parse_from(words).arguments)?;
+        if simulate(&Running::parse_from(words).arguments, interrupt)?.stopped.is_some() {
+            return Err(Interrupted::nothing_written().into());
+        }
         Ok(Run { source: self.path.clone(), ..Run::read_table(&table)? })
     }
 }

@@ -1,6 +1,9 @@
 //! A drive file: who is pushed when, and how hard.
 
+use crate::fmu::Instance;
 use anyhow::{Context, Result, bail};
+use crowd_mechanics::pack::DRIVE_FILE;
+use crowd_mechanics::trial::{Agent, Trial};
 use lemons_fmi2::fingerprint;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -10,12 +13,31 @@ pub type Push = [f64; 3];
 
 /// Propulsion over time, from a CSV with the columns `t,agent,Fp.x,Fp.y,Mp`: for each agent (by Id)
 /// linearly interpolated between its rows, zero before the first and after the last.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub struct Drive {
     agents: HashMap<String, Vec<(f64, Push)>>,
 }
 
 impl Drive {
+    /// Of a Trial: this file, else its own drive file, if it has one.
+    ///
+    /// # Errors
+    /// What is wrong with the file; somebody in it is no agent of the Trial.
+    pub fn of(trial: Option<&Trial>, given: Option<&Path>) -> Result<Drive> {
+        let own = trial.map(|trial| trial.directory.join(DRIVE_FILE)).filter(|own| own.is_file());
+        let Some(path) = given.or(own.as_deref()) else { return Ok(Drive::default()) };
+        let drive = Drive::read(path)?;
+        let known = |id: &str| trial.is_some_and(|trial| trial.agents.iter().any(|agent| agent.id == id));
+        if let Some(unknown) = drive.agents().find(|id| !known(id)) {
+            bail!("drive file {}: there is no agent {unknown:?} in Agents.xml", path.display());
+        }
+        Ok(drive)
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// What is wrong with it: line, column, value.
     pub fn read(path: &Path) -> Result<Drive> {
         Self::parse(path).with_context(|| format!("drive file {}", path.display()))
     }
@@ -76,6 +98,46 @@ impl Drive {
             _ => [0.0; 3],
         };
         Some(push)
+    }
+}
+
+/// A drive, into an instance of a crowd.
+pub struct Pushes {
+    drive: Drive,
+    /// Of the agents that the drive names.
+    ids: Vec<String>,
+    inputs: Vec<u32>,
+}
+
+impl Pushes {
+    /// To the inputs of these agents of an instance.
+    ///
+    /// # Errors
+    /// The instance has not the inputs of an agent that the drive names.
+    pub fn new(instance: &Instance, agents: &[Agent], drive: Drive) -> Result<Pushes> {
+        let agents = agents.iter().enumerate();
+        let driven: Vec<_> = agents.filter(|(_, agent)| drive.at(&agent.id, 0.0).is_some()).collect();
+        let names = driven
+            .iter()
+            .flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(move |name| format!("agent[{i}].{name}")));
+        Ok(Pushes {
+            inputs: names.map(|name| instance.reference(&name)).collect::<Result<_>>()?,
+            ids: driven.iter().map(|(_, agent)| agent.id.clone()).collect(),
+            drive,
+        })
+    }
+
+    /// What drives them at a time \[s\].
+    ///
+    /// # Errors
+    /// The FMU's refusal.
+    pub fn send(&self, instance: &Instance, time: f64) -> Result<()> {
+        if self.inputs.is_empty() {
+            return Ok(());
+        }
+        let pushes = self.ids.iter().filter_map(|id| self.drive.at(id, time));
+        let values: Vec<f64> = pushes.flatten().collect();
+        instance.set_real(&self.inputs, &values)
     }
 }
 

@@ -1,0 +1,129 @@
+//! `lemons sweep`: many runs with other parameters.
+
+use crate::Misused;
+use crate::interrupt::{Interrupt, Interrupted};
+use crate::pack::write_fmu;
+use anyhow::{Context, Result, bail};
+use crowd_mechanics::pack::Naming;
+use indicatif::{ProgressBar, ProgressStyle};
+use lemons_master::own_binary;
+use lemons_sweep::{Directory, Finished, Progress, Spec, sweep as run};
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLE)]
+pub struct Arguments {
+    /// What is run, with which parameters, and what is measured
+    #[arg(value_name = "FILE.toml")]
+    spec: PathBuf,
+    /// Where results are kept; one that holds a part of this sweep is gone on with. Default: the
+    /// file's name without its ending
+    #[arg(short, long, value_name = "DIRECTORY")]
+    output: Option<PathBuf>,
+    /// How many points are simulated at once; default: one for each processor
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Simulate failed points again
+    #[arg(long)]
+    retry: bool,
+    /// The table as CSV, too
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+}
+
+const EXAMPLE: &str = r#"An example:
+  trial = "resources/Trial_push"   # or fmu = "crowd.fmu"; beside the file
+  until = 2.0                      # [s]
+  # step = 0.01                    # [s]; else the Trial's TimeStep
+  # drive = "push.csv"             # else the Trial's drive.csv; false: none
+
+  [parameters]                     # all combinations; or table = "points.csv"
+  "contact.human_naked.human_naked.KineticFriction" = [0.0, 0.4]
+  "agent[*].Mass" = { from = 50, to = 110, count = 4 }
+  "material.human_naked.YoungModulus" = { from = 1e6, to = 3e6, count = 3,
+                                          spacing = "logarithmic" }
+
+  [measures]
+  reach = { of = "x", take = "reach", agents = ["4"] }
+  squeeze = { of = "squeeze", take = "max" }
+  arrival = { of = "speed", take = "first_above", level = 0.05, agents = ["4"] }
+
+of: x, y, theta, speed, omega, squeeze, agent_contacts, wall_contacts,
+contacting_agents. take: max, min, mean, last, change, reach, first_above. Of
+several agents: across = "max", "min" or "mean". All at communication points."#;
+
+/// Messages of failed points that are shown.
+const SHOWN: usize = 3;
+
+pub fn sweep(arguments: &Arguments) -> Result<()> {
+    let spec = Spec::read(&arguments.spec)?;
+    let output = match &arguments.output {
+        Some(output) => output.clone(),
+        None => arguments.spec.with_extension(""),
+    };
+    if output == arguments.spec {
+        bail!(Misused(format!("{}: give a directory: -o", output.display())));
+    }
+    let packed = tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
+    let fmu = if spec.model.is_dir() {
+        let path = packed.path().join("crowd.fmu");
+        write_fmu(std::slice::from_ref(&spec.model), vec![own_binary()?], Naming::Structured, &path)?;
+        path
+    } else {
+        spec.model.clone()
+    };
+    let threads = match arguments.threads {
+        Some(threads) => usize::from(threads),
+        None => std::thread::available_parallelism().map_or(1, usize::from),
+    };
+    let interrupt = Interrupt::watch()?;
+    let style =
+        ProgressStyle::with_template("{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left")?;
+    let bar = ProgressBar::new(spec.points.count as u64).with_style(style);
+    let tell = |at: Progress| {
+        if at.failed > 0 {
+            bar.set_message(format!("{} failed  ", at.failed));
+        }
+        // What was there before says nothing about how fast it goes.
+        if at.done == at.before {
+            bar.set_position(at.before as u64);
+            bar.reset_eta();
+        }
+        bar.set_position(at.done as u64);
+    };
+    let started = Instant::now();
+    let (kept, at) = run(&spec, &fmu, &output, (threads, arguments.retry), interrupt.flag(), tell)?;
+    bar.finish_and_clear();
+    summary(&kept, at, started.elapsed().as_secs_f64(), threads)?;
+    if at.done < at.total {
+        let go_on =
+            format!("{} of {} points are finished and kept; go on with the same command", at.done, at.total);
+        return Err(Interrupted(go_on).into());
+    }
+    if let Some(path) = &arguments.csv {
+        kept.write_csv(path)?;
+        println!("table as CSV       {}", path.display());
+    }
+    Ok(())
+}
+
+fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize) -> Result<()> {
+    let new = at.done - at.before;
+    println!("points             {:>10}     ({new} now, {} before)", at.total, at.before);
+    println!("failed             {:>10}", at.failed);
+    println!("wall time          {wall:>10.3} s   ({threads} at once)");
+    if new > 0 {
+        println!("points per second  {:>10.2}", new as f64 / wall);
+    }
+    let failed: Vec<Finished> = kept.read()?.into_iter().filter(|row| row.outcome.is_err()).collect();
+    for Finished { point, outcome } in failed.iter().take(SHOWN) {
+        if let Err(message) = outcome {
+            println!("point {point:<6}       {}", message.lines().next().unwrap_or_default());
+        }
+    }
+    if at.done == at.total {
+        println!("table              {}", kept.table().display());
+    }
+    Ok(())
+}

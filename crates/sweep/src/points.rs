@@ -1,0 +1,153 @@
+//! What is simulated: a row of parameter values for each point.
+
+use sha2::{Digest, Sha256};
+
+/// The values of one parameter: numbers, or texts.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Of an Integer or a Real.
+    Integers(Vec<i64>),
+    /// Of a Real.
+    Reals(Vec<f64>),
+    /// Of a String.
+    Texts(Vec<String>),
+}
+
+/// The points of a sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Points {
+    /// Names of the parameters, each with its value at every point.
+    pub columns: Vec<(String, Values)>,
+    /// How many there are.
+    pub count: usize,
+}
+
+/// More points than this are a mistake.
+const MOST_POINTS: usize = 10_000_000;
+
+impl Values {
+    /// How many.
+    pub fn len(&self) -> usize {
+        match self {
+            Values::Integers(values) => values.len(),
+            Values::Reals(values) => values.len(),
+            Values::Texts(values) => values.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The value at a point, such that it reads back to the same number.
+    pub fn text(&self, point: usize) -> String {
+        match self {
+            Values::Integers(values) => values[point].to_string(),
+            Values::Reals(values) => format!("{:?}", values[point]),
+            Values::Texts(values) => values[point].clone(),
+        }
+    }
+
+    fn taken(&self, places: impl Iterator<Item = usize>) -> Values {
+        match self {
+            Values::Integers(values) => Values::Integers(places.map(|k| values[k]).collect()),
+            Values::Reals(values) => Values::Reals(places.map(|k| values[k]).collect()),
+            Values::Texts(values) => Values::Texts(places.map(|k| values[k].clone()).collect()),
+        }
+    }
+
+    fn digest(&self, point: usize, digest: &mut Sha256) {
+        match self {
+            Values::Integers(values) => digest.update(values[point].to_le_bytes()),
+            Values::Reals(values) => digest.update(values[point].to_le_bytes()),
+            Values::Texts(values) => {
+                digest.update((values[point].len() as u64).to_le_bytes());
+                digest.update(values[point].as_bytes());
+            }
+        }
+    }
+}
+
+impl Points {
+    /// All combinations; the last name varies fastest.
+    ///
+    /// # Errors
+    /// No points, or too many.
+    pub fn grid(axes: Vec<(String, Values)>) -> Result<Points, String> {
+        let mut count = 1_usize;
+        for (name, values) in &axes {
+            if values.is_empty() {
+                return Err(format!("{name}: no values"));
+            }
+            count = count.checked_mul(values.len()).filter(|n| *n <= MOST_POINTS).ok_or_else(too_many)?;
+        }
+        let mut repeat = count;
+        let columns = axes.into_iter().map(|(name, values)| {
+            repeat /= values.len();
+            let column = values.taken((0..count).map(|point| point / repeat % values.len()));
+            (name, column)
+        });
+        Ok(Points { columns: columns.collect(), count })
+    }
+
+    /// A row for each point.
+    ///
+    /// # Errors
+    /// No points, too many, or columns of different lengths.
+    pub fn table(columns: Vec<(String, Values)>) -> Result<Points, String> {
+        let count = columns.first().map_or(0, |(_, values)| values.len());
+        if count == 0 {
+            return Err("there are no points".into());
+        }
+        if count > MOST_POINTS {
+            return Err(too_many());
+        }
+        match columns.iter().find(|(_, values)| values.len() != count) {
+            Some((name, values)) => Err(format!("{name}: {} values, not {count}", values.len())),
+            None => Ok(Points { columns, count }),
+        }
+    }
+
+    /// Of the names and of all values row by row: numbers as 8 little-endian bytes, texts by their length and UTF-8.
+    pub fn sha256(&self) -> String {
+        let names: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
+        let mut digest = Sha256::new();
+        digest.update(serde_json::to_string(&names).unwrap_or_default());
+        for point in 0..self.count {
+            self.columns.iter().for_each(|(_, values)| values.digest(point, &mut digest));
+        }
+        hex(&digest.finalize())
+    }
+}
+
+fn too_many() -> String {
+    format!("there are more than {MOST_POINTS} points")
+}
+
+/// As the hashes in a manifest are written.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_name_varies_fastest() {
+        let axes = vec![
+            ("a".to_owned(), Values::Reals(vec![1.0, 2.0])),
+            ("b".to_owned(), Values::Texts(vec!["x".into(), "y".into(), "z".into()])),
+        ];
+        let points = Points::grid(axes).unwrap();
+        assert_eq!(points.count, 6);
+        assert_eq!(points.columns[0].1, Values::Reals(vec![1.0, 1.0, 1.0, 2.0, 2.0, 2.0]));
+        assert_eq!(points.columns[1].1.text(4), "y");
+        assert!(
+            Points::grid(vec![("a".into(), Values::Reals(vec![]))]).unwrap_err().contains("a: no values")
+        );
+        let long = || ("a".to_owned(), Values::Integers((0..5000).collect()));
+        assert!(Points::grid(vec![long(), long()]).unwrap_err().contains("more than"));
+    }
+}

@@ -1,0 +1,143 @@
+//! One run with the parameters of a point.
+
+use crate::measure::{Measure, Watched};
+use crate::points::Points;
+use anyhow::{Context, Result, bail};
+use crowd_mechanics::trial::Trial;
+use lemons_master::{Drive, Fmu, Instance, Pushes};
+
+/// What all points have in common.
+pub struct Job<'a> {
+    pub fmu: &'a Fmu,
+    pub trial: &'a Trial,
+    pub drive: &'a Drive,
+    pub until: f64,
+    pub step: f64,
+    pub points: &'a Points,
+    pub measures: &'a [(String, Measure)],
+}
+
+/// All agents in the name of a parameter.
+const EVERY_AGENT: &str = "agent[*].";
+
+/// An instance that simulates one point after the other.
+pub struct Worker<'a> {
+    job: &'a Job<'a>,
+    instance: Instance,
+    pushes: Pushes,
+    looks: Vec<Look>,
+}
+
+/// Where a measure's values are read.
+struct Look {
+    reals: Vec<u32>,
+    integers: Vec<u32>,
+    /// Values of each agent.
+    width: usize,
+}
+
+impl Job<'_> {
+    /// The names that a parameter sets.
+    fn names(&self, parameter: &str) -> Vec<String> {
+        match parameter.strip_prefix(EVERY_AGENT) {
+            Some(rest) => (0..self.trial.agents.len()).map(|i| format!("agent[{i}].{rest}")).collect(),
+            None => vec![parameter.to_owned()],
+        }
+    }
+
+    /// That the FMU has what is set and measured.
+    pub fn check(&self) -> Result<()> {
+        for (parameter, _) in &self.points.columns {
+            for name in self.names(parameter) {
+                if self.fmu.kind(&name).is_none() {
+                    bail!("parameters: {parameter}: the FMU has no variable {name:?}; see lemons info");
+                }
+            }
+        }
+        for (name, measure) in self.measures {
+            let agents = self.places(measure).with_context(|| format!("measures: {name}"))?.len();
+            measure.check(agents).map_err(|what| anyhow::anyhow!("measures: {name}: {what}"))?;
+        }
+        Ok(())
+    }
+
+    fn places(&self, measure: &Measure) -> Result<Vec<usize>> {
+        let known = &self.trial.agents;
+        if measure.agents.is_empty() {
+            return Ok((0..known.len()).collect());
+        }
+        let place = |id: &String| {
+            known
+                .iter()
+                .position(|agent| agent.id == *id)
+                .with_context(|| format!("there is no agent {id:?}"))
+        };
+        measure.agents.iter().map(place).collect()
+    }
+}
+
+impl<'a> Worker<'a> {
+    pub fn new(job: &'a Job<'a>) -> Result<Worker<'a>> {
+        let instance = job.fmu.instantiate("sweep")?;
+        let looks = job.measures.iter().map(|(_, measure)| {
+            let (reals, integers) = measure.of.outputs();
+            let places = job.places(measure)?;
+            let references = |names: &[&str]| -> Result<Vec<u32>> {
+                let names =
+                    places.iter().flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
+                names.map(|name| instance.reference(&name)).collect()
+            };
+            let width = reals.len().max(integers.len());
+            Ok(Look { reals: references(reals)?, integers: references(integers)?, width })
+        });
+        let looks = looks.collect::<Result<Vec<_>>>()?;
+        let pushes = Pushes::new(&instance, &job.trial.agents, job.drive.clone())?;
+        Ok(Worker { job, instance, pushes, looks })
+    }
+
+    /// What is measured at a point. The worker goes on with the next one, unless this failed.
+    pub fn simulate(&mut self, point: usize) -> Result<Vec<Option<f64>>> {
+        let Job { fmu, until, step, points, measures, .. } = self.job;
+        self.instance.reset()?;
+        for (parameter, values) in &points.columns {
+            let text = values.text(point);
+            for name in self.job.names(parameter) {
+                let kind = fmu.kind(&name).with_context(|| format!("the FMU has no variable {name:?}"))?;
+                self.instance.set(kind, &name, &text)?;
+            }
+        }
+        self.instance.initialize()?;
+        let mut watched: Vec<Watched> = measures.iter().map(|(_, measure)| Watched::new(measure)).collect();
+        let steps = (until / step - 1e-9).ceil().max(1.0) as u64;
+        self.look(0.0, &mut watched)?;
+        for k in 0..steps {
+            let begin = k as f64 * step;
+            let end = if k + 1 == steps { *until } else { (k + 1) as f64 * step };
+            self.pushes.send(&self.instance, begin)?;
+            self.instance.step(begin, end - begin)?;
+            self.look(end, &mut watched)?;
+        }
+        self.instance.terminate()?;
+        Ok(watched.iter().map(Watched::value).collect())
+    }
+
+    fn look(&self, time: f64, watched: &mut [Watched]) -> Result<()> {
+        for (look, watched) in self.looks.iter().zip(watched) {
+            let mut reals = vec![0.0; look.reals.len()];
+            let mut integers = vec![0; look.integers.len()];
+            if !reals.is_empty() {
+                self.instance.get_real(&look.reals, &mut reals)?;
+            }
+            if !integers.is_empty() {
+                self.instance.get_integer(&look.integers, &mut integers)?;
+                reals.extend(integers.into_iter().map(f64::from));
+            }
+            let values = reals.chunks_exact(look.width).map(|of| match of {
+                [value] => *value,
+                parts => parts.iter().map(|part| part * part).sum::<f64>().sqrt(),
+            });
+            watched.look(time, values);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,256 @@
+//! `sweep.toml`.
+
+use crate::measure::Measure;
+use crate::points::{Points, Values};
+use anyhow::{Context, Result, bail};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// What is run, with which parameters, and what is measured. Paths are those of the file's directory.
+#[derive(Debug, Clone)]
+pub struct Spec {
+    /// A Trial directory or an FMU.
+    pub model: PathBuf,
+    /// \[s\]
+    pub until: f64,
+    /// \[s\] communication step; the Trial's if `None`.
+    pub step: Option<f64>,
+    /// What pushes people.
+    pub drive: DriveChoice,
+    /// What is simulated.
+    pub points: Points,
+    /// In the order of the file.
+    pub measures: Vec<(String, Measure)>,
+}
+
+/// What pushes people.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum DriveChoice {
+    /// The Trial's own drive file, if it has one.
+    Own,
+    /// Nothing but AgentDynamics.xml.
+    None,
+    /// This file.
+    File(PathBuf),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    trial: Option<PathBuf>,
+    fmu: Option<PathBuf>,
+    until: f64,
+    step: Option<f64>,
+    drive: Option<DriveText>,
+    parameters: Option<toml::Table>,
+    table: Option<PathBuf>,
+    measures: toml::Table,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum DriveText {
+    Switch(bool),
+    File(PathBuf),
+}
+
+/// The values of an axis.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Axis {
+    Integers(Vec<i64>),
+    Reals(Vec<f64>),
+    Texts(Vec<String>),
+    Range(Range),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Range {
+    from: f64,
+    to: f64,
+    count: u32,
+    #[serde(default)]
+    spacing: Spacing,
+}
+
+#[derive(Deserialize, Default, PartialEq, Clone, Copy)]
+#[serde(rename_all = "snake_case")]
+enum Spacing {
+    #[default]
+    Linear,
+    Logarithmic,
+}
+
+/// Names that the table has for itself.
+const RESERVED: [&str; 3] = ["point", "status", "error"];
+/// Values of a range at most.
+const MOST_VALUES: u32 = 1_000_000;
+
+impl Spec {
+    /// Reads a `sweep.toml`.
+    ///
+    /// # Errors
+    /// What is wrong, with the key.
+    pub fn read(path: &Path) -> Result<Spec> {
+        let text =
+            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let directory =
+            path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Self::parse(&text, directory).with_context(|| path.display().to_string())
+    }
+
+    fn parse(text: &str, directory: &Path) -> Result<Spec> {
+        let document: Document = toml::from_str(text)?;
+        let model = match (document.trial, document.fmu) {
+            (Some(path), None) | (None, Some(path)) => directory.join(path),
+            _ => bail!("one of the keys trial and fmu says what is run"),
+        };
+        for (key, value) in [("until", Some(document.until)), ("step", document.step)] {
+            if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
+                bail!("{key}: must be a positive number of seconds");
+            }
+        }
+        let points = match (document.parameters, document.table) {
+            (Some(axes), None) => {
+                let axes = axes.into_iter().map(|(name, value)| {
+                    let values = axis(value).with_context(|| format!("parameters: {name}"))?;
+                    Ok((name, values))
+                });
+                let axes = axes.collect::<Result<Vec<_>>>()?;
+                Points::grid(axes).map_err(|message| anyhow::anyhow!("parameters: {message}"))?
+            }
+            (None, Some(table)) => read_table(&directory.join(table))?,
+            _ => bail!("one of [parameters] and table says which points are simulated"),
+        };
+        let measures = document.measures.into_iter().map(|(name, value)| {
+            let measure = value.try_into().with_context(|| format!("measures: {name}"))?;
+            Ok((name, measure))
+        });
+        let measures: Vec<(String, Measure)> = measures.collect::<Result<_>>()?;
+        if measures.is_empty() {
+            bail!("measures: there are none");
+        }
+        let mut names: Vec<&str> = RESERVED.to_vec();
+        let given = points.columns.iter().map(|(name, _)| name).chain(measures.iter().map(|(name, _)| name));
+        for name in given {
+            if names.contains(&name.as_str()) {
+                bail!("{name:?}: the table has a column of that name");
+            }
+            names.push(name);
+        }
+        let drive = match document.drive {
+            None | Some(DriveText::Switch(true)) => DriveChoice::Own,
+            Some(DriveText::Switch(false)) => DriveChoice::None,
+            Some(DriveText::File(path)) => DriveChoice::File(directory.join(path)),
+        };
+        Ok(Spec { model, until: document.until, step: document.step, drive, points, measures })
+    }
+}
+
+fn axis(value: toml::Value) -> Result<Values> {
+    let expected = "expected a list of numbers or of texts, or { from, to, count, spacing }";
+    Ok(match value.try_into::<Axis>().ok().context(expected)? {
+        Axis::Integers(values) => Values::Integers(values),
+        Axis::Reals(values) => Values::Reals(values),
+        Axis::Texts(values) => Values::Texts(values),
+        Axis::Range(Range { from, to, count, spacing }) => {
+            if !(from.is_finite() && to.is_finite()) {
+                bail!("from and to must be finite");
+            }
+            if !(2..=MOST_VALUES).contains(&count) {
+                bail!("count = {count}: from 2 to {MOST_VALUES}");
+            }
+            if spacing == Spacing::Logarithmic && !(from > 0.0 && to > 0.0) {
+                bail!("spacing = \"logarithmic\": from and to must be positive");
+            }
+            let part = |k: u32| f64::from(k) / f64::from(count - 1);
+            let value = |k: u32| match (k, spacing) {
+                (0, _) => from,
+                (k, _) if k + 1 == count => to,
+                (k, Spacing::Linear) => from + part(k) * (to - from),
+                (k, Spacing::Logarithmic) => from * (to / from).powf(part(k)),
+            };
+            Values::Reals((0..count).map(value).collect())
+        }
+    })
+}
+
+/// A CSV with a row for each point: whole numbers only make a column of integers, other numbers one of reals.
+fn read_table(path: &Path) -> Result<Points> {
+    let wrong = || path.display().to_string();
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_path(path)
+        .with_context(wrong)?;
+    let header: Vec<String> = reader.headers().with_context(wrong)?.iter().map(str::to_owned).collect();
+    let mut cells: Vec<Vec<String>> = vec![Vec::new(); header.len()];
+    for row in reader.records() {
+        let row = row.with_context(wrong)?;
+        for (column, cell) in cells.iter_mut().zip(&row) {
+            column.push(cell.to_owned());
+        }
+    }
+    let columns = header.into_iter().zip(cells).map(|(name, cells)| (name, column(cells)));
+    Points::table(columns.collect()).map_err(|message| anyhow::anyhow!("{}: {message}", path.display()))
+}
+
+fn column(cells: Vec<String>) -> Values {
+    if let Ok(values) = cells.iter().map(|cell| cell.parse()).collect() {
+        return Values::Integers(values);
+    }
+    match cells.iter().map(|cell| cell.parse()).collect() {
+        Ok(values) => Values::Reals(values),
+        Err(_) => Values::Texts(cells),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = r#"
+        trial = "push"
+        until = 2
+        drive = false
+        [parameters]
+        "agent[*].Mass" = { from = 50, to = 200, count = 3, spacing = "logarithmic" }
+        "contact.a.a.KineticFriction" = [0, 0.5]
+        [measures]
+        reach = { of = "x", take = "reach", agents = ["4"] }
+    "#;
+
+    #[test]
+    fn a_grid() {
+        let spec = Spec::parse(GOOD, Path::new("dir")).unwrap();
+        assert_eq!((spec.model, spec.until, spec.points.count), (PathBuf::from("dir/push"), 2.0, 6));
+        let (name, values) = &spec.points.columns[0];
+        let Values::Reals(values) = values else { panic!("{values:?}") };
+        assert_eq!(name, "agent[*].Mass");
+        assert_eq!((values[0], values[5]), (50.0, 200.0));
+        assert!((values[2] - 100.0).abs() < 1e-12);
+        assert_eq!(spec.drive, DriveChoice::None);
+    }
+
+    #[test]
+    fn mistakes_name_the_key() {
+        let said = |from: &str, to: &str| {
+            assert!(GOOD.contains(from));
+            format!("{:#}", Spec::parse(&GOOD.replace(from, to), Path::new("")).unwrap_err())
+        };
+        for (from, to, expected) in [
+            ("trial = \"push\"", "", "trial and fmu"),
+            ("until = 2", "until = -2", "until: must be a positive"),
+            ("until = 2", "untill = 2", "untill"),
+            ("[0, 0.5]", "[]", "KineticFriction: no values"),
+            ("[0, 0.5]", "true", "KineticFriction: expected a list"),
+            ("count = 3", "count = 1", "agent[*].Mass: count = 1"),
+            ("from = 50", "from = 0", "must be positive"),
+            ("reach = {", "status = {", "\"status\": the table has a column"),
+            ("of = \"x\"", "of = \"mood\"", "measures: reach"),
+        ] {
+            assert!(said(from, to).contains(expected), "{}", said(from, to));
+        }
+    }
+}
