@@ -78,6 +78,11 @@ impl Drive {
         self.agents.keys().map(String::as_str)
     }
 
+    /// Time \[s\] and push of each row of an agent; `None` if the file does not name it.
+    pub fn rows(&self, agent: &str) -> Option<&[(f64, Push)]> {
+        self.agents.get(agent).map(Vec::as_slice)
+    }
+
     /// Equal for equal pushes, however the file is spelled.
     pub fn fingerprint(&self) -> String {
         let sorted: BTreeMap<_, _> = self.agents.iter().collect();

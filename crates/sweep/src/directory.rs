@@ -1,7 +1,7 @@
 //! The directory of a sweep: a manifest, part files while it runs, one table at the end.
 
 use crate::points::{Points, Values};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use arrow_array::{Array, ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
 use crowd_mechanics::files::Staged;
@@ -12,6 +12,7 @@ use parquet::file::properties::WriterProperties;
 use serde_json::{Map, Value};
 use std::fs::File;
 use std::io::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -110,7 +111,9 @@ impl Directory {
         let mut all: Vec<Option<Finished>> = vec![None; self.points.count];
         let table = Some(self.path.join(TABLE)).filter(|path| path.exists());
         for path in table.into_iter().chain(self.parts()?) {
-            let rows = self.read_file(&path).with_context(|| {
+            // The crate panics at some broken files.
+            let read = catch_unwind(AssertUnwindSafe(|| self.read_file(&path)));
+            let rows = read.unwrap_or_else(|_| Err(anyhow!("is no sound Parquet"))).with_context(|| {
                 format!("{} cannot be used; remove it, and its points are simulated again", path.display())
             })?;
             for row in rows {

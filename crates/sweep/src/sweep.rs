@@ -170,7 +170,7 @@ fn manifest(job: &Job, spec: &Spec, fmu: &[u8]) -> Result<Map<String, Value>> {
             "sha256": hex(&Sha256::digest(fmu)),
         },
         "points": { "parameters": names, "count": spec.points.count, "sha256": spec.points.sha256() },
-        "drive": { "kind": "table", "fingerprint": job.drive.fingerprint() },
+        "drive": drive_identity(job),
         "measure": measures,
         "until": job.until,
         "step": job.step,
@@ -178,5 +178,25 @@ fn manifest(job: &Job, spec: &Spec, fmu: &[u8]) -> Result<Map<String, Value>> {
     match manifest {
         Value::Object(manifest) => Ok(manifest),
         _ => Ok(Map::new()),
+    }
+}
+
+/// As the Python package has it: by the values, however the file is spelled.
+fn drive_identity(job: &Job) -> Value {
+    let mut digest = Sha256::new();
+    let mut driven = false;
+    for (place, agent) in job.trial.agents.iter().enumerate() {
+        let Some(rows) = job.drive.rows(&agent.id) else { continue };
+        driven = true;
+        [place, rows.len()].iter().for_each(|number| digest.update((*number as u64).to_le_bytes()));
+        for (time, push) in rows {
+            std::iter::once(time).chain(push).for_each(|value| digest.update(value.to_le_bytes()));
+        }
+    }
+    match driven {
+        true => {
+            json!({ "kind": "table", "at": "start", "per_mass": false, "sha256": hex(&digest.finalize()) })
+        }
+        false => json!({ "kind": "none" }),
     }
 }

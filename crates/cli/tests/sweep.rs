@@ -1,0 +1,163 @@
+//! `lemons sweep`: what it finds is what single runs find, and nothing is lost.
+
+mod common;
+
+use common::{assert_code, command, default_trial, done, err, lemons, out};
+use std::collections::HashMap;
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
+use tempfile::TempDir;
+
+const PARAMETERS: &str = r#"
+"contact.human_naked.human_naked.KineticFriction" = [0, 0.4]
+"agent[*].Mass" = { from = 60, to = 90, count = 2 }
+"#;
+
+const MEASURES: &str = r#"
+moved = { of = "x", take = "change", agents = ["4"] }
+squeeze = { of = "squeeze", take = "max" }
+contacts = { of = "agent_contacts", take = "max" }
+fast = { of = "speed", take = "first_above", level = 0.5, agents = ["0"] }
+never = { of = "speed", take = "first_above", level = 100, agents = ["0"] }
+"#;
+
+fn write_spec(at: &Path, until: f64, parameters: &str) {
+    let trial = default_trial();
+    let trial = trial.canonicalize().unwrap();
+    let text = format!(
+        "trial = {:?}\nuntil = {until}\n[parameters]\n{parameters}\n[measures]\n{MEASURES}",
+        trial.to_str().unwrap()
+    );
+    fs::write(at.join("push.toml"), text).unwrap();
+}
+
+/// Rows by their column.
+fn read_csv(path: &Path) -> Vec<HashMap<String, String>> {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    reader.deserialize().map(|row| row.unwrap()).collect()
+}
+
+#[test]
+fn a_point_is_what_a_run_with_its_parameters_is() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    write_spec(at, 0.9, PARAMETERS);
+    let said = out(&done(at, &["sweep", "push.toml", "--csv", "table.csv"]));
+    assert!(said.contains("points                      4     (4 now, 0 before)"), "{said}");
+    assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
+    let rows = read_csv(&at.join("table.csv"));
+    assert_eq!(rows.len(), 4);
+    for (k, row) in rows.iter().enumerate() {
+        assert_eq!((row["point"].as_str(), row["status"].as_str()), (k.to_string().as_str(), "ok"));
+        let friction = &row["contact.human_naked.human_naked.KineticFriction"];
+        let mass = &row["agent[*].Mass"];
+        let mut settings = vec![format!("contact.human_naked.human_naked.KineticFriction={friction}")];
+        settings.extend((0..5).map(|i| format!("agent[{i}].Mass={mass}")));
+        let trial = default_trial();
+        let mut words = vec!["run", trial.to_str().unwrap(), "--until", "0.9"];
+        settings.iter().for_each(|setting| words.extend(["--set", setting.as_str()]));
+        done(at, &words);
+        let table = read_csv(&at.join("trajectories.csv"));
+        let of = |id: &str, name: &str| -> Vec<f64> {
+            let own = table.iter().filter(|row| row["id"] == id);
+            own.map(|row| row[name].parse().unwrap()).collect()
+        };
+        let x = of("4", "x [m]");
+        let (vx, vy, t) = (of("0", "vx [m/s]"), of("0", "vy [m/s]"), of("0", "t [s]"));
+        let fast = (0..t.len()).find(|&k| (vx[k] * vx[k] + vy[k] * vy[k]).sqrt() > 0.5).unwrap();
+        let most = |name: &str| table.iter().map(|row| row[name].parse::<f64>().unwrap()).fold(0.0, f64::max);
+        for (name, expected) in [
+            ("moved", x[x.len() - 1] - x[0]),
+            ("squeeze", most("normal_force [N]")),
+            ("contacts", most("agent_contacts")),
+            ("fast", t[fast]),
+        ] {
+            assert_eq!(row[name].parse::<f64>().unwrap(), expected, "point {k}: {name}");
+        }
+        assert_eq!(row["never"], "");
+    }
+    let moved: Vec<&String> = rows.iter().map(|row| &row["moved"]).collect();
+    assert!(moved.iter().any(|other| *other != moved[0]), "parameters make a difference");
+    // What is finished is not simulated again.
+    let said = out(&done(at, &["sweep", "push.toml"]));
+    assert!(said.contains("(0 now, 4 before)"), "{said}");
+}
+
+#[test]
+fn a_killed_sweep_goes_on_to_the_same_table() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    write_spec(
+        at,
+        1.0,
+        "\"contact.human_naked.human_naked.KineticFriction\" = { from = 0, to = 1, count = 200 }",
+    );
+    done(at, &["sweep", "push.toml", "-o", "whole", "--threads", "2"]);
+    let mut running = command(at, &["sweep", "push.toml", "-o", "killed", "--threads", "1"]);
+    let mut running = running.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let part = at.join("killed/part-000001.parquet");
+    while !part.exists() && running.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    running.kill().unwrap();
+    running.wait().unwrap();
+    assert!(part.exists() && !at.join("killed/table.parquet").exists(), "it was killed in the middle");
+    let said = out(&done(at, &["sweep", "push.toml", "-o", "killed"]));
+    assert!(!said.contains("0 before") && !said.contains("(0 now"), "{said}");
+    let table = |name: &str| fs::read(at.join(name).join("table.parquet")).unwrap();
+    assert!(table("whole") == table("killed"));
+    assert!(!part.exists());
+}
+
+#[test]
+fn failed_points_are_rows_with_their_message() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    write_spec(at, 0.1, "\"agent[2].Mass\" = [70, -70, 80]");
+    let said = out(&done(at, &["sweep", "push.toml", "--csv", "table.csv"]));
+    assert!(said.contains("failed                      1") && said.contains("agent[2].Mass"), "{said}");
+    let rows = read_csv(&at.join("table.csv"));
+    let status: Vec<&str> = rows.iter().map(|row| row["status"].as_str()).collect();
+    assert_eq!(status, ["ok", "failed", "ok"]);
+    assert!(rows[1]["error"].contains("must be positive"), "{:?}", rows[1]);
+    assert_eq!(rows[1]["moved"], "");
+    let said = out(&done(at, &["sweep", "push.toml", "--retry"]));
+    assert!(said.contains("(1 now, 2 before)"), "{said}");
+}
+
+#[test]
+fn mistakes_have_clear_messages() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    write_spec(at, 0.1, PARAMETERS);
+    done(at, &["sweep", "push.toml"]);
+    let good = fs::read_to_string(at.join("push.toml")).unwrap();
+    let table = fs::read(at.join("push/table.parquet")).unwrap();
+    for (from, to, directory, expected) in [
+        ("until = 0.1", "until = 0.2", "push", "push holds another sweep: until not as in its sweep.json"),
+        ("[0, 0.4]", "[0, 0.5]", "push", "points not as in its sweep.json"),
+        ("take = \"max\"", "take = \"min\"", "push", "measure not as in its sweep.json"),
+        ("agent[*].Mass", "agent[9].Mass", "new", "the FMU has no variable \"agent[9].Mass\""),
+        ("agents = [\"4\"]", "agents = [\"7\"]", "new", "measures: moved: there is no agent \"7\""),
+        ("agents = [\"4\"]", "", "new", "measures: moved"),
+        ("until = 0.1", "until = 0.1\ndrive = \"none.csv\"", "new", "none.csv"),
+    ] {
+        assert!(good.contains(from), "{from}");
+        fs::write(at.join("push.toml"), good.replacen(from, to, 1)).unwrap();
+        let output = lemons(at, &["sweep", "push.toml", "-o", directory]);
+        assert_code(&output, 1);
+        assert!(err(&output).contains(expected), "{to}: {}", err(&output));
+    }
+    assert!(fs::read(at.join("push/table.parquet")).unwrap() == table);
+    fs::write(at.join("push.toml"), good).unwrap();
+    for (content, expected) in
+        [(&b"PAR1"[..], "cannot be used"), (&table[..table.len() / 2], "cannot be used")]
+    {
+        fs::write(at.join("push/table.parquet"), content).unwrap();
+        let output = lemons(at, &["sweep", "push.toml"]);
+        assert_code(&output, 1);
+        assert!(err(&output).contains(expected), "{}", err(&output));
+    }
+}
