@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
+import logging
 import math
 import os
 import queue
 import sys
 import time
 import weakref
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Union
 
 import cloudpickle
+import dask
 import numpy as np
 import pandas as pd
 from dask.system import CPU_COUNT
@@ -28,6 +32,10 @@ from .results import FAILED, POINT, RESERVED, STATUS, Directory, Intervals, Poin
 Measure = Callable[[Run], Mapping[str, Any]]
 #: A grid (name → values, all combinations, the last name varies fastest) or a table (a row for each point).
 Grid = Union[Mapping[str, Iterable[Value]], pd.DataFrame]
+
+
+#: [s] A task of the workers is as many points as take so long: Dask costs some 10 ms for each task.
+TASK = 0.5
 
 
 @dataclass(frozen=True)
@@ -84,8 +92,14 @@ _jobs: dict[str, tuple[_Job, tuple[DriveLike, Measure]]] = {}
 _sent: weakref.WeakKeyDictionary[Client, set[str]] = weakref.WeakKeyDictionary()
 
 
+def _simulate_points(key: str, points: list[tuple[int, tuple[Value, ...]]]) -> tuple[list[Result], float]:
+    """On a worker: results, and the time that they took [s]."""
+    start = time.perf_counter()
+    results = [_simulate_point(key, point, values) for point, values in points]
+    return results, time.perf_counter() - start
+
+
 def _simulate_point(key: str, point: int, values: tuple[Value, ...]) -> Result:
-    """On a worker."""
     job, (drive, measure) = _jobs[key]
     try:
         with Crowd(_fmus[job.fmu], dict(zip(job.names, values))) as crowd:
@@ -178,10 +192,12 @@ def sweep(
                     pending.clear()
                 intervals.done()
 
-            with client_of(client) as dask:
+            with client_of(client) as cluster:
+                send_fmu(cluster, fmu)
+                cluster.register_plugin(_JobOnWorker(job))
+                under_way = _Run(cluster, job, table, open_points.tolist())
                 try:
-                    results = _run(dask, fmu, job, table, open_points, lambda: intervals.left() if pending else None)
-                    for some in results:
+                    for some in under_way.results(lambda: intervals.left() if pending else None):
                         pending += some
                         done += len(some)
                         failed += sum(error is not None for *_, error in some)
@@ -191,6 +207,7 @@ def sweep(
                             tell(done)
                 finally:
                     write()
+                    _clean_up(cluster, job, [future for future, _ in under_way.under_way.values()])
         whole = joined(table, kept) if directory is None else directory.read()
         if directory is not None and directory.parts():
             directory.finish(whole)
@@ -228,11 +245,18 @@ def client_of(client: Client | str | None) -> Iterator[Client]:
             yield local
 
 
-def local_cluster(workers: int | None = None, *, processes: bool = True) -> LocalCluster:
-    """Workers of one thread each on this machine, by default as many as it has cores."""
-    return LocalCluster(
-        n_workers=workers or CPU_COUNT, threads_per_worker=1, processes=processes, dashboard_address=None, memory_limit=0
-    )
+def local_cluster(workers: int | None = None, *, threads: int = 1, processes: bool = True) -> LocalCluster:
+    """Workers on this machine, by default one for each of its cores."""
+    # Nobody looks at the profile that workers take of themselves a hundred times a second.
+    with dask.config.set({"distributed.worker.profile.enabled": False}):
+        return LocalCluster(
+            n_workers=workers or CPU_COUNT,
+            threads_per_worker=threads,
+            processes=processes,
+            dashboard_address=None,  # no server that nobody asked for
+            memory_limit=0,
+            silence_logs=logging.ERROR,
+        )
 
 
 def send_fmu(client: Client, fmu: Fmu) -> None:
@@ -243,69 +267,78 @@ def send_fmu(client: Client, fmu: Fmu) -> None:
         sent.add(fmu.sha256)
 
 
-def _run(
-    client: Client,
-    fmu: Fmu,
-    job: _Job,
-    points: Points,
-    open_points: Any,
-    patience: Callable[[], float | None],
-) -> Iterator[list[Result]]:
-    """Results as they come; nothing when patience is at its end. No more points are under way than keep all workers busy."""
-    send_fmu(client, fmu)
-    client.register_plugin(_JobOnWorker(job))
-    arrived: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
-    under_way: dict[str, tuple[Future[Any], int]] = {}
-    left = iter(open_points.tolist())
-    window, looked = 0, -math.inf
+class _Run:
+    """The points of a job on their way to the workers and back."""
 
-    def fill() -> None:
-        nonlocal window, looked
-        if time.monotonic() - looked > 2.0:  # workers come and go
-            window, looked = 8 + 3 * sum(client.nthreads().values()), time.monotonic()
-        while len(under_way) < window:
-            point = next(left, None)
-            if point is None:
-                return
-            key = f"lemons-{job.key}-{point}"
-            future = client.submit(_simulate_point, job.key, point, points.values(point), key=key, pure=False)
-            under_way[key] = future, point
-            future.add_done_callback(arrived.put)
+    def __init__(self, client: Client, job: _Job, points: Points, open_points: list[int]) -> None:
+        self.client = client
+        self.job = job
+        self.points = points
+        self.left = deque(open_points)
+        #: Points that were in a task whose worker died; each comes alone, so that it is known which one does it.
+        self.suspects: deque[int] = deque()
+        self.under_way: dict[str, tuple[Future[Any], list[int]]] = {}
+        self.arrived: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
+        self.tasks = itertools.count()
+        self.threads, self.looked = 0, -math.inf
+        self.each = math.inf  # [s] that a point takes
 
-    try:
-        fill()
-        while under_way:
+    def results(self, patience: Callable[[], float | None]) -> Iterator[list[Result]]:
+        """As they come; an empty list when patience [s] is at its end."""
+        self.fill()
+        while self.under_way:
             batch: list[Future[Any]] = []
             try:
-                # Not longer than some seconds: a new worker is to get its share.
-                batch.append(arrived.get(timeout=min(2.0, patience() or 2.0)))
+                batch.append(self.arrived.get(timeout=min(2.0, patience() or 2.0)))
                 while True:
-                    batch.append(arrived.get_nowait())
+                    batch.append(self.arrived.get_nowait())
             except queue.Empty:
                 pass
-            yield _collect(client, batch, under_way)
-            fill()
-    finally:
-        _clean_up(client, job, [future for future, _ in under_way.values()])
+            yield self.collect(batch)
+            self.fill()
 
-
-def _collect(client: Client, batch: list[Future[Any]], under_way: dict[str, tuple[Future[Any], int]]) -> list[Result]:
-    results: list[Result] = []
-    good = [future for future in batch if future.status == "finished"]
-    for future in batch:
-        if future.status == "error":
-            error = future.exception()
-            point = under_way[str(future.key)][1]
-            if isinstance(error, KilledWorker):
-                results.append((point, {}, "the worker died again and again while it simulated this point"))
+    def fill(self) -> None:
+        """Keeps all workers busy, and no more under way than that."""
+        if time.monotonic() - self.looked > 2.0:  # workers come and go
+            self.threads, self.looked = max(1, sum(self.client.nthreads().values())), time.monotonic()
+        while len(self.under_way) < 2 * self.threads + 1:
+            if self.suspects:
+                self.submit([self.suspects.popleft()])
+            elif self.left:
+                # Near the end tasks become smaller, so that nobody waits for one.
+                count = min(TASK / self.each, len(self.left) / (2 * self.threads))
+                self.submit([self.left.popleft() for _ in range(max(1, int(count)))])
             else:
-                results.append((point, {}, f"{type(error).__name__}: {error}"))
-        elif future.status != "finished":
-            raise SweepError("the scheduler is gone, or has cancelled the sweep; what was finished is kept")
-    results += client.gather(good)
-    for future in batch:
-        del under_way[str(future.key)]
-    return results
+                return
+
+    def submit(self, some: list[int]) -> None:
+        key = f"lemons-{self.job.key}-{next(self.tasks)}"
+        work = [(point, self.points.values(point)) for point in some]
+        future = self.client.submit(_simulate_points, self.job.key, work, key=key, pure=False)
+        self.under_way[key] = future, some
+        future.add_done_callback(self.arrived.put)
+
+    def collect(self, batch: list[Future[Any]]) -> list[Result]:
+        results: list[Result] = []
+        good = [future for future in batch if future.status == "finished"]
+        for future in batch:
+            if future.status == "error":
+                error, some = future.exception(), self.under_way[str(future.key)][1]
+                if not isinstance(error, KilledWorker):
+                    results += [(point, {}, f"{type(error).__name__}: {error}") for point in some]
+                elif len(some) > 1:
+                    self.suspects += some
+                else:
+                    results.append((some[0], {}, "the worker died again and again while it simulated this point"))
+            elif future.status != "finished":
+                raise SweepError("the scheduler is gone, or has cancelled the sweep; what was finished is kept")
+        for some_results, seconds in self.client.gather(good):
+            results += some_results
+            each = max(seconds / len(some_results), 1e-6)
+            self.each = each if math.isinf(self.each) else 0.8 * self.each + 0.2 * each
+        for future in batch:
+            del self.under_way[str(future.key)]
+        return results
 
 
 def _clean_up(client: Client, job: _Job, futures: list[Future[Any]]) -> None:
