@@ -104,6 +104,10 @@ class Fmu:
     def __repr__(self) -> str:
         return f"<Fmu {self.model_name!r}, {self.agents} agents, {self.sha256[:12]}>"
 
+    def __reduce__(self) -> tuple[Any, tuple[bytes]]:
+        """Pickled, it is its bytes; the process that reads them loads them, unless it has them."""
+        return load, (self.data,)
+
     def references(self, names: Sequence[str], agents: Sequence[int] | None = None) -> NDArray[np.uint32]:
         """Value references of `agent[i].<name>`, as rows of an array: one for each agent."""
         chosen = range(self.agents) if agents is None else agents
