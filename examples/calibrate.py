@@ -118,6 +118,16 @@ def effective_number(residuals):
     return count
 
 
+def around(middle, low, high, count):
+    """Values from low to high, close to each other near the middle."""
+    return low + (high - low) * np.interp(
+        np.linspace(0, 1, count),
+        [0, 0.15, 0.35, 0.5, 0.65, 0.85, 1],
+        (np.array([low, *np.clip(middle + (high - low) * np.array([-0.2, -0.05, 0, 0.05, 0.2]), low, high), high]) - low)
+        / (high - low),
+    )
+
+
 def interval(values, difference, level):
     """Where a profile crosses the level on both sides of its least, with < or > where it does not."""
     least = int(np.argmin(difference))
@@ -180,7 +190,7 @@ def plot(path, push, usual, fitted, profiles, level, paper, fit, people):
     ]
     axes.legend(handles=kinds, loc="upper left", frameon=False, fontsize="small")
     panels = lower.subplots(1, 4, sharey=True)
-    top = 100 * (2.6 * level - 1.6 * min(each.min() for _, each in profiles))
+    top = 100 * (5 * level - 4 * min(each.min() for _, each in profiles))
     for k, (panel, (values, difference)) in enumerate(zip(panels, profiles)):
         panel.axvline(paper[k], color="#D55E00", linewidth=1.2)
         panel.axhline(100 * level, color="0.5", linestyle=":", linewidth=1)
@@ -264,8 +274,10 @@ def calibrate(arguments, push, fmu, client):
 
     crowds = client.scatter(fmu, broadcast=True)
 
-    def search_all(tasks):
-        return client.gather(client.map(search, tasks, fmu=crowds, push=push, ratio=ratio, evaluations=arguments.evaluations, pure=False))
+    def search_all(tasks, half=False):
+        evaluations = arguments.evaluations // 2 if half else arguments.evaluations
+        fixed = {"fmu": crowds, "push": push, "ratio": ratio, "evaluations": evaluations}
+        return client.gather(client.map(search, tasks, **fixed, pure=False))
 
     tell(f"{arguments.starts} searches from the best of them")
     order = np.argsort(cloud[:, 4:].mean(axis=1))
@@ -274,9 +286,7 @@ def calibrate(arguments, push, fmu, client):
     fit = best_of(cloud)
 
     tell(f"profiles: {arguments.profile} values of each parameter, the others fitted again, twice")
-    values = [np.linspace(LOW[k], HIGH[k], arguments.profile) for k in range(4)]
-    # The profile of the relaxation time is narrow: it gets its values where it is.
-    values[0] = np.linspace(fit[0] - 0.7, fit[0] + 0.7, arguments.profile).clip(LOW[0], HIGH[0])
+    values = [around(fit[k], LOW[k], HIGH[k], arguments.profile) for k in range(4)]
 
     def holding(point, k, value):
         point = point[:4].copy()
@@ -292,7 +302,7 @@ def calibrate(arguments, push, fmu, client):
         neighbours = [ends[n] for n in (place - 1, place + 1) if 0 <= n < len(tasks) and tasks[n][1] == k]
         better = min(neighbours, key=lambda end: end[4:].mean())
         again.append((holding(better, k, tasks[place][0][k]), k))
-    paths = [np.vstack(both) for both in zip(paths, search_all(again))]
+    paths = [np.vstack(both) for both in zip(paths, search_all(again, half=True))]
     cloud = np.vstack([cloud, *paths])
     if best_of(cloud)[4:].mean() < fit[4:].mean():
         cloud = np.vstack([cloud, *search_all([(best_of(cloud)[:4], None)])])

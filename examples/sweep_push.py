@@ -19,11 +19,13 @@ examples/sweep_cluster.md) the runs are made on a cluster.
 """
 
 import argparse
+import contextlib
 import os
 
 import numpy as np
 import pandas as pd
-from lemons_fmu import Crowd, Drive, FmuError, SweepError, load, sweep
+from distributed import Client
+from lemons_fmu import Crowd, Drive, FmuError, SweepError, load, local_cluster, sweep
 
 PEAKS = [900.0, 1200.0, 1500.0]  # N
 DURATION, UNTIL, STEP = 0.6, 3.0, 0.01  # s
@@ -127,17 +129,20 @@ def main():
     except (FmuError, KeyError) as error:
         raise SystemExit(f"{arguments.fmu}: {error}; a Trial like resources/Trial_push is needed")
 
+    parameters = points.drop(columns=["changed", "value"])
     parts = []
-    for peak in PEAKS:
-        out = arguments.out and os.path.join(arguments.out, f"peak_{peak:.0f}")
-        parameters = points.drop(columns=["changed", "value"])
-        try:
-            result = sweep(fmu, parameters, half_sine(peak), front, until=UNTIL, step=STEP, out=out, client=arguments.scheduler)
-        except (SweepError, OSError) as error:
-            raise SystemExit(str(error))
-        for message in result.error.dropna().unique():
-            print(f"failed: {message}")
-        parts.append(points[["changed", "value"]].join(result[["speed", "reach", "last"]]).assign(peak=peak))
+    with contextlib.ExitStack() as stack:
+        # The three sweeps share the workers.
+        client = stack.enter_context(Client(arguments.scheduler or stack.enter_context(local_cluster())))
+        for peak in PEAKS:
+            out = arguments.out and os.path.join(arguments.out, f"peak_{peak:.0f}")
+            try:
+                result = sweep(fmu, parameters, half_sine(peak), front, until=UNTIL, step=STEP, out=out, client=client)
+            except (SweepError, OSError) as error:
+                raise SystemExit(str(error))
+            for message in result.error.dropna().unique():
+                print(f"failed: {message}")
+            parts.append(points[["changed", "value"]].join(result[["speed", "reach", "last"]]).assign(peak=peak))
     results = pd.concat(parts, ignore_index=True)
     for changed in ("stiffness", "friction", "mass"):
         some = results[results.changed == changed].pivot(index="value", columns="peak", values=["speed", "reach", "last"])

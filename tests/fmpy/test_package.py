@@ -81,7 +81,9 @@ def test_a_simulation_is_the_table_of_lemons_run(lemons, fmu, drive, tmp_path, s
     table = tmp_path / "run.csv"
     options = ["--step", repr(step), "--until", repr(until), "--set", f"{FRICTION}=0.25", "-o", table]
     subprocess.run([lemons, "run", TRIAL_PUSH, *options], check=True, capture_output=True)
-    wanted = pd.read_csv(table, float_precision="round_trip")
+    whole = ("id", "agent_contacts", "wall_contacts", "contacting_agents")
+    names = table.read_text().split("\n")[0].split(",")
+    wanted = pd.read_csv(table, converters={name: int if name in whole else float for name in names})
     mine = simulate(fmu, drive, {FRICTION: 0.25}, until, step=step)
     pd.testing.assert_frame_equal(mine, wanted, check_exact=True)
     assert wanted.normal_force.max() > 100.0
@@ -223,11 +225,10 @@ def test_what_is_unpacked_is_removed(push_fmu, tmp_path):
         done = subprocess.run(command, env=environment, capture_output=True, text=True)
         return done.returncode, Path(done.stdout.strip())
 
-    code, place = unpack()
-    assert code == 0 and place.is_relative_to(tmp_path) and not place.exists()
     code, left = unpack("kill")
     assert code == -signal.SIGKILL and (left / "modelDescription.xml").exists()
-    assert unpack()[0] == 0
+    code, place = unpack()
+    assert code == 0 and place.is_relative_to(tmp_path) and not place.exists()
     assert not left.parent.exists()
     assert list((tmp_path / f"lemons-fmu-{os.getuid()}").iterdir()) == []
 

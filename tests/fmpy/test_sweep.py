@@ -61,7 +61,8 @@ def test_the_table(fmu, drive, here, tmp_path):
         masses = {f"agent[{i}].Mass": table["agent[*].Mass"][point] for i in range(5)}
         wanted = simulate(fmu, drive, {**masses, FRICTION: table[FRICTION][point]}, RUN["until"])
         assert table.x[point] == wanted.x.iloc[-5]
-        assert table["squeeze"][point] == wanted.normal_force.max() > 0
+        assert table["squeeze"][point] == wanted.normal_force.max()
+    assert table["squeeze"].max() > 100.0
     assert sorted(path.name for path in out.iterdir()) == ["sweep.json", "sweep.lock", "table.parquet"]
     stored = pq.read_table(out / "table.parquet")
     pd.testing.assert_frame_equal(stored.to_pandas(), table, check_exact=True)
@@ -89,7 +90,7 @@ def test_a_finished_sweep_is_not_simulated_again(fmu, drive, here, tmp_path):
     # Only those that failed, when that is asked for.
     again = sweep(fmu, GRID, drive, mark, out=tmp_path / "out", client=here, retry_failed=True, **options)
     pd.testing.assert_frame_equal(again, first, check_exact=True)
-    assert marks.stat().st_size == 4 and [call.done for call in calls][1:] == [4, 6]
+    assert marks.stat().st_size == 4 and (calls[1].done, calls[-1].done) == (4, 6)
 
 
 def test_failures_of_measure_and_drive_are_rows(fmu, here):
@@ -170,7 +171,7 @@ def measure(run):
     return {"x": run.poses[-1, 0, 0], "y": run.poses[-1, 1, 1]}
 
 if __name__ == "__main__":
-    points = {NAME: [k / 100 for k in range(80)], "agent[1].Mass": [70.0]}
+    points = {NAME: [k / 100 for k in range(60)], "agent[1].Mass": [70.0]}
     with local_cluster(1, processes=False) as cluster, Client(cluster) as client:
         table = sweep(sys.argv[1], points, None, measure, until=0.1, out=sys.argv[2], client=client, progress=False)
     table.to_pickle(sys.argv[4])
@@ -178,13 +179,11 @@ if __name__ == "__main__":
 
 
 def test_a_killed_sweep_goes_on_and_gives_the_same_table(push_fmu, tmp_path):
-    def start(name):
-        script = tmp_path / "slow.py"
-        script.write_text(SLOW)
-        paths = [tmp_path / "out", tmp_path / name, tmp_path / "table.pickle"]
-        if name == "uninterrupted":
-            paths[0] = tmp_path / "whole"
-        return subprocess.Popen([sys.executable, script, push_fmu, *paths])
+    script = tmp_path / "slow.py"
+    script.write_text(SLOW)
+
+    def start(name, out="out"):
+        return subprocess.Popen([sys.executable, script, push_fmu, tmp_path / out, tmp_path / name, tmp_path / f"{name}.pickle"])
 
     out, ends = tmp_path / "out", time.monotonic() + 60
     killed = start("first")
@@ -194,15 +193,14 @@ def test_a_killed_sweep_goes_on_and_gives_the_same_table(push_fmu, tmp_path):
     killed.send_signal(signal.SIGKILL)
     assert killed.wait() == -signal.SIGKILL
     kept = sum(pq.read_table(path).num_rows for path in out.glob("part-*.parquet"))
-    assert 0 < kept < 80
+    assert 0 < kept < 60
     assert not (out / "table.parquet").exists()
     assert start("second").wait() == 0
-    assert len((tmp_path / "second").read_text().split()) == 80 - kept, "a finished point was simulated again"
-    table = pd.read_pickle(tmp_path / "table.pickle")
-    assert start("uninterrupted").wait() == 0
-    wanted = pd.read_pickle(tmp_path / "table.pickle")
+    assert len((tmp_path / "second").read_text().split()) == 60 - kept, "a finished point was simulated again"
+    assert start("third", "whole").wait() == 0
+    table, wanted = (pd.read_pickle(tmp_path / f"{name}.pickle") for name in ("second", "third"))
     pd.testing.assert_frame_equal(table, wanted, check_exact=True)
-    assert (table.status == "ok").all() and len(table) == 80 and table.x.notna().all()
+    assert (table.status == "ok").all() and len(table) == 60 and table.x.notna().all()
     assert (out / "table.parquet").read_bytes() == (tmp_path / "whole" / "table.parquet").read_bytes()
 
 
@@ -241,16 +239,16 @@ def test_a_killed_worker_loses_no_point(fmu, drive, here, cluster):
 
     def kill(progress):
         seen.append(progress.done)
-        if progress.done >= 20 and workers:
+        if progress.done >= 20 and len(workers) == 2:
             os.kill(workers.pop(), signal.SIGKILL)
 
-    grid = {FRICTION: np.linspace(0, 1, 60), "agent[1].Mass": [50.0, -1.0]}
+    grid = {FRICTION: np.linspace(0, 1, 40), "agent[1].Mass": [50.0, -1.0]}
     table = sweep(fmu, grid, drive, slow, client=address, **{**RUN, "progress": kill})
-    assert seen[-1] == 120 and len(workers) == 1, "no worker was killed"
+    assert seen[-1] == 80 and len(workers) == 1, "no worker was killed"
     wanted = sweep(fmu, grid, drive, measure, client=here, **RUN)
     pd.testing.assert_frame_equal(table.drop(columns="process"), wanted, check_exact=True)
     processes = table.process.dropna().value_counts()
-    assert len(processes) == 2 and processes[str(workers[0])] >= 20
+    assert len(processes) == 2 and processes[str(workers[0])] >= 10
 
 
 def test_a_point_that_kills_its_worker_is_a_row(fmu):
@@ -261,7 +259,11 @@ def test_a_point_that_kills_its_worker_is_a_row(fmu):
 
     places = np.full(8, 0.279)
     places[5] = 0.2801
+    def forgive_nothing(dask_scheduler):
+        dask_scheduler.allowed_failures = 0
+
     with local_cluster(1) as workers, Client(workers) as client:
+        client.run_on_scheduler(forgive_nothing)
         table = sweep(fmu, {"agent[1].Position.x": places}, None, deadly, client=client, **{**RUN, "until": 0.1})
     assert table.status.tolist() == ["ok"] * 5 + ["failed"] + ["ok"] * 2
     assert table.error[5] == "the worker died again and again while it simulated this point"
@@ -284,7 +286,7 @@ def test_sweep_push(push_fmu, tmp_path):
 
 def test_calibrate(lemons, shared, tmp_path):
     """A small one: it is no worse than what it starts from, and says what it does not know."""
-    few = ["--points", "32", "--starts", "1", "--profile", "5", "--evaluations", "4"]
+    few = ["--points", "32", "--starts", "1", "--profile", "5", "--evaluations", "2"]
     done = example("calibrate.py", tmp_path, shared / "data" / "push_wed", *few)
     assert done.returncode == 0, done.stderr
     rows = {line[:22].strip(): line[22:].split() for line in done.stdout.splitlines()}

@@ -85,7 +85,7 @@ class Crowd:
 
     @property
     def messages(self) -> list[str]:
-        """What the FMU said since initialization began: warnings."""
+        """What the FMU said, warnings that is."""
         return self._instance.messages
 
     def set_drive(self, drive: Floats) -> None:

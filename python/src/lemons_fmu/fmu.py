@@ -63,7 +63,7 @@ class Fmu:
     """A packed crowd that this process has loaded; `load` makes it. Threads may share it."""
 
     def __init__(self, data: bytes, sha256: str) -> None:
-        directory = _scratch() / sha256
+        directory = scratch() / sha256
         try:
             fmpy.extract(BytesIO(data), directory)
             description = fmpy.read_model_description(str(directory), validate=False)
@@ -153,7 +153,7 @@ class Instance:
     def __init__(self, fmu: Fmu) -> None:
         self.fmu = fmu
         self.fatal = False
-        self._said: deque[str] = deque(maxlen=100)
+        self._said: deque[tuple[int, str]] = deque(maxlen=100)  # status, message
         self._logger = _Logger(self._log)
         self._callbacks = fmi2CallbackFunctions()
         self._callbacks.logger = ctypes.cast(self._logger, fmi2CallbackLoggerTYPE)
@@ -169,7 +169,9 @@ class Instance:
                 )
                 self.slave.instantiate(callbacks=self._callbacks)
             except Exception as error:
-                raise FmuError(self._words(str(error))) from error
+                raise FmuError(self._why(str(error))) from error
+        self._first = [text for _, text in self._said]
+        self._said.clear()
         library = self.slave.dll
         self._component = ctypes.c_void_p(self.slave.component)
         self._set_real = _function(library, "fmi2SetReal")
@@ -179,25 +181,26 @@ class Instance:
         self._do_step.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int]
         self._do_step.restype = ctypes.c_int
 
-    def _log(self, _environment: object, _name: bytes, _status: int, _kind: bytes, form: bytes, text: int | None) -> None:
+    def _log(self, _environment: object, _name: bytes, status: int, _kind: bytes, form: bytes, text: int | None) -> None:
         message = ctypes.string_at(text) if form == b"%s" and text else form
         # Where this process has unpacked the FMU says nothing to anybody.
-        self._said.append(message.decode("utf-8", "replace").replace(f"{self.fmu.directory}/", ""))
+        self._said.append((status, message.decode("utf-8", "replace").replace(f"{self.fmu.directory}/", "")))
 
-    def _words(self, otherwise: str) -> str:
-        words = "\n".join(self._said) or otherwise
+    def _why(self, otherwise: str) -> str:
+        """What was said about errors since the last of them."""
+        words = [text for status, text in self._said if status > _WARNING]
         self._said.clear()
-        return words
+        return "\n".join(words) or otherwise
 
     @property
     def messages(self) -> list[str]:
-        """The last messages, warnings too."""
-        return list(self._said)
+        """What it said since it was made, and since it was reset."""
+        return self._first + [text for _, text in self._said]
 
     def _check(self, function: str, status: int) -> None:
         if status > _WARNING:
             self.fatal |= status == _FATAL
-            raise FmuError(self._words(f"{function}: {_STATUS[status] if status < len(_STATUS) else status}"))
+            raise FmuError(self._why(f"{function}: {_STATUS[status] if status < len(_STATUS) else status}"))
 
     @contextmanager
     def calls(self) -> Iterator[FMU2Slave]:
@@ -237,7 +240,7 @@ class Instance:
                 elif variable.type == "String":
                     if not isinstance(value, str):
                         raise FmuError(f"{each} is text, not {value!r}")
-                    slave.setString([variable.reference], [value.encode()])
+                    slave.setString([variable.reference], [value])
                 else:
                     raise FmuError(f"{each} is a {variable.type}: not supported")
 
@@ -257,7 +260,6 @@ class Instance:
 
     def initialize(self, parameters: Mapping[str, Value], start: float) -> None:
         """Sets the parameters and leaves initialization."""
-        self._said.clear()
         for name, value in parameters.items():
             self.set(name, value)
         with self.calls() as slave:
@@ -270,6 +272,7 @@ class Instance:
             raise FmuError("the instance is lost")
         with self.calls() as slave:
             slave.reset()
+        self._said.clear()
 
     def drop(self) -> None:
         """Frees it, unless FMI forbids that: after fmi2Fatal nothing may be called."""
@@ -337,8 +340,8 @@ def load(fmu: Source | Fmu) -> Fmu:
         return _loaded[sha256]
 
 
-def _scratch() -> Path:
-    """A directory of this process for what it unpacks, removed at exit; what processes that were killed have left
+def scratch() -> Path:
+    """The directory of this process for what it unpacks, removed at exit; what processes that were killed have left
     is removed here. A lock on the file beside it says that its process lives."""
     if not _own_scratch:
         base = Path(tempfile.gettempdir()) / f"lemons-fmu-{os.getuid()}"

@@ -10,6 +10,7 @@ import queue
 import sys
 import time
 import weakref
+from asyncio import CancelledError
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -25,7 +26,7 @@ from distributed import Client, Future, KilledWorker, LocalCluster, Worker, Work
 
 from .crowd import Crowd, Run
 from .drive import DriveLike, function_identity, identity
-from .fmu import Fmu, FmuError, Source, Value, load
+from .fmu import Fmu, FmuError, Source, Value, load, scratch
 from .results import FAILED, POINT, RESERVED, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of
 
 #: What is to be known of a run: names and numbers (or texts).
@@ -49,6 +50,8 @@ class Progress:
     seconds: float
     #: Of those done, how many were so when it was started.
     before: int
+    #: How many threads workers have; 0: nothing happens until a worker comes.
+    threads: int
 
 
 @dataclass(frozen=True)
@@ -174,11 +177,11 @@ def sweep(
         open_points = np.flatnonzero(~finished)
         start = time.monotonic()
 
-        def tell(done: int) -> None:
-            report(Progress(before + done, failed, table.count, time.monotonic() - start, before))
+        def tell() -> None:
+            report(Progress(before + done, failed, table.count, time.monotonic() - start, before, threads))
 
-        tell(0)
-        done = 0
+        done = threads = 0
+        tell()
         if len(open_points):
             pending: list[Result] = []
             intervals = Intervals()
@@ -203,8 +206,9 @@ def sweep(
                         failed += sum(error is not None for *_, error in some)
                         if not intervals.left():
                             write()
-                        if some:
-                            tell(done)
+                        if some or under_way.threads != threads:
+                            threads = under_way.threads
+                            tell()
                 finally:
                     write()
                     _clean_up(cluster, job, [future for future, _ in under_way.under_way.values()])
@@ -248,12 +252,14 @@ def client_of(client: Client | str | None) -> Iterator[Client]:
 def local_cluster(workers: int | None = None, *, threads: int = 1, processes: bool = True) -> LocalCluster:
     """Workers on this machine, by default one for each of its cores."""
     # Nobody looks at the profile that workers take of themselves a hundred times a second.
-    with dask.config.set({"distributed.worker.profile.enabled": False}):
+    own = str(scratch())
+    with dask.config.set({"distributed.worker.profile.enabled": False, "temporary-directory": own}):
         return LocalCluster(
             n_workers=workers or CPU_COUNT,
             threads_per_worker=threads,
             processes=processes,
-            dashboard_address=None,  # no server that nobody asked for
+            dashboard_address="127.0.0.1:0",  # whatever port is free
+            local_directory=own,
             memory_limit=0,
             silence_logs=logging.ERROR,
         )
@@ -275,8 +281,10 @@ class _Run:
         self.job = job
         self.points = points
         self.left = deque(open_points)
-        #: Points that were in a task whose worker died; each comes alone, so that it is known which one does it.
+        #: Points whose worker died again and again. Dask blames all that a worker had to do; so these come at the end, and
+        #: one at a time, to see which one does it.
         self.suspects: deque[int] = deque()
+        self.alone = False
         self.under_way: dict[str, tuple[Future[Any], list[int]]] = {}
         self.arrived: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
         self.tasks = itertools.count()
@@ -300,16 +308,15 @@ class _Run:
     def fill(self) -> None:
         """Keeps all workers busy, and no more under way than that."""
         if time.monotonic() - self.looked > 2.0:  # workers come and go
-            self.threads, self.looked = max(1, sum(self.client.nthreads().values())), time.monotonic()
-        while len(self.under_way) < 2 * self.threads + 1:
-            if self.suspects:
-                self.submit([self.suspects.popleft()])
-            elif self.left:
-                # Near the end tasks become smaller, so that nobody waits for one.
-                count = min(TASK / self.each, len(self.left) / (2 * self.threads))
-                self.submit([self.left.popleft() for _ in range(max(1, int(count)))])
-            else:
-                return
+            self.threads, self.looked = sum(self.client.nthreads().values()), time.monotonic()
+        threads = max(1, self.threads)
+        while self.left and len(self.under_way) < 2 * threads + 1:
+            # Near the end tasks become smaller, so that nobody waits for one.
+            count = min(TASK / self.each, len(self.left) / (2 * threads))
+            self.submit([self.left.popleft() for _ in range(max(1, int(count)))])
+        if self.suspects and not self.under_way:
+            self.alone = True
+            self.submit([self.suspects.popleft()])
 
     def submit(self, some: list[int]) -> None:
         key = f"lemons-{self.job.key}-{next(self.tasks)}"
@@ -320,24 +327,28 @@ class _Run:
 
     def collect(self, batch: list[Future[Any]]) -> list[Result]:
         results: list[Result] = []
-        good = [future for future in batch if future.status == "finished"]
         for future in batch:
-            if future.status == "error":
-                error, some = future.exception(), self.under_way[str(future.key)][1]
-                if not isinstance(error, KilledWorker):
-                    results += [(point, {}, f"{type(error).__name__}: {error}") for point in some]
-                elif len(some) > 1:
+            key = str(future.key)
+            if future.status in ("pending", "lost"):  # its worker died before it was asked: it is simulated again
+                future.add_done_callback(self.arrived.put)
+                continue
+            some = self.under_way[key][1]
+            try:
+                got, seconds = future.result()
+            except KilledWorker:
+                if not self.alone:
                     self.suspects += some
                 else:
                     results.append((some[0], {}, "the worker died again and again while it simulated this point"))
-            elif future.status != "finished":
-                raise SweepError("the scheduler is gone, or has cancelled the sweep; what was finished is kept")
-        for some_results, seconds in self.client.gather(good):
-            results += some_results
-            each = max(seconds / len(some_results), 1e-6)
-            self.each = each if math.isinf(self.each) else 0.8 * self.each + 0.2 * each
-        for future in batch:
-            del self.under_way[str(future.key)]
+            except CancelledError:
+                raise SweepError("the scheduler is gone, or has cancelled the sweep; what was finished is kept") from None
+            except Exception as error:  # not a point's: those are rows
+                raise SweepError(f"the workers cannot simulate: {type(error).__name__}: {error}") from error
+            else:
+                results += got
+                each = max(seconds / len(got), 1e-6)
+                self.each = each if math.isinf(self.each) else 0.8 * self.each + 0.2 * each
+            del self.under_way[key]
         return results
 
 
@@ -371,6 +382,8 @@ class _Line:
         self.last = at.seconds
         new = at.done - at.before
         rest = f"{(at.total - at.done) * at.seconds / new:.0f} s left" if new and not end else f"{at.seconds:.0f} s"
+        if not at.threads and not end:
+            rest = "waiting for workers"
         line = f"{at.done} of {at.total} points, {at.failed} failed, {rest}"
         print(f"\r{line:<60}" if self.terminal else line, end="" if self.terminal and not end else "\n", file=sys.stderr)
         sys.stderr.flush()
