@@ -286,7 +286,7 @@ def test_sweep_push(push_fmu, tmp_path):
 
 def test_calibrate(lemons, shared, tmp_path):
     """A small one: it is no worse than what it starts from, and says what it does not know."""
-    few = ["--points", "32", "--starts", "1", "--profile", "5", "--evaluations", "2"]
+    few = ["--points", "32", "--starts", "1", "--searches", "1", "--profile", "5", "--evaluations", "2"]
     done = example("calibrate.py", tmp_path, shared / "data" / "push_wed", *few)
     assert done.returncode == 0, done.stderr
     rows = {line[:22].strip(): line[22:].split() for line in done.stdout.splitlines()}

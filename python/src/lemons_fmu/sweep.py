@@ -50,8 +50,8 @@ class Progress:
     seconds: float
     #: Of those done, how many were so when it was started.
     before: int
-    #: How many threads workers have; 0: nothing happens until a worker comes.
-    threads: int
+    #: How many threads workers have, None where that is not known; 0: nothing happens until a worker comes.
+    threads: int | None
 
 
 @dataclass(frozen=True)
@@ -167,6 +167,7 @@ def sweep(
     directory = None if out is None else Directory(out, _manifest(fmu, table, drive, measure, job), table)
     try:
         kept = [] if directory is None else [directory.read()]
+        threads: int | None
         finished = np.zeros(table.count, dtype=bool)
         failed = 0
         for part in kept:
@@ -180,7 +181,7 @@ def sweep(
         def tell() -> None:
             report(Progress(before + done, failed, table.count, time.monotonic() - start, before, threads))
 
-        done = threads = 0
+        done, threads = 0, None
         tell()
         if len(open_points):
             pending: list[Result] = []
@@ -382,7 +383,7 @@ class _Line:
         self.last = at.seconds
         new = at.done - at.before
         rest = f"{(at.total - at.done) * at.seconds / new:.0f} s left" if new and not end else f"{at.seconds:.0f} s"
-        if not at.threads and not end:
+        if at.threads == 0 and not end:
             rest = "waiting for workers"
         line = f"{at.done} of {at.total} points, {at.failed} failed, {rest}"
         print(f"\r{line:<60}" if self.terminal else line, end="" if self.terminal and not end else "\n", file=sys.stderr)
