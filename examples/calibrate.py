@@ -15,7 +15,8 @@ people's root-mean-square differences of the displacement in the plane, until 4 
 
 Contacts with the wall keep their own damping and friction. Fitted to one run alone, the parameters end where chance collisions
 happen to follow the measured curves, and starts some millimetres off, which nobody can measure, destroy it. So the difference that is
-made small is the mean over several starts: that of the Trial, and others with everybody moved by 5 mm in x and y (normal).
+made small is a mean over several starts: half of it is that of the Trial, the other half others with everybody moved by 5 mm in x
+and y (normal).
 
 First a sweep over the whole range (scrambled Sobol points), then searches (Nelder and Mead, in the logarithms) from its best points.
 How well a parameter is determined is said in two ways:
@@ -94,6 +95,12 @@ def starts_of(fmu, count, seed):
     ]
 
 
+def weights_of(starts):
+    """Half for the Trial's own start."""
+    others = len(starts) - 1
+    return np.array([0.5] + [0.5 / others] * others) if others else np.ones(1)
+
+
 def search(task, fmu, push, ratio, starts, evaluations):
     """Nelder and Mead from a point, with one parameter held or none; all that was simulated, rows (parameters, differences)."""
     begin, held = task
@@ -109,8 +116,9 @@ def search(task, fmu, push, ratio, starts, evaluations):
             for start in starts:
                 crowd.reset({**parameters(np.exp(point), ratio), **start})
                 each.append(list(compare(crowd.run(drive, until=UNTIL, step=STEP)).values()))
-            seen.append([*point, *np.mean(each, axis=0)])
-            return np.mean(each)
+            each = weights_of(starts) @ np.array(each)
+            seen.append([*point, *each])
+            return each.mean()
 
         x = begin[free]
         # The first steps lead away from the nearer end of the range.
@@ -254,7 +262,7 @@ def main():
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler; by default the cores of this machine")
     parser.add_argument("--points", type=int, default=256, metavar="N", help="of the sweep; default 256")
     parser.add_argument("--starts", type=int, default=6, metavar="N", help="places where people start, the Trial's and others; default 6")
-    parser.add_argument("--searches", type=int, default=4, metavar="N", help="from the best points; default 4")
+    parser.add_argument("--searches", type=int, default=6, metavar="N", help="from the best points; default 6")
     parser.add_argument("--profile", type=int, default=9, metavar="N", help="values of each parameter; default 9")
     parser.add_argument("--evaluations", type=int, default=40, metavar="N", help="at most so many of a search, for each parameter; default 40")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
@@ -298,7 +306,7 @@ def calibrate(arguments, push, fmu, client):
     if (result.status != "ok").any():
         raise SystemExit(f"a simulation failed: {result.error.dropna().iloc[0]}")
     each = result[[f"person {k}" for k in push.people]].to_numpy().reshape(len(grid), len(starts), -1)
-    cloud = np.column_stack([grid, each.mean(axis=1)])
+    cloud = np.column_stack([grid, np.einsum("s,psk->pk", weights_of(starts), each)])
 
     crowds = client.scatter(fmu, broadcast=True)
 
