@@ -156,17 +156,15 @@ def around(middle, low, high, count):
 
 
 def interval(values, difference, level):
-    """Where a profile crosses the level on both sides of its least, with < or > where it does not."""
-    least = int(np.argmin(difference))
+    """Between which values a profile is below the level at all, with < or > where it is so to the end."""
+    below = np.flatnonzero(difference <= level)
     ends = []
-    for side, sign in ((range(least, -1, -1), "<"), (range(least, len(values)), ">")):
-        end, open_end = values[side[-1]], sign
-        for inner, outer in zip(side, list(side)[1:]):
-            if difference[outer] > level:
-                share = (level - difference[inner]) / (difference[outer] - difference[inner])
-                end, open_end = values[inner] + share * (values[outer] - values[inner]), ""
-                break
-        ends.append((open_end, math.exp(end)))
+    for inner, outer, sign in ((below[0], below[0] - 1, "<"), (below[-1], below[-1] + 1, ">")):
+        if 0 <= outer < len(values):
+            share = (level - difference[inner]) / (difference[outer] - difference[inner])
+            ends.append(("", math.exp(values[inner] + share * (values[outer] - values[inner]))))
+        else:
+            ends.append((sign, math.exp(values[inner])))
     return ends
 
 
