@@ -31,9 +31,6 @@ PEAKS = [900.0, 1200.0, 1500.0]  # N
 DURATION, UNTIL, STEP = 0.6, 3.0, 0.01  # s
 MECHANICAL = 1e-5  # s; with 2e-6 s the speeds differ by less than 0.1 %, the displacements by less than 0.3 mm
 REACHED, DISPLACED = 0.05, 0.05  # m/s, m
-STIFFNESS = np.geomspace(0.25, 4, 9)
-FRICTION = np.linspace(0, 0.8, 9)
-MASS = np.linspace(0.6, 1.6, 11)
 COLOURS = ["#0072B2", "#E69F00", "#D55E00"]  # Okabe and Ito
 
 
@@ -57,7 +54,7 @@ def front(run):
     return {"speed": speed, "reach": (moved >= DISPLACED).sum(), "last": moved[-1]}
 
 
-def table(fmu):
+def table(fmu, count):
     """A row for each run: what is changed and by how much, and the parameters of the FMU."""
     with Crowd(fmu) as crowd:
         usual = {name: crowd[name] for name in crowd.fmu.variables}
@@ -66,8 +63,13 @@ def table(fmu):
     moduli = [n for n in usual if n.split(".")[0] == "material" and n.split(".")[1] in bodies]
     inertia = [n for n in usual if n.endswith((".Mass", ".MomentOfInertia"))]
     rows = []
-    for changed, values in (("stiffness", STIFFNESS), ("friction", FRICTION), ("mass", MASS)):
-        for value in values:
+    values = {
+        "stiffness": np.geomspace(0.25, 4, count),
+        "friction": np.linspace(0, 0.8, count),
+        "mass": np.linspace(0.6, 1.6, count),
+    }
+    for changed, each in values.items():
+        for value in each:
             row = {name: usual[name] for name in moduli + friction + inertia}
             for name in {"stiffness": moduli, "friction": friction, "mass": inertia}[changed]:
                 row[name] = value if changed == "friction" else value * usual[name]
@@ -121,11 +123,14 @@ def main():
     parser.add_argument("fmu", metavar="push.fmu")
     parser.add_argument("--plot", default="sweep_push.png", metavar="FILE.png")
     parser.add_argument("--out", metavar="DIR", help="results are kept in this directory as they come")
+    parser.add_argument("--values", type=int, default=11, metavar="N", help="of each of the three; default 11")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler; by default the cores of this machine")
     arguments = parser.parse_args()
+    if arguments.values < 1:
+        parser.error("--values: at least one is needed")
     try:
         fmu = load(arguments.fmu)
-        points, usual = table(fmu)
+        points, usual = table(fmu, arguments.values)
     except (FmuError, KeyError) as error:
         raise SystemExit(f"{arguments.fmu}: {error}; a Trial like resources/Trial_push is needed")
 

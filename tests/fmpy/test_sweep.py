@@ -275,7 +275,7 @@ def example(script, directory, *arguments):
 
 
 def test_sweep_push(push_fmu, tmp_path):
-    done = example("sweep_push.py", tmp_path, push_fmu, "--out", "results")
+    done = example("sweep_push.py", tmp_path, push_fmu, "--out", "results", "--values", "3")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "sweep_push.png").stat().st_size > 20_000
     table = pq.read_table(tmp_path / "results" / "peak_1200" / "table.parquet").to_pandas()
@@ -286,7 +286,7 @@ def test_sweep_push(push_fmu, tmp_path):
 
 def test_calibrate(lemons, shared, tmp_path):
     """A small one: it is no worse than what it starts from, and says what it does not know."""
-    few = ["--points", "32", "--starts", "1", "--searches", "1", "--profile", "5", "--evaluations", "2"]
+    few = ["--points", "32", "--starts", "1", "--searches", "1", "--profile", "5", "--evaluations", "1"]
     done = example("calibrate.py", tmp_path, shared / "data" / "push_wed", *few)
     assert done.returncode == 0, done.stderr
     rows = {line[:22].strip(): line[22:].split() for line in done.stdout.splitlines()}
