@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -43,6 +44,12 @@ def rows_of_tools(request):
 
 
 deselected = pytest.StashKey()
+
+
+# The package of this clone, for the tests and for all that they start.
+PACKAGE = str(REPOSITORY / "python" / "src")
+sys.path.insert(0, PACKAGE)
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [PACKAGE, os.environ.get("PYTHONPATH")]))
 
 
 def pytest_configure(config):

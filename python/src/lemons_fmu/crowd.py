@@ -1,0 +1,267 @@
+"""A crowd to step, and runs of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import TracebackType
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from .drive import Drive, DriveLike, Floats
+from .fmu import Fmu, FmuError, Instance, Source, Value, load
+
+Ints = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class State:
+    """A saved crowd, springs and parameters included; it can be pickled, and restored in another process."""
+
+    time: float
+    data: bytes
+
+
+class Crowd:
+    """An instance of a packed crowd of N people, initialized and ready to step.
+
+    `fmu` is a file, the bytes of one, or what `load` gave. `parameters` are set before initialization: parameters and
+    start values by their names in the FMU, where `agent[*].Mass` stands for everybody's. Use it in a `with`, or `close`
+    it: its instance then serves the next Crowd. One thread at a time may use it; make one for each thread.
+
+    Raises:
+        FmuError: the FMU's refusal, in its words.
+    """
+
+    def __init__(self, fmu: Source | Fmu, parameters: Mapping[str, Value] | None = None, *, start: float = 0.0) -> None:
+        self.fmu = load(fmu)
+        self._given: Instance | None = self.fmu.borrow()
+        #: [s]
+        self.time = start
+        try:
+            self._instance.initialize(parameters or {}, start)
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def _instance(self) -> Instance:
+        if self._given is None:
+            raise FmuError("the Crowd is closed")
+        return self._given
+
+    def __enter__(self) -> Crowd:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if getattr(self, "_given", None) is not None:
+            self.close()
+
+    def __len__(self) -> int:
+        """How many people there are."""
+        return self.fmu.agents
+
+    def __getitem__(self, name: str) -> Value:
+        """The value of a variable."""
+        return self._instance.get(name)
+
+    def close(self) -> None:
+        """Gives the instance back; the Crowd is of no more use."""
+        instance, self._given = self._given, None
+        if instance is not None:
+            self.fmu.give_back(instance)
+
+    def reset(self, parameters: Mapping[str, Value] | None = None, *, start: float = 0.0) -> None:
+        """The Trial's beginning again, with these parameters and no others."""
+        self._instance.reset()
+        self.time = start
+        self._instance.initialize(parameters or {}, start)
+
+    @property
+    def messages(self) -> list[str]:
+        """What the FMU said, warnings that is."""
+        return self._instance.messages
+
+    def set_drive(self, drive: Floats) -> None:
+        """Sets Fp.x, Fp.y [N] and Mp [N.m] of everybody, shape (N, 3), until they are set again."""
+        values = np.ascontiguousarray(drive, dtype=np.float64)
+        if values.shape != (self.fmu.agents, 3):
+            raise ValueError(f"the drive has the shape {values.shape}, not {(self.fmu.agents, 3)}")
+        self._instance.set_real(self.fmu.inputs, values)
+
+    def drive(self) -> Floats:
+        """Fp.x, Fp.y [N] and Mp [N.m], shape (N, 3)."""
+        return self._reals(self.fmu.inputs)
+
+    def step(self, step: float | None = None) -> None:
+        """Simulates a communication step [s]; by default the Trial's TimeStep."""
+        self.step_to(self.time + (self.fmu.step if step is None else step))
+
+    def step_to(self, time: float) -> None:
+        """Simulates a communication step that ends at this time [s]."""
+        self._instance.do_step(self.time, time - self.time)
+        self.time = time
+
+    def poses(self) -> Floats:
+        """x, y [m] and theta [rad] of everybody, shape (N, 3)."""
+        return self._reals(np.ascontiguousarray(self.fmu.reals[:, 0:3]))
+
+    def velocities(self) -> Floats:
+        """vx, vy [m/s] and omega [rad/s] of everybody, shape (N, 3)."""
+        return self._reals(np.ascontiguousarray(self.fmu.reals[:, 3:6]))
+
+    def squeeze(self) -> Floats:
+        """How hard everybody is squeezed, shape (N,): the sum of |F_n| over the contacts [N]."""
+        return self._reals(np.ascontiguousarray(self.fmu.reals[:, 6]))
+
+    def contacts(self) -> Ints:
+        """Contacts with people, contacts with walls, how many people touch, of everybody: shape (N, 3)."""
+        values = np.empty(self.fmu.counts.shape, dtype=np.int32)
+        self._instance.get_integer(self.fmu.counts, values)
+        return values
+
+    def masses(self) -> Floats:
+        """[kg], shape (N,)"""
+        return self._reals(self.fmu.references(("Mass",))[:, 0].copy())
+
+    def save(self) -> State:
+        """The state, in the middle of contacts too: restored and run on, results have the same bits."""
+        with self._instance.calls() as slave:
+            state = slave.getFMUstate()
+            try:
+                return State(self.time, bytes(slave.serializeFMUstate(state)))
+            finally:
+                slave.freeFMUstate(state)
+
+    def restore(self, state: State) -> None:
+        """Goes back to a state that was saved here, or from another Crowd of the same FMU."""
+        with self._instance.calls() as slave:
+            restored = slave.deSerializeFMUstate(state.data)
+            try:
+                slave.setFMUstate(restored)
+            finally:
+                slave.freeFMUstate(restored)
+        self.time = state.time
+
+    def run(self, drive: DriveLike = None, *, until: float, step: float | None = None) -> Run:
+        """Steps on to a time [s] and keeps everything at all communication points, which are multiples of the step from
+        here; the last step is shortened to end there."""
+        step = self.fmu.step if step is None else step
+        start = self.time
+        if not (math.isfinite(until) and until > start and math.isfinite(step) and step > 0):
+            raise ValueError(f"nothing to simulate: from {start} s to {until} s in steps of {step} s")
+        steps = max(1, math.ceil((until - start) / step - 1e-9))
+        times: Floats = start + np.arange(steps + 1, dtype=np.float64) * step
+        times[-1] = until
+        reals = np.empty((steps + 1, *self.fmu.reals.shape))
+        counts = np.empty((steps + 1, *self.fmu.counts.shape), dtype=np.int32)
+        instance = self._instance
+        pushes, driven = self._pushes(drive, times)
+        instance.get_real(self.fmu.reals, reals[0])
+        instance.get_integer(self.fmu.counts, counts[0])
+        for k in range(steps):
+            if pushes is not None:
+                if driven.size:
+                    instance.set_real(driven, pushes[k])
+            elif callable(drive):
+                self.set_drive(drive(self))
+            self.step_to(float(times[k + 1]))
+            instance.get_real(self.fmu.reals, reals[k + 1])
+            instance.get_integer(self.fmu.counts, counts[k + 1])
+        return Run(times, reals, counts, tuple(self.fmu.ids))
+
+    def _pushes(self, drive: DriveLike, times: Floats) -> tuple[Floats | None, NDArray[np.uint32]]:
+        """What a table drives, at each step, and the references of these inputs."""
+        nothing = np.empty(0, dtype=np.uint32)
+        if drive is None:
+            return np.empty(0), nothing
+        if isinstance(drive, Drive):
+            agents = list(drive.tables)
+            if agents and not (0 <= agents[0] and agents[-1] < self.fmu.agents):
+                raise ValueError(f"the drive is for agents {agents}; there are {self.fmu.agents}")
+            moments = times[:-1] if drive.at == "start" else (times[:-1] + times[1:]) / 2
+            masses = self.masses() if drive.per_mass else np.ones(self.fmu.agents)
+            pushes = np.empty((len(moments), len(agents), 3))
+            for place, agent in enumerate(agents):
+                pushes[:, place] = masses[agent] * drive.sample(agent, moments)
+            return pushes, self.fmu.references(("Fp.x", "Fp.y", "Mp"), agents)
+        if isinstance(drive, np.ndarray):
+            self.set_drive(drive)
+            return np.empty(0), nothing
+        return None, nothing
+
+    def _reals(self, references: NDArray[np.uint32]) -> Floats:
+        values = np.empty(references.shape)
+        self._instance.get_real(references, values)
+        return values
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run of N people showed at its K communication points, the first of which is the beginning."""
+
+    #: [s], shape (K,)
+    times: Floats
+    reals: Floats
+    counts: Ints
+    #: Of each agent, the Id of Agents.xml.
+    ids: tuple[str, ...]
+
+    @property
+    def poses(self) -> Floats:
+        """x, y [m], theta [rad]: shape (K, N, 3)"""
+        return self.reals[:, :, 0:3]
+
+    @property
+    def velocities(self) -> Floats:
+        """vx, vy [m/s], omega [rad/s]: shape (K, N, 3)"""
+        return self.reals[:, :, 3:6]
+
+    @property
+    def squeeze(self) -> Floats:
+        """Sum of |F_n| over the contacts [N]: shape (K, N)"""
+        return self.reals[:, :, 6]
+
+    @property
+    def contacts(self) -> Ints:
+        """Contacts with people, contacts with walls, how many people touch: shape (K, N, 3)"""
+        return self.counts
+
+    def frame(self) -> pd.DataFrame:
+        """The table that `lemons run` writes: a row for each agent at each communication point."""
+        points, agents = self.squeeze.shape
+        ids: list[int] | list[str] = list(self.ids)
+        if all(each.isascii() and each.isdigit() and str(int(each)) == each for each in self.ids):
+            ids = [int(each) for each in self.ids]
+        columns: dict[str, object] = {"t": np.repeat(self.times, agents), "id": np.tile(np.array(ids), points)}
+        for k, name in enumerate(("x", "y", "theta", "vx", "vy", "omega", "normal_force")):
+            columns[name] = self.reals[:, :, k].ravel()
+        for k, name in enumerate(("agent_contacts", "wall_contacts", "contacting_agents")):
+            columns[name] = self.counts[:, :, k].ravel().astype(np.int64)
+        order = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force"
+        return pd.DataFrame(columns)[order.split(",")]
+
+
+def simulate(
+    fmu: Source | Fmu,
+    drive: DriveLike = None,
+    parameters: Mapping[str, Value] | None = None,
+    until: float = 5.0,
+    *,
+    step: float | None = None,
+) -> pd.DataFrame:
+    """A run from the Trial's beginning until a time [s], as the table that `lemons run` writes:
+    t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force.
+
+    Raises:
+        FmuError: the FMU's refusal, in its words.
+        ValueError: drive, time or step are of no use.
+    """
+    with Crowd(fmu, parameters) as crowd:
+        return crowd.run(drive, until=until, step=step).frame()

@@ -1,0 +1,261 @@
+"""The directory of a sweep: a manifest, part files while it runs, one table at the end. python/README.md says it exactly."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from .fmu import Value
+
+FORMAT = 1
+MANIFEST, TABLE, LOCK = "sweep.json", "table.parquet", "sweep.lock"
+POINT, STATUS, ERROR = "point", "status", "error"
+OK, FAILED = "ok", "failed"
+RESERVED = (POINT, STATUS, ERROR)
+
+
+class SweepError(Exception):
+    """The sweep cannot go on: its directory is of another sweep, in use or damaged, or the scheduler is gone."""
+
+
+@dataclass(frozen=True)
+class Points:
+    """What is to be simulated: a row of parameter values for each point."""
+
+    names: tuple[str, ...]
+    #: A column for each name: float64, int64 or text.
+    columns: tuple[Any, ...]
+    count: int
+
+    @staticmethod
+    def of(points: Mapping[str, Iterable[Value]] | pd.DataFrame) -> Points:
+        """A grid (name → values; the last name varies fastest) or a table (a row for each point)."""
+        if isinstance(points, pd.DataFrame):
+            listed = {str(name): points[name].tolist() for name in points.columns}
+            count = len(points)
+            if len(listed) != len(points.columns):
+                raise ValueError("two columns of the table have the same name")
+        else:
+            axes = {str(name): list(values) for name, values in points.items()}
+            count = int(np.prod([len(values) for values in axes.values()], dtype=np.int64))
+            listed, repeat = {}, count
+            for name, values in axes.items():
+                repeat //= max(1, len(values))
+                column = [value for value in values for _ in range(repeat)]
+                listed[name] = column * (count // max(1, len(column)))
+        if count == 0:
+            raise ValueError("there are no points")
+        for name in listed:
+            if name in RESERVED:
+                raise ValueError(f"{name!r} cannot be a parameter: the table has a column of that name")
+        return Points(tuple(listed), tuple(_column(name, values) for name, values in listed.items()), count)
+
+    def values(self, point: int) -> tuple[Value, ...]:
+        return tuple(column[point] if isinstance(column, list) else column[point].item() for column in self.columns)
+
+    def sha256(self) -> str:
+        """Of the names and of all values row by row: numbers as 8 little-endian bytes, texts by their length and UTF-8."""
+        digest = hashlib.sha256(json.dumps(list(self.names), ensure_ascii=False, separators=(",", ":")).encode())
+        if any(isinstance(column, list) for column in self.columns):
+            for point in range(self.count):
+                for value in self.values(point):
+                    if isinstance(value, str):
+                        digest.update(len(value.encode()).to_bytes(8, "little") + value.encode())
+                    else:
+                        digest.update(np.array(value, dtype="<i8" if isinstance(value, int) else "<f8").tobytes())
+        else:
+            raw = [column.astype(column.dtype.newbyteorder("<")).view("<u8") for column in self.columns]
+            digest.update(np.column_stack(raw).tobytes() if raw else b"")
+        return digest.hexdigest()
+
+
+def _column(name: str, values: list[Any]) -> Any:
+    if all(isinstance(value, str) for value in values):
+        return values
+    if all(isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.bool_)) for value in values):
+        try:
+            return np.array(values, dtype=np.int64)
+        except OverflowError:
+            raise ValueError(f"parameter {name}: an integer is too large") from None
+    try:
+        if any(isinstance(value, (str, bool, np.bool_)) for value in values):
+            raise ValueError
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"parameter {name}: values are numbers, or all of them texts") from None
+
+
+#: A finished point: its number, what was measured, and the message if it failed.
+Result = tuple[int, Mapping[str, "float | str"], "str | None"]
+
+
+def part_of(points: Points, results: Sequence[Result]) -> pa.Table:
+    """Finished points as a table, sorted by point."""
+    results = sorted(results, key=lambda result: result[0])
+    rows = np.array([result[0] for result in results], dtype=np.int64)
+    columns: dict[str, Any] = {POINT: pa.array(rows)}
+    for name, column in zip(points.names, points.columns):
+        columns[name] = pa.array([column[row] for row in rows] if isinstance(column, list) else column[rows])
+    measures = {name: None for _, measured, _ in results for name in measured}
+    for name in measures:
+        values = [measured.get(name) for _, measured, _ in results]
+        kind = pa.string() if any(isinstance(value, str) for value in values) else pa.float64()
+        try:
+            columns[name] = pa.array(values, type=kind)
+        except (pa.ArrowInvalid, pa.ArrowTypeError):
+            raise SweepError(f"measure {name!r} is a number at some points and text at others") from None
+    columns[STATUS] = pa.array([OK if error is None else FAILED for *_, error in results], type=pa.string())
+    columns[ERROR] = pa.array([error for *_, error in results], type=pa.string())
+    return pa.table(columns)
+
+
+def joined(points: Points, parts: Sequence[pa.Table]) -> pa.Table:
+    """One table, each point once and sorted: of several rows of a point one that is `ok`, else the last. Measures come in
+    the order of the first point that is `ok`; those that only others have follow by name."""
+    if not parts:
+        return part_of(points, [])
+    fixed = [POINT, *points.names]
+    try:
+        table = pa.concat_tables([pa.table({n: part[n] for n in fixed + [STATUS, ERROR]}) for part in parts])
+        whole = pa.concat_tables(parts, promote_options="default")
+    except (pa.ArrowInvalid, pa.ArrowTypeError, KeyError) as error:
+        raise SweepError(f"the parts of the table do not fit together: {error}") from error
+    numbers = table[POINT].to_numpy()
+    good = (table[STATUS].combine_chunks().to_numpy(zero_copy_only=False) == OK).astype(np.int8)
+    order = np.lexsort((np.arange(len(numbers)), good, numbers))
+    last = np.append(numbers[order][1:] != numbers[order][:-1], True)
+    chosen = order[last]
+    first: list[str] = []
+    if good[chosen].any():
+        row = int(chosen[np.argmax(good[chosen])])
+        for part in parts:
+            if row < len(part):
+                names = [n for n in part.column_names if n not in (*fixed, STATUS, ERROR)]
+                first = [n for n in names if part[n][row].is_valid]
+                break
+            row -= len(part)
+    others = sorted(set(whole.column_names) - {*fixed, *first, STATUS, ERROR})
+    return whole.select([*fixed, *first, *others, STATUS, ERROR]).take(pa.array(chosen)).combine_chunks()
+
+
+class Directory:
+    """Where results are kept. One process at a time may write to it."""
+
+    def __init__(self, path: str | os.PathLike[str], manifest: Mapping[str, Any], points: Points) -> None:
+        self.path = Path(path)
+        self.points = points
+        self.path.mkdir(parents=True, exist_ok=True)
+        self._lock = os.open(self.path / LOCK, os.O_CREAT | os.O_RDWR, 0o644)
+        try:
+            try:
+                fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                raise SweepError(f"{self.path}: another process writes its results here") from None
+            for left in self.path.glob(".*.tmp"):
+                left.unlink()
+            self._begin({"format": FORMAT, **manifest})
+        except BaseException:
+            self.close()
+            raise
+
+    def _begin(self, manifest: Mapping[str, Any]) -> None:
+        path = self.path / MANIFEST
+        if path.exists():
+            try:
+                before = json.loads(path.read_text(encoding="utf-8"))
+            except ValueError as error:
+                raise SweepError(f"{path}: {error}") from None
+            other = [key for key in manifest if not isinstance(before, dict) or before.get(key) != manifest[key]]
+            if other:
+                raise SweepError(
+                    f"{self.path} holds another sweep: {', '.join(other)} not as in its {MANIFEST}; "
+                    "give another directory, or remove this one"
+                )
+        elif any(self.path.glob("*.parquet")):
+            raise SweepError(f"{self.path} holds tables, but no {MANIFEST}")
+        else:
+            text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
+            self._write(MANIFEST, lambda file: file.write(text.encode()))
+
+    def close(self) -> None:
+        os.close(self._lock)
+
+    def parts(self) -> list[Path]:
+        return sorted(self.path.glob("part-*.parquet"))
+
+    def read(self) -> pa.Table:
+        """All that is finished."""
+        parts = []
+        for path in [self.path / TABLE, *self.parts()]:
+            if path.exists():
+                try:
+                    part = pq.read_table(path)
+                    self._check(part)
+                except (OSError, pa.ArrowException, ValueError, KeyError) as error:
+                    raise SweepError(f"{path} cannot be used: {error}; remove it, and its points are simulated again") from None
+                parts.append(part)
+        return joined(self.points, parts)
+
+    def _check(self, part: pa.Table) -> None:
+        """A point is its number and its values: both must be those of this sweep."""
+        numbers = part[POINT].to_numpy()
+        if len(numbers) and not (0 <= numbers.min() and numbers.max() < self.points.count):
+            raise ValueError("it has points that the sweep does not have")
+        wanted = part_of(self.points, [(int(number), {}, None) for number in np.sort(numbers)])
+        mine = part.select([POINT, *self.points.names]).sort_by(POINT)
+        if not mine.equals(wanted.select(mine.column_names)) and not _same(mine, wanted):
+            raise ValueError("its points have other values than those of the sweep")
+
+    def add(self, results: Sequence[Result]) -> None:
+        """A part file more."""
+        number = max((int(path.stem.removeprefix("part-")) for path in self.parts()), default=0) + 1
+        table = part_of(self.points, results)
+        self._write(f"part-{number:06}.parquet", lambda file: pq.write_table(table, file))
+
+    def finish(self, table: pa.Table) -> None:
+        """The whole table in place of the parts."""
+        self._write(TABLE, lambda file: pq.write_table(table, file))
+        for path in self.parts():
+            path.unlink()
+
+    def _write(self, name: str, write: Any) -> None:
+        """Whole or not at all, after a power failure too."""
+        temporary = self.path / f".{name}.tmp"
+        with open(temporary, "wb") as file:
+            write(file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, self.path / name)
+
+
+def _same(one: pa.Table, other: pa.Table) -> bool:
+    """As `equals`, with NaN equal to itself."""
+    pairs = ((one[n].to_numpy(), other[n].to_numpy()) for n in one.column_names)
+    return all(np.array_equal(a, b, equal_nan=a.dtype.kind == "f") for a, b in pairs)
+
+
+class Intervals:
+    """When results are to be written: a second after the last time, or a hundredth of the time since the beginning, which
+    keeps the number of parts of a long sweep small."""
+
+    def __init__(self) -> None:
+        self.start = self.last = time.monotonic()
+
+    def left(self) -> float:
+        now = time.monotonic()
+        return max(0.0, self.last + max(1.0, 0.01 * (now - self.start)) - now)
+
+    def done(self) -> None:
+        self.last = time.monotonic()

@@ -1,0 +1,392 @@
+"""Many runs of a packed crowd with other parameters, on the cores of this machine or on a Dask cluster."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import math
+import os
+import queue
+import sys
+import time
+import weakref
+from asyncio import CancelledError
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Union
+
+import cloudpickle
+import dask
+import numpy as np
+import pandas as pd
+from dask.system import CPU_COUNT
+from distributed import Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
+
+from .crowd import Crowd, Run
+from .drive import DriveLike, function_identity, identity
+from .fmu import Fmu, FmuError, Source, Value, load, scratch
+from .results import FAILED, POINT, RESERVED, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of
+
+#: What is to be known of a run: names and numbers (or texts).
+Measure = Callable[[Run], Mapping[str, Any]]
+#: A grid (name → values, all combinations, the last name varies fastest) or a table (a row for each point).
+Grid = Union[Mapping[str, Iterable[Value]], pd.DataFrame]
+
+
+#: [s] A task of the workers is as many points as take so long: Dask costs some 10 ms for each task.
+TASK = 0.5
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a sweep is."""
+
+    done: int
+    failed: int
+    total: int
+    #: [s] since it was started.
+    seconds: float
+    #: Of those done, how many were so when it was started.
+    before: int
+    #: How many threads workers have, None where that is not known; 0: nothing happens until a worker comes.
+    threads: int | None
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What all points of a sweep have in common."""
+
+    key: str
+    fmu: str  # SHA-256
+    names: tuple[str, ...]
+    work: bytes  # drive and measure, pickled by value
+    until: float
+    step: float
+
+
+class _FmuOnWorker(WorkerPlugin):
+    """Brings the FMU's bytes to every worker once, to those that come later too: no shared file system is needed."""
+
+    def __init__(self, data: bytes, sha256: str) -> None:
+        self.data = data
+        self.name = f"lemons-fmu-{sha256}"
+
+    def setup(self, worker: Worker) -> None:
+        fmu = load(self.data)
+        _fmus[fmu.sha256] = fmu
+
+
+class _JobOnWorker(WorkerPlugin):
+    def __init__(self, job: _Job) -> None:
+        self.job = job
+        self.name = f"lemons-sweep-{job.key}"
+
+    def setup(self, worker: Worker) -> None:
+        _jobs[self.job.key] = self.job, cloudpickle.loads(self.job.work)
+
+    def teardown(self, worker: Worker) -> None:
+        _jobs.pop(self.job.key, None)
+
+
+_fmus: dict[str, Fmu] = {}
+_jobs: dict[str, tuple[_Job, tuple[DriveLike, Measure]]] = {}
+_sent: weakref.WeakKeyDictionary[Client, set[str]] = weakref.WeakKeyDictionary()
+
+
+def _simulate_points(key: str, points: list[tuple[int, tuple[Value, ...]]]) -> tuple[list[Result], float]:
+    """On a worker: results, and the time that they took [s]."""
+    start = time.perf_counter()
+    results = [_simulate_point(key, point, values) for point, values in points]
+    return results, time.perf_counter() - start
+
+
+def _simulate_point(key: str, point: int, values: tuple[Value, ...]) -> Result:
+    job, (drive, measure) = _jobs[key]
+    try:
+        with Crowd(_fmus[job.fmu], dict(zip(job.names, values))) as crowd:
+            run = crowd.run(drive, until=job.until, step=job.step)
+        return point, _measured(measure(run), job.names), None
+    except FmuError as error:
+        return point, {}, str(error)
+    except Exception as error:  # a point's failure is a row of the table, not the end
+        return point, {}, f"{type(error).__name__}: {error}"
+
+
+def _measured(measures: Mapping[str, Any], parameters: tuple[str, ...]) -> dict[str, float | str]:
+    out: dict[str, float | str] = {}
+    for name, value in measures.items():
+        if name in parameters or name in RESERVED:
+            raise ValueError(f"the measure has the name of another column: {name!r}")
+        out[str(name)] = value if isinstance(value, str) else math.nan if value is None else float(value)
+    return out
+
+
+def sweep(
+    fmu: Source | Fmu,
+    points: Grid,
+    drive: DriveLike,
+    measure: Measure,
+    *,
+    until: float,
+    step: float | None = None,
+    out: str | os.PathLike[str] | None = None,
+    client: Client | str | None = None,
+    progress: bool | Callable[[Progress], None] = True,
+    retry_failed: bool = False,
+) -> pd.DataFrame:
+    """Simulates every point until a time [s] and returns a table: `point`, the parameters, what `measure` gave of each
+    run, `status` (`ok` or `failed`) and `error` (the message of a failed one), sorted by point.
+
+    `points` is a grid or a table of parameters by their names in the FMU; `agent[*].Mass` sets everybody's. `drive` is
+    as for `Crowd.run`. `measure` gets a `Run` and gives names and numbers (or texts).
+
+    With `out`, results are written to that directory as they come, and a sweep that was killed goes on from there: the
+    points that are finished are not simulated again (those that failed only with `retry_failed`).
+
+    `client` is a Dask client or the address of a scheduler; without one, all cores of this machine are used. There
+    workers are processes, so a script needs `if __name__ == "__main__":`. `progress` shows how far it is on standard
+    error, or calls a function.
+
+    Raises:
+        FmuError: the FMU cannot be read, or has no variable of such a name.
+        ValueError: points, drive or times are of no use.
+        SweepError: the directory is of another sweep, or the scheduler is gone.
+    """
+    fmu = load(fmu)
+    table = Points.of(points)
+    for name in table.names:
+        fmu.expand(name)
+    step = fmu.step if step is None else float(step)
+    if not (math.isfinite(until) and until > 0 and math.isfinite(step) and step > 0):
+        raise ValueError(f"nothing to simulate: until {until} s in steps of {step} s")
+    job = _Job(os.urandom(8).hex(), fmu.sha256, table.names, cloudpickle.dumps((drive, measure)), float(until), step)
+    report = _report(progress)
+
+    directory = None if out is None else Directory(out, _manifest(fmu, table, drive, measure, job), table)
+    try:
+        kept = [] if directory is None else [directory.read()]
+        threads: int | None
+        finished = np.zeros(table.count, dtype=bool)
+        failed = 0
+        for part in kept:
+            bad = part[STATUS].to_numpy() == FAILED
+            finished[part[POINT].to_numpy()[~bad if retry_failed else slice(None)]] = True
+            failed = 0 if retry_failed else int(bad.sum())
+        before = int(finished.sum())
+        open_points = np.flatnonzero(~finished)
+        start = time.monotonic()
+
+        def tell() -> None:
+            report(Progress(before + done, failed, table.count, time.monotonic() - start, before, threads))
+
+        done, threads = 0, None
+        tell()
+        if len(open_points):
+            pending: list[Result] = []
+            intervals = Intervals()
+
+            def write() -> None:
+                if pending:
+                    if directory is None:
+                        kept.append(part_of(table, pending))
+                    else:
+                        directory.add(pending)
+                    pending.clear()
+                intervals.done()
+
+            with client_of(client) as cluster:
+                send_fmu(cluster, fmu)
+                cluster.register_plugin(_JobOnWorker(job))
+                under_way = _Run(cluster, job, table, open_points.tolist())
+                try:
+                    for some in under_way.results(lambda: intervals.left() if pending else None):
+                        pending += some
+                        done += len(some)
+                        failed += sum(error is not None for *_, error in some)
+                        if not intervals.left():
+                            write()
+                        if some or under_way.threads != threads:
+                            threads = under_way.threads
+                            tell()
+                finally:
+                    write()
+                    _clean_up(cluster, job, [future for future, _ in under_way.under_way.values()])
+        whole = joined(table, kept) if directory is None else directory.read()
+        if directory is not None and directory.parts():
+            directory.finish(whole)
+        frame: pd.DataFrame = whole.to_pandas()
+        return frame
+    finally:
+        if directory is not None:
+            directory.close()
+
+
+def _manifest(fmu: Fmu, points: Points, drive: DriveLike, measure: Measure, job: _Job) -> dict[str, Any]:
+    """What must be the same for a sweep to go on; python/README.md explains it."""
+    return {
+        "fmu": {"model": fmu.model_name, "guid": fmu.guid, "sha256": fmu.sha256},
+        "points": {"parameters": list(points.names), "count": points.count, "sha256": points.sha256()},
+        "drive": identity(drive),
+        "measure": function_identity(measure),
+        "until": job.until,
+        "step": job.step,
+    }
+
+
+@contextmanager
+def client_of(client: Client | str | None) -> Iterator[Client]:
+    """A client for an address; for None one with a worker process for each core of this machine, closed at the end."""
+    if isinstance(client, Client):
+        if client.asynchronous:
+            raise ValueError("an asynchronous client cannot be used here")
+        yield client
+    elif client is not None:
+        with Client(client, timeout="20s") as remote:
+            yield remote
+    else:
+        with local_cluster() as cluster, Client(cluster) as local:
+            yield local
+
+
+def local_cluster(workers: int | None = None, *, threads: int = 1, processes: bool = True) -> LocalCluster:
+    """Workers on this machine, by default one for each of its cores."""
+    # Nobody looks at the profile that workers take of themselves a hundred times a second.
+    own = str(scratch())
+    with dask.config.set({"distributed.worker.profile.enabled": False, "temporary-directory": own}):
+        return LocalCluster(
+            n_workers=workers or CPU_COUNT,
+            threads_per_worker=threads,
+            processes=processes,
+            dashboard_address="127.0.0.1:0",  # whatever port is free
+            local_directory=own,
+            memory_limit=0,
+            silence_logs=logging.ERROR,
+        )
+
+
+def send_fmu(client: Client, fmu: Fmu) -> None:
+    """Brings an FMU to all workers, if this client has not done so before."""
+    sent = _sent.setdefault(client, set())
+    if fmu.sha256 not in sent:
+        client.register_plugin(_FmuOnWorker(fmu.data, fmu.sha256))
+        sent.add(fmu.sha256)
+
+
+class _Run:
+    """The points of a job on their way to the workers and back."""
+
+    def __init__(self, client: Client, job: _Job, points: Points, open_points: list[int]) -> None:
+        self.client = client
+        self.job = job
+        self.points = points
+        self.left = deque(open_points)
+        #: Points whose worker died again and again. Dask blames all that a worker had to do; so these come at the end, and
+        #: one at a time, to see which one does it.
+        self.suspects: deque[int] = deque()
+        self.alone = False
+        self.under_way: dict[str, tuple[Future[Any], list[int]]] = {}
+        self.arrived: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
+        self.tasks = itertools.count()
+        self.threads, self.looked = 0, -math.inf
+        self.each = math.inf  # [s] that a point takes
+
+    def results(self, patience: Callable[[], float | None]) -> Iterator[list[Result]]:
+        """As they come; an empty list when patience [s] is at its end."""
+        self.fill()
+        while self.under_way:
+            batch: list[Future[Any]] = []
+            try:
+                batch.append(self.arrived.get(timeout=min(2.0, patience() or 2.0)))
+                while True:
+                    batch.append(self.arrived.get_nowait())
+            except queue.Empty:
+                pass
+            yield self.collect(batch)
+            self.fill()
+
+    def fill(self) -> None:
+        """Keeps all workers busy, and no more under way than that."""
+        if time.monotonic() - self.looked > 2.0:  # workers come and go
+            self.threads, self.looked = sum(self.client.nthreads().values()), time.monotonic()
+        threads = max(1, self.threads)
+        while self.left and len(self.under_way) < 2 * threads + 1:
+            # Near the end tasks become smaller, so that nobody waits for one.
+            count = min(TASK / self.each, len(self.left) / (2 * threads))
+            self.submit([self.left.popleft() for _ in range(max(1, int(count)))])
+        if self.suspects and not self.under_way:
+            self.alone = True
+            self.submit([self.suspects.popleft()])
+
+    def submit(self, some: list[int]) -> None:
+        key = f"lemons-{self.job.key}-{next(self.tasks)}"
+        work = [(point, self.points.values(point)) for point in some]
+        future = self.client.submit(_simulate_points, self.job.key, work, key=key, pure=False)
+        self.under_way[key] = future, some
+        future.add_done_callback(self.arrived.put)
+
+    def collect(self, batch: list[Future[Any]]) -> list[Result]:
+        results: list[Result] = []
+        for future in batch:
+            key = str(future.key)
+            if future.status in ("pending", "lost"):  # its worker died before it was asked: it is simulated again
+                future.add_done_callback(self.arrived.put)
+                continue
+            some = self.under_way[key][1]
+            try:
+                got, seconds = future.result()
+            except KilledWorker:
+                if not self.alone:
+                    self.suspects += some
+                else:
+                    results.append((some[0], {}, "the worker died again and again while it simulated this point"))
+            except CancelledError:
+                raise SweepError("the scheduler is gone, or has cancelled the sweep; what was finished is kept") from None
+            except Exception as error:  # not a point's: those are rows
+                raise SweepError(f"the workers cannot simulate: {type(error).__name__}: {error}") from error
+            else:
+                results += got
+                each = max(seconds / len(got), 1e-6)
+                self.each = each if math.isinf(self.each) else 0.8 * self.each + 0.2 * each
+            del self.under_way[key]
+        return results
+
+
+def _clean_up(client: Client, job: _Job, futures: list[Future[Any]]) -> None:
+    try:
+        if client.status == "running":
+            if futures:
+                client.cancel(futures)
+            client.unregister_worker_plugin(f"lemons-sweep-{job.key}")
+    except (OSError, TimeoutError, ValueError):
+        pass  # what went wrong before this is what is told
+
+
+def _report(progress: bool | Callable[[Progress], None]) -> Callable[[Progress], None]:
+    if not isinstance(progress, bool):
+        return progress
+    return _Line() if progress else lambda _: None
+
+
+class _Line:
+    """A line on standard error, which a terminal shows again and again; elsewhere one every half minute."""
+
+    def __init__(self) -> None:
+        self.terminal = sys.stderr.isatty()
+        self.last = -math.inf
+
+    def __call__(self, at: Progress) -> None:
+        end = at.done == at.total
+        if at.seconds - self.last < (0.2 if self.terminal else 30.0) and not end:
+            return
+        self.last = at.seconds
+        new = at.done - at.before
+        rest = f"{(at.total - at.done) * at.seconds / new:.0f} s left" if new and not end else f"{at.seconds:.0f} s"
+        if at.threads == 0 and not end:
+            rest = "waiting for workers"
+        line = f"{at.done} of {at.total} points, {at.failed} failed, {rest}"
+        print(f"\r{line:<60}" if self.terminal else line, end="" if self.terminal and not end else "\n", file=sys.stderr)
+        sys.stderr.flush()
+
+

@@ -1,0 +1,312 @@
+"""Sweeps: their table, on threads, processes and a cluster; nothing is lost when something is killed."""
+
+import itertools
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import cloudpickle
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from crowd import REPOSITORY, TRIAL_PUSH
+from distributed import Client
+from lemons_fmu import Drive, FmuError, SweepError, load, local_cluster, simulate, sweep
+
+# Workers of a cluster need not have this file.
+cloudpickle.register_pickle_by_value(sys.modules[__name__])
+
+FRICTION = "contact.human_naked.human_naked.KineticFriction"
+GRID = {"agent[*].Mass": [60.0, -1.0, 80.0], FRICTION: [0.0, 0.4]}
+RUN = {"until": 0.5, "step": 0.05, "progress": False}
+
+
+@pytest.fixture(scope="module")
+def fmu(push_fmu):
+    return load(push_fmu)
+
+
+@pytest.fixture(scope="module")
+def drive(fmu):
+    return Drive.read(TRIAL_PUSH / "drive.csv", fmu.ids)
+
+
+@pytest.fixture(scope="module")
+def here():
+    """A client with two threads of this process."""
+    with local_cluster(1, threads=2, processes=False) as cluster, Client(cluster) as client:
+        yield client
+
+
+def measure(run):
+    return {"x": run.poses[-1, 0, 0], "squeeze": run.squeeze.max(), "contacts": run.contacts[-1, :, 0].sum()}
+
+
+def test_the_table(fmu, drive, here, tmp_path):
+    """The last name varies fastest; a point that fails says why; a point is what `simulate` gives."""
+    out = tmp_path / "results"
+    table = sweep(fmu, GRID, drive, measure, out=out, client=here, **RUN)
+    assert list(table) == ["point", *GRID, "x", "squeeze", "contacts", "status", "error"]
+    assert table.point.tolist() == list(range(6))
+    assert list(zip(*(table[name] for name in GRID))) == list(itertools.product(*GRID.values()))
+    assert table.status.tolist() == ["ok", "ok", "failed", "failed", "ok", "ok"]
+    assert set(table.error[2:4]) == {"fmi2SetReal: agent[0].Mass = -1.0: must be positive"}
+    assert table.error[[0, 1, 4, 5]].isna().all() and table.x[2:4].isna().all()
+    for point in (1, 4):
+        masses = {f"agent[{i}].Mass": table["agent[*].Mass"][point] for i in range(5)}
+        wanted = simulate(fmu, drive, {**masses, FRICTION: table[FRICTION][point]}, RUN["until"])
+        assert table.x[point] == wanted.x.iloc[-5]
+        assert table["squeeze"][point] == wanted.normal_force.max()
+    assert table["squeeze"].max() > 100.0
+    assert sorted(path.name for path in out.iterdir()) == ["sweep.json", "sweep.lock", "table.parquet"]
+    stored = pq.read_table(out / "table.parquet")
+    pd.testing.assert_frame_equal(stored.to_pandas(), table, check_exact=True)
+    kinds = {name: str(kind) for name, kind in zip(stored.schema.names, stored.schema.types)}
+    assert kinds["point"] == "int64" and kinds["x"] == kinds["contacts"] == "double" and kinds["error"] == "string"
+    as_table = pd.DataFrame(itertools.product(*GRID.values()), columns=list(GRID))
+    again = sweep(fmu, as_table, drive, measure, client=here, **RUN)
+    pd.testing.assert_frame_equal(again, table, check_exact=True)
+
+
+def test_a_finished_sweep_is_not_simulated_again(fmu, drive, here, tmp_path):
+    def mark(run):
+        with open(tmp_path / "marks", "a") as file:
+            file.write("x")
+        return measure(run)
+
+    marks = tmp_path / "marks"
+    first = sweep(fmu, GRID, drive, mark, out=tmp_path / "out", client=here, **RUN)
+    assert marks.stat().st_size == 4
+    calls = []
+    options = {**RUN, "progress": calls.append}
+    again = sweep(fmu, GRID, drive, mark, out=tmp_path / "out", client=here, **options)
+    pd.testing.assert_frame_equal(again, first, check_exact=True)
+    assert marks.stat().st_size == 4 and [call.done for call in calls] == [6]
+    # Only those that failed, when that is asked for.
+    again = sweep(fmu, GRID, drive, mark, out=tmp_path / "out", client=here, retry_failed=True, **options)
+    pd.testing.assert_frame_equal(again, first, check_exact=True)
+    assert marks.stat().st_size == 4 and (calls[1].done, calls[-1].done) == (4, 6)
+
+
+def test_failures_of_measure_and_drive_are_rows(fmu, here):
+    def push(crowd):
+        drive = np.zeros((5, 3))
+        drive[0, 0] = math.nan if crowd.time > 0.2 and crowd["agent[1].Mass"] > 70 else 500.0
+        return drive
+
+    def weigh(run):
+        if run.poses[-1, 0, 0] > 0 and len(run.times) > 3:
+            return {"x": run.poses[-1, 0, 0], "nothing": None, "word": "far"}
+        raise LookupError("nobody moved")
+
+    table = sweep(fmu, {"agent[1].Mass": [60.0, 80.0]}, push, weigh, client=here, **RUN)
+    assert table.error[1] == "fmi2SetReal: agent[0].Fp.x = NaN: must be finite"
+    assert table.word[0] == "far" and math.isnan(table.nothing[0])
+    table = sweep(fmu, {"agent[1].Mass": [60.0]}, None, weigh, client=here, **RUN)
+    assert table.error.tolist() == ["LookupError: nobody moved"]
+    table = sweep(fmu, {"agent[1].Mass": [60.0]}, None, lambda run: {"status": 1}, client=here, **RUN)
+    assert "name of another column: 'status'" in table.error[0]
+
+
+def test_what_cannot_be_swept_is_refused_at_once(fmu, here, tmp_path):
+    def refused(error, words, grid, out=None, **options):
+        with pytest.raises(error, match=words):
+            sweep(fmu, grid, None, measure, out=out, client=here, **{**RUN, **options})
+
+    refused(FmuError, "no variable 'agent.5..Mass'", {"agent[5].Mass": [1.0]})
+    refused(ValueError, "no points", {"agent[1].Mass": []})
+    refused(ValueError, "nothing to simulate", {"agent[1].Mass": [60.0]}, until=-1.0)
+    refused(ValueError, "agent.1..Mass: values are numbers", {"agent[1].Mass": [60.0, "heavy"]})
+    refused(ValueError, "'status' cannot be a parameter", {"status": [60.0]})
+    out = tmp_path / "out"
+    sweep(fmu, {"agent[1].Mass": [60.0]}, None, measure, out=out, client=here, **RUN)
+    refused(SweepError, "another sweep: points not", {"agent[1].Mass": [61.0]}, out)
+    refused(SweepError, "another sweep: until not", {"agent[1].Mass": [60.0]}, out, until=0.6)
+    with pytest.raises(SweepError, match="another sweep: drive, measure not"):
+        sweep(fmu, {"agent[1].Mass": [60.0]}, np.zeros((5, 3)), lambda run: {}, out=out, client=here, **RUN)
+    damaged = bytearray((out / "table.parquet").read_bytes())
+    (out / "part-000001.parquet").write_bytes(damaged[: len(damaged) // 2])
+    refused(SweepError, "part-000001.parquet cannot be used", {"agent[1].Mass": [60.0]}, out)
+    (out / "part-000001.parquet").unlink()
+    (out / "sweep.json").unlink()
+    refused(SweepError, "no sweep.json", {"agent[1].Mass": [60.0]}, out)
+
+
+def test_the_fingerprint_of_points_is_as_the_manual_says(fmu, here, tmp_path):
+    import hashlib
+    import struct
+
+    grid = {"agent[1].Mass": [60.5, 70.0], "Threads": [1, 2], "Trial": ["Trial_push"]}
+    sweep(fmu, grid, None, measure, out=tmp_path / "out", client=here, **RUN)
+    data = b'["agent[1].Mass","Threads","Trial"]'
+    for mass, threads, trial in itertools.product(*grid.values()):
+        data += struct.pack("<dqQ", mass, threads, len(trial)) + trial.encode()
+    manifest = json.loads((tmp_path / "out" / "sweep.json").read_text())
+    assert manifest["points"] == {"parameters": list(grid), "count": 4, "sha256": hashlib.sha256(data).hexdigest()}
+    only_numbers = {name: grid[name] for name in ("agent[1].Mass", "Threads")}
+    sweep(fmu, only_numbers, None, measure, out=tmp_path / "numbers", client=here, **RUN)
+    data = b'["agent[1].Mass","Threads"]'
+    data += b"".join(struct.pack("<dq", *point) for point in itertools.product(*only_numbers.values()))
+    manifest = json.loads((tmp_path / "numbers" / "sweep.json").read_text())
+    assert manifest["points"]["sha256"] == hashlib.sha256(data).hexdigest()
+
+
+# A sweep of points that take 0.05 s each, whose runs are noted: on threads of its own process, so that one SIGKILL ends all.
+SLOW = """
+import os, sys, time
+from distributed import Client
+from lemons_fmu import local_cluster, sweep
+
+NAME = "contact.human_naked.human_naked.KineticFriction"
+
+def measure(run):
+    time.sleep(0.05)
+    with open(sys.argv[3], "a") as file:
+        file.write("x\\n")
+    return {"x": run.poses[-1, 0, 0], "y": run.poses[-1, 1, 1]}
+
+if __name__ == "__main__":
+    points = {NAME: [k / 100 for k in range(60)], "agent[1].Mass": [70.0]}
+    with local_cluster(1, processes=False) as cluster, Client(cluster) as client:
+        table = sweep(sys.argv[1], points, None, measure, until=0.1, out=sys.argv[2], client=client, progress=False)
+    table.to_pickle(sys.argv[4])
+"""
+
+
+def test_a_killed_sweep_goes_on_and_gives_the_same_table(push_fmu, tmp_path):
+    script = tmp_path / "slow.py"
+    script.write_text(SLOW)
+
+    def start(name, out="out"):
+        return subprocess.Popen([sys.executable, script, push_fmu, tmp_path / out, tmp_path / name, tmp_path / f"{name}.pickle"])
+
+    out, ends = tmp_path / "out", time.monotonic() + 60
+    killed = start("first")
+    while len(list(out.glob("part-*.parquet"))) < 2:
+        assert killed.poll() is None and time.monotonic() < ends
+        time.sleep(0.02)
+    killed.send_signal(signal.SIGKILL)
+    assert killed.wait() == -signal.SIGKILL
+    kept = sum(pq.read_table(path).num_rows for path in out.glob("part-*.parquet"))
+    assert 0 < kept < 60
+    assert not (out / "table.parquet").exists()
+    assert start("second").wait() == 0
+    assert len((tmp_path / "second").read_text().split()) == 60 - kept, "a finished point was simulated again"
+    assert start("third", "whole").wait() == 0
+    table, wanted = (pd.read_pickle(tmp_path / f"{name}.pickle") for name in ("second", "third"))
+    pd.testing.assert_frame_equal(table, wanted, check_exact=True)
+    assert (table.status == "ok").all() and len(table) == 60 and table.x.notna().all()
+    assert (out / "table.parquet").read_bytes() == (tmp_path / "whole" / "table.parquet").read_bytes()
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A scheduler and two workers as examples/sweep_cluster.md starts them, without a nanny that would start them again."""
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    file = tmp_path / "scheduler.json"
+    command = [sys.executable, "-m", "dask"]
+    loopback = ["--host", "127.0.0.1", "--no-dashboard"]
+    started = [subprocess.Popen([*command, "scheduler", *loopback, "--port", "0", "--scheduler-file", file], env=environment)]
+    worker = [*command, "worker", "--host", "127.0.0.1", "--no-dashboard", "--no-nanny", "--nthreads", "1", "--scheduler-file", file]
+    started += [subprocess.Popen([*worker, "--local-directory", tmp_path], env=environment) for _ in range(2)]
+    try:
+        ends = time.monotonic() + 60
+        while not file.exists():
+            assert time.monotonic() < ends
+            time.sleep(0.05)
+        with Client(scheduler_file=str(file), timeout="60s") as client:
+            client.wait_for_workers(2, timeout=60)
+            yield json.loads(file.read_text())["address"], [process.pid for process in started[1:]]
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+def test_a_killed_worker_loses_no_point(fmu, drive, here, cluster):
+    address, workers = cluster
+
+    def slow(run):
+        time.sleep(0.02)
+        return {**measure(run), "process": str(os.getpid())}
+
+    seen = []
+
+    def kill(progress):
+        seen.append(progress.done)
+        if progress.done >= 20 and len(workers) == 2:
+            os.kill(workers.pop(), signal.SIGKILL)
+
+    grid = {FRICTION: np.linspace(0, 1, 40), "agent[1].Mass": [50.0, -1.0]}
+    table = sweep(fmu, grid, drive, slow, client=address, **{**RUN, "progress": kill})
+    assert seen[-1] == 80 and len(workers) == 1, "no worker was killed"
+    wanted = sweep(fmu, grid, drive, measure, client=here, **RUN)
+    pd.testing.assert_frame_equal(table.drop(columns="process"), wanted, check_exact=True)
+    processes = table.process.dropna().value_counts()
+    assert len(processes) == 2 and processes[str(workers[0])] >= 10
+
+
+def test_a_point_that_kills_its_worker_is_a_row(fmu):
+    def deadly(run):
+        if run.poses[0, 1, 0] > 0.28:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return {"x": run.poses[-1, 0, 0]}
+
+    places = np.full(8, 0.279)
+    places[5] = 0.2801
+    def forgive_nothing(dask_scheduler):
+        dask_scheduler.allowed_failures = 0
+
+    with local_cluster(1) as workers, Client(workers) as client:
+        client.run_on_scheduler(forgive_nothing)
+        table = sweep(fmu, {"agent[1].Position.x": places}, None, deadly, client=client, **{**RUN, "until": 0.1})
+    assert table.status.tolist() == ["ok"] * 5 + ["failed"] + ["ok"] * 2
+    assert table.error[5] == "the worker died again and again while it simulated this point"
+
+
+def example(script, directory, *arguments):
+    command = [sys.executable, REPOSITORY / "examples" / script, *arguments]
+    return subprocess.run(command, cwd=directory, capture_output=True, text=True, env={**os.environ, "TMPDIR": str(directory)})
+
+
+def test_sweep_push(push_fmu, tmp_path):
+    done = example("sweep_push.py", tmp_path, push_fmu, "--out", "results", "--values", "3")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "sweep_push.png").stat().st_size > 20_000
+    table = pq.read_table(tmp_path / "results" / "peak_1200" / "table.parquet").to_pandas()
+    assert (table.status == "ok").all() and table.reach.between(1, 5).all() and table.speed.between(0.5, 6).all()
+    left = sorted(path.name for path in tmp_path.iterdir() if not path.name.startswith("lemons-fmu"))
+    assert left == ["results", "sweep_push.png"]
+
+
+def test_calibrate(lemons, shared, tmp_path):
+    """A small one: it is no worse than what it starts from, and says what it does not know."""
+    few = ["--points", "32", "--starts", "1", "--searches", "1", "--profile", "5", "--evaluations", "1"]
+    done = example("calibrate.py", tmp_path, shared / "data" / "push_wed", *few)
+    assert done.returncode == 0, done.stderr
+    rows = {line[:22].strip(): line[22:].split() for line in done.stdout.splitlines()}
+    paper, fit = map(float, rows["mean"][:2])
+    assert paper == pytest.approx(0.0566, abs=0.001) and fit < paper
+    assert float(rows["relaxation time [s]"][0]) == pytest.approx(0.222, abs=0.001)
+    assert (tmp_path / "calibration.png").stat().st_size > 20_000
+
+
+def test_intervals_of_a_profile(monkeypatch):
+    monkeypatch.syspath_prepend(REPOSITORY / "examples")
+    from calibrate import effective_number, interval
+
+    values = np.linspace(-1, 1, 21)
+    (_, low), (_, high) = interval(values, values**2, 0.25)
+    assert [math.log(low), math.log(high)] == pytest.approx([-0.5, 0.5], abs=0.01)
+    assert [sign for sign, _ in interval(values, np.maximum(values, 0), 0.25)] == ["<", ""]
+    # Of an autoregressive series with coefficient a, (1 - a) / (1 + a) of the numbers are effective.
+    noise = np.random.default_rng(1).normal(size=(20, 2000))
+    series = np.zeros_like(noise)
+    for k in range(1, 2000):
+        series[:, k] = 0.9 * series[:, k - 1] + noise[:, k]
+    assert effective_number(series) == pytest.approx(20 * 2000 / 19, rel=0.25)
