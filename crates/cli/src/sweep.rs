@@ -26,7 +26,7 @@ pub struct Arguments {
     threads: Option<u16>,
     /// Simulate failed points again
     #[arg(long)]
-    retry: bool,
+    retry_failed: bool,
     /// The table as CSV, too
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
@@ -93,7 +93,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         bar.set_position(at.done as u64);
     };
     let started = Instant::now();
-    let (kept, at) = run(&spec, &fmu, &output, (threads, arguments.retry), interrupt.flag(), tell)?;
+    let (kept, at) = run(&spec, &fmu, &output, (threads, arguments.retry_failed), interrupt.flag(), tell)?;
     bar.finish_and_clear();
     summary(&kept, at, started.elapsed().as_secs_f64(), threads)?;
     if at.done < at.total {

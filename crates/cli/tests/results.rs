@@ -269,7 +269,7 @@ fn saved_runs_are_hostile_until_checked() {
         bytes
     });
     let message = push(at, "--resume forged.run --until 1", 1);
-    assert!(message.contains("forged.run: the state is damaged"), "{message}");
+    assert!(message.contains("forged.run: ") && message.contains("the state is damaged"), "{message}");
     // A small archive of a lot.
     let mut zip = zip::ZipWriter::new(File::create(at.join("forged.run")).unwrap());
     zip.start_file("run.toml", zip::write::SimpleFileOptions::default()).unwrap();
@@ -331,6 +331,13 @@ fn a_run_goes_on_as_it_went_or_not_at_all() {
         message.contains("saved run push.run: ") && message.contains("one of the packed Trials"),
         "{message}"
     );
+    // And one that has the same name.
+    other.agents[0].id = "0".into();
+    other.agents[0].mass += 1.0;
+    other.write(&at.join("elsewhere/Trial_push")).unwrap();
+    let again = ["run", "elsewhere/Trial_push", "--resume", "push.run", "--no-drive", "--until", "1"];
+    let message = said(&lemons(at, &again), 1);
+    assert!(message.contains("is not what it was when the state was saved"), "{message}");
     assert!(names(at).iter().all(|name| !name.starts_with('.')), "{:?}", names(at));
 }
 

@@ -123,7 +123,7 @@ fn failed_points_are_rows_with_their_message() {
     assert_eq!(status, ["ok", "failed", "ok"]);
     assert!(rows[1]["error"].contains("must be positive"), "{:?}", rows[1]);
     assert_eq!(rows[1]["moved"], "");
-    let said = out(&done(at, &["sweep", "push.toml", "--retry"]));
+    let said = out(&done(at, &["sweep", "push.toml", "--retry-failed"]));
     assert!(said.contains("(1 now, 2 before)"), "{said}");
 }
 

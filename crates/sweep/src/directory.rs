@@ -71,8 +71,21 @@ impl Directory {
             schema: schema(points, measures),
             _lock: lock,
         };
+        directory.clean().with_context(at)?;
         directory.begin(manifest)?;
         Ok(directory)
+    }
+
+    /// Removes what a sweep that was killed had begun to write.
+    fn clean(&self) -> std::io::Result<()> {
+        for entry in std::fs::read_dir(&self.path)? {
+            let name = entry?.file_name();
+            let text = name.to_string_lossy();
+            if text.starts_with(".lemons-") || (text.starts_with('.') && text.ends_with(".tmp")) {
+                std::fs::remove_file(self.path.join(&name))?;
+            }
+        }
+        Ok(())
     }
 
     fn begin(&self, mut manifest: Map<String, Value>) -> Result<()> {
