@@ -221,8 +221,8 @@ fn commands_stand_in_the_order_of_their_use() {
     assert_eq!(
         words,
         [
-            "crowd", "person", "pack", "decide", "connect", "run", "sweep", "plot", "movie", "export", "info",
-            "check", "describe", "verify", "bench"
+            "crowd", "person", "pack", "decide", "connect", "run", "sweep", "plot", "movie", "export",
+            "info", "check", "describe", "verify", "bench"
         ]
     );
 }

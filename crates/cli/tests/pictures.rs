@@ -210,3 +210,40 @@ fn movies() {
     assert_code(&refused, 1);
     assert!(err(&refused).contains("MP4 needs the program ffmpeg") && !at.join("d.mp4").exists());
 }
+
+/// A program of that name that keeps the frames it is given.
+#[test]
+fn ffmpeg_is_given_every_frame() {
+    let directory = push();
+    let at = directory.path();
+    fs::create_dir(at.join("bin")).unwrap();
+    let script = "#!/bin/sh\n[ \"$1\" = -version ] && exit\necho \"$@\" >arguments\nfor last; do :; done\ncat >\"$last\"\n";
+    let program = at.join("bin/ffmpeg");
+    fs::write(&program, script).unwrap();
+    fs::set_permissions(&program, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    let path = format!("{}:{}", at.join("bin").display(), std::env::var("PATH").unwrap());
+    let movie = |more: &[&str]| {
+        let look = ["movie", "trajectories.csv", "--trial", "push", "--width", "121", "--frame-rate", "10"];
+        command(at, &[&look, more].concat()).env("PATH", &path).output().unwrap()
+    };
+    assert_code(&movie(&[]), 0);
+    let arguments = fs::read_to_string(at.join("arguments")).unwrap();
+    let size = arguments.split("-s ").nth(1).unwrap().split(' ').next().unwrap();
+    let (width, height) = size.split_once('x').unwrap();
+    let (width, height): (usize, usize) = (width.parse().unwrap(), height.parse().unwrap());
+    assert!(width == 122 && height % 2 == 0, "{arguments}");
+    assert!(arguments.contains("-pix_fmt rgba") && arguments.contains("-r 10 "), "{arguments}");
+    let frames = fs::read(at.join("movie.mp4")).unwrap();
+    assert_eq!(frames.len(), 11 * 4 * width * height);
+    // What it says when it fails.
+    fs::write(&program, "#!/bin/sh\n[ \"$1\" = -version ] && exit\necho no such codec >&2\nexit 1\n")
+        .unwrap();
+    let output = movie(&["-o", "b.mp4"]);
+    assert_code(&output, 1);
+    assert!(
+        err(&output).contains("b.mp4: ffmpeg") && err(&output).contains("no such codec"),
+        "{}",
+        err(&output)
+    );
+    assert!(!at.join("b.mp4").exists());
+}
