@@ -15,7 +15,7 @@ use crowd_mechanics::files::Staged;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_master::{Algorithm, Pushes, State, System};
 use prepare::Prepared;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 #[derive(clap::Args)]
@@ -132,8 +132,10 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<Ended> {
     let Prepared { mut system, trials, pushes, driven, mut clock, before, coupled } =
         Prepared::of(arguments)?;
     let first = system.time();
-    let inputs = std::iter::once(&arguments.input).chain(&arguments.drive).map(PathBuf::as_path);
-    let mut tables = Tables::beside(inputs);
+    let given = [Some(&arguments.input), arguments.drive.as_ref(), arguments.resume.as_ref()];
+    let mut inputs: Vec<PathBuf> = given.into_iter().flatten().cloned().collect();
+    inputs.extend(trials.iter().flatten().flat_map(|_| files_of(&arguments.input)));
+    let mut tables = Tables::beside(inputs.iter().map(PathBuf::as_path));
     let about = vec![
         ("lemons_version", env!("CARGO_PKG_VERSION").to_owned()),
         ("communication_step", format!("{:?}", clock.step)),
@@ -184,6 +186,17 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<Ended> {
         seen,
         saved: saved?,
     })
+}
+
+/// The files of a Trial directory and of the directories in it; none of a file.
+fn files_of(directory: &Path) -> Vec<PathBuf> {
+    let entries = |directory: &Path| -> Vec<PathBuf> {
+        let read = std::fs::read_dir(directory).into_iter().flatten();
+        read.filter_map(|entry| Some(entry.ok()?.path())).collect()
+    };
+    let own = entries(directory);
+    let inner = own.iter().flat_map(|path| entries(path)).collect::<Vec<_>>();
+    own.into_iter().chain(inner).filter(|path| path.is_file()).collect()
 }
 
 impl Ended {
@@ -268,7 +281,7 @@ fn advance(
     kept: &mut Option<Kept>,
 ) -> Result<()> {
     let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
-    let progress = ProgressBar::new(clock.steps - clock.index).with_style(style);
+    let progress = ProgressBar::new(clock.steps.saturating_sub(clock.index)).with_style(style);
     if from_start {
         watch.look(system, true)?;
     }

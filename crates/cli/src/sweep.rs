@@ -8,7 +8,7 @@ use crowd_mechanics::pack::Naming;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_master::own_binary;
 use lemons_sweep::{Directory, Finished, Progress, Spec, sweep as run};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(clap::Args)]
@@ -64,6 +64,12 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     };
     if output == arguments.spec {
         bail!(Misused(format!("{}: give a directory: -o", output.display())));
+    }
+    let same = |a: &Path, b: &Path| a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
+    for path in std::iter::once(&output).chain(&arguments.csv) {
+        if let Some(read) = spec.inputs.iter().chain([&arguments.spec]).find(|read| same(read, path)) {
+            bail!("cannot write {}: the sweep reads {}", path.display(), read.display());
+        }
     }
     let packed = tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
     let fmu = if spec.model.is_dir() {
@@ -121,6 +127,9 @@ fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize) -> Result<
         if let Err(message) = outcome {
             println!("point {point:<6}       {}", message.lines().next().unwrap_or_default());
         }
+    }
+    if failed.len() > SHOWN {
+        println!("                   … and {} more, see the column error", failed.len() - SHOWN);
     }
     if at.done == at.total {
         println!("table              {}", kept.table().display());

@@ -58,6 +58,11 @@ pub struct Names {
 const ROUNDING: f64 = 2e-9;
 
 impl Run {
+    /// \[s\] of the first and of the last frame.
+    pub fn times(&self) -> (f64, f64) {
+        (self.frames[0].time, self.frames[self.frames.len() - 1].time)
+    }
+
     /// Each `n`-th frame, the first one included.
     #[must_use]
     pub fn every(self, n: usize) -> Run {

@@ -21,7 +21,7 @@ pub fn svg(scene: &Scene, style: &Style) -> String {
     let margin = MARGIN * unit;
     let colouring = Colouring::new(scene, &style.fill);
     let bar = colouring.scale.as_ref().filter(|_| style.colour_bar.shown());
-    let time = style.time.filter(|t| t.is_finite()).map(stamp);
+    let time = style.time.filter(|t| t.is_finite()).map(|t| stamp(t, style.time_decimals));
 
     let mut frame = Frame::fit(view_of(scene), unit, margin, width - 2.0 * margin, margin);
     let look = Look::new(style, &[scene], &frame);
@@ -53,8 +53,9 @@ pub fn svg(scene: &Scene, style: &Style) -> String {
 }
 
 /// The time as it is shown.
-pub(crate) fn stamp(t: f64) -> String {
-    format!("t = {t:.2} s")
+pub(crate) fn stamp(t: f64, decimals: usize) -> String {
+    let decimals = decimals.min(9);
+    format!("t = {t:.decimals$} s")
 }
 
 /// The page itself, of the colour of paper.

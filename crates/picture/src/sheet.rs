@@ -62,7 +62,11 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
         .enumerate()
         .map(|(k, panel)| {
             let letter = if letters.shown() && panels.len() > 1 { lettered_place(k) } else { String::new() };
-            let time = panel.time.filter(|t| t.is_finite()).map(stamp).unwrap_or_default();
+            let time = panel
+                .time
+                .filter(|t| t.is_finite())
+                .map(|t| stamp(t, style.time_decimals))
+                .unwrap_or_default();
             [letter, time].iter().filter(|t| !t.is_empty()).cloned().collect::<Vec<_>>().join(" ")
         })
         .collect();

@@ -21,6 +21,8 @@ pub struct Style {
     pub colour_bar: Visibility,
     /// \[s\] shown above the scene.
     pub time: Option<f64>,
+    /// Decimals of the times.
+    pub time_decimals: usize,
     /// The bodies; hidden for a map of density alone.
     pub bodies: Visibility,
     /// \[N\] the force that is drawn widest; the largest of the picture when `None`. Given, its legend is
@@ -39,6 +41,7 @@ impl Default for Style {
             scale_bar: Visibility::Shown,
             colour_bar: Visibility::Shown,
             time: None,
+            time_decimals: 2,
             bodies: Visibility::Shown,
             forces: None,
         }

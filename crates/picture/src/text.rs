@@ -76,7 +76,11 @@ pub(crate) fn pair(out: &mut String, (x, y): (f64, f64), decimals: usize) {
 pub(crate) fn text_of(value: f64, decimals: usize) -> String {
     let mut out = String::new();
     number(&mut out, value, decimals);
-    if out.starts_with('.') { format!("0{out}") } else { out }
+    match out.strip_prefix("-.") {
+        Some(digits) => format!("-0.{digits}"),
+        None if out.starts_with('.') => format!("0{out}"),
+        None => out,
+    }
 }
 
 /// Text for XML: markup escaped, characters that XML 1.0 does not know replaced.

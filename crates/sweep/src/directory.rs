@@ -71,16 +71,20 @@ impl Directory {
             schema: schema(points, measures),
             _lock: lock,
         };
-        directory.clean().with_context(at)?;
         directory.begin(manifest)?;
+        directory.clean().with_context(at)?;
         Ok(directory)
     }
 
-    /// Removes what a sweep that was killed had begun to write.
+    /// Removes what this sweep had begun to write when it was killed: the directory is its own, and it alone writes.
     fn clean(&self) -> std::io::Result<()> {
         for entry in std::fs::read_dir(&self.path)? {
-            let name = entry?.file_name();
+            let entry = entry?;
+            let name = entry.file_name();
             let text = name.to_string_lossy();
+            if !entry.file_type()?.is_file() {
+                continue;
+            }
             if text.starts_with(".lemons-") || (text.starts_with('.') && text.ends_with(".tmp")) {
                 std::fs::remove_file(self.path.join(&name))?;
             }

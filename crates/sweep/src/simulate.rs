@@ -48,6 +48,10 @@ impl Job<'_> {
     /// That the FMU has what is set and measured.
     pub fn check(&self) -> Result<()> {
         for (parameter, _) in &self.points.columns {
+            if parameter == "Trial" {
+                // Its drive, its TimeStep and its agents would be those of another.
+                bail!("parameters: Trial: each Trial needs a sweep of its own");
+            }
             for name in self.names(parameter) {
                 if self.fmu.kind(&name).is_none() {
                     bail!("parameters: {parameter}: the FMU has no variable {name:?}; see lemons info");
@@ -109,6 +113,9 @@ impl<'a> Worker<'a> {
         self.instance.initialize()?;
         let mut watched: Vec<Watched> = measures.iter().map(|(_, measure)| Watched::new(measure)).collect();
         let steps = (until / step - 1e-9).ceil().max(1.0) as u64;
+        // As `lemons run` ends: at a multiple of the step where it is one but for rounding.
+        let last = steps as f64 * step;
+        let until = if (last - until).abs() <= 1e-9 * step { &last } else { until };
         self.look(0.0, &mut watched)?;
         for k in 0..steps {
             let begin = k as f64 * step;

@@ -21,6 +21,8 @@ pub struct Spec {
     pub points: Points,
     /// In the order of the file.
     pub measures: Vec<(String, Measure)>,
+    /// Files that are read.
+    pub inputs: Vec<PathBuf>,
 }
 
 /// What pushes people.
@@ -111,7 +113,9 @@ impl Spec {
                 bail!("{key}: must be a positive number of seconds");
             }
         }
-        let points = match (document.parameters, document.table) {
+        let table = document.table.map(|table| directory.join(table));
+        let mut inputs: Vec<PathBuf> = std::iter::once(model.clone()).chain(table.clone()).collect();
+        let points = match (document.parameters, table) {
             (Some(axes), None) => {
                 let axes = axes.into_iter().map(|(name, value)| {
                     let values = axis(value).with_context(|| format!("parameters: {name}"))?;
@@ -120,7 +124,7 @@ impl Spec {
                 let axes = axes.collect::<Result<Vec<_>>>()?;
                 Points::grid(axes).map_err(|message| anyhow::anyhow!("parameters: {message}"))?
             }
-            (None, Some(table)) => read_table(&directory.join(table))?,
+            (None, Some(table)) => read_table(&table)?,
             _ => bail!("one of [parameters] and table says which points are simulated"),
         };
         let measures = document.measures.into_iter().map(|(name, value)| {
@@ -144,7 +148,10 @@ impl Spec {
             Some(DriveText::Switch(false)) => DriveChoice::None,
             Some(DriveText::File(path)) => DriveChoice::File(directory.join(path)),
         };
-        Ok(Spec { model, until: document.until, step: document.step, drive, points, measures })
+        if let DriveChoice::File(path) = &drive {
+            inputs.push(path.clone());
+        }
+        Ok(Spec { model, until: document.until, step: document.step, drive, points, measures, inputs })
     }
 }
 
@@ -197,8 +204,14 @@ fn read_table(path: &Path) -> Result<Points> {
 }
 
 fn column(cells: Vec<String>) -> Values {
-    if let Ok(values) = cells.iter().map(|cell| cell.parse()).collect() {
+    // "007" is a text, not the number 7.
+    let integer = |cell: &String| cell.parse().ok().filter(|value: &i64| value.to_string() == *cell);
+    if let Some(values) = cells.iter().map(integer).collect() {
         return Values::Integers(values);
+    }
+    let padded = |cell: &String| cell.len() > 1 && cell.starts_with('0') && !cell.starts_with("0.");
+    if cells.iter().any(padded) {
+        return Values::Texts(cells);
     }
     match cells.iter().map(|cell| cell.parse()).collect() {
         Ok(values) => Values::Reals(values),

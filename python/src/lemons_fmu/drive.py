@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import functools
 import hashlib
 import inspect
 import math
 import os
+import pickle
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Union
@@ -134,8 +136,13 @@ def identity(drive: DriveLike) -> dict[str, Any]:
 
 def function_identity(function: Callable[..., Any]) -> dict[str, str]:
     """Name and, where Python has it, the hash of the source text of a function."""
-    named = function if hasattr(function, "__qualname__") else type(function)
+    if isinstance(function, functools.partial):
+        given = repr((function.args, sorted(function.keywords.items())))
+        return function_identity(function.func) | {"arguments_sha256": hashlib.sha256(given.encode()).hexdigest()}
+    named: Any = function if hasattr(function, "__qualname__") else type(function)
     identity = {"name": f"{named.__module__}.{named.__qualname__}".removeprefix("__main__.")}
+    if named is not function:
+        identity["object_sha256"] = hashlib.sha256(pickle.dumps(vars(function))).hexdigest()
     try:
         identity["source_sha256"] = hashlib.sha256(inspect.getsource(named).encode()).hexdigest()
     except (OSError, TypeError):

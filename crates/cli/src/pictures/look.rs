@@ -2,9 +2,11 @@
 
 use super::measured::{Measured, Origin};
 use super::moment::{Footage, Moment, Shadow};
+use crate::interrupt::Interrupt;
 use anyhow::Result;
 use clap::ValueEnum;
 use crowd_mechanics::engine::{Vec2, vec2};
+use lemons_export::Run;
 use lemons_picture::{
     Colour, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, View, Visibility, body_area,
 };
@@ -19,7 +21,7 @@ pub struct Look {
     /// Colour of the bodies: area, speed, squeeze, contacts, or one colour as in #8cb4de
     #[arg(long, value_name = "FILL", default_value = "area", value_parser = filling)]
     pub fill: Filling,
-    /// What the two ends of the colour bar are; default: the least and the greatest shown
+    /// What the two ends of the colour bar are; default: 0, of areas the least, and the greatest shown
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     range: Option<(f64, f64)>,
     /// Contacts as lines, as wide as their normal force
@@ -97,7 +99,7 @@ impl Quantity {
             Quantity::Speed => agents.map(|agent| agent.velocity.norm()).collect(),
             Quantity::Squeeze => observed.map(|seen| seen.normal_force).collect(),
             Quantity::Contacts => {
-                observed.map(|seen| f64::from(seen.agent_contacts + seen.wall_contacts)).collect()
+                observed.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts)).collect()
             }
         }
     }
@@ -142,10 +144,18 @@ fn view(text: &str) -> Result<View, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
         _ => Err("must be a positive number".into()),
+    }
+}
+
+/// Of a time.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err("must be a number of seconds".into()),
     }
 }
 
@@ -165,7 +175,18 @@ pub struct Looks<'f> {
     scene: Scene<'f>,
     range: Option<(f64, f64)>,
     widest: Option<f64>,
+    /// Of the time stamp.
+    decimals: usize,
     other_parameters: bool,
+}
+
+/// As many as it takes to tell the times, from 2 to 4.
+fn decimals(times: &[f64]) -> usize {
+    let exact = |places: &usize| {
+        let unit = 10f64.powi(-(*places as i32));
+        times.iter().all(|time| ((time / unit).round() * unit - time).abs() < 1e-6)
+    };
+    (2..4).find(exact).unwrap_or(4)
 }
 
 impl Look {
@@ -178,50 +199,70 @@ impl Look {
         self.range
     }
 
-    /// Of the agents with these Ids, who start there.
-    pub fn measured(&self, ids: &[String], starts: &[Vec2]) -> Result<Option<Measured>> {
-        let placed = |path: &PathBuf| Measured::read(path)?.placed(self.measured_from, ids, starts);
+    /// Beside a run.
+    pub fn measured(&self, run: &Run) -> Result<Option<Measured>> {
+        let placed = |path: &PathBuf| Measured::read(path)?.placed(self.measured_from, run);
         self.measured.as_ref().map(placed).transpose()
     }
 }
 
 impl<'f> Looks<'f> {
     /// Of scenes at these times.
-    pub fn new(look: &'f Look, footage: &'f Footage, times: &[f64]) -> Result<Looks<'f>> {
-        let first = footage.frame(0);
-        let starts: Vec<Vec2> = first.agents.iter().map(|agent| agent.position).collect();
+    pub fn new(
+        look: &'f Look,
+        footage: &'f Footage,
+        times: &[f64],
+        interrupt: &Interrupt,
+    ) -> Result<Looks<'f>> {
         let mut looks = Looks {
             look,
             footage,
-            measured: look.measured(&footage.run.ids, &starts)?,
+            measured: look.measured(&footage.run)?,
             shadow: look.forces.then(|| Shadow::new(&footage.trial)).transpose()?,
-            scene: Scene::new(&footage.trial, first.poses()),
+            scene: Scene::new(&footage.trial, footage.frame(0).poses()),
             range: look.range,
             widest: look.widest,
+            decimals: decimals(times),
             other_parameters: false,
         };
-        let moments: Vec<Moment> = times.iter().map(|time| footage.at(*time)).collect();
-        if let (Filling::Of(quantity), None) = (look.fill, look.range) {
-            let greatest = moments.iter().flat_map(|moment| quantity.of(moment)).fold(0.0, f64::max);
+        // One moment after the other: those of a long movie would not go into memory together.
+        let (mut greatest, mut widest, mut extent) = (0.0, None, None::<View>);
+        for time in times {
+            interrupt.check()?;
+            let moment = footage.at(*time);
+            if let Filling::Of(quantity) = look.fill {
+                greatest = quantity.of(&moment).into_iter().fold(greatest, f64::max);
+            }
+            if look.widest.is_none() {
+                let forces = looks.forces(&moment).into_iter().map(|force| force.normal_force);
+                widest = forces.chain(widest).reduce(f64::max);
+            }
+            looks.scene.poses = moment.poses();
+            let own = looks.scene.extent();
+            extent = Some(extent.map_or(own, |all| around(all, own)));
+        }
+        if let (Filling::Of(_), None) = (look.fill, look.range) {
             looks.range = Some((0.0, if greatest > 0.0 { greatest } else { 1.0 }));
         }
-        if look.widest.is_none() {
-            let forces = moments.iter().flat_map(|moment| looks.forces(moment));
-            looks.widest = forces.map(|force| force.normal_force).reduce(f64::max);
+        looks.widest = look.widest.or(widest);
+        if let Some(last) = times.last().filter(|_| looks.shows_trails()) {
+            let moment = footage.at(*last);
+            looks.scene.trails = looks.trails(&moment, f64::INFINITY);
+            extent = extent.map(|all| around(all, looks.scene.extent()));
         }
-        looks.scene.view = look.view.or_else(|| {
-            let extents = moments.iter().map(|moment| {
-                (looks.scene.poses, looks.scene.trails) = (moment.poses(), looks.trails(moment));
-                looks.scene.extent()
-            });
-            extents.reduce(around)
-        });
+        looks.scene.view = look.view.or(extent);
         Ok(looks)
+    }
+
+    fn shows_trails(&self) -> bool {
+        self.look.trails.is_some() || self.measured.is_some()
     }
 
     /// What is to be drawn of a moment.
     pub fn scene(&mut self, moment: &Moment) -> Scene<'f> {
-        let (poses, trails, forces) = (moment.poses(), self.trails(moment), self.forces(moment));
+        let length = self.look.trails.unwrap_or(f64::INFINITY);
+        let trails = if self.shows_trails() { self.trails(moment, length) } else { Vec::new() };
+        let (poses, forces) = (moment.poses(), self.forces(moment));
         let mut scene = self.scene.clone();
         (scene.poses, scene.trails, scene.forces) = (poses, trails, forces);
         scene
@@ -250,6 +291,7 @@ impl<'f> Looks<'f> {
             orientation: shown(!self.look.no_orientation),
             time: Some(moment.time),
             forces: self.widest,
+            time_decimals: self.decimals,
             ..Style::default()
         }
     }
@@ -266,10 +308,8 @@ impl<'f> Looks<'f> {
         forces
     }
 
-    /// Simulated ones, then measured ones, until the moment.
-    fn trails(&self, moment: &Moment) -> Vec<Trail> {
-        let length = self.look.trails.or(self.measured.as_ref().map(|_| f64::INFINITY));
-        let Some(length) = length else { return Vec::new() };
+    /// Simulated ones, then measured ones, of so many seconds until the moment.
+    fn trails(&self, moment: &Moment, length: f64) -> Vec<Trail> {
         let (from, to) = (moment.time - length, moment.time);
         let within = |time: f64| (from..=to).contains(&time);
         let frames = || self.footage.run.frames.iter().filter(|frame| within(frame.time));

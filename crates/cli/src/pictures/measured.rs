@@ -1,7 +1,9 @@
 //! Measured trajectories, to be drawn beside simulated ones.
 
+use super::moment::agents_at;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::engine::{Vec2, vec2};
+use lemons_export::Run;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -15,7 +17,7 @@ pub struct Measured {
 pub enum Origin {
     /// Positions in the Trial's plane
     Plane,
-    /// Displacements of each from its place at the file's first time
+    /// Displacements of each from where it was at the file's first time
     Start,
 }
 
@@ -59,18 +61,34 @@ impl Measured {
         Ok(Measured { people })
     }
 
-    /// Moved to where each agent starts, if the file has displacements from there.
+    /// Moved to where each agent of a run was at the file's first time, if the file has displacements from there.
     ///
     /// # Errors
-    /// Somebody is no agent.
-    pub fn placed(mut self, origin: Origin, ids: &[String], starts: &[Vec2]) -> Result<Measured> {
+    /// Somebody is no agent, or where somebody was then is not known.
+    pub fn placed(mut self, origin: Origin, run: &Run) -> Result<Measured> {
+        let start = self.people.values().map(|rows| rows[0].0).fold(f64::INFINITY, f64::min);
+        let agents = agents_at(run, start);
         for (id, rows) in &mut self.people {
-            let place = ids.iter().position(|known| known == id);
+            let place = run.ids.iter().position(|known| known == id);
             let place = place.with_context(|| format!("measured trajectories: there is no agent {id:?}"))?;
-            if origin == Origin::Start {
-                let shift = starts[place] - rows[0].1;
-                rows.iter_mut().for_each(|row| row.1 += shift);
+            if origin == Origin::Plane {
+                continue;
             }
+            let (first, (begin, end)) = (rows[0].0, run.times());
+            if first != start {
+                bail!(
+                    "measured trajectories: agent {id:?} is seen from t = {first:?} s on, others from {start:?} s: its \
+                     displacement from the start is not known (--measured-from plane)"
+                );
+            }
+            if start < begin || start > end {
+                bail!(
+                    "measured trajectories: they start at t = {start:?} s, the run goes from {begin:?} to {end:?} s: \
+                     where people were is not known (--measured-from plane)"
+                );
+            }
+            let shift = agents[place].position - rows[0].1;
+            rows.iter_mut().for_each(|row| row.1 += shift);
         }
         Ok(self)
     }
@@ -89,6 +107,8 @@ fn plain(column: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crowd_mechanics::trial::AgentDynamics;
+    use lemons_export::Frame;
 
     fn read(text: &str) -> Result<Measured> {
         let file = tempfile::NamedTempFile::new().unwrap();
@@ -99,15 +119,36 @@ mod tests {
     #[test]
     fn displacements_begin_where_agents_start() {
         let rows = "t [s],id,x [m],y [m]\n0,a,0.5,0\n0,b,0,0\n0.1,a,0.75,-1\n";
-        let starts = [vec2(10.0, 20.0), vec2(0.0, 1.0)];
-        let ids = ["a".to_owned(), "b".to_owned()];
-        let placed = read(rows).unwrap().placed(Origin::Start, &ids, &starts).unwrap();
+        let at = |x: f64, y: f64| AgentDynamics {
+            position: vec2(x, y),
+            velocity: Vec2::ZERO,
+            theta: 0.0,
+            omega: 0.0,
+            fp: Vec2::ZERO,
+            mp: 0.0,
+        };
+        let run = |ids: &[&str], time: f64| Run {
+            source: "run.csv".into(),
+            ids: ids.iter().map(|id| (*id).to_owned()).collect(),
+            frames: vec![Frame {
+                time,
+                agents: vec![at(10.0, 20.0), at(0.0, 1.0)],
+                observed: None,
+                interactions: None,
+                place: String::new(),
+            }],
+        };
+        let both = run(&["a", "b"], 0.0);
+        let placed = read(rows).unwrap().placed(Origin::Start, &both).unwrap();
         assert_eq!(placed.of("a"), [(0.0, vec2(10.0, 20.0)), (0.1, vec2(10.25, 19.0))]);
         assert_eq!(placed.of("c"), []);
-        let plane = read(rows).unwrap().placed(Origin::Plane, &ids, &starts).unwrap();
+        let plane = read(rows).unwrap().placed(Origin::Plane, &both).unwrap();
         assert_eq!(plane.of("a")[1], (0.1, vec2(0.75, -1.0)));
-        let stranger = read(rows).unwrap().placed(Origin::Plane, &ids[..1], &starts).err().unwrap();
-        assert!(stranger.to_string().contains("no agent \"b\""));
+        let said =
+            |rows: &str, run: &Run| read(rows).unwrap().placed(Origin::Start, run).err().unwrap().to_string();
+        assert!(said(rows, &run(&["a"], 0.0)).contains("no agent \"b\""));
+        assert!(said(rows, &run(&["a", "b"], 2.0)).contains("the run goes from 2.0"));
+        assert!(said("t,id,x,y\n0,a,0,0\n1,b,0,0\n", &both).contains("\"b\" is seen from t = 1.0"));
     }
 
     #[test]

@@ -54,25 +54,27 @@ impl Footage {
     }
 
     pub fn first(&self) -> f64 {
-        self.run.frames[0].time
+        self.run.times().0
     }
 
     pub fn last(&self) -> f64 {
-        self.run.frames[self.run.frames.len() - 1].time
+        self.run.times().1
     }
 
     /// At a time \[s\] of the run; its ends for times beyond them.
     pub fn at(&self, time: f64) -> Moment {
+        let nearest = self.nearest(time);
+        let time = time.clamp(self.first(), self.last());
+        let observed = observed(&self.run.frames[nearest]).to_vec();
+        Moment { time, agents: agents_at(&self.run, time), observed, nearest }
+    }
+
+    /// The place of the frame that is nearest to a time \[s\].
+    pub fn nearest(&self, time: f64) -> usize {
         let frames = &self.run.frames;
-        let after = frames.partition_point(|frame| frame.time <= time);
-        let (Some(before), Some(next)) = (after.checked_sub(1), frames.get(after)) else {
-            return self.frame(after.min(frames.len() - 1));
-        };
-        let (a, b) = (&frames[before], next);
-        let part = (time - a.time) / (b.time - a.time);
-        let nearest = if part < 0.5 { before } else { after };
-        let agents = a.agents.iter().zip(&b.agents).map(|(a, b)| between(a, b, part));
-        Moment { time, agents: agents.collect(), observed: observed(&frames[nearest]).to_vec(), nearest }
+        let after = frames.partition_point(|frame| frame.time <= time).min(frames.len() - 1);
+        let before = after.saturating_sub(1);
+        if time - frames[before].time < frames[after].time - time { before } else { after }
     }
 
     /// One of the frames as it is.
@@ -153,6 +155,17 @@ impl Shadow {
 
 fn observed(frame: &Frame) -> &[Observed] {
     frame.observed.as_deref().unwrap_or_default()
+}
+
+/// Everybody at a time \[s\] of a run; its ends for times beyond them.
+pub fn agents_at(run: &Run, time: f64) -> Vec<AgentDynamics> {
+    let after = run.frames.partition_point(|frame| frame.time <= time);
+    let (Some(before), Some(b)) = (after.checked_sub(1), run.frames.get(after)) else {
+        return run.frames[after.min(run.frames.len() - 1)].agents.clone();
+    };
+    let a = &run.frames[before];
+    let part = (time - a.time) / (b.time - a.time);
+    a.agents.iter().zip(&b.agents).map(|(a, b)| between(a, b, part)).collect()
 }
 
 fn between(a: &AgentDynamics, b: &AgentDynamics, part: f64) -> AgentDynamics {

@@ -1,6 +1,6 @@
 //! `lemons movie`: the scene over time.
 
-use super::look::{Look, Looks};
+use super::look::{Look, Looks, positive, seconds};
 use super::plot::OTHER_PARAMETERS;
 use super::source::Source;
 use crate::Misused;
@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
 use rayon::prelude::*;
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Write};
+use std::io::{BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use tempfile::TempPath;
@@ -21,6 +21,8 @@ use tempfile::TempPath;
 const BATCH: usize = 16;
 /// Longer movies are a mistake.
 const MOST_FRAMES: f64 = 100_000.0;
+/// \[1/s\]
+const MOST_OF_GIF: f64 = 50.0;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -33,13 +35,13 @@ pub struct Arguments {
     #[arg(long, value_name = "FPS", default_value_t = 25.0, value_parser = rate)]
     frame_rate: f64,
     /// Seconds of the run per second of the movie: 0.1 is slow motion
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive)]
     speed_up: f64,
     /// Where the movie begins, in seconds
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
     /// Where it ends; default: a record's end, 5 s of a run that is made now
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
     until: Option<f64>,
     #[command(flatten)]
     look: Look,
@@ -52,17 +54,21 @@ fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
-fn factor(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("must be a positive number".into()),
-    }
-}
-
 pub fn movie(arguments: &Arguments) -> Result<()> {
     let Arguments { source, look, frame_rate, speed_up, .. } = arguments;
     let path = arguments.output.clone().unwrap_or_else(default_output);
     let kind = Kind::of(&path)?;
+    if kind == Kind::Of(AnimationFormat::Gif) && *frame_rate > MOST_OF_GIF {
+        bail!(Misused(format!(
+            "--frame-rate {frame_rate}: a GIF shows at most {MOST_OF_GIF} frames per second"
+        )));
+    }
+    if let (Some(from), Some(until)) = (arguments.from, arguments.until)
+        && from >= until
+    {
+        bail!(Misused(format!("--from {from:?} is not before --until {until:?}")));
+    }
+    let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(crowd_mechanics::model_description::DEFAULT_STOP_TIME);
     let interrupt = Interrupt::watch()?;
     let footage = source.footage(source.runs().then_some(until), &interrupt)?;
@@ -79,8 +85,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
         );
     }
     let times: Vec<f64> = (0..frames as u64).map(|k| first + k as f64 * speed_up / frame_rate).collect();
-    let mut looks = Looks::new(look, &footage, &times)?;
-    let mut file = Output::open(&path)?;
+    let mut looks = Looks::new(look, &footage, &times, &interrupt)?;
     let of_path = || path.display().to_string();
     let mut film = Film::begin(file.writer(), kind, *frame_rate, times.len()).with_context(of_path)?;
     let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  frame {pos} of {len}  {eta} left")?;
@@ -155,11 +160,24 @@ enum Film<'a> {
 }
 
 struct Ffmpeg {
-    program: Child,
+    program: Running,
     frames: BufWriter<ChildStdin>,
     size: (u32, u32),
+    /// What it says.
+    said: File,
     /// Where it writes.
     made: TempPath,
+}
+
+/// Ended with the movie, whatever becomes of that.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
 }
 
 impl<'a> Film<'a> {
@@ -220,6 +238,7 @@ impl Ffmpeg {
         // It goes back in the file to put the index first, so it cannot write to a pipe.
         let made = tempfile::Builder::new().prefix("lemons-").suffix(".mp4").tempfile();
         let made = made.context("cannot make a temporary file")?.into_temp_path();
+        let said = tempfile::tempfile().context("cannot make a temporary file")?;
         let mut program = Command::new("ffmpeg");
         // Ctrl-C is for this program: it ends ffmpeg by closing its input.
         #[cfg(unix)]
@@ -232,25 +251,23 @@ impl Ffmpeg {
             .arg(&*made)
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
-            .stderr(Stdio::piped())
+            .stderr(said.try_clone().context("cannot make a temporary file")?)
             .spawn()
             .context("cannot start ffmpeg")?;
         let frames = BufWriter::new(program.stdin.take().context("ffmpeg takes no frames")?);
-        Ok(Ffmpeg { program, frames, size, made })
+        Ok(Ffmpeg { program: Running(program), frames, size, said, made })
     }
 
     /// The file that it made.
     fn end(self) -> Result<TempPath> {
-        let Ffmpeg { mut program, frames, made, .. } = self;
+        let Ffmpeg { mut program, frames, mut said, made, .. } = self;
         // A broken pipe is told by ffmpeg itself.
         let _ = frames.into_inner();
-        let mut said = String::new();
-        if let Some(stderr) = program.stderr.take() {
-            BufReader::new(stderr).read_to_string(&mut said).context("ffmpeg")?;
-        }
-        let status = program.wait().context("ffmpeg")?;
+        let status = program.0.wait().context("ffmpeg")?;
         if !status.success() {
-            bail!("ffmpeg ({status}): {}", said.trim());
+            let mut text = String::new();
+            said.rewind().and_then(|()| said.read_to_string(&mut text)).context("ffmpeg")?;
+            bail!("ffmpeg ({status}): {}", text.trim());
         }
         Ok(made)
     }

@@ -1,6 +1,6 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
-use super::look::{Look, Looks, Quantity};
+use super::look::{Look, Looks, Quantity, positive, seconds};
 use super::moment::{Footage, Moment};
 use super::series::{Selection, chart};
 use super::source::Source;
@@ -22,29 +22,31 @@ pub struct Arguments {
     /// Where the picture goes: SVG or PNG
     #[arg(short, long, default_value = "plot.png", value_name = "FILE.png or FILE.svg")]
     output: PathBuf,
-    /// Scenes at these times, in seconds; default: a Trial's or FMU's start, the end of a record
+    /// Scenes at the communication points nearest to these times, in seconds; default: a Trial's or
+    /// FMU's start, the end of a record
     #[arg(long, value_name = "T,T,…", value_delimiter = ',', allow_hyphen_values = true, conflicts_with_all = ["series", "density"])]
     at: Vec<f64>,
     /// Scenes beside each other; default: by their shape
     #[arg(long, value_name = "N", requires = "at", value_parser = clap::value_parser!(u32).range(1..))]
     columns: Option<u32>,
-    /// Instead of scenes: these over time, for each agent
+    /// Instead of scenes: these over time, for each agent; counts of different agents are drawn
+    /// slightly apart, so that all are seen
     #[arg(long, value_name = "QUANTITY,…", value_delimiter = ',', conflicts_with = "density")]
     series: Vec<Quantity>,
     /// Only these agents' time series, by Id; default: all
     #[arg(long, value_name = "ID,…", value_delimiter = ',', requires = "series")]
     agents: Vec<String>,
-    /// Instead of scenes: people per square metre, averaged over time
+    /// Instead of scenes: people per square metre, the mean of all frames; walls do not hold it back
     #[arg(long)]
     density: bool,
     /// Of the map of density: standard deviation of everybody's Gaussian, in metres
     #[arg(long, value_name = "METRES", requires = "density", default_value_t = DENSITY_KERNEL, value_parser = kernel)]
     kernel: f64,
     /// Time series and map begin here, in seconds
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
     /// Time series and map end here; default: a record's end, 5 s of a run that is made now
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
     until: Option<f64>,
     #[command(flatten)]
     look: Look,
@@ -100,13 +102,14 @@ impl Format {
 
 fn scenes(arguments: &Arguments) -> Result<String> {
     let Arguments { source, at, look, .. } = arguments;
+    let interrupt = Interrupt::watch()?;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
-    let footage = source.footage(latest, &Interrupt::watch()?)?;
-    let times = if at.is_empty() { vec![footage.last()] } else { at.clone() };
-    for time in &times {
-        footage.check(*time)?;
-    }
-    let mut looks = Looks::new(look, &footage, &times)?;
+    let footage = source.footage(latest, &interrupt)?;
+    at.iter().try_for_each(|time| footage.check(*time))?;
+    // Poses between two frames would stand beside forces of one of them.
+    let asked = if at.is_empty() { vec![footage.last()] } else { at.clone() };
+    let times: Vec<f64> = asked.iter().map(|time| footage.run.frames[footage.nearest(*time)].time).collect();
+    let mut looks = Looks::new(look, &footage, &times, &interrupt)?;
     let moments: Vec<Moment> = times.iter().map(|time| footage.at(*time)).collect();
     let scenes: Vec<Scene> = moments.iter().map(|moment| looks.scene(moment)).collect();
     if looks.other_parameters() {
@@ -120,8 +123,8 @@ fn scenes(arguments: &Arguments) -> Result<String> {
         .zip(&moments)
         .map(|(scene, moment)| Panel { scene, time: Some(moment.time), fill: Some(looks.style(moment).fill) })
         .collect();
-    let size = scenes[0].extent();
-    let size = scenes[0].view.map_or(size.high - size.low, |view| view.high - view.low);
+    let view = scenes[0].view.unwrap_or_else(|| scenes[0].extent());
+    let size = view.high - view.low;
     let columns = arguments.columns.map_or_else(|| columns(panels.len(), size.x / size.y), |n| n as usize);
     let style = SheetStyle { style: looks.style(&moments[0]), ..SheetStyle::default() };
     Ok(sheet(&panels, columns, &style))
@@ -155,25 +158,28 @@ fn series(arguments: &Arguments) -> Result<String> {
 
 fn density(arguments: &Arguments) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let footage = source.footage(source.runs().then(|| arguments.end()), &Interrupt::watch()?)?;
-    let within = |time: f64| {
-        arguments.from.is_none_or(|from| time >= from) && arguments.until.is_none_or(|until| time <= until)
-    };
+    let interrupt = Interrupt::watch()?;
+    let footage = source.footage(source.runs().then(|| arguments.end()), &interrupt)?;
+    let within = |time: f64| within(time, arguments.from, arguments.until);
     let places: Vec<usize> =
         (0..footage.run.frames.len()).filter(|&k| within(footage.run.frames[k].time)).collect();
     let Some(&last) = places.last() else { bail!(footage.nothing_between(arguments.from, arguments.until)) };
     let times: Vec<f64> = places.iter().map(|&place| footage.run.frames[place].time).collect();
-    let mut looks = Looks::new(look, &footage, &times)?;
+    let mut looks = Looks::new(look, &footage, &times, &interrupt)?;
     let moment = footage.frame(last);
     let mut scene = looks.scene(&moment);
     let view = scene.view.unwrap_or_else(|| scene.extent());
+    let one = places.len() == 1;
+    if !one {
+        // They are of one time.
+        (scene.forces, scene.trails) = (Vec::new(), Vec::new());
+    }
     let mut map = DensityMap::new(view, arguments.kernel);
     for place in &places {
         map.add(footage.run.frames[*place].agents.iter().map(|agent| agent.position));
     }
     map.range = look.range();
     scene.density = Some(map);
-    let one = places.len() == 1;
     let bodies = if one { Visibility::Shown } else { Visibility::Hidden };
     let time = one.then_some(moment.time);
     Ok(svg(&scene, &Style { bodies, time, ..looks.style(&moment) }))
@@ -186,11 +192,18 @@ impl Arguments {
     }
 }
 
+/// \[s\] Times are sums of steps: rounding does not leave a frame out.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether a time lies between two, where they are given; all \[s\].
+pub fn within(time: f64, from: Option<f64>, until: Option<f64>) -> bool {
+    from.is_none_or(|from| time >= from - ROUNDING) && until.is_none_or(|until| time <= until + ROUNDING)
+}
+
 /// Of a run.
 impl Footage {
     /// That a time \[s\] is one of the run's.
     pub fn check(&self, time: f64) -> Result<()> {
-        const ROUNDING: f64 = 1e-9;
         let (first, last) = (self.first(), self.last());
         if time < first - ROUNDING || time > last + ROUNDING {
             let source = self.run.source.display();

@@ -2,9 +2,9 @@
 
 use super::look::{Look, Quantity};
 use super::measured::Measured;
+use super::plot::within;
 use super::source::Opened;
 use anyhow::{Result, bail};
-use crowd_mechanics::engine::Vec2;
 use lemons_export::{Frame, Run};
 use lemons_picture::{Axis, Chart, ChartPanel, Line};
 
@@ -34,14 +34,11 @@ pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart
         bail!("{}: does not say the {name}: give the Trial or FMU that ran: --trial", run.source.display());
     }
     let places = places(&run, selection.agents)?;
-    let within = |time: f64| {
-        selection.from.is_none_or(|from| time >= from) && selection.until.is_none_or(|until| time <= until)
-    };
+    let within = |time: f64| within(time, selection.from, selection.until);
     if !run.frames.iter().any(|frame| within(frame.time)) {
         bail!("{}: no frame between --from and --until", run.source.display());
     }
-    let starts: Vec<Vec2> = run.frames[0].agents.iter().map(|agent| agent.position).collect();
-    let measured = look.measured(&run.ids, &starts)?;
+    let measured = look.measured(&run)?;
     let panels = selection.quantities.iter().map(|&quantity| {
         let (label, unit) = quantity.label();
         let simulated = places.iter().map(|&place| {
@@ -83,7 +80,7 @@ fn value(quantity: Quantity, frame: &Frame, place: usize) -> f64 {
         Quantity::Speed => agent.velocity.norm(),
         Quantity::Squeeze => observed.map_or(f64::NAN, |seen| seen.normal_force),
         Quantity::Contacts => {
-            observed.map_or(f64::NAN, |seen| f64::from(seen.agent_contacts + seen.wall_contacts))
+            observed.map_or(f64::NAN, |seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
         }
     }
 }

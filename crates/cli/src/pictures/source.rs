@@ -1,5 +1,6 @@
 //! What `lemons plot` and `lemons movie` show: a Trial, an FMU, or the record of a run.
 
+use super::look::positive;
 use super::moment::Footage;
 use crate::Misused;
 use crate::export::trial_of;
@@ -28,11 +29,11 @@ pub struct Source {
     /// Ignore the Trial's drive.csv
     #[arg(long)]
     no_drive: bool,
-    /// A parameter of a run that is made now
+    /// A parameter of a run that is made now; of a record: what it was run with, for forces
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
     /// Communication step of a run that is made now, in seconds; default: the Trial's TimeStep
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
     step: Option<f64>,
 }
 
@@ -60,6 +61,9 @@ impl Source {
             ))
             .into());
         }
+        if self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
+            bail!("{}: run it first, and show its trajectories.csv", self.path.display());
+        }
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
         let mut trial = trial_of(&self.path, given)?;
         if let Some(trial) = &mut trial {
@@ -72,6 +76,10 @@ impl Source {
             (true, None, Some(trial)) => still(&self.path, trial),
             (_, _, Some(trial)) if self.path.is_dir() => Run::read_series(&self.path, trial)?,
             (_, _, Some(trial)) => Run::read_table(&self.path)?.of_trial(trial)?,
+            (_, _, None) if self.path.is_dir() => bail!(
+                "{}: is no Trial, as it has no Parameters.xml; a series needs the Trial or FMU that ran: --trial",
+                self.path.display()
+            ),
             (_, _, None) => Run::read_table(&self.path)?,
         };
         Ok(Opened { trial, run })
@@ -97,16 +105,24 @@ impl Source {
         let directory =
             tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
         let table = directory.path().join("trajectories.csv");
-        let mut words: Vec<OsString> = vec!["run".into(), self.path.clone().into()];
+        let mut words: Vec<OsString> = vec!["run".into()];
         let mut option = |name: &str, value: OsString| words.extend([name.into(), value]);
         option("--until", until.to_string().into());
         option("--output", table.clone().into());
+        option("--outputs", directory.path().join("outputs.csv").into());
         self.drive.iter().for_each(|drive| option("--drive", drive.into()));
         self.settings.iter().for_each(|setting| option("--set", setting.into()));
         self.step.iter().for_each(|step| option("--step", step.to_string().into()));
         words.extend(self.no_drive.then(|| "--no-drive".into()));
-        if simulate(&Running::parse_from(words).arguments, interrupt)?.stopped.is_some() {
+        words.extend(["--".into(), self.path.clone().into()]);
+        if simulate(&Running::try_parse_from(words)?.arguments, interrupt)?.stopped.is_some() {
             return Err(Interrupted::nothing_written().into());
+        }
+        if !table.is_file() {
+            bail!(
+                "{}: has no agents under the names of this program's FMUs: nothing to show",
+                self.path.display()
+            );
         }
         Ok(Run { source: self.path.clone(), ..Run::read_table(&table)? })
     }

@@ -1,7 +1,7 @@
 //! A table as Parquet, which Arrow's readers see with units, variables and descriptions.
 
 use super::{Cell, Column, Content, Extent, Kind, check_headings, check_kept};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use arrow_array::builder::{
     BooleanBuilder, Float64Builder, Int32Builder, StringBuilder, StringDictionaryBuilder,
 };
@@ -17,6 +17,7 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::schema::types::ColumnPath;
 use std::collections::HashMap;
 use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -149,7 +150,21 @@ fn properties(content: &Content, group: usize) -> Result<WriterProperties> {
     Ok(properties.build())
 }
 
+/// The rows of the run before.
 fn copy(
+    path: &Path,
+    content: &Content,
+    kept: Extent,
+    schema: &SchemaRef,
+    batch: usize,
+    to: &mut ArrowWriter<Staged>,
+) -> Result<()> {
+    // The crate panics at some broken files.
+    let copied = AssertUnwindSafe(|| copy_sound(path, content, kept, schema, batch, to));
+    catch_unwind(copied).unwrap_or_else(|_| Err(anyhow!("is no sound Parquet")))
+}
+
+fn copy_sound(
     path: &Path,
     content: &Content,
     kept: Extent,
