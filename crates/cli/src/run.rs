@@ -132,7 +132,9 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<Ended> {
     let Prepared { mut system, trials, pushes, driven, mut clock, before, coupled } =
         Prepared::of(arguments)?;
     let first = system.time();
-    let given = [Some(&arguments.input), arguments.drive.as_ref(), arguments.resume.as_ref()];
+    // A run may be saved over the one that it goes on from.
+    let resumed = arguments.resume.as_ref().filter(|resumed| arguments.state.as_ref() != Some(*resumed));
+    let given = [Some(&arguments.input), arguments.drive.as_ref(), resumed];
     let mut inputs: Vec<PathBuf> = given.into_iter().flatten().cloned().collect();
     inputs.extend(trials.iter().flatten().flat_map(|_| files_of(&arguments.input)));
     let mut tables = Tables::beside(inputs.iter().map(PathBuf::as_path));
