@@ -42,7 +42,7 @@ pub struct Arguments {
     /// Ignore the Trial's drive.csv
     #[arg(long)]
     no_drive: bool,
-    /// A parameter, as in: --set agent[0].Mass=80; in an SSP after the component's name and a dot
+    /// A parameter, as in: --set TimeStepMechanical=1e-5; in an SSP after the component's name and a dot
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
     /// Threads of the crowd's engine: worth it from some thousand agents; results do not depend on it.
