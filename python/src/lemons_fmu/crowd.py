@@ -234,7 +234,7 @@ class Run:
         return self.counts
 
     def frame(self) -> pd.DataFrame:
-        """The table that `lemons run` writes: a row for each agent at each communication point."""
+        """The table that `lemons run` writes, names without units: a row for each agent at each communication point."""
         points, agents = self.squeeze.shape
         ids: list[int] | list[str] = list(self.ids)
         if all(each.isascii() and each.isdigit() and str(int(each)) == each for each in self.ids):
@@ -244,7 +244,11 @@ class Run:
             columns[name] = self.reals[:, :, k].ravel()
         for k, name in enumerate(("agent_contacts", "wall_contacts", "contacting_agents")):
             columns[name] = self.counts[:, :, k].ravel().astype(np.int64)
+        totals = self.counts.sum(axis=1, dtype=np.int64)  # each contact of two people is one of both
+        columns["total_agent_contacts"] = np.repeat(totals[:, 0] // 2, agents)
+        columns["total_wall_contacts"] = np.repeat(totals[:, 1], agents)
         order = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force"
+        order += ",total_agent_contacts,total_wall_contacts"
         return pd.DataFrame(columns)[order.split(",")]
 
 
@@ -257,7 +261,8 @@ def simulate(
     step: float | None = None,
 ) -> pd.DataFrame:
     """A run from the Trial's beginning until a time [s], as the table that `lemons run` writes:
-    t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force.
+    t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force and the crowd's
+    total_agent_contacts, total_wall_contacts, in its units (s, m, rad, N), which the names do not have.
 
     Raises:
         FmuError: the FMU's refusal, in its words.
