@@ -247,3 +247,27 @@ fn ffmpeg_is_given_every_frame() {
     );
     assert!(!at.join("b.mp4").exists());
 }
+
+#[test]
+fn an_interrupted_movie_leaves_nothing() {
+    let directory = push();
+    let at = directory.path();
+    let names = || {
+        let mut names: Vec<_> = fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = names();
+    let long = ["--speed-up", "0.001", "-o", "a.gif", "--forces"];
+    let mut running = command(at, &[&["movie", "trajectories.csv", "--trial", "push"], &long[..]].concat())
+        .spawn()
+        .unwrap();
+    // The movie is begun when its hidden file is there.
+    while names() == before && running.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let signal = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status();
+    assert!(signal.unwrap().success());
+    assert_eq!(running.wait().unwrap().code(), Some(130));
+    assert_eq!(names(), before);
+}

@@ -102,6 +102,18 @@ fn ctrl_c_leaves_valid_results_and_the_run_goes_on_bit_for_bit() {
     assert_eq!(String::from_utf8(read(at, "rest.csv")).unwrap().lines().count(), 1 + 5);
 }
 
+/// What job schedulers send.
+#[test]
+#[cfg(unix)]
+fn sigterm_completes_the_results_too() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    said(&signalled(at, "-TERM", "--state push.run"), 130);
+    assert_eq!(names(at), ["push.run", "trajectories.csv"]);
+    let run = Run::read_table(&at.join("trajectories.csv")).unwrap();
+    push(at, &format!("--resume push.run --until {:?}", run.frames.len() as f64 * 0.05), 0);
+}
+
 #[test]
 #[cfg(unix)]
 fn a_killed_run_leaves_nothing_under_its_names() {

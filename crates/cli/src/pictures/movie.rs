@@ -68,9 +68,10 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     {
         bail!(Misused(format!("--from {from:?} is not before --until {until:?}")));
     }
+    // Before there is anything that would be left.
+    let interrupt = Interrupt::watch()?;
     let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(crowd_mechanics::model_description::DEFAULT_STOP_TIME);
-    let interrupt = Interrupt::watch()?;
     let footage = source.footage(source.runs().then_some(until), &interrupt)?;
     let (first, last) = (
         arguments.from.unwrap_or_else(|| footage.first()),

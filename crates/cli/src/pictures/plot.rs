@@ -66,13 +66,15 @@ pub fn plot(arguments: &Arguments) -> Result<()> {
     if arguments.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
         bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
     }
+    // Before there is anything that would be left.
+    let interrupt = Interrupt::watch()?;
     let mut file = Output::open(output)?;
     let text = if !arguments.series.is_empty() {
-        series(arguments)?
+        series(arguments, &interrupt)?
     } else if arguments.density {
-        density(arguments)?
+        density(arguments, &interrupt)?
     } else {
-        scenes(arguments)?
+        scenes(arguments, &interrupt)?
     };
     let bytes = match format {
         Format::Svg => text.into_bytes(),
@@ -100,16 +102,15 @@ impl Format {
     }
 }
 
-fn scenes(arguments: &Arguments) -> Result<String> {
+fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, at, look, .. } = arguments;
-    let interrupt = Interrupt::watch()?;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
-    let footage = source.footage(latest, &interrupt)?;
+    let footage = source.footage(latest, interrupt)?;
     at.iter().try_for_each(|time| footage.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
     let asked = if at.is_empty() { vec![footage.last()] } else { at.clone() };
     let times: Vec<f64> = asked.iter().map(|time| footage.run.frames[footage.nearest(*time)].time).collect();
-    let mut looks = Looks::new(look, &footage, &times, &interrupt)?;
+    let mut looks = Looks::new(look, &footage, &times, interrupt)?;
     let moments: Vec<Moment> = times.iter().map(|time| footage.at(*time)).collect();
     let scenes: Vec<Scene> = moments.iter().map(|moment| looks.scene(moment)).collect();
     if looks.other_parameters() {
@@ -146,9 +147,9 @@ fn columns(panels: usize, aspect: f64) -> usize {
     (1..=panels).min_by(|a, b| badness(a).total_cmp(&badness(b))).unwrap_or(1)
 }
 
-fn series(arguments: &Arguments) -> Result<String> {
+fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let opened = source.open(source.runs().then(|| arguments.end()), &Interrupt::watch()?)?;
+    let opened = source.open(source.runs().then(|| arguments.end()), interrupt)?;
     let (from, until) = (arguments.from, arguments.until);
     let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
     let chart = chart(opened, look, &selection)?;
@@ -156,16 +157,15 @@ fn series(arguments: &Arguments) -> Result<String> {
     Ok(chart_svg(&chart, &ChartStyle { width: f64::from(look.width), theme, ..ChartStyle::default() }))
 }
 
-fn density(arguments: &Arguments) -> Result<String> {
+fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let interrupt = Interrupt::watch()?;
-    let footage = source.footage(source.runs().then(|| arguments.end()), &interrupt)?;
+    let footage = source.footage(source.runs().then(|| arguments.end()), interrupt)?;
     let within = |time: f64| within(time, arguments.from, arguments.until);
     let places: Vec<usize> =
         (0..footage.run.frames.len()).filter(|&k| within(footage.run.frames[k].time)).collect();
     let Some(&last) = places.last() else { bail!(footage.nothing_between(arguments.from, arguments.until)) };
     let times: Vec<f64> = places.iter().map(|&place| footage.run.frames[place].time).collect();
-    let mut looks = Looks::new(look, &footage, &times, &interrupt)?;
+    let mut looks = Looks::new(look, &footage, &times, interrupt)?;
     let moment = footage.frame(last);
     let mut scene = looks.scene(&moment);
     let view = scene.view.unwrap_or_else(|| scene.extent());
