@@ -6,8 +6,9 @@
 
 Every point is the same: the paper's five people and the push of resources/Trial_push/drive.csv, 4.5 s at a mechanical step
 of 1e-5 s and a communication step of 0.05 s. The engine alone is `examples/engine_direct.rs` on the same Trial, a process
-for each run. Compared is processor time (the machine may be busy); all are measured in turns in one go, and medians count.
-Two workers are compared with one by the clock on the wall, which a busy machine spoils.
+for each run, one after another and two at a time: by so much the machine itself gains from its second core. Compared is
+processor time (the machine may be busy); all are measured in turns in one go, and medians count. Two workers are compared
+with one by the clock on the wall, which a busy machine spoils.
 """
 
 import argparse
@@ -21,6 +22,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from multiprocessing.pool import ThreadPool
 
 import psutil
 from distributed import Client
@@ -36,13 +38,14 @@ def measure(run):
     return {"reach": run.poses[-1, :, 0].max(), "squeeze": run.squeeze.max()}
 
 
-def engine(trial):
-    """Processor time of a run [s]."""
+def engine(trial, at_once, runs):
+    """Wall time and processor time of that many runs [s]."""
     command = [TARGET / "examples" / "engine_direct", trial, "--steps", str(round(UNTIL / STEP)), "--drive", trial / "drive.csv"]
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    with ThreadPool(at_once) as pool:
+        pool.map(lambda _: subprocess.run(command, check=True, stdout=subprocess.DEVNULL), range(runs), chunksize=1)
+    wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def of_workers():
@@ -81,7 +84,8 @@ def main():
         drive = Drive.read(trial / "drive.csv", fmu.ids)
 
         ways = {"1 process": (1, 1, True), "2 processes": (2, 1, True), "1 thread": (1, 1, False), "2 threads": (1, 2, False)}
-        alone, seen = [], {name: [] for name in ways}
+        engines = {"engine alone": 1, "two at a time": 2}
+        alone, seen = {name: [] for name in engines}, {name: [] for name in ways}
         with contextlib.ExitStack() as stack:
             clients = {}
             for name, (workers, threads, processes) in ways.items():
@@ -89,21 +93,21 @@ def main():
                 clients[name] = stack.enter_context(Client(cluster))
                 run(clients[name], fmu, drive, 4)  # loads the FMU and all modules
             for _ in range(arguments.turns):
-                alone += [engine(trial) for _ in range(10)]
+                for name, at_once in engines.items():
+                    alone[name].append(engine(trial, at_once, points))
                 for name, client in clients.items():
                     seen[name].append(run(client, fmu, drive, points))
 
-    bare = statistics.median(alone)
+    bare = statistics.median(each[1] for each in alone["engine alone"]) / points
     print(f"{points * arguments.turns} pushes each, {STEPS} mechanical steps of 5 agents; medians of {arguments.turns} turns\n")
     print(f"{'':14} {'processor':>12} {'ns per agent':>13} {'of the':>8} {'wall':>9} {'x of one':>9}  memory of a process")
     print(f"{'':14} {'per push':>12} {'and step':>13} {'engine':>8} {'per push':>9} {'worker':>9}  first and last")
-    print(f"{'engine alone':14} {1e3 * bare:9.1f} ms {1e9 * bare / STEPS / 5:13.1f} {'100 %':>8}")
-    for name, runs in seen.items():
-        one = "1 process" if "process" in name else "1 thread"
+    for name, runs in (alone | seen).items():
+        one = "engine alone" if name in alone else "1 process" if "process" in name else "1 thread"
         processor = statistics.median(each[1] for each in runs) / points
         wall = statistics.median(each[0] for each in runs) / points
-        faster = statistics.median(a[0] / b[0] for a, b in zip(seen[one], runs))
-        memory = f"{runs[0][2] / 1e6:.0f} and {runs[-1][3] / 1e6:.0f} MB"
+        faster = statistics.median(a[0] / b[0] for a, b in zip((alone | seen)[one], runs))
+        memory = f"{runs[0][2] / 1e6:.0f} and {runs[-1][3] / 1e6:.0f} MB" if name in seen else ""
         share = f"{100 * bare / processor:.0f} %"
         print(
             f"{name:14} {1e3 * processor:9.1f} ms {1e9 * processor / STEPS / 5:13.1f} {share:>8} {1e3 * wall:6.1f} ms {faster:9.2f}  {memory}"
