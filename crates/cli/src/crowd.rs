@@ -1,14 +1,14 @@
 //! A crowd among the components of a run: its trajectories and extremes, from the outputs of its FMU.
 
+use crate::extremes::{Extremes, Squeezed};
+use crate::recording::Recording;
 use crate::results::{Cell, Column, Content, Extent, Kind, Place, Table};
 use crate::saved::CrowdRecord;
-use crate::watch::Recording;
 use anyhow::{Result, bail};
 use crowd_mechanics::engine::{Pose, State, Twist, World, vec2};
 use crowd_mechanics::trial::Trial;
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription, VariableType};
 use lemons_master::{Component, System};
-use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 
 const SQUEEZE: &str = "NormalForce";
@@ -51,27 +51,6 @@ pub struct Crowd {
     extremes: Extremes,
 }
 
-/// The extremes of a run at its communication points.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Extremes {
-    /// \[m\]
-    pub largest_overlap: f64,
-    /// \[N\]
-    pub greatest_squeeze: f64,
-    pub most_squeezed: Option<Squeezed>,
-}
-
-/// Who was squeezed most.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Squeezed {
-    /// Among the agents.
-    pub agent: usize,
-    /// \[s\]
-    pub time: f64,
-}
-
 /// How many agents' outputs an FMU has under the names of our mechanics, from 0 on.
 pub fn agents_of(description: &ModelDescription) -> usize {
     let outputs = description.modelVariables.iter().filter(|v| v.causality == Causality::Output);
@@ -111,7 +90,7 @@ fn totals_of(component: &Component) -> Vec<u32> {
 fn columns(description: &ModelDescription, totals: bool) -> Vec<Column> {
     let id = Column {
         name: "id".into(),
-        kind: Kind::Label,
+        kind: Kind::Text,
         unit: None,
         variable: "agent[i]".into(),
         description: "Id of the agent in Agents.xml; its place i if the FMU holds no Trial".into(),

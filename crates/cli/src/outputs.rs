@@ -1,7 +1,7 @@
 //! The outputs of components that are no crowd: one table, one column for each.
 
+use crate::recording::Recording;
 use crate::results::{Cell, Column, Content, Extent, Kind, Place, Table};
-use crate::watch::Recording;
 use anyhow::Result;
 use fmi_rs::model_description::fmi2::{Causality, VariableType};
 use lemons_master::System;

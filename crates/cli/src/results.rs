@@ -6,6 +6,7 @@ mod parquet;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use crowd_mechanics::files::Staged;
+pub use lemons_columns::{Cell, Kind};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::io;
@@ -35,17 +36,6 @@ impl Format {
     }
 }
 
-/// What a column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    Real,
-    Integer,
-    Boolean,
-    Text,
-    /// One of a few texts.
-    Label,
-}
-
 /// A column of a table.
 #[derive(Debug, Clone)]
 pub struct Column {
@@ -71,20 +61,12 @@ impl Column {
 
     /// `x [m]`
     fn heading(&self) -> String {
-        match &self.unit {
-            Some(unit) => format!("{} [{unit}]", self.name),
-            None => self.name.clone(),
-        }
+        heading(&self.name, self.unit.as_deref())
     }
 }
 
-/// A value in a table.
-#[derive(Debug, Clone, Copy)]
-pub enum Cell<'a> {
-    Real(f64),
-    Integer(i32),
-    Boolean(bool),
-    Text(&'a str),
+fn heading(name: &str, unit: Option<&str>) -> String {
+    unit.map_or(name.into(), |unit| format!("{name} [{unit}]"))
 }
 
 /// What a table holds: its columns, and what is said of the whole.

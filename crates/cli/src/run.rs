@@ -5,9 +5,10 @@ mod prepare;
 
 use crate::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::results::{Format, Place, Tables};
-use crate::saved::{Saved, wiring_of};
-use crate::watch::{Recording, Watch};
+use crate::recording::Recording;
+use crate::results::{Extent, Format, Place, Tables};
+use crate::saved::{CrowdRecord, Saved, wiring_of};
+use crate::watch::Watch;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use clock::{Clock, Kept};
@@ -248,7 +249,7 @@ fn save(
 }
 
 /// What has been written of crowds and of the others.
-type Records = (Vec<crate::saved::CrowdRecord>, Option<crate::results::Extent>);
+type Records = (Vec<CrowdRecord>, Option<Extent>);
 
 /// Where the trajectories and the outputs go, and as what.
 fn places_of(arguments: &Arguments) -> Result<[Place; 2]> {

@@ -1,6 +1,6 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
-use crate::crowd::{Extremes, Squeezed};
+use crate::extremes::{Extremes, Squeezed};
 use crate::results::Extent;
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::files::Staged;

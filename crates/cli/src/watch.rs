@@ -3,36 +3,13 @@
 use crate::connect::plain_names;
 use crate::crowd::{Crowd, agents_of};
 use crate::outputs::Outputs;
-use crate::results::{Extent, Place, Tables};
-use crate::saved::{CrowdRecord, Saved};
-use anyhow::{Context, Result};
+use crate::recording::Recording;
+use crate::results::{Extent, Place};
+use crate::saved::CrowdRecord;
+use anyhow::Result;
 use crowd_mechanics::trial::Trial;
 use lemons_master::System;
 use std::path::{Path, PathBuf};
-
-/// How it is recorded.
-pub struct Recording<'a> {
-    pub tables: &'a mut Tables,
-    /// What the tables say of the run.
-    pub about: Vec<(&'static str, String)>,
-    /// The run that this one goes on from.
-    pub before: Option<&'a Saved>,
-}
-
-impl<'a> Recording<'a> {
-    /// What the run before has recorded of a crowd.
-    pub fn before_of(&self, component: &str) -> Result<Option<&'a CrowdRecord>> {
-        let Some(saved) = self.before else { return Ok(None) };
-        let record = saved.crowd.iter().find(|record| record.component == component);
-        let missing = || format!("the saved run is damaged: it says nothing of the crowd {component:?}");
-        record.map(Some).with_context(missing)
-    }
-
-    /// What the run before has recorded of components that are no crowd.
-    pub fn before_of_outputs(&self) -> Option<Extent> {
-        self.before.map(|saved| saved.outputs.unwrap_or_default())
-    }
-}
 
 /// What is recorded of a run.
 pub struct Watch {

@@ -1,6 +1,8 @@
 //! JuPedSim's trajectories: an SQLite database of version 2.
 
-use crate::{ExportError, Run, walkable_area};
+use crate::area::walkable_area;
+use crate::error::ExportError;
+use crate::run::Run;
 use crowd_mechanics::files::WriteError;
 use crowd_mechanics::trial::Wall;
 use rusqlite::{Connection, params};

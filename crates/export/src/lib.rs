@@ -8,6 +8,7 @@ mod area;
 mod error;
 mod jupedsim;
 mod parquet;
+mod rows;
 mod run;
 mod series;
 mod table;

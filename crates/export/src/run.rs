@@ -1,6 +1,6 @@
 //! What was recorded of a crowd.
 
-use crate::ExportError;
+use crate::error::ExportError;
 use crowd_mechanics::engine::Vec2;
 use crowd_mechanics::trial::{AgentDynamics, Interactions, Trial};
 use std::collections::{BTreeMap, BTreeSet};

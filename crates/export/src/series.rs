@@ -1,7 +1,8 @@
 //! The paper's series of XML files, as an `OutputDirectory` holds it, and the Trial that goes on from its end.
 
+use crate::error::ExportError;
+use crate::run::{Frame, Observed, Run};
 use crate::text::own;
-use crate::{ExportError, Frame, Observed, Run};
 use crowd_mechanics::crowd::output_names;
 use crowd_mechanics::files::{Change, change_all};
 use crowd_mechanics::trial::{AgentDynamics, Drive, Interactions, Trial, dynamics_xml, interactions_xml};

@@ -1,6 +1,7 @@
 //! Text formats: one file for PedPy, one file for each agent for ChAOS.
 
-use crate::{ExportError, Run};
+use crate::error::ExportError;
+use crate::run::Run;
 use crowd_mechanics::files::{Staged, WriteError};
 use std::io::{BufWriter, Write};
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! A body in its own frame: facing +x, left shoulder towards +y, centre of mass at the origin.
 
-use crate::scene::{Pose, near};
+use crate::plane::{Pose, near};
 use crate::text::{number, pair};
 use crowd_mechanics::engine::{Rotation, Vec2, vec2};
 use crowd_mechanics::trial::Agent;

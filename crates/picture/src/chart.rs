@@ -3,7 +3,7 @@
 //! Drawn here, not by a plotting library: the same lettering in strokes as beside a scene, hence the same
 //! bytes on every machine, and nothing for the rasteriser to look a font up for.
 
-use crate::colour::{Colour, Palette};
+use crate::colour::{Colour, Palette, Theme};
 use crate::colouring::titled;
 use crate::curve::{apart, extremes, thinned};
 use crate::draw::begin;
@@ -11,7 +11,6 @@ use crate::furniture::{Entry, Header, lettered, small};
 use crate::lettering::{self, Anchor, Place};
 use crate::page::{CAP_HEIGHT, MARGIN, NOMINAL_WIDTH, Page, page_width};
 use crate::range::Range;
-use crate::style::Theme;
 use crate::text::{PX, escaped, pair, text_of};
 use std::collections::BTreeSet;
 

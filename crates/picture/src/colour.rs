@@ -1,6 +1,5 @@
 //! Colours and the colour map.
 
-use crate::style::Theme;
 use std::fmt;
 
 /// Red, green, blue (sRGB).
@@ -31,6 +30,16 @@ impl fmt::Display for Colour {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
     }
+}
+
+/// Colour of everything but the bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Theme {
+    /// Dark on white.
+    #[default]
+    Light,
+    /// Light on near-black.
+    Dark,
 }
 
 /// *viridis* (S. van der Walt, N. Smith, public domain) at 16 equidistant places: even steps of

@@ -1,6 +1,6 @@
 //! People per area.
 
-use crate::scene::{View, near};
+use crate::plane::{View, near};
 use crowd_mechanics::engine::{Vec2, vec2};
 
 /// \[m\] Standard deviation of the kernel unless another is given: half a shoulder breadth and a bit.

@@ -4,11 +4,12 @@ use crate::colour::Colour;
 use crate::colouring::Colouring;
 use crate::furniture::{Header, colour_bar, footer_height, lettered, scale_bar, small};
 use crate::lettering::{Anchor, Place};
+use crate::look::Look;
 use crate::page::{CAP_HEIGHT, Frame, MARGIN, NOMINAL_WIDTH, Page, page_width, view_of};
 use crate::scene::Scene;
 use crate::style::Style;
 use crate::text::{PX, escaped, text_of};
-use crate::world::{Look, world};
+use crate::world::world;
 
 /// The scene as SVG.
 ///

@@ -2,10 +2,11 @@
 
 use crate::body::point;
 use crate::colour::{Colour, Palette};
+use crate::look::{DASH, FORCE_HALO, Look, TRAIL_STROKE, drawable_forces, measured};
 use crate::page::Frame;
-use crate::scene::{Force, Scene, TrailKind, near};
+use crate::plane::near;
+use crate::scene::{Force, Scene, TrailKind};
 use crate::text::text_of;
-use crate::world::{DASH, FORCE_HALO, Look, TRAIL_STROKE, drawable_forces, measured};
 use crowd_mechanics::engine::Vec2;
 use std::fmt::Write;
 

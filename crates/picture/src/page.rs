@@ -1,6 +1,7 @@
 //! Where things are on the page.
 
-use crate::scene::{Scene, View, near};
+use crate::plane::{View, near};
+use crate::scene::Scene;
 use crowd_mechanics::engine::{Vec2, vec2};
 
 /// \[px\] Width at which lines and letters have the sizes given in px.

@@ -4,10 +4,12 @@ use crate::colouring::{Colouring, Scale};
 use crate::draw::{begin, stamp};
 use crate::furniture::{Header, colour_bar, footer_height, lettered, scale_bar, small};
 use crate::lettering::{self, Anchor, Place};
+use crate::look::Look;
 use crate::page::{BAND_GAP, CAP_HEIGHT, Frame, MARGIN, NOMINAL_WIDTH, Page, page_width, view_of};
-use crate::scene::{Scene, View};
+use crate::plane::View;
+use crate::scene::Scene;
 use crate::style::{Fill, Style, Visibility};
-use crate::world::{Look, world};
+use crate::world::world;
 use crowd_mechanics::engine::vec2;
 
 /// \[px\] between two panels.

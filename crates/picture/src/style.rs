@@ -1,6 +1,6 @@
 //! How it is drawn.
 
-use crate::colour::Colour;
+use crate::colour::{Colour, Theme};
 
 /// How a scene is drawn. Lines and lettering grow with the width.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,16 +70,6 @@ pub struct Values {
     pub unit: String,
     /// Values of the two ends of the colour map; lowest and highest value when `None`.
     pub range: Option<(f64, f64)>,
-}
-
-/// Colour of everything but the bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Theme {
-    /// Dark on white.
-    #[default]
-    Light,
-    /// Light on near-black.
-    Dark,
 }
 
 /// Whether something is drawn.

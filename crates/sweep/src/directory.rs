@@ -1,20 +1,13 @@
 //! The directory of a sweep: a manifest, part files while it runs, one table at the end.
 
 use crate::points::{Points, Values};
-use anyhow::{Context, Result, anyhow, bail};
-use arrow_array::{Array, ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
-use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
-use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::basic::{Compression, ZstdLevel};
-use parquet::file::properties::WriterProperties;
+use lemons_columns::{Batch, Cell, Column, Kind, Reader, Writer};
 use serde_json::{Map, Value};
 use std::fs::File;
 use std::io::Write;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 const MANIFEST: &str = "sweep.json";
 const TABLE: &str = "table.parquet";
@@ -38,7 +31,7 @@ pub struct Directory {
     path: PathBuf,
     points: Points,
     measures: Vec<String>,
-    schema: SchemaRef,
+    columns: Vec<Column>,
     /// Held while this lives.
     _lock: File,
 }
@@ -68,7 +61,7 @@ impl Directory {
             path: path.to_owned(),
             points: points.clone(),
             measures: measures.to_vec(),
-            schema: schema(points, measures),
+            columns: columns(points, measures),
             _lock: lock,
         };
         directory.begin(manifest)?;
@@ -128,9 +121,7 @@ impl Directory {
         let mut all: Vec<Option<Finished>> = vec![None; self.points.count];
         let table = Some(self.path.join(TABLE)).filter(|path| path.exists());
         for path in table.into_iter().chain(self.parts()?) {
-            // The crate panics at some broken files.
-            let read = catch_unwind(AssertUnwindSafe(|| self.read_file(&path)));
-            let rows = read.unwrap_or_else(|_| Err(anyhow!("is no sound Parquet"))).with_context(|| {
+            let rows = self.read_file(&path).with_context(|| {
                 format!("{} cannot be used; remove it, and its points are simulated again", path.display())
             })?;
             for row in rows {
@@ -180,7 +171,7 @@ impl Directory {
         let rows = self.read()?;
         let written = || {
             let mut out = csv::Writer::from_writer(Staged::beside(path)?);
-            out.write_record(self.schema.fields().iter().map(|field| field.name()))?;
+            out.write_record(self.columns.iter().map(|column| &column.name))?;
             for Finished { point, outcome } in &rows {
                 let parameters = self.points.columns.iter().map(|(_, values)| values.text(*point));
                 let (measured, status, error) = match outcome {
@@ -232,105 +223,103 @@ impl Directory {
     }
 
     fn write_table(&self, name: &str, rows: &[Finished]) -> Result<()> {
-        let batch = self.batch(rows)?;
-        let compression = Compression::ZSTD(ZstdLevel::default());
-        let properties = WriterProperties::builder().set_compression(compression).build();
         self.write(name, |file| {
-            let mut out = ArrowWriter::try_new(file, self.schema.clone(), Some(properties))?;
-            out.write(&batch)?;
-            out.close()?;
+            let mut out = Writer::create(file, &self.columns, &[])?;
+            rows.iter().try_for_each(|row| out.row(self.cells(row)))?;
+            out.finish()?;
             Ok(())
         })
     }
 
-    /// A row for each of these.
-    fn batch(&self, rows: &[Finished]) -> Result<RecordBatch> {
-        let numbers = rows.iter().map(|row| row.point as i64);
-        let mut columns: Vec<ArrayRef> = vec![Arc::new(Int64Array::from_iter_values(numbers))];
-        for (_, values) in &self.points.columns {
-            columns.push(match values {
-                Values::Integers(all) => {
-                    Arc::new(Int64Array::from_iter_values(rows.iter().map(|row| all[row.point])))
-                }
-                Values::Reals(all) => {
-                    Arc::new(Float64Array::from_iter_values(rows.iter().map(|row| all[row.point])))
-                }
-                Values::Texts(all) => {
-                    Arc::new(StringArray::from_iter_values(rows.iter().map(|row| &all[row.point])))
-                }
-            });
-        }
-        for k in 0..self.measures.len() {
-            let values = rows.iter().map(|row| row.outcome.as_ref().ok().and_then(|values| values[k]));
-            columns.push(Arc::new(Float64Array::from_iter(values)));
-        }
-        let status = rows.iter().map(|row| if row.outcome.is_ok() { OK } else { FAILED });
-        columns.push(Arc::new(StringArray::from_iter_values(status)));
-        let errors = rows.iter().map(|row| row.outcome.as_ref().err());
-        columns.push(Arc::new(StringArray::from_iter(errors)));
-        Ok(RecordBatch::try_new(self.schema.clone(), columns)?)
+    /// Of a row.
+    fn cells<'a>(&'a self, Finished { point, outcome }: &'a Finished) -> impl Iterator<Item = Cell<'a>> {
+        let measured = (0..self.measures.len()).map(move |k| {
+            let value = outcome.as_ref().ok().and_then(|values| values[k]);
+            value.map_or(Cell::Missing, Cell::Real)
+        });
+        let (status, error) = match outcome {
+            Ok(_) => (OK, Cell::Missing),
+            Err(message) => (FAILED, Cell::Text(message)),
+        };
+        let number = Cell::Long(*point as i64);
+        std::iter::once(number).chain(self.values(*point)).chain(measured).chain([Cell::Text(status), error])
+    }
+
+    /// The parameters of a point.
+    fn values(&self, point: usize) -> impl Iterator<Item = Cell<'_>> {
+        self.points.columns.iter().map(move |(_, values)| match values {
+            Values::Integers(all) => Cell::Long(all[point]),
+            Values::Reals(all) => Cell::Real(all[point]),
+            Values::Texts(all) => Cell::Text(&all[point]),
+        })
     }
 
     fn read_file(&self, path: &Path) -> Result<Vec<Finished>> {
-        let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(path)?)?;
-        if reader.schema().fields() != self.schema.fields() {
+        let reader = Reader::open(File::open(path)?)?;
+        let there = reader.columns().iter().map(|column| (&column.name, column.kind, column.optional));
+        if !there.eq(self.columns.iter().map(|column| (&column.name, Some(column.kind), column.optional))) {
             bail!("it has other columns than the sweep");
         }
+        let all: Vec<usize> = (0..self.columns.len()).collect();
         let mut rows = Vec::new();
-        for batch in reader.build()? {
+        for batch in reader.batches(&all) {
             let batch = batch?;
-            let found = self.rows(&batch)?;
-            if found.iter().any(|row| row.point >= self.points.count) {
-                bail!("it has points that the sweep does not have");
+            for row in 0..batch.rows() {
+                rows.push(self.finished(&batch, row)?);
             }
-            // A point is its number and its values: both must be those of this sweep.
-            let again = self.batch(&found)?;
-            let parameters = 0..=self.points.columns.len();
-            if !parameters.clone().all(|k| batch.column(k) == again.column(k)) {
-                bail!("its points have other values than those of the sweep");
-            }
-            rows.extend(found);
         }
         Ok(rows)
     }
 
-    fn rows(&self, batch: &RecordBatch) -> Result<Vec<Finished>> {
-        let damaged = "a column is of another type";
-        let numbers = batch.column(0).as_any().downcast_ref::<Int64Array>().context(damaged)?;
+    fn finished(&self, batch: &Batch, row: usize) -> Result<Finished> {
+        let Cell::Long(number) = batch.cell(0, row) else { bail!("a point has no number") };
+        let point = usize::try_from(number).ok().filter(|point| *point < self.points.count);
+        let Some(point) = point else { bail!("it has points that the sweep does not have") };
+        // A point is its number and its values: both must be those of this sweep.
         let first = 1 + self.points.columns.len();
-        let measured = (first..first + self.measures.len())
-            .map(|k| batch.column(k).as_any().downcast_ref::<Float64Array>().context(damaged));
-        let measured = measured.collect::<Result<Vec<_>>>()?;
-        let text = |k: usize| batch.column(k).as_any().downcast_ref::<StringArray>().context(damaged);
-        let (status, error) = (text(batch.num_columns() - 2)?, text(batch.num_columns() - 1)?);
-        (0..batch.num_rows())
-            .map(|k| {
-                let point = usize::try_from(numbers.value(k)).ok().context("a point has no number")?;
-                let values = measured.iter().map(|column| column.is_valid(k).then(|| column.value(k)));
-                let outcome = match status.value(k) {
-                    OK => Ok(values.collect()),
-                    FAILED => Err(error.value(k).to_owned()),
-                    other => bail!("point {point}: status {other:?}"),
-                };
-                Ok(Finished { point, outcome })
-            })
-            .collect()
+        if !self.values(point).zip(1..).all(|(value, k)| same(value, batch.cell(k, row))) {
+            bail!("its points have other values than those of the sweep");
+        }
+        let last = self.columns.len() - 1;
+        let outcome = match (batch.cell(last - 1, row), batch.cell(last, row)) {
+            (Cell::Text(OK), _) => Ok((first..last - 1)
+                .map(|k| if let Cell::Real(value) = batch.cell(k, row) { Some(value) } else { None })
+                .collect()),
+            (Cell::Text(FAILED), Cell::Text(message)) => Err(message.to_owned()),
+            (status, _) => bail!("point {point}: status {status:?}"),
+        };
+        Ok(Finished { point, outcome })
     }
 }
 
-fn schema(points: &Points, measures: &[String]) -> SchemaRef {
-    let field = |name: &str, kind, nullable| Field::new(name, kind, nullable);
-    let mut fields = vec![field("point", DataType::Int64, false)];
-    fields.extend(points.columns.iter().map(|(name, values)| {
+/// Bit for bit.
+fn same(one: Cell<'_>, other: Cell<'_>) -> bool {
+    match (one, other) {
+        (Cell::Real(one), Cell::Real(other)) => one.to_bits() == other.to_bits(),
+        (one, other) => one == other,
+    }
+}
+
+/// Points that are alike have many values in common.
+fn columns(points: &Points, measures: &[String]) -> Vec<Column> {
+    let column = |name: &str, kind, optional| Column {
+        name: name.to_owned(),
+        kind,
+        optional,
+        repeats: true,
+        about: Vec::new(),
+    };
+    let mut columns = vec![column("point", Kind::Long, false)];
+    columns.extend(points.columns.iter().map(|(name, values)| {
         let kind = match values {
-            Values::Integers(_) => DataType::Int64,
-            Values::Reals(_) => DataType::Float64,
-            Values::Texts(_) => DataType::Utf8,
+            Values::Integers(_) => Kind::Long,
+            Values::Reals(_) => Kind::Real,
+            Values::Texts(_) => Kind::Text,
         };
-        field(name, kind, false)
+        column(name, kind, false)
     }));
-    fields.extend(measures.iter().map(|name| field(name, DataType::Float64, true)));
-    fields.push(field("status", DataType::Utf8, false));
-    fields.push(field("error", DataType::Utf8, true));
-    Arc::new(Schema::new(fields))
+    columns.extend(measures.iter().map(|name| column(name, Kind::Real, true)));
+    columns.push(column("status", Kind::Text, false));
+    columns.push(column("error", Kind::Text, true));
+    columns
 }

@@ -3,10 +3,11 @@
 use super::crowd_files::{Bodies, light};
 use super::placing::PlacingArguments;
 use super::source::{CUSTOM_HELP, Mixed, SourceArguments};
-use super::{Output, line, refuse_same, within};
+use super::{line, refuse_same, within};
 use crate::binary::CROWD;
 use crate::decide::WISHES_FILE;
 use crate::interrupt::Interrupt;
+use crate::output::Output;
 use crate::pack::{FmuArguments, write_fmu};
 use crate::{Misused, TrialHasErrors};
 use anyhow::{Context, Result, anyhow};
@@ -478,7 +479,7 @@ impl Outputs {
         ];
         for (what, output) in all {
             let Some(output) = output else { continue };
-            say(out, what, &output.path)?;
+            say(out, what, output.path())?;
             output.persist()?;
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! A crowd's bodies and its light XML.
 
-use super::Output;
 use crate::interrupt::{Interrupt, Interrupted};
+use crate::output::Output;
 use anyhow::{Context, Result};
 use crowd_mechanics::engine::Pose;
 use lemons_crowd::{

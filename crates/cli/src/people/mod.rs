@@ -7,12 +7,10 @@ mod placing;
 mod source;
 
 use crate::Misused;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::ValueEnum;
-use crowd_mechanics::files::Staged;
 use lemons_crowd::{Person, Sex};
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum SexArgument {
@@ -62,37 +60,6 @@ fn person(sex: Sex, [breadth, depth, stature, mass]: [f64; 4]) -> Result<Person,
     }
     let person = Person::from_measures(sex, [breadth / 100.0, depth / 100.0, stature, mass]);
     person.check().map_err(|error| error.to_string()).map(|()| person)
-}
-
-/// A file that appears under its name only when it is complete; it is opened before any long work, so that a place
-/// that cannot be written is found at once.
-pub struct Output {
-    path: PathBuf,
-    file: BufWriter<Staged>,
-}
-
-impl Output {
-    pub fn open(path: &Path) -> Result<Output> {
-        let file = Staged::beside(path).with_context(|| format!("cannot write {}", path.display()))?;
-        Ok(Output { path: path.to_owned(), file: BufWriter::new(file) })
-    }
-
-    /// To be written to; [`Output::persist`] writes what is left in it.
-    pub fn writer(&mut self) -> &mut BufWriter<Staged> {
-        &mut self.file
-    }
-
-    /// Writes the content; the file does not appear yet.
-    pub fn fill(&mut self, write: impl FnOnce(&mut BufWriter<Staged>) -> std::io::Result<()>) -> Result<()> {
-        let filled = write(&mut self.file).and_then(|()| self.file.flush());
-        filled.with_context(|| format!("cannot write {}", self.path.display()))
-    }
-
-    pub fn persist(self) -> Result<()> {
-        let cannot = || format!("cannot write {}", self.path.display());
-        let file = self.file.into_inner().map_err(|error| error.into_error()).with_context(cannot)?;
-        file.persist().with_context(cannot)
-    }
 }
 
 /// No two options may write one file.

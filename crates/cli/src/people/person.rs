@@ -1,7 +1,8 @@
 //! `lemons person`: one person's shape, and the files of the body.
 
-use super::{Output, SexArgument, breadth, depth, line, mass, refuse_same, stature};
+use super::{SexArgument, breadth, depth, line, mass, refuse_same, stature};
 use crate::Misused;
+use crate::output::Output;
 use anyhow::Result;
 use crowd_mechanics::engine::{Pose, vec2};
 use crowd_mechanics::trial::Geometry;
@@ -121,7 +122,7 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         outputs.push(output);
     }
     for output in outputs {
-        writeln!(out, "{}", output.path.display())?;
+        writeln!(out, "{}", output.path().display())?;
         output.persist()?;
     }
     Ok(io::stdout().write_all(&out)?)

@@ -5,7 +5,7 @@ use super::plot::OTHER_PARAMETERS;
 use super::source::Source;
 use crate::Misused;
 use crate::interrupt::Interrupt;
-use crate::people::Output;
+use crate::output::Output;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
 use indicatif::{ProgressBar, ProgressStyle};

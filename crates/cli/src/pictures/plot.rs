@@ -6,7 +6,7 @@ use super::series::{Selection, chart};
 use super::source::Source;
 use crate::Misused;
 use crate::interrupt::Interrupt;
-use crate::people::Output;
+use crate::output::Output;
 use anyhow::{Result, bail};
 use lemons_picture::{
     ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, SheetStyle, Style, Visibility, chart_svg, png,

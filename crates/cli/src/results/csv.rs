@@ -34,8 +34,10 @@ impl Table {
                 // It reads back to the same double.
                 Cell::Real(value) => write!(text, "{value:?}")?,
                 Cell::Integer(value) => write!(text, "{value}")?,
+                Cell::Long(value) => write!(text, "{value}")?,
                 Cell::Boolean(value) => write!(text, "{value}")?,
                 Cell::Text(value) => text.push_str(value),
+                Cell::Missing => {}
             }
             self.out.write_field(&*text)?;
         }

@@ -1,0 +1,103 @@
+//! How wide lines are, and what they mean.
+
+use crate::colour::Palette;
+use crate::furniture::Entry;
+use crate::page::Frame;
+use crate::plane::near;
+use crate::scene::{Force, Scene, TrailKind};
+use crate::style::Style;
+use crate::text::round_below;
+
+/// \[px\] at most: the greatest force, or a part of a small body's size.
+const FORCE_STROKE: f64 = 6.0;
+/// The widest line of force, as a part of the square root of a body's area.
+const FORCE_PART: f64 = 0.2;
+/// \[px\] of the halo on each side of a line of force; no more than the line itself is wide.
+pub(crate) const FORCE_HALO: f64 = 0.8;
+/// \[px\]
+pub(crate) const TRAIL_STROKE: f64 = 1.5;
+/// \[px\] dash and gap of what is measured.
+pub(crate) const DASH: (f64, f64) = (4.2, 2.6);
+
+/// What is drawn the same in every scene of a page.
+pub(crate) struct Look<'a> {
+    pub style: &'a Style,
+    pub palette: Palette,
+    /// \[px/N\]
+    pub force_scale: f64,
+}
+
+impl Look<'_> {
+    /// Lines of force as wide as these scenes at this scale ask for.
+    pub fn new<'a>(style: &'a Style, scenes: &[&Scene], frame: &Frame) -> Look<'a> {
+        let forces = scenes.iter().flat_map(|s| drawable_forces(s)).map(|f| f.normal_force);
+        let given = style.forces.filter(|f| f.is_finite() && *f > 0.0);
+        let largest = given.unwrap_or_else(|| forces.fold(0.0, f64::max));
+        let areas = || scenes.iter().flat_map(|s| s.drawn()).map(|(_, _, body)| body.area);
+        let size = (areas().sum::<f64>() / areas().count().max(1) as f64).max(0.0).sqrt();
+        let mut widest = FORCE_STROKE * frame.unit;
+        if size > 0.0 {
+            widest = widest.min(FORCE_PART * size * frame.scale);
+        }
+        let force_scale = if largest > 0.0 { widest / largest } else { 0.0 };
+        Look { style, palette: Palette::of(style.theme), force_scale }
+    }
+
+    /// What the lines of these scenes mean.
+    pub fn legend(&self, scenes: &[&Scene], unit: f64) -> Vec<Entry> {
+        let mut legend = Vec::new();
+        if let Some(newton) = self.sample_force(scenes) {
+            let label = if newton >= 1000.0 {
+                format!("{} kN", newton / 1000.0)
+            } else if newton >= 1.0 {
+                format!("{newton} N")
+            } else {
+                format!("{} mN", (newton * 1e4).round() / 10.0)
+            };
+            let width = newton * self.force_scale;
+            legend.push(Entry {
+                class: "force",
+                label,
+                colour: self.palette.force,
+                width,
+                halo: Some((self.palette.halo, (FORCE_HALO * unit).min(width))),
+                dash: None,
+            });
+        }
+        if measured(scenes) {
+            let entry = |class, label: &str, dash| Entry {
+                class,
+                label: label.to_owned(),
+                colour: self.palette.ink,
+                width: TRAIL_STROKE * unit,
+                halo: None,
+                dash,
+            };
+            let trails = || scenes.iter().flat_map(|s| &s.trails);
+            if trails().any(|t| t.kind == TrailKind::Simulated) {
+                legend.push(entry("simulated", "simulated", None));
+            }
+            legend.push(entry("measured", "measured", Some((DASH.0 * unit, DASH.1 * unit))));
+        }
+        legend
+    }
+
+    /// \[N\] the round force of the legend.
+    fn sample_force(&self, scenes: &[&Scene]) -> Option<f64> {
+        let given = self.style.forces.filter(|f| f.is_finite() && *f > 0.0);
+        let forces = scenes.iter().flat_map(|s| drawable_forces(s)).map(|f| f.normal_force);
+        // A given scale is a movie's: its legend stays when nobody is touched.
+        let largest = given.unwrap_or_else(|| forces.fold(0.0, f64::max));
+        (largest > 0.0).then(|| round_below(largest))
+    }
+}
+
+pub(crate) fn measured(scenes: &[&Scene]) -> bool {
+    scenes.iter().flat_map(|s| &s.trails).any(|t| t.kind == TrailKind::Measured)
+}
+
+pub(crate) fn drawable_forces<'a>(scene: &'a Scene) -> impl Iterator<Item = &'a Force> {
+    let drawable =
+        |f: &&Force| near(f.from) && near(f.to) && f.normal_force.is_finite() && f.normal_force > 0.0;
+    scene.forces.iter().filter(drawable)
+}
