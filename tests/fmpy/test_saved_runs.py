@@ -1,9 +1,11 @@
 """The results of `lemons run` as others read them, and runs that were stopped and went on."""
 
+import json
 import signal
 import subprocess
 import time
 
+import pandas
 import pyarrow.parquet
 import pytest
 from crowd import COLUMNS, TRIAL_DOOR, TRIAL_PUSH, ids_of, read_table
@@ -48,16 +50,45 @@ def test_parquet_holds_what_csv_holds(lemons, tmp_path):
     seen = [(t, [agent[:-2] for agent in agents]) for t, agents in as_csv(table)]
     assert seen == read_table((tmp_path / "trajectories.csv").read_text(), ids)
     assert table.schema.names == list(COLUMNS)
-    for name, unit in COLUMNS.items():
-        about = table.schema.field(name).metadata
-        assert about.get(b"unit") == (unit and unit.encode())
-        assert about[b"variable"] and about[b"description"]
-    assert table.schema.field("x").metadata[b"variable"] == b"agent[i].Position.x"
-    assert str(table.schema.field("x").type) == "double"
-    assert str(table.schema.field("id").type).startswith("dictionary<values=string")
     about = file.metadata.metadata
+    columns = json.loads(about[b"columns"])
+    for name, unit in COLUMNS.items():
+        assert columns[name].get("unit") == unit
+        assert columns[name]["variable"] and columns[name]["description"]
+    assert columns["x"]["variable"] == "agent[i].Position.x"
+    assert str(table.schema.field("x").type) == "double"
+    assert str(table.schema.field("id").type) == "string"
     assert about[b"trial"] == b"Trial_push" and about[b"communication_step"] == b"0.05"
     assert about[b"guid"].startswith(b"{") and about[b"model_name"] and about[b"lemons_version"]
+
+
+def test_tables_of_other_programs_are_read(lemons, tmp_path):
+    call(lemons, tmp_path, TRIAL_PUSH, "--until", 0.5, "--format", "parquet")
+    ours = pandas.read_parquet(tmp_path / "trajectories.parquet")
+    kinds = {"id": "int64", "agent_contacts": "uint32", "wall_contacts": "Int64", "contacting_agents": "int16"}
+    theirs = ours.astype(kinds).assign(when=pandas.Timestamp("2026-01-01"), list=[[1, 2]] * len(ours))
+    for name, options in [
+        ("pandas", {}),
+        ("pages", {"data_page_version": "2.0", "data_page_size": 256, "row_group_size": 7}),
+        ("plain", {"compression": "none", "use_dictionary": False}),
+    ]:
+        theirs.sample(frac=1, axis="columns", random_state=1).to_parquet(tmp_path / f"{name}.parquet", **options)
+    exported = []
+    for name in ("trajectories", "pandas", "pages", "plain"):
+        command = [lemons, "export", f"{name}.parquet", name, "--to", "series", "--trial", TRIAL_PUSH]
+        subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+        exported.append({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()})
+    assert len(exported[0]) >= 11 and all(files == exported[0] for files in exported[1:])
+    for column, values, message in [
+        ("x", "a", "column x: holds no numbers"),
+        ("t", pandas.Timestamp("2026-01-01"), "column t: holds no numbers"),
+        ("omega", None, "column omega: "),
+        ("wall_contacts", 0.5, "column wall_contacts: holds no whole numbers"),
+    ]:
+        theirs.assign(**{column: values}).to_parquet(tmp_path / "bad.parquet")
+        command = [lemons, "export", "bad.parquet", "out", "--to", "pedpy"]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 1 and message in done.stderr, done.stderr
 
 
 @pytest.mark.parametrize("end", ["csv", "parquet"])
@@ -104,7 +135,7 @@ def test_the_coupled_door_goes_on(lemons, coupled, tmp_path, algorithm):
     # The outputs of the Decision, as columns.
     call(lemons, tmp_path, *run, "--until", until, "--format", "parquet")
     outputs = pyarrow.parquet.read_table(tmp_path / "outputs.parquet")
-    assert outputs.schema.field("decision.agent[0].Fp.x").metadata[b"unit"] == b"N"
+    assert json.loads(outputs.schema.metadata[b"columns"])["decision.agent[0].Fp.x"]["unit"] == "N"
     names = [head.split(" [")[0] for head in (tmp_path / "outputs.csv").read_text().splitlines()[0].split(",")]
     assert outputs.schema.names == names
     table = (tmp_path / "outputs.csv").read_text().splitlines()[1:]

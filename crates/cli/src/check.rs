@@ -1,6 +1,6 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
-use crate::TrialHasErrors;
+use crate::error::TrialHasErrors;
 use anyhow::Result;
 use crowd_mechanics::trial::{Problems, Trial};
 use std::io::{self, Write};

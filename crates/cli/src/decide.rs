@@ -1,7 +1,7 @@
 //! `lemons decide`: a Trial and its people's wishes -> a Decision FMU.
 
-use crate::TrialHasErrors;
 use crate::binary::DECISION;
+use crate::error::TrialHasErrors;
 use crate::pack::{FmuArguments, say_size};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;

@@ -1,6 +1,6 @@
 //! `lemons describe`: the model description that a Trial's FMU would have.
 
-use crate::TrialHasErrors;
+use crate::error::TrialHasErrors;
 use anyhow::Result;
 use crowd_mechanics::model_description::model_description;
 use crowd_mechanics::pack::Naming;

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// What lemons run wrote, or an OutputDirectory of AgentDynamics and AgentInteractions
-    #[arg(value_name = "FILE.csv or SERIES")]
+    /// What lemons run wrote (CSV, Parquet), or an OutputDirectory of AgentDynamics and AgentInteractions
+    #[arg(value_name = "TABLE or SERIES")]
     source: PathBuf,
     /// What to write
     #[arg(long, value_name = "FORMAT")]

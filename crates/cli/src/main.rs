@@ -10,6 +10,7 @@ mod connect;
 mod crowd;
 mod decide;
 mod describe;
+mod error;
 mod export;
 mod extremes;
 mod info;
@@ -28,6 +29,7 @@ mod verify;
 mod watch;
 
 use clap::{Parser, Subcommand};
+use error::{Misused, TrialHasErrors};
 use interrupt::{EXIT_CODE, Interrupted};
 use std::process::ExitCode;
 
@@ -75,30 +77,6 @@ enum Command {
     /// Measure what a mechanical step costs, and what the FMU adds
     Bench(bench::Arguments),
 }
-
-/// A Trial has errors; they have been printed.
-#[derive(Debug)]
-pub struct TrialHasErrors;
-
-impl std::fmt::Display for TrialHasErrors {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("the Trial has errors")
-    }
-}
-
-impl std::error::Error for TrialHasErrors {}
-
-/// The options make no sense together; what clap cannot see.
-#[derive(Debug)]
-pub struct Misused(pub String);
-
-impl std::fmt::Display for Misused {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Misused {}
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {

@@ -1,7 +1,7 @@
 //! `lemons pack`: Trials -> FMU.
 
-use crate::TrialHasErrors;
 use crate::binary::{CROWD, Library};
+use crate::error::TrialHasErrors;
 use anyhow::Result;
 use crowd_mechanics::pack::{Binary, Naming, PackError, Package};
 use crowd_mechanics::trial::Trial;

@@ -3,7 +3,7 @@
 mod clock;
 mod prepare;
 
-use crate::Misused;
+use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::recording::Recording;
 use crate::results::{Extent, Format, Place, Tables};

@@ -1,6 +1,6 @@
 //! `lemons sweep`: many runs with other parameters.
 
-use crate::Misused;
+use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::pack::write_fmu;
 use anyhow::{Context, Result, bail};

@@ -6,7 +6,7 @@ pub mod person;
 mod placing;
 mod source;
 
-use crate::Misused;
+use crate::error::Misused;
 use anyhow::Result;
 use clap::ValueEnum;
 use lemons_crowd::{Person, Sex};

@@ -1,7 +1,7 @@
 //! `lemons person`: one person's shape, and the files of the body.
 
 use super::{SexArgument, breadth, depth, line, mass, refuse_same, stature};
-use crate::Misused;
+use crate::error::Misused;
 use crate::output::Output;
 use anyhow::Result;
 use crowd_mechanics::engine::{Pose, vec2};

@@ -1,7 +1,7 @@
 //! Where a crowd stands: the region, the placer, its progress.
 
+use crate::error::{Misused, TrialHasErrors};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::{Misused, TrialHasErrors};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use crowd_mechanics::engine::{Vec2, vec2};

@@ -3,7 +3,7 @@
 use super::look::{Look, Looks, positive, seconds};
 use super::plot::OTHER_PARAMETERS;
 use super::source::Source;
-use crate::Misused;
+use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::{Context, Result, bail};

@@ -4,7 +4,7 @@ use super::look::{Look, Looks, Quantity, positive, seconds};
 use super::moment::{Footage, Moment};
 use super::series::{Selection, chart};
 use super::source::Source;
-use crate::Misused;
+use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::{Result, bail};

@@ -2,7 +2,7 @@
 
 use super::look::positive;
 use super::moment::Footage;
-use crate::Misused;
+use crate::error::Misused;
 use crate::export::trial_of;
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::run::simulate;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub struct Source {
     /// A Trial directory or an FMU, which is run as lemons run does; or the record of a run: its table, or
     /// an OutputDirectory
-    #[arg(value_name = "TRIAL, FILE.fmu, FILE.csv or SERIES")]
+    #[arg(value_name = "TRIAL, FILE.fmu, TABLE or SERIES")]
     pub path: PathBuf,
     /// The Trial or FMU that ran, for shapes and walls; default: the Trial directory that a series lies in
     #[arg(long, value_name = "TRIAL or FILE.fmu")]

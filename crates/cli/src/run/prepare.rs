@@ -2,8 +2,8 @@
 
 use super::Arguments;
 use super::clock::Clock;
-use crate::Misused;
 use crate::crowd::trial_of;
+use crate::error::Misused;
 use crate::pack::write_fmu;
 use crate::saved::Saved;
 use anyhow::{Context, Result, bail};
