@@ -71,10 +71,12 @@ def test_tables_of_other_programs_are_read(lemons, tmp_path):
         ("pandas", {}),
         ("pages", {"data_page_version": "2.0", "data_page_size": 256, "row_group_size": 7}),
         ("plain", {"compression": "none", "use_dictionary": False}),
+        ("gzip", {"compression": "gzip"}),
+        ("lz4", {"compression": "lz4"}),
     ]:
         theirs.sample(frac=1, axis="columns", random_state=1).to_parquet(tmp_path / f"{name}.parquet", **options)
     exported = []
-    for name in ("trajectories", "pandas", "pages", "plain"):
+    for name in ("trajectories", "pandas", "pages", "plain", "gzip", "lz4"):
         command = [lemons, "export", f"{name}.parquet", name, "--to", "series", "--trial", TRIAL_PUSH]
         subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
         exported.append({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()})
@@ -87,6 +89,13 @@ def test_tables_of_other_programs_are_read(lemons, tmp_path):
     ]:
         theirs.assign(**{column: values}).to_parquet(tmp_path / "bad.parquet")
         command = [lemons, "export", "bad.parquet", "out", "--to", "pedpy"]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 1 and message in done.stderr, done.stderr
+    for message, options in [
+        ("not read here: compression brotli", {"compression": "brotli"}),
+        ("not read here: encoding DELTA_BYTE_ARRAY", {"use_dictionary": False, "column_encoding": {"id": "DELTA_BYTE_ARRAY"}}),
+    ]:
+        ours.to_parquet(tmp_path / "bad.parquet", **options)
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
         assert done.returncode == 1 and message in done.stderr, done.stderr
 

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub enum Format {
     /// Text: units in the header, numbers that read back to the same doubles
     Csv,
-    /// Columns, compressed: some times smaller; units in the columns' metadata
+    /// Columns, compressed: some times smaller; units in the file's metadata
     Parquet,
 }
 

@@ -69,7 +69,7 @@ pub struct Arguments {
     resume: Option<PathBuf>,
 }
 
-const FORMAT_HELP: &str = "csv or, for long runs, parquet: some times smaller, units in the columns' metadata. \
+const FORMAT_HELP: &str = "csv or, for long runs, parquet: some times smaller, units in the file's metadata. \
                            Default: what the extension of -o says, else csv";
 
 #[derive(Clone, Copy, ValueEnum)]

@@ -4,6 +4,7 @@
 //! stands in the file's metadata under the key `columns`, as JSON: `{"x": {"unit": "m"}}`. The same rows give the
 //! same bytes.
 
+mod page;
 mod read;
 mod write;
 
@@ -63,17 +64,20 @@ pub struct Column {
 /// Why a table cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// It is damaged, or of a kind that is not known here.
-    #[error("is no sound Parquet: {0}")]
-    Unsound(String),
-    /// It is damaged further on.
+    /// It is damaged.
     #[error("{}is no sound Parquet: {why}", after(*rows))]
-    UnsoundAfter {
+    Unsound {
         /// That many were sound.
         rows: u64,
         /// What is wrong.
         why: String,
     },
+    /// It is written in a way that is not known here.
+    #[error("is Parquet of a kind that is not read here: {0}")]
+    Unknown(String),
+    /// Two columns have one name.
+    #[error("there are two columns {0:?}")]
+    Twice(String),
     /// A row is not of the table.
     #[error("column {column}: {cell} is not of its type")]
     Cell {

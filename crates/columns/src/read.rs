@@ -1,8 +1,9 @@
 //! A file -> its rows.
 
+use crate::page::Checked;
 use crate::{COLUMNS, Cell, Kind, TableError};
 use parquet::basic::{ConvertedType, LogicalType, Type as Physical};
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::{ParquetError, Result as Parquet};
 use parquet::file::metadata::ParquetMetaData;
@@ -25,7 +26,7 @@ pub struct Reader {
 /// A column that a file has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
-    /// Of a column within another one, that of the outermost.
+    /// Of a column within another one, both with a point between them.
     pub name: String,
     /// `None` for what is no number, no text and not true or false: times of day, lists, …
     pub kind: Option<Kind>,
@@ -58,7 +59,8 @@ enum Data {
     Integers(Vec<i32>),
     Longs(Vec<i64>),
     Booleans(Vec<bool>),
-    Texts(Vec<String>),
+    /// All of them UTF-8; equal ones share their bytes.
+    Texts(Vec<ByteArray>),
 }
 
 impl Batch {
@@ -81,7 +83,7 @@ impl Batch {
             Data::Integers(values) => Cell::Integer(values[row]),
             Data::Longs(values) => Cell::Long(values[row]),
             Data::Booleans(values) => Cell::Boolean(values[row]),
-            Data::Texts(values) => Cell::Text(&values[row]),
+            Data::Texts(values) => Cell::Text(values[row].as_utf8().unwrap_or_default()),
         }
     }
 
@@ -101,14 +103,13 @@ impl Reader {
     /// It is no table in Parquet, or a damaged one.
     pub fn open(file: File) -> Result<Reader, TableError> {
         let length = file.metadata().map_err(|error| TableError::System(error.to_string()))?.len();
-        let file = guarded(|| SerializedFileReader::new(file)).map_err(TableError::Unsound)?;
-        check_places(file.metadata(), length).map_err(TableError::Unsound)?;
+        let file = guarded(|| SerializedFileReader::new(file)).map_err(|fault| fault.after(0))?;
+        check_places(file.metadata(), length).map_err(|why| Fault::Unsound(why).after(0))?;
         let said = said_of_columns(file.metadata());
         let columns = file.metadata().file_metadata().schema_descr().columns().iter().map(|column| {
-            let parts = column.path().parts();
-            let name = parts.first().cloned().unwrap_or_default();
+            let name = column.path().string();
             let about = said.get(&name).and_then(Value::as_object).cloned().unwrap_or_default();
-            let flat = parts.len() == 1 && column.max_rep_level() == 0;
+            let flat = column.path().parts().len() == 1 && column.max_rep_level() == 0;
             Found { name, kind: kind(column).filter(|_| flat), optional: column.max_def_level() > 0, about }
         });
         let columns = columns.collect();
@@ -145,8 +146,16 @@ impl Reader {
     fn open_columns(&self, group: usize, wanted: &[usize]) -> Parquet<Vec<Source>> {
         let group = self.file.get_row_group(group)?;
         let open = |&place: &usize| {
+            let column = self.file.metadata().file_metadata().schema_descr().column(place);
+            let width = match column.physical_type() {
+                Physical::BOOLEAN => 1,
+                // A text has its length before it.
+                Physical::INT32 | Physical::FLOAT | Physical::BYTE_ARRAY => 4,
+                _ => 8,
+            };
+            let pages = Checked { pages: group.get_column_page_reader(place)?, width };
             let unsigned = self.columns[place].kind == Some(Kind::Long);
-            Ok(Source { reader: group.get_column_reader(place)?, unsigned })
+            Ok(Source { reader: get_column_reader(column, Box::new(pages)), unsigned })
         };
         wanted.iter().map(open).collect()
     }
@@ -165,7 +174,7 @@ pub struct Batches<'a> {
 }
 
 impl Batches<'_> {
-    fn advance(&mut self) -> Result<Option<Batch>, String> {
+    fn advance(&mut self) -> Result<Option<Batch>, Fault> {
         let Reader { file, .. } = self.reader;
         loop {
             if let Some(sources) = &mut self.sources {
@@ -180,7 +189,11 @@ impl Batches<'_> {
             if self.group == file.num_row_groups() {
                 let said = file.metadata().file_metadata().num_rows();
                 let all = u64::try_from(said) == Ok(self.rows);
-                return if all { Ok(None) } else { Err(format!("it says that it has {said} rows")) };
+                return if all {
+                    Ok(None)
+                } else {
+                    Err(Fault::Unsound(format!("it says that it has {said} rows")))
+                };
             }
             self.sources = Some(guarded(|| self.reader.open_columns(self.group, &self.wanted))?);
         }
@@ -196,18 +209,41 @@ impl Iterator for Batches<'_> {
         }
         let next = self.advance();
         self.done = !matches!(next, Ok(Some(_)));
-        next.map_err(|why| TableError::UnsoundAfter { rows: self.rows, why }).transpose()
+        next.map_err(|fault| fault.after(self.rows)).transpose()
     }
 }
 
 /// The crate panics at some broken files.
-fn guarded<T>(what: impl FnOnce() -> Parquet<T>) -> Result<T, String> {
+fn guarded<T>(what: impl FnOnce() -> Parquet<T>) -> Result<T, Fault> {
     match catch_unwind(AssertUnwindSafe(what)) {
         Ok(done) => done.map_err(|error| match error {
-            ParquetError::External(error) => error.to_string(),
-            error => error.to_string(),
+            ParquetError::NYI(what) => Fault::Unknown(what),
+            ParquetError::General(what) if what.starts_with(UNBUILT) => {
+                Fault::Unknown(what.replacen(UNBUILT, "compression", 1))
+            }
+            ParquetError::External(error) => Fault::Unsound(error.to_string()),
+            error => Fault::Unsound(error.to_string()),
         }),
-        Err(_) => Err("it contradicts itself".into()),
+        Err(_) => Err(Fault::Unsound("it contradicts itself".into())),
+    }
+}
+
+/// So the crate says that it was built without a way to compress.
+const UNBUILT: &str = "Disabled feature at compile time:";
+
+/// What is wrong with a file.
+enum Fault {
+    Unsound(String),
+    /// It may be sound.
+    Unknown(String),
+}
+
+impl Fault {
+    fn after(self, rows: u64) -> TableError {
+        match self {
+            Fault::Unsound(why) => TableError::Unsound { rows, why },
+            Fault::Unknown(what) => TableError::Unknown(what),
+        }
     }
 }
 
@@ -281,25 +317,30 @@ fn values(source: &mut Source) -> Parquet<Values> {
     use ColumnReader::*;
     let other = || Err(ParquetError::General("a column is of another type than it says".into()));
     let (data, missing) = match (&mut source.reader, source.unsigned) {
-        (DoubleColumnReader(reader), _) => typed(reader, Data::Reals, Ok)?,
-        (FloatColumnReader(reader), _) => typed(reader, Data::Reals, |value| Ok(value.into()))?,
-        (Int32ColumnReader(reader), false) => typed(reader, Data::Integers, Ok)?,
-        (Int32ColumnReader(reader), true) => typed(reader, Data::Longs, |value| Ok((value as u32).into()))?,
-        (Int64ColumnReader(reader), _) => typed(reader, Data::Longs, Ok)?,
-        (BoolColumnReader(reader), _) => typed(reader, Data::Booleans, Ok)?,
+        (DoubleColumnReader(reader), _) => typed(reader, Data::Reals, Ok, 0.0)?,
+        (FloatColumnReader(reader), _) => typed(reader, Data::Reals, |value| Ok(value.into()), 0.0)?,
+        (Int32ColumnReader(reader), false) => typed(reader, Data::Integers, Ok, 0)?,
+        (Int32ColumnReader(reader), true) => {
+            typed(reader, Data::Longs, |value| Ok((value as u32).into()), 0)?
+        }
+        (Int64ColumnReader(reader), _) => typed(reader, Data::Longs, Ok, 0)?,
+        (BoolColumnReader(reader), _) => typed(reader, Data::Booleans, Ok, false)?,
         (ByteArrayColumnReader(reader), _) => {
-            let text = |bytes: ByteArray| Ok(bytes.as_utf8()?.to_owned());
-            typed(reader, Data::Texts, text)?
+            // `ByteArray::default()` has no bytes at all, and must not be asked for them.
+            let empty = ByteArray::from(Vec::new());
+            typed(reader, Data::Texts, |bytes: ByteArray| bytes.as_utf8().map(|_| bytes.clone()), empty)?
         }
         _ => return other(),
     };
     Ok(Values { data, missing })
 }
 
-fn typed<T: DataType, V: Default>(
+/// `none` stands where a value is missing.
+fn typed<T: DataType, V: Clone>(
     reader: &mut ColumnReaderImpl<T>,
     data: impl Fn(Vec<V>) -> Data,
     of: impl Fn(T::T) -> Parquet<V>,
+    none: V,
 ) -> Parquet<(Data, Vec<bool>)> {
     let (mut read, mut levels) = (Vec::new(), Vec::new());
     let mut rows = 0;
@@ -313,9 +354,11 @@ fn typed<T: DataType, V: Default>(
     }
     let missing: Vec<bool> = levels.iter().map(|level| *level == 0).collect();
     let mut read = read.into_iter();
-    let mut next =
-        || read.next().map(&of).unwrap_or_else(|| Err(ParquetError::EOF("values are missing".into())));
-    let all = (0..rows).map(|row| if missing.get(row) == Some(&true) { Ok(V::default()) } else { next() });
+    let mut next = || match read.next() {
+        Some(value) => of(value),
+        None => Err(ParquetError::EOF("values are missing".into())),
+    };
+    let all = (0..rows).map(|row| if missing.get(row) == Some(&true) { Ok(none.clone()) } else { next() });
     let all = all.collect::<Parquet<Vec<V>>>()?;
     Ok((data(all), missing))
 }

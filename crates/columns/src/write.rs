@@ -11,7 +11,7 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{ColumnPath, Type};
 use serde_json::{Map, Value};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::Write;
 use std::sync::Arc;
 
@@ -48,8 +48,12 @@ impl<W: Write + Send> Writer<W> {
     /// An empty table with these columns. `about` goes into the metadata of the file.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// Two columns have one name, or the file cannot be written.
     pub fn create(file: W, columns: &[Column], about: &[(&str, String)]) -> Result<Writer<W>, TableError> {
+        let mut names = HashSet::new();
+        if let Some(column) = columns.iter().find(|column| !names.insert(&column.name)) {
+            return Err(TableError::Twice(column.name.clone()));
+        }
         let fields = columns.iter().map(|column| Ok(Arc::new(field(column)?)));
         let fields = fields.collect::<Result<Vec<_>, ParquetError>>().map_err(system)?;
         let schema = Type::group_type_builder("schema").with_fields(fields).build().map_err(system)?;

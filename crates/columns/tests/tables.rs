@@ -140,6 +140,14 @@ fn damaged_files_are_refused_or_read_whole() {
 }
 
 #[test]
+fn names_are_given_once() {
+    let columns = [column("x", Kind::Real, false, false), column("x", Kind::Long, false, false)];
+    let refused = Writer::create(Vec::new(), &columns, &[]).err().unwrap();
+    assert_eq!(refused.to_string(), "there are two columns \"x\"");
+}
+
+#[cfg(unix)]
+#[test]
 fn what_is_no_file_is_no_table() {
-    assert!(matches!(Reader::open(File::open(".").unwrap()), Err(TableError::Unsound(_))));
+    assert!(matches!(Reader::open(File::open(".").unwrap()), Err(TableError::Unsound { .. })));
 }

@@ -15,7 +15,8 @@ const PARQUET: &[u8; 4] = b"PAR1";
 
 impl Run {
     /// Reads `trajectories.csv` or, whatever it is called, a table in Parquet: the columns t, id, x, y, vx, vy,
-    /// theta, omega in any order, with their units or without, the contact counts and the squeeze where they are
+    /// theta, omega in any order, with their units or without (in Parquet, as
+    /// `lemons run` says them in the metadata), the contact counts and the squeeze where they are
     /// there, further ones do not matter; all agents at one time, then all at the next.
     ///
     /// # Errors

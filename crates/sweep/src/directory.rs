@@ -286,6 +286,7 @@ impl Directory {
                 .map(|k| if let Cell::Real(value) = batch.cell(k, row) { Some(value) } else { None })
                 .collect()),
             (Cell::Text(FAILED), Cell::Text(message)) => Err(message.to_owned()),
+            (Cell::Text(FAILED), _) => bail!("point {point} failed without a message"),
             (status, _) => bail!("point {point}: status {status:?}"),
         };
         Ok(Finished { point, outcome })

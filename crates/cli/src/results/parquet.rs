@@ -56,7 +56,7 @@ fn copy(
     let headings = reader.columns().iter().map(|column| heading(&column.name, column.about("unit")));
     check_headings(headings, &content.columns)?;
     for (there, here) in reader.columns().iter().zip(columns) {
-        if there.kind != Some(here.kind) || there.optional {
+        if there.kind != Some(here.kind) {
             bail!("column {:?} is of another type", here.name);
         }
     }
@@ -64,10 +64,13 @@ fn copy(
     let all: Vec<usize> = (0..columns.len()).collect();
     for batch in reader.batches(&all) {
         let batch = batch?;
+        rows += batch.rows() as u64;
+        if rows > kept.rows {
+            bail!("it has more than the {} rows that the saved run has written", kept.rows);
+        }
         for row in 0..batch.rows() {
             to.row(batch.row(row)).context("the rows of the saved run cannot be copied")?;
         }
-        rows += batch.rows() as u64;
         if let Cell::Real(time) = batch.cell(0, batch.rows() - 1) {
             last = Some(time);
         }
