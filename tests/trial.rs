@@ -458,6 +458,62 @@ fn a_face_drawn_twice_is_a_warning() {
     assert_eq!((warnings.warnings().count(), warnings.has_errors()), (1, false));
 }
 
+/// `count` agents of five disks, all at the origin, as where their positions were forgotten.
+fn all_at_one_point(count: usize) -> Result<(Trial, Problems), Problems> {
+    let directory = TempDir::new().unwrap();
+    lemons_bench::fmu::write_trial(count, vec2(0.5, 0.5), directory.path()).unwrap();
+    let file = directory.path().join(FILES[4]);
+    let positions = fs::read_to_string(&file).unwrap();
+    let forgotten: String = positions
+        .split_inclusive("Position=\"")
+        .enumerate()
+        .map(
+            |(k, part)| {
+                if k == 0 { part.to_owned() } else { format!("0,0{}", &part[part.find('"').unwrap()..]) }
+            },
+        )
+        .collect();
+    fs::write(file, forgotten).unwrap();
+    Trial::read(directory.path())
+}
+
+/// Twelve pairs of disks for each two agents: three thousand would take 25 GB.
+#[test]
+fn everybody_at_one_point_is_refused_by_name_before_memory_is_taken() {
+    for count in [1000, 3000] {
+        let problems = all_at_one_point(count).unwrap_err().to_string();
+        assert_eq!(problems.lines().count(), 1, "{problems}");
+        let words = [
+            "AgentDynamics.xml: agent \"0\": ",
+            &format!("{} others and ", count - 1),
+            "more than 2000000 pairs",
+            "are positions missing?",
+        ];
+        assert!(words.iter().all(|word| problems.contains(word)), "{problems}");
+    }
+    // Few enough are held, and counted in one line.
+    let (trial, warnings) = all_at_one_point(200).unwrap();
+    assert!(trial.world().is_ok());
+    assert!(warnings.to_string().contains("pairs of disks of different agents overlap"), "{warnings}");
+    assert!(warnings.iter().count() <= 4, "{warnings}");
+}
+
+/// The same by parameters, after the Trial was read.
+#[test]
+fn everybody_moved_to_one_point_makes_no_world() {
+    let directory = TempDir::new().unwrap();
+    lemons_bench::fmu::write_trial(1000, vec2(0.5, 0.5), directory.path()).unwrap();
+    let (mut trial, _) = Trial::read(directory.path()).unwrap();
+    for dynamics in &mut trial.dynamics {
+        dynamics.position = vec2(1.0, 1.0);
+    }
+    let error = trial.world().unwrap_err();
+    assert!(
+        matches!(&error, WorldError::Crowded { agent, crowded } if agent == "0" && crowded.others == 999),
+        "{error}"
+    );
+}
+
 #[test]
 fn a_missing_file_is_named_unless_it_is_the_interactions() {
     for (missing, _) in good() {

@@ -182,7 +182,7 @@ impl Model for Crowd {
         if let Err(error) = self.advance_world(step) {
             let told = CrowdError::Advance(self.trial.name_body(&error));
             // Anything else was refused before it began.
-            let failed = matches!(error, AdvanceError::NotFinite { .. });
+            let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
             return Err(if failed { StepError::Failed(told) } else { StepError::Refused(told) });
         }
         // A rate counts for one step.

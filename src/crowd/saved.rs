@@ -74,7 +74,9 @@ impl Crowd {
                 let mut world = trial.world()?;
                 check_running(&world, running)?;
                 give_threads(&mut world, saved.threads, self.world.as_ref())?;
-                world.restore(running.state.clone());
+                world
+                    .restore(running.state.clone())
+                    .map_err(|_| CrowdError::Saved("more agents in one place than can be held"))?;
                 world.drive.clone_from(&running.drive);
                 Some(world)
             }

@@ -4,7 +4,7 @@
 //! every sum, and with it every bit, is the same for any number of threads.
 
 use super::contacts::{ContactReport, Crossing, Instant, Standing, Stretch, Sums};
-use super::neighbours::{CellGrid, Circle, Near, list};
+use super::neighbours::{CellGrid, Circle, Crowded, Near, Room, list};
 use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
 use super::{Pose, Scene, State, Threads, Twist, Work, Wrench};
 
@@ -96,6 +96,9 @@ impl Blocks {
     }
 
     /// Lists the candidates of some bodies, `circles` of all of them being in the grid.
+    ///
+    /// # Errors
+    /// They are more than are held.
     pub fn list(
         &mut self,
         scene: &Scene,
@@ -103,12 +106,14 @@ impl Blocks {
         grid: &CellGrid,
         circles: &[Circle],
         listed: impl Fn(usize) -> bool + Sync,
-    ) {
+    ) -> Result<(), Crowded> {
+        let room = Room::new(scene);
         let standing = &self.standing[..];
         threads.each(self.blocks.iter_mut().enumerate(), |(k, block)| {
             let bodies = (k * BLOCK..((k + 1) * BLOCK).min(circles.len())).filter(|&b| listed(b));
-            list(scene, standing, grid, circles, bodies, &mut block.candidates);
+            list(scene, standing, grid, circles, bodies, &mut block.candidates, &room);
         });
+        room.check(scene, grid, circles)
     }
 
     /// Takes the pairs that are near now out of the candidates.

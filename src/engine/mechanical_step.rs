@@ -11,7 +11,7 @@
 use super::blocks::{BLOCK, Blocks, Bodies};
 use super::contacts::Stretch;
 use super::free_flight::{Drive, Ramp};
-use super::neighbours::{CellGrid, Circle, Near, SKIN};
+use super::neighbours::{CellGrid, Circle, Crowded, Near, SKIN};
 use super::shortlist::{Activity, Shortlist};
 use super::{Body, BodyId, Pose, Scene, State, Threads, Twist, Work, Wrench};
 
@@ -112,23 +112,26 @@ pub(super) struct CommunicationStep<'a, D: Drive> {
 
 impl<D: Drive> CommunicationStep<'_, D> {
     /// The state after `steps` mechanical steps.
-    pub fn run(mut self, steps: u64) -> State {
-        self.begin();
+    ///
+    /// # Errors
+    /// More pairs come near each other than are held.
+    pub fn run(mut self, steps: u64) -> Result<State, Crowded> {
+        self.begin()?;
         if self.movers.iter().any(|movers| !movers.is_empty()) {
             for step in 1..=steps {
                 self.step(step);
                 // A pose that is not a number does not count here: the communication step ends with an error.
                 if self.leeway <= 0.0 {
-                    self.renew_lists(step);
+                    self.renew_lists(step)?;
                 }
             }
             self.correct();
         }
-        self.end(steps)
+        Ok(self.end(steps))
     }
 
     /// Lists the active bodies, and their pairs at the first instant.
-    fn begin(&mut self) {
+    fn begin(&mut self) -> Result<(), Crowded> {
         let blocks = &mut self.scratch.blocks;
         blocks.load(self.scene, self.start);
         self.movers.resize_with(blocks.blocks.len(), Vec::new);
@@ -141,8 +144,9 @@ impl<D: Drive> CommunicationStep<'_, D> {
         if self.movers.iter().any(|movers| !movers.is_empty()) {
             self.flights = D::flights(self.scene, self.dt);
         }
-        self.list_candidates(0);
+        self.list_candidates(0)?;
         self.take_near();
+        Ok(())
     }
 
     /// Evaluates the contacts, kicks, and flies to the next instant.
@@ -194,7 +198,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
     }
 
     /// Makes the lists hold again: the near pairs anew, and the candidates if need be.
-    fn renew_lists(&mut self, step: u64) {
+    fn renew_lists(&mut self, step: u64) -> Result<(), Crowded> {
         let moved = 0.5 * self.scratch.near.0 - self.leeway;
         self.scratch.near = Near::for_movement(moved / (step - self.listed) as f64);
         self.listed = step;
@@ -205,13 +209,14 @@ impl<D: Drive> CommunicationStep<'_, D> {
             !moved_further(leeway, mover.reach, &listed_at[b], &blocks.standing[b].pose())
         };
         if !self.movers.iter().flatten().all(holds) {
-            self.list_candidates(step);
+            self.list_candidates(step)?;
         }
         self.take_near();
+        Ok(())
     }
 
     /// Lists the candidates of the active bodies, after taking in every free body that one of them nears.
-    fn list_candidates(&mut self, step: u64) {
+    fn list_candidates(&mut self, step: u64) -> Result<(), Crowded> {
         self.work.rebuilds += 1;
         let mut circles: Vec<Circle> = self.shortlist.swept.clone();
         for mover in self.movers.iter().flatten() {
@@ -245,7 +250,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
             listed_at[b] = blocks.standing[b].pose();
         }
         let activity = &self.shortlist.activity;
-        blocks.list(self.scene, self.threads, &grid, &circles, |b| activity[b] == Activity::Active);
+        blocks.list(self.scene, self.threads, &grid, &circles, |b| activity[b] == Activity::Active)
     }
 
     /// Takes the near pairs out of the candidates.

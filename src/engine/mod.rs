@@ -27,6 +27,7 @@ pub use contact_law::Regime;
 pub use contacts::{BodyContacts, Contact, ContactReport, Pair, Work};
 pub use free_flight::{BodyFlight, FreeFlight};
 pub use ids::{BodyId, CornerId, DiskId, FaceId, WallId};
+pub use neighbours::Crowded;
 pub use overlap::{Meeting, Overlap};
 pub use scene::{
     Body, BodySpec, Corner, Disk, DiskSpec, Face, LawTable, PairLaw, Scene, SceneError, WallSpec,

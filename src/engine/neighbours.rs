@@ -3,7 +3,9 @@
 use super::contacts::Standing;
 use super::overlap::nearest_on_face;
 use super::pairs::Candidates;
-use super::{DiskId, FaceId, Scene, Vec2};
+use super::{BodyId, DiskId, FaceId, Scene, Vec2};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use thiserror::Error;
 
 /// \[m\] Pairs nearer than this are candidates. Their list holds while no disk has moved further than half of
 /// what this is more than [`Near`]; a larger skin means longer lists and fewer of them. Who is free and when a free body is taken
@@ -158,6 +160,72 @@ impl CellGrid {
     }
 }
 
+/// So many candidates any crowd may have. Each takes up to 250 bytes while it is near and touches: 0.5 GB.
+const MOST_PAIRS: usize = 2_000_000;
+/// A larger crowd may have so many for each of its disks: some ten times what the densest crowds of people have.
+const MOST_PAIRS_PER_DISK: usize = 32;
+
+/// More pairs are near each other than are held in memory, as when everybody stands at one point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error(
+    "{others} others and {faces} faces of walls are within {} mm of it; more than {most} pairs of disks and of disks \
+     and faces are near each other in all, the most that are held: are positions missing?", 1e3 * SKIN
+)]
+pub struct Crowded {
+    /// In the thick of it.
+    pub body: BodyId,
+    /// Bodies near it.
+    pub others: usize,
+    /// Faces near it.
+    pub faces: usize,
+    /// Pairs that are held.
+    pub most: usize,
+}
+
+/// How many candidates may be listed, by all threads together.
+pub(super) struct Room {
+    most: usize,
+    taken: AtomicUsize,
+}
+
+impl Room {
+    pub fn new(scene: &Scene) -> Room {
+        let most = MOST_PAIRS.max(MOST_PAIRS_PER_DISK * scene.disks.len());
+        Room { most, taken: AtomicUsize::new(0) }
+    }
+
+    /// Takes room for so many pairs more; whether there was enough. Whether there is enough for all does not
+    /// depend on who takes first.
+    fn take(&self, pairs: usize) -> bool {
+        self.taken.fetch_add(pairs, Ordering::Relaxed).saturating_add(pairs) <= self.most
+    }
+
+    /// An error if some were not listed for want of room.
+    pub fn check(&self, scene: &Scene, grid: &CellGrid, circles: &[Circle]) -> Result<(), Crowded> {
+        if self.taken.load(Ordering::Relaxed) <= self.most {
+            return Ok(());
+        }
+        let mut crowded = Crowded { body: BodyId(0), others: 0, faces: 0, most: self.most };
+        let (mut looks, mut found) = (0, Vec::new());
+        for (b, circle) in circles.iter().enumerate() {
+            let mut near = 0;
+            grid.for_each_near(circle, SKIN, |_| near += 1);
+            let others = near - 1; // itself
+            let near_faces = scene.face_grid.candidates(circle, SKIN, &mut found);
+            let faces = near_faces.iter().filter(|face| circle.nears_face(scene, face.index(), SKIN)).count();
+            if others + faces > crowded.others + crowded.faces {
+                crowded = Crowded { body: BodyId::from(b), others, faces, ..crowded };
+            }
+            // Of so many it is known well enough where they stand.
+            looks += near + near_faces.len();
+            if looks > self.most {
+                break;
+            }
+        }
+        Err(crowded)
+    }
+}
+
 /// Whether the circle of a body comes nearer to a face than the skin; `found` is scratch.
 pub(super) fn nears_a_face(scene: &Scene, circle: &Circle, found: &mut Vec<FaceId>) -> bool {
     let candidates = scene.face_grid.candidates(circle, SKIN, found);
@@ -165,7 +233,7 @@ pub(super) fn nears_a_face(scene: &Scene, circle: &Circle, found: &mut Vec<FaceI
 }
 
 /// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face that comes within
-/// the skin. The circles of all bodies are in the grid.
+/// the skin, as far as there is room. The circles of all bodies are in the grid.
 pub(super) fn list(
     scene: &Scene,
     standing: &[Standing],
@@ -173,6 +241,7 @@ pub(super) fn list(
     circles: &[Circle],
     bodies: impl Iterator<Item = usize>,
     candidates: &mut Candidates,
+    room: &Room,
 ) {
     candidates.disks.clear();
     candidates.faces.clear();
@@ -192,6 +261,7 @@ pub(super) fn list(
             continue;
         }
         for i in scene.bodies[a].disks.clone() {
+            let before = candidates.disks.len() + candidates.faces.len();
             let disk = &scene.disks[i];
             let own = Circle { centre: standing[a].centre(disk.offset), radius: disk.radius };
             for &b in later.iter().filter(|&&b| own.nears(&circles[b], SKIN)) {
@@ -205,6 +275,10 @@ pub(super) fn list(
             }
             let near = faces.iter().filter(|face| own.nears_face(scene, face.index(), SKIN));
             candidates.faces.extend(near.map(|&face| (DiskId::from(i), face)));
+            let added = candidates.disks.len() + candidates.faces.len() - before;
+            if added > 0 && !room.take(added) {
+                return;
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::contacts::{ContactReport, Stretch};
 use super::free_flight::Drive;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
-use super::neighbours::{CellGrid, Circle, Near, SKIN};
+use super::neighbours::{CellGrid, Circle, Crowded, Near, SKIN};
 use super::shortlist::{Activity, Shortlist};
 use super::{BodyId, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
 use thiserror::Error;
@@ -43,6 +43,9 @@ pub enum AdvanceError {
         /// Which.
         body: BodyId,
     },
+    /// More pairs come near each other than are held in memory.
+    #[error(transparent)]
+    Crowded(#[from] Crowded),
 }
 
 /// The number of mechanical steps in a communication step: the smallest n with
@@ -95,7 +98,10 @@ impl World {
     /// A world at a state, without drive.
     ///
     /// The state has one pose and one twist for each body; springs of pairs that do not touch are dropped.
-    pub fn new(scene: Scene, state: State, mechanical_step: f64) -> World {
+    ///
+    /// # Errors
+    /// More pairs are near each other than are held in memory.
+    pub fn new(scene: Scene, state: State, mechanical_step: f64) -> Result<World, Crowded> {
         assert_eq!(state.poses.len(), scene.bodies.len(), "one pose for each body");
         assert_eq!(state.twists.len(), scene.bodies.len(), "one twist for each body");
         let mut world = World {
@@ -112,8 +118,8 @@ impl World {
             state: State::default(),
             scene,
         };
-        world.restore(state);
-        world
+        world.restore(state)?;
+        Ok(world)
     }
 
     /// Bodies, walls and laws.
@@ -169,7 +175,10 @@ impl World {
 
     /// Puts the world into a state of the same scene; run on, it gives the same bits as the world that
     /// the state was taken from.
-    pub fn restore(&mut self, mut state: State) {
+    ///
+    /// # Errors
+    /// More pairs are near each other than are held in memory; nothing has changed then.
+    pub fn restore(&mut self, mut state: State) -> Result<(), Crowded> {
         let (scene, blocks) = (&self.scene, &mut self.scratch.blocks);
         blocks.load(scene, &state);
         let mut circles = Vec::with_capacity(state.poses.len());
@@ -178,7 +187,7 @@ impl World {
             circles.push(Circle { centre: pose.position, radius: scene.bodies[b].bounding_radius });
         }
         let (grid, alone) = (CellGrid::new(&circles, 0..circles.len(), SKIN), Threads::default());
-        blocks.list(scene, &alone, &grid, &circles, |_| true);
+        blocks.list(scene, &alone, &grid, &circles, |_| true)?;
         blocks.renew(scene, &alone, Near::default());
         // Finds out which pairs touch; the forces are not wanted.
         blocks.evaluate(scene, &alone, Stretch::Hold, |_, _| 0.0);
@@ -186,6 +195,7 @@ impl World {
         self.contacts = blocks.report(scene);
         blocks.store(&mut state);
         self.state = state;
+        Ok(())
     }
 
     /// Advances by one communication step of a duration H \[s\], in mechanical steps of equal length.
@@ -196,9 +206,9 @@ impl World {
         let steps = step_count(duration, self.mechanical_step)?;
         let held = self.drive_rate.iter().all(|rate| *rate == Wrench::default());
         let state = if held {
-            self.moved(&held_drives(&self.scene, &self.drive), duration, steps)
+            self.moved(&held_drives(&self.scene, &self.drive), duration, steps)?
         } else {
-            self.moved(&ramps(&self.scene, &self.drive, &self.drive_rate), duration, steps)
+            self.moved(&ramps(&self.scene, &self.drive, &self.drive_rate), duration, steps)?
         };
         let finite = |b: &usize| {
             let (pose, twist) = (&state.poses[*b], &state.twists[*b]);
@@ -221,7 +231,7 @@ impl World {
     }
 
     /// The state after a communication step under drives of one kind.
-    fn moved<D: Drive>(&mut self, drives: &[D], duration: f64, steps: u64) -> State {
+    fn moved<D: Drive>(&mut self, drives: &[D], duration: f64, steps: u64) -> Result<State, Crowded> {
         let shortlist = Shortlist::decide(&self.scene, &self.state, drives, duration, self.shortlisting);
         let active = shortlist.activity.iter().filter(|activity| **activity == Activity::Active).count();
         let alone = Threads::default();
@@ -278,10 +288,44 @@ mod tests {
         };
         let scene = Scene::new(&[body.clone(), body.clone(), body], &[], &laws).unwrap();
         let poses = [-1.0, 0.0, 1.0].map(|x| Pose { position: vec2(x, 0.0), orientation: 0.0 });
-        let mut world = World::new(scene, State::new(poses.to_vec(), vec![Twist::default(); 3]), 1e-12);
+        let mut world =
+            World::new(scene, State::new(poses.to_vec(), vec![Twist::default(); 3]), 1e-12).unwrap();
         let before = world.state().clone();
         assert_eq!(world.advance(1e-12), Err(AdvanceError::NotFinite { body: BodyId(1) }));
         assert_eq!(*world.state(), before);
+    }
+
+    /// Three thousand grains fly to one point, where there are 4.5 million pairs of them.
+    #[test]
+    fn who_come_together_in_thousands_are_an_error_and_change_nothing() {
+        let mut laws = LawTable::new(1);
+        let law = PairLaw {
+            normal_stiffness: 1.0,
+            tangential_stiffness: 1.0,
+            normal_damping: 0.0,
+            tangential_damping: 0.0,
+            friction: 0.0,
+        };
+        laws.set(0, 0, law);
+        let body = BodySpec {
+            mass: 1e3,
+            inertia: 1.0,
+            translation_rate: 0.0,
+            rotation_rate: 0.0,
+            disks: vec![DiskSpec { radius: 1e-3, position: vec2(0.0, 0.0), material: 0 }],
+        };
+        let scene = Scene::new(&vec![body; 3000], &[], &laws).unwrap();
+        let out = |k: i32| vec2(100.0, 0.0).rotated(crate::engine::Rotation::by(f64::from(k) * 0.002));
+        let poses = (0..3000).map(|k| Pose { position: out(k), orientation: 0.0 }).collect();
+        let twists = (0..3000).map(|k| Twist { velocity: -out(k), angular_velocity: 0.0 }).collect();
+        let mut world = World::new(scene, State::new(poses, twists), 0.1).unwrap();
+        world.advance(0.5).unwrap();
+        let before = world.state().clone();
+        let Err(AdvanceError::Crowded(crowded)) = world.advance(0.5) else { panic!("all were held") };
+        assert_eq!((crowded.others, crowded.faces, crowded.most), (2999, 0, 2_000_000));
+        assert_eq!(*world.state(), before);
+        // It goes on as if nothing had been.
+        world.advance(0.2).unwrap();
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What may be a mistake in a Trial that is otherwise in order.
 
 use super::problem::{Problem, Severity, quoted};
-use super::{Contact, Material, Trial, stiffness};
+use super::{Contact, Material, Trial, WorldError, stiffness};
 use crate::engine::{ContactReport, DiskId, Pair, Scene};
 use std::collections::HashSet;
 use std::f64::consts::TAU;
@@ -22,8 +22,17 @@ impl Trial {
     /// Warnings: overlaps at the start that no spring of an earlier step explains, and a mechanical step
     /// that does not resolve the shortest contact.
     pub(super) fn advice(&self, parameters: &Path, dynamics: &Path) -> Vec<Problem> {
-        // Materials that cannot touch were reported as errors already.
-        let Ok(world) = self.world() else { return Vec::new() };
+        let world = match self.world() {
+            Ok(world) => world,
+            Err(crowded @ WorldError::Crowded { .. }) => {
+                return vec![Problem {
+                    severity: Severity::Error,
+                    ..warning(dynamics, None, crowded.to_string())
+                }];
+            }
+            // Materials that cannot touch were reported as errors already.
+            Err(_) => return Vec::new(),
+        };
         let scene = world.scene();
         let mut advice = self.overlaps(scene, world.contacts(), dynamics);
         advice.extend(self.coarse_step(scene, parameters));

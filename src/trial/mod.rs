@@ -287,10 +287,10 @@ impl Trial {
             Some(trial) if !problems.has_errors() => {
                 let parameters = tidy(&directory.join(&names.parameters));
                 let dynamics = directory.join(trial.parameters.dynamic_path()).join(&names.dynamics);
-                for warning in trial.advice(&parameters, &tidy(&dynamics)) {
-                    problems.push(warning);
+                for problem in trial.advice(&parameters, &tidy(&dynamics)) {
+                    problems.push(problem);
                 }
-                Ok((trial, problems))
+                if problems.has_errors() { Err(problems) } else { Ok((trial, problems)) }
             }
             _ => Err(problems),
         }

@@ -4,7 +4,7 @@ use super::{
     AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, Trial, WallInteraction, stiffness,
 };
 use crate::engine::{
-    AdvanceError, BodySpec, Contact, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene,
+    AdvanceError, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene,
     SceneError, State, Twist, WallSpec, World, Wrench, elongation_vector,
 };
 use std::collections::HashMap;
@@ -29,6 +29,14 @@ pub enum WorldError {
         normal: f64,
         /// \[N/m\]
         tangential: f64,
+    },
+    /// More pairs are near each other than are held in memory.
+    #[error("agent {agent:?}: {crowded}")]
+    Crowded {
+        /// Id of an agent in the thick of it.
+        agent: String,
+        /// How many are near it.
+        crowded: Crowded,
     },
     /// The engine's indices do not suffice.
     #[error("{0}")]
@@ -164,13 +172,20 @@ impl Trial {
         self.dynamics.iter().map(|d| Wrench { force: d.fp, torque: d.mp }).collect()
     }
 
+    /// Why there is no world, with the Id of the agent that it is about.
+    pub fn too_crowded(&self, crowded: Crowded) -> WorldError {
+        WorldError::Crowded { agent: self.agents[crowded.body.index()].id.clone(), crowded }
+    }
+
     /// Why a step failed, with the Id of the agent that it is about.
     pub fn name_body(&self, error: &AdvanceError) -> String {
         match error {
-            AdvanceError::NotFinite { body } => match self.agents.get(body.index()) {
-                Some(agent) => format!("agent {:?}: {error}", agent.id),
-                None => error.to_string(),
-            },
+            AdvanceError::NotFinite { body } | AdvanceError::Crowded(Crowded { body, .. }) => {
+                match self.agents.get(body.index()) {
+                    Some(agent) => format!("agent {:?}: {error}", agent.id),
+                    None => error.to_string(),
+                }
+            }
             _ => error.to_string(),
         }
     }
@@ -185,11 +200,12 @@ impl Trial {
     /// The engine's world at the start of this Trial.
     ///
     /// # Errors
-    /// Materials that can touch have no usable contact.
+    /// Materials that can touch have no usable contact, or so many agents are in one place that their pairs are not held.
     pub fn world(&self) -> Result<World, WorldError> {
         let scene = self.scene()?;
         let state = self.state(&scene);
-        let mut world = World::new(scene, state, self.parameters.time_step_mechanical);
+        let world = World::new(scene, state, self.parameters.time_step_mechanical);
+        let mut world = world.map_err(|crowded| self.too_crowded(crowded))?;
         world.drive = self.drive();
         Ok(world)
     }

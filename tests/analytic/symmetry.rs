@@ -49,7 +49,7 @@ fn run(case: &Case) -> Vec<(Pose, Twist)> {
     laws.set(1, 1, case.laws[2]);
     let scene = Scene::new(&case.bodies, &case.walls, &laws).unwrap();
     let (poses, twists) = case.motions.iter().copied().unzip();
-    let mut world = World::new(scene, State::new(poses, twists), 5e-5);
+    let mut world = World::new(scene, State::new(poses, twists), 5e-5).unwrap();
     for _ in 0..4 {
         world.advance(0.05).unwrap();
     }

@@ -35,7 +35,7 @@ fn run(at: &Path, trial: &Trial) -> Vec<World> {
             crowd.advance(0.05, f64::from(k) * 0.05).unwrap_or_else(|_| panic!("step {k}"));
             world.advance(0.05).unwrap();
             let mut seen = trial.world().unwrap();
-            seen.restore(world.state().clone());
+            seen.restore(world.state().clone()).unwrap();
             seen
         })
         .collect()

@@ -100,7 +100,7 @@ fn restored() -> Result<f64> {
     while world.contacts().agent_contacts == 0 {
         world.advance(0.001)?;
     }
-    let mut other = World::new(world.scene().clone(), world.state().clone(), 1e-5);
+    let mut other = World::new(world.scene().clone(), world.state().clone(), 1e-5)?;
     let mut unequal = 0;
     for _ in 0..300 {
         world.advance(0.001)?;

@@ -89,7 +89,7 @@ pub fn wall(corners: &[(f64, f64)]) -> WallSpec {
 /// A world of one material, without drive.
 ///
 /// # Panics
-/// Never: every pair has the law.
+/// Never: every pair has the law, and bodies are few.
 pub fn world(
     bodies: &[BodySpec],
     walls: &[WallSpec],
@@ -99,7 +99,7 @@ pub fn world(
 ) -> World {
     let scene = Scene::new(bodies, walls, &laws(law)).expect("every pair has the law");
     let (poses, twists) = motions.iter().copied().unzip();
-    World::new(scene, State::new(poses, twists), mechanical_step)
+    World::new(scene, State::new(poses, twists), mechanical_step).expect("few bodies")
 }
 
 /// \[kg.m/s\]

@@ -1,6 +1,6 @@
 //! A run at any time: between its frames everything is linear.
 
-use crowd_mechanics::engine::{Pair, Pose as EnginePose, Rotation, State, Twist, Vec2, World};
+use crowd_mechanics::engine::{Crowded, Pair, Pose as EnginePose, Rotation, State, Twist, Vec2, World};
 use crowd_mechanics::trial::{AgentDynamics, Trial, WorldError};
 use lemons_export::{Frame, Observed, Run};
 use lemons_picture::{Force, Pose};
@@ -40,7 +40,7 @@ impl Footage {
     pub fn new(trial: Trial, mut run: Run) -> Result<Footage, WorldError> {
         let mut shadow = Shadow::new(&trial)?;
         for frame in run.frames.iter_mut().filter(|frame| frame.observed.is_none()) {
-            shadow.put(&frame.agents);
+            shadow.put(&frame.agents).map_err(|crowded| trial.too_crowded(crowded))?;
             let bodies = shadow.0.contacts().bodies.iter();
             let seen = bodies.map(|body| Observed {
                 agent_contacts: body.agent_contacts,
@@ -94,12 +94,12 @@ impl Shadow {
         Ok(Shadow(trial.world()?))
     }
 
-    fn put(&mut self, agents: &[AgentDynamics]) {
+    fn put(&mut self, agents: &[AgentDynamics]) -> Result<(), Crowded> {
         let poses =
             agents.iter().map(|agent| EnginePose { position: agent.position, orientation: agent.theta });
         let twists =
             agents.iter().map(|agent| Twist { velocity: agent.velocity, angular_velocity: agent.omega });
-        self.0.restore(State::new(poses.collect(), twists.collect()));
+        self.0.restore(State::new(poses.collect(), twists.collect()))
     }
 
     /// The normal forces at the nearest frame: for each two that touch, their contacts together, from body to
@@ -108,7 +108,10 @@ impl Shadow {
     /// Also whether they are those that the run recorded; a run with other parameters had others.
     pub fn forces(&mut self, footage: &Footage, moment: &Moment) -> (Vec<Force>, bool) {
         let frame = &footage.run.frames[moment.nearest];
-        self.put(&frame.agents);
+        if self.put(&frame.agents).is_err() {
+            // No run of this Trial has so many in one place.
+            return (Vec::new(), false);
+        }
         let (scene, report) = (self.0.scene(), self.0.contacts());
         let here = |body: usize| moment.agents[body].position;
         let mut pairs: BTreeMap<(usize, usize), f64> = BTreeMap::new();
