@@ -3,6 +3,7 @@
 import gc
 import os
 import pickle
+import re
 import shutil
 import signal
 import subprocess
@@ -75,19 +76,81 @@ def test_a_restored_crowd_runs_on_with_the_same_bits(fmu, drive):
         assert run.counts.tobytes() == wanted.counts.tobytes()
 
 
-@pytest.mark.parametrize("step, until", [(STEP, 1.0), (0.03, 0.5)])
-def test_a_simulation_is_the_table_of_lemons_run(lemons, fmu, drive, tmp_path, step, until):
-    """Bit by bit, and its last step is shortened in the same way."""
-    table = tmp_path / "run.csv"
-    options = ["--step", repr(step), "--until", repr(until), "--set", f"{FRICTION}=0.25", "-o", table]
-    subprocess.run([lemons, "run", TRIAL_PUSH, *options], check=True, capture_output=True)
+def command_table(lemons, path, model, *options):
+    """The table of `lemons run`, as `simulate` gives it."""
+    subprocess.run([lemons, "run", model, *options, "-o", path], check=True, capture_output=True)
     whole = ("id", "agent_contacts", "wall_contacts", "contacting_agents", "total_agent_contacts", "total_wall_contacts")
-    names = table.read_text().split("\n")[0].split(",")
-    wanted = pd.read_csv(table, converters={name: int if name in whole else float for name in names})
-    wanted.columns = [name.split(" [")[0] for name in wanted.columns]
+    names = path.read_text().split("\n")[0].split(",")
+    table = pd.read_csv(path, converters={name: int if name in whole else float for name in names})
+    table.columns = [name.split(" [")[0] for name in table.columns]
+    return table
+
+
+@pytest.mark.parametrize("step, until", [(STEP, 1.0), (0.03, 0.5), (0.1, 0.3)])
+def test_a_simulation_is_the_table_of_lemons_run(lemons, fmu, drive, tmp_path, step, until):
+    """Bit by bit; its last step is shortened in the same way, and not where the time is a multiple but for rounding."""
+    options = ["--step", repr(step), "--until", repr(until), "--set", f"{FRICTION}=0.25"]
+    wanted = command_table(lemons, tmp_path / "run.csv", TRIAL_PUSH, *options)
     mine = simulate(fmu, drive, {FRICTION: 0.25}, until, step=step)
     pd.testing.assert_frame_equal(mine, wanted, check_exact=True)
-    assert wanted.normal_force.max() > 100.0
+    assert until < 0.5 or wanted.normal_force.max() > 100.0
+
+
+@pytest.fixture
+def two_trials(pack, tmp_path):
+    """An FMU of two Trials: the second has another push and a TimeStep of its own."""
+    other = Path(shutil.copytree(TRIAL_PUSH, tmp_path / "Trial_other"))
+    parameters = (other / "Parameters.xml").read_text()
+    assert 'TimeStep="0.05"' in parameters
+    (other / "Parameters.xml").write_text(parameters.replace('TimeStep="0.05"', 'TimeStep="0.02"'))
+    (other / "drive.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,900,0,0\n0.5,0,300,0,1\n")
+    return pack(TRIAL_PUSH, other)
+
+
+def test_the_packed_drive_pushes_in_command_and_python_alike(lemons, two_trials, tmp_path):
+    """With the drive.csv that is packed, of the Trial that is chosen; with a given one; and with none."""
+    given = tmp_path / "given.csv"
+    given.write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1000,0,0\n0.4,0,1000,0,0\n")
+    seen = []
+    for trial in ("Trial_push", "Trial_other"):
+        chosen, parameters = ["--until", "0.6", "--set", f"Trial={trial}"], {"Trial": trial}
+        for options, drive in ([], None), (["--drive", given], given), (["--drive", given], str(given)), (["--no-drive"], False):
+            wanted = command_table(lemons, tmp_path / "run.csv", two_trials, *chosen, *options)
+            mine = simulate(two_trials, drive, parameters, 0.6)
+            pd.testing.assert_frame_equal(mine, wanted, check_exact=True)
+            seen.append((len(wanted), wanted.x.iloc[-5]))
+    assert len(set(seen)) == 6  # two Trials, three drives; the file by two kinds of path
+    assert [count // 5 for count, _ in seen] == [13] * 4 + [31] * 4
+    assert min(x for _, x in seen) == 0.0 and sorted(x for _, x in seen)[2] > 0.05
+
+
+def test_a_packed_drive_that_is_broken_is_told_without_the_place_where_it_lies(pack, tmp_path):
+    trial = Path(shutil.copytree(TRIAL_PUSH, tmp_path / "Trial"))
+    (trial / "drive.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1,1,much\n")
+    fmu = load(pack(trial))
+    with pytest.raises(ValueError) as refusal:
+        simulate(fmu, until=0.1)
+    assert str(refusal.value) == "drive file Trial/drive.csv in the FMU: line 2: Mp='much': not a finite number"
+    assert len(simulate(fmu, False, until=0.1)) == 15
+
+
+@pytest.mark.parametrize("what", [5, 0, True, [1, 2, 3], (), {0: 1.0}, b"drive.csv", 2.5, Drive, [[0.0] * 3] * 5], ids=repr)
+def test_what_cannot_drive_a_crowd_is_refused_and_not_ignored(fmu, what):
+    with pytest.raises(TypeError, match=r"the drive is .*; taken are None .*, False .*, the path of a CSV file, a Drive, an array"):
+        simulate(fmu, what, until=0.1)
+
+
+def test_arrays_that_cannot_drive_a_crowd_are_refused(fmu):
+    for array, kind in (np.zeros((3, 3)), ValueError), (np.zeros((5, 3), dtype=complex), TypeError), (np.full((5, 3), "1"), TypeError):
+        for drive in array, lambda crowd, array=array: array:
+            with pytest.raises(kind, match="the drive"):
+                simulate(fmu, drive, until=0.1)
+    with pytest.raises(TypeError, match="the drive is None"):
+        simulate(fmu, lambda crowd: None, until=0.1)
+    with pytest.raises(ValueError, match=r"agents \[5\]; there are 5"):
+        simulate(fmu, Drive({5: (np.zeros(1), np.zeros((1, 3)))}), until=0.1)
+    with pytest.raises(FileNotFoundError, match="nothing.csv"):
+        simulate(fmu, "nothing.csv", until=0.1)
 
 
 def test_ids_of_agents_are_those_of_the_trial(pack, tmp_path):
@@ -112,29 +175,72 @@ def test_drives_of_all_kinds(fmu):
     for drive in (table, lambda crowd: constant):
         pd.testing.assert_frame_equal(simulate(fmu, drive, until=0.5), wanted, check_exact=True)
     pd.testing.assert_frame_equal(simulate(fmu, per_mass, until=0.5), wanted, rtol=1e-6)
-    assert simulate(fmu, None, until=0.5).x.iloc[-5] == 0.0
+    assert simulate(fmu, False, until=0.5).x.iloc[-5] == 0.0
     ramp = Drive({2: (np.array([0.0, 1.0]), np.array([[0.0, 0, 0], [10.0, 20.0, -1.0]]))})
     times = np.array([-0.1, 0.0, 0.25, 1.0, 1.1])
     assert ramp.sample(2, times).tolist() == [[0, 0, 0], [0, 0, 0], [2.5, 5, -0.25], [10, 20, -1], [0, 0, 0]]
+
+
+HEAD = "t,agent,Fp.x,Fp.y,Mp\n"
 
 
 @pytest.mark.parametrize(
     "text, words",
     [
         ("t,agent,Fp.x,Fp.y\n0,0,1,1\n", ["line 1", "no column 'Mp'"]),
-        ("# push\nt,agent,Fp.x,Fp.y,Mp\n0,7,1,1,1\n", ["line 3", "no agent '7'"]),
-        ("t,agent,Fp.x,Fp.y,Mp\n0,0,1,nan,1\n", ["line 2", "'nan' is not finite"]),
-        ("t,agent,Fp.x,Fp.y,Mp\n0,0,1,1\n", ["line 2", "4 cells"]),
-        ("t,agent,Fp.x,Fp.y,Mp\n1,0,0,0,0\n1,0,1,1,1\n", ["must rise"]),
-        ("", ["empty"]),
+        ("t,agent,Fp.x,Fp.y,Mp,Fp.x\n0,0,1,1,1,2\n", ["line 1", "two columns 'Fp.x'"]),
+        ("# push\n" + HEAD + "0,7,1,1,1\n", ["line 3", "agent='7'", "no agent"]),
+        (HEAD + "0,0,1,nan,1\n", ["line 2", "Fp.y='nan': not a finite number"]),
+        (HEAD + "0,0,1,1,1e999\n", ["line 2", "Mp='1e999': not a finite number"]),
+        (HEAD + "0,0,1_000,1,1\n", ["line 2", "Fp.x='1_000': not a finite number"]),
+        (HEAD + "0,0,,1,1\n", ["line 2", "Fp.x='': not a finite number"]),
+        (HEAD + "0,0,0x10,1,1\n", ["line 2", "Fp.x='0x10': not a finite number"]),
+        (HEAD + "0,0,\u0661,1,1\n", ["line 2", "Fp.x='\u0661': not a finite number"]),
+        (HEAD + "0,0,1,1\n", ["line 2", "4 cells"]),
+        (HEAD + "   \n0,0,1,1,1\n", ["line 2", "1 cells"]),
+        (HEAD + "\n0,0,1,1,1,1\n", ["line 3", "6 cells"]),
+        (HEAD + "1,0,0,0,0\n1,0,1,1,1\n", ["line 3", "t=1 does not come after t=1.0"]),
+        (b"t,agent,Fp.x,Fp.y,Mp\n0,0,1,1,\xff\n", ["line 2", "utf-8"]),
+        ("", ["no column 't'"]),
     ],
+    ids=repr,
 )
-def test_a_bad_drive_file_is_refused(tmp_path, text, words):
+def test_a_bad_drive_file_is_refused_as_by_lemons_run(lemons, tmp_path, text, words):
     path = tmp_path / "drive.csv"
-    path.write_text(text)
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(ValueError) as refusal:
         Drive.read(path, ["0", "1"])
-    assert all(word in str(refusal.value) for word in ["drive.csv", *words]), refusal.value
+    assert all(word in str(refusal.value) for word in [str(path), *words]), refusal.value
+    command = [lemons, "run", TRIAL_PUSH, "--until", "0.05", "--drive", path, "-o", tmp_path / "run.csv"]
+    assert subprocess.run(command, capture_output=True).returncode == 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        HEAD + "0,0,+1.,.5,1E2\n0.5,0,-0,1e-400,2\n",
+        "\ufeff# push\r\n\r\n Mp ,Fp.y, Fp.x,note,agent,t\r\n1, 2 ,700,\"a, b\",\"0\",0\r\n#\r\n1,2,700,,0,1\r\n",
+        HEAD + "-1,0,800,0,0\n9,0,800,0,0",
+        HEAD,
+    ],
+    ids=repr,
+)
+def test_a_good_drive_file_is_read_as_by_lemons_run(lemons, fmu, tmp_path, text):
+    path = tmp_path / "drive.csv"
+    path.write_text(text, newline="")
+    wanted = command_table(lemons, tmp_path / "run.csv", TRIAL_PUSH, "--until", "0.6", "--drive", path)
+    pd.testing.assert_frame_equal(simulate(fmu, path, until=0.6), wanted, check_exact=True)
+
+
+def test_what_is_printed_of_an_object_is_a_line(fmu, drive):
+    with Crowd(fmu) as crowd:
+        seen = [repr(crowd), repr(crowd.run(drive, until=0.4)), repr(crowd.save())]
+        assert seen[0] == "<Crowd of 5 people, Trial 'Trial_push', at 0 s>"
+        assert seen[1] == "<Run of 5 people from 0 s to 0.4 s, 9 communication points>"
+        seen += [repr(crowd), repr(drive), repr(fmu)]
+        assert seen[3] == "<Crowd of 5 people, Trial 'Trial_push', at 0.4 s>"
+    assert repr(crowd) == "<Crowd, closed>"
+    assert all(len(line) < 100 and "\n" not in line for line in seen)
 
 
 def test_refusals_are_in_the_words_of_the_fmu(fmu):
@@ -260,6 +366,21 @@ def test_types():
     command = [sys.executable, "-m", "mypy", "--config-file", "pyproject.toml", "--cache-dir", REPOSITORY / ".mypy_cache"]
     done = subprocess.run([*command, "src"], cwd=REPOSITORY / "python", capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
+
+
+def test_the_manual_runs(push_fmu, tmp_path):
+    """All Python of python/README.md as one script, beside push.fmu and the Trials."""
+    text = (REPOSITORY / "python" / "README.md").read_text()
+    blocks = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    assert len(blocks) >= 3
+    (tmp_path / "manual.py").write_text("\n".join(blocks) + "    print(table.to_csv())\n")
+    (tmp_path / "push.fmu").symlink_to(push_fmu)
+    (tmp_path / "resources").symlink_to(REPOSITORY / "resources")
+    command = [sys.executable, "manual.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env={**os.environ, "TMPDIR": str(tmp_path)})
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count(",ok,") == 9
+    assert (tmp_path / "results" / "table.parquet").is_file()
 
 
 def test_the_package_installs(push_fmu, tmp_path):

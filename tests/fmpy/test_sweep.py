@@ -4,10 +4,12 @@ import itertools
 import json
 import math
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
+import tracemalloc
 
 import cloudpickle
 import numpy as np
@@ -107,24 +109,159 @@ def test_failures_of_measure_and_drive_are_rows(fmu, here):
     table = sweep(fmu, {"agent[1].Mass": [60.0, 80.0]}, push, weigh, client=here, **RUN)
     assert table.error[1] == "fmi2SetReal: agent[0].Fp.x = NaN: must be finite"
     assert table.word[0] == "far" and math.isnan(table.nothing[0])
-    table = sweep(fmu, {"agent[1].Mass": [60.0]}, None, weigh, client=here, **RUN)
+    table = sweep(fmu, {"agent[1].Mass": [60.0]}, False, weigh, client=here, **RUN)
     assert table.error.tolist() == ["LookupError: nobody moved"]
-    table = sweep(fmu, {"agent[1].Mass": [60.0]}, None, lambda run: {"status": 1}, client=here, **RUN)
+    table = sweep(fmu, {"agent[1].Mass": [60.0]}, False, lambda run: {"status": 1}, client=here, **RUN)
     assert "name of another column: 'status'" in table.error[0]
+
+
+class Unspeakable(Exception):
+    def __str__(self):
+        sys.exit("no words")
+
+
+def leave(run):
+    sys.exit("enough")
+
+
+def unspeakable(run):
+    raise Unspeakable
+
+
+def half_a_character(run):
+    raise ValueError("\ud800")
+
+
+@pytest.mark.parametrize(
+    "measure, words",
+    [
+        (leave, "SystemExit: enough"),
+        (half_a_character, "ValueError: \\ud800"),
+        (unspeakable, "Unspeakable, whose message cannot be had: SystemExit"),
+        (lambda run: {"x": "\ud800"}, "ValueError: the measure 'x' is not Unicode text: '\\ud800'"),
+        (lambda run: {"\ud800": 1.0}, "ValueError: the measure '\\ud800' is not Unicode text: 1.0"),
+        (lambda run: None, "TypeError: the measure gave NoneType, not names and numbers"),
+        (lambda run: {"x": 10**400}, "OverflowError: int too large to convert to float"),
+    ],
+    ids=["sys.exit", "message", "no message", "text", "name", "None", "number"],
+)
+def test_what_a_measure_does_ends_its_point_and_not_the_sweep(fmu, here, tmp_path, measure, words):
+    def of_one(run):
+        return measure(run) if run.poses[0, 1, 0] == 0.2802 else {"x": 1.0}
+
+    grid = {"agent[1].Position.x": [0.279, 0.2801, 0.2802, 0.281]}
+    table = sweep(fmu, grid, False, of_one, client=here, out=tmp_path / "out", **{**RUN, "until": 0.1})
+    assert table.status.tolist() == ["ok", "ok", "failed", "ok"]
+    assert table.error[2] == words
+
+
+def test_a_measure_that_interrupts_ends_the_sweep(fmu, here):
+    def interrupt(run):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(fmu, {"agent[1].Mass": [60.0, 70.0]}, False, interrupt, client=here, **{**RUN, "until": 0.1})
+    # The workers are still there.
+    assert len(sweep(fmu, {"agent[1].Mass": [60.0]}, False, measure, client=here, **{**RUN, "until": 0.1})) == 1
+
+
+def test_a_drive_is_read_and_checked_before_any_point_runs(fmu, drive, here, tmp_path):
+    """By path as by table, in the manifest too; what cannot drive a crowd is refused, and nothing is written."""
+    grid = {"agent[1].Mass": [60.0, 80.0]}
+    wanted = sweep(fmu, grid, drive, measure, client=here, out=tmp_path / "table", **RUN)
+    assert wanted["squeeze"].min() > 100.0
+    for name, given in ("path", TRIAL_PUSH / "drive.csv"), ("text", str(TRIAL_PUSH / "drive.csv")), ("packed", None):
+        table = sweep(fmu, grid, given, measure, client=here, out=tmp_path / name, **RUN)
+        pd.testing.assert_frame_equal(table, wanted, check_exact=True)
+        assert (tmp_path / name / "sweep.json").read_bytes() == (tmp_path / "table" / "sweep.json").read_bytes()
+    table = sweep(fmu, grid, False, measure, client=here, out=tmp_path / "none", **RUN)
+    assert table["squeeze"].max() == 0.0
+    assert json.loads((tmp_path / "none" / "sweep.json").read_text())["drive"] == {"kind": "none"}
+    bad = tmp_path / "bad.csv"
+    bad.write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1,1,1,1\n")
+    other = Drive({9: (np.zeros(1), np.zeros((1, 3)))})
+    for given, error in (5, TypeError), ([1, 2, 3], TypeError), (bad, ValueError), (other, ValueError), (np.zeros((4, 3)), ValueError):
+        with pytest.raises(error, match="drive"):
+            sweep(fmu, grid, given, measure, client=here, out=tmp_path / "refused", **RUN)
+    assert not (tmp_path / "refused").exists()
+
+
+def test_points_of_several_trials_have_their_own_drives(pack, here, tmp_path):
+    other = shutil.copytree(TRIAL_PUSH, tmp_path / "Trial_other")
+    (other / "drive.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,900,0,0\n1,0,900,0,0\n")
+    fmu = load(pack(TRIAL_PUSH, other))
+    grid = {"Trial": ["Trial_push", "Trial_other", "nowhere"]}
+    table = sweep(fmu, grid, None, measure, client=here, out=tmp_path / "out", **RUN)
+    assert table.status.tolist() == ["ok", "ok", "failed"] and "nowhere" in table.error[2]
+    for point in 0, 1:
+        wanted = simulate(fmu, None, {"Trial": grid["Trial"][point]}, RUN["until"])
+        assert table.x[point] == wanted.x.iloc[-5]
+    assert table.x[0] != table.x[1]
+    assert json.loads((tmp_path / "out" / "sweep.json").read_text())["drive"] == {"kind": "packed"}
+    parameters = (other / "Parameters.xml").read_text()
+    (other / "Parameters.xml").write_text(parameters.replace('TimeStep="0.05"', 'TimeStep="0.02"'))
+    with pytest.raises(ValueError, match=r"steps of 0.02 s and 0.05 s: give one"):
+        sweep(load(pack(TRIAL_PUSH, other)), grid, None, measure, client=here, **{**RUN, "step": None})
+
+
+def test_more_points_than_anybody_waits_for_are_refused_before_they_are_made(fmu):
+    """They took 24 GB before anything was said."""
+    tracemalloc.start()
+    try:
+        for grid in (
+            {"agent[1].Mass": range(10**9)},
+            {"agent[1].Mass": np.ones(10**4), "agent[2].Mass": np.ones(10**4)},
+            {"agent[1].Mass": [60.0, 70.0], "agent[2].Mass": range(10**7)},
+            {f"agent[{k}].Mass": range(10**7) for k in range(3)},  # more than a 64-bit integer holds
+        ):
+            with pytest.raises(ValueError, match="more than 10000000 points"):
+                sweep(fmu, grid, False, measure, **RUN)
+        assert tracemalloc.get_traced_memory()[1] < 10e6
+    finally:
+        tracemalloc.stop()
+    with pytest.raises(ValueError, match="more than 10000000 points"):
+        sweep(fmu, {"agent[1].Mass": itertools.count(60.0)}, False, measure, **RUN)
+
+
+# The largest file that may be written is as large as the manifest, as if the disk were full then.
+FULL = """
+import resource, sys
+from distributed import Client
+from lemons_fmu import SweepError, load, local_cluster, sweep
+
+if __name__ == "__main__":
+    with local_cluster(1, processes=False) as cluster, Client(cluster) as client:
+        load(sys.argv[1])
+        resource.setrlimit(resource.RLIMIT_FSIZE, (900, 900))
+        try:
+            sweep(sys.argv[1], {"agent[1].Mass": [60.0, 70.0]}, False, lambda run: {"x": 1.0}, until=0.1, out=sys.argv[2], client=client, progress=False)
+        except SweepError as error:
+            print(error)
+"""
+
+
+def test_a_full_disk_leaves_nothing_half_written(push_fmu, tmp_path):
+    command = [sys.executable, "-c", FULL, push_fmu, tmp_path / "out"]
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "TMPDIR": str(tmp_path)})
+    assert done.stdout == f"cannot write {tmp_path}/out/part-000001.parquet: File too large\n", done.stderr
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["sweep.json", "sweep.lock"]
 
 
 def test_what_cannot_be_swept_is_refused_at_once(fmu, here, tmp_path):
     def refused(error, words, grid, out=None, **options):
         with pytest.raises(error, match=words):
-            sweep(fmu, grid, None, measure, out=out, client=here, **{**RUN, **options})
+            sweep(fmu, grid, False, measure, out=out, client=here, **{**RUN, **options})
 
     refused(FmuError, "no variable 'agent.5..Mass'", {"agent[5].Mass": [1.0]})
     refused(ValueError, "no points", {"agent[1].Mass": []})
     refused(ValueError, "nothing to simulate", {"agent[1].Mass": [60.0]}, until=-1.0)
     refused(ValueError, "agent.1..Mass: values are numbers", {"agent[1].Mass": [60.0, "heavy"]})
+    refused(TypeError, "agent.1..Mass: a list of values is needed, not 60.0", {"agent[1].Mass": 60.0})
+    refused(TypeError, "Trial: a list of values is needed, not 'Trial_push'", {"Trial": "Trial_push"})
+    refused(ValueError, "Trial: '.ud800' is not Unicode text", {"Trial": ["\ud800"]})
     refused(ValueError, "'status' cannot be a parameter", {"status": [60.0]})
     out = tmp_path / "out"
-    sweep(fmu, {"agent[1].Mass": [60.0]}, None, measure, out=out, client=here, **RUN)
+    sweep(fmu, {"agent[1].Mass": [60.0]}, False, measure, out=out, client=here, **RUN)
     refused(SweepError, "another sweep: points not", {"agent[1].Mass": [61.0]}, out)
     refused(SweepError, "another sweep: until not", {"agent[1].Mass": [60.0]}, out, until=0.6)
     with pytest.raises(SweepError, match="another sweep: drive, measure not"):
@@ -173,7 +310,7 @@ def measure(run):
 if __name__ == "__main__":
     points = {NAME: [k / 100 for k in range(60)], "agent[1].Mass": [70.0]}
     with local_cluster(1, processes=False) as cluster, Client(cluster) as client:
-        table = sweep(sys.argv[1], points, None, measure, until=0.1, out=sys.argv[2], client=client, progress=False)
+        table = sweep(sys.argv[1], points, False, measure, until=0.1, out=sys.argv[2], client=client, progress=False)
     table.to_pickle(sys.argv[4])
 """
 
@@ -251,10 +388,11 @@ def test_a_killed_worker_loses_no_point(fmu, drive, here, cluster):
     assert len(processes) == 2 and processes[str(workers[0])] >= 10
 
 
-def test_a_point_that_kills_its_worker_is_a_row(fmu):
+@pytest.mark.parametrize("end", [lambda: os.kill(os.getpid(), signal.SIGKILL), lambda: os._exit(3)], ids=["kill", "_exit"])
+def test_a_point_that_kills_its_worker_is_a_row(fmu, end):
     def deadly(run):
         if run.poses[0, 1, 0] > 0.28:
-            os.kill(os.getpid(), signal.SIGKILL)
+            end()
         return {"x": run.poses[-1, 0, 0]}
 
     places = np.full(8, 0.279)
@@ -264,7 +402,7 @@ def test_a_point_that_kills_its_worker_is_a_row(fmu):
 
     with local_cluster(1) as workers, Client(workers) as client:
         client.run_on_scheduler(forgive_nothing)
-        table = sweep(fmu, {"agent[1].Position.x": places}, None, deadly, client=client, **{**RUN, "until": 0.1})
+        table = sweep(fmu, {"agent[1].Position.x": places}, False, deadly, client=client, **{**RUN, "until": 0.1})
     assert table.status.tolist() == ["ok"] * 5 + ["failed"] + ["ok"] * 2
     assert table.error[5] == "the worker died again and again while it simulated this point"
 

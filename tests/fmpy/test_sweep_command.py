@@ -4,8 +4,9 @@ import json
 import subprocess
 
 import pandas as pd
+import pytest
 from crowd import TRIAL_PUSH
-from lemons_fmu import Drive, load, local_cluster, sweep
+from lemons_fmu import load, local_cluster, sweep
 from distributed import Client
 
 SPEC = f"""
@@ -24,17 +25,21 @@ def measure(run):
     return {"moved": run.poses[-1, 4, 0] - run.poses[0, 4, 0], "squeeze": run.squeeze.max()}
 
 
-def test_both_give_one_table(lemons, tmp_path):
-    (tmp_path / "push.toml").write_text(SPEC)
+@pytest.mark.parametrize("choice, drive", [("", None), ("drive = 'given.csv'", "given.csv"), ("drive = false", False)], ids=str)
+def test_both_give_one_table(lemons, tmp_path, choice, drive):
+    """With the drive.csv that is packed, with a given one, and with none."""
+    (tmp_path / "given.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1000,0,0\n0.6,0,800,0,1\n")
+    (tmp_path / "push.toml").write_text(choice + SPEC)
     subprocess.run([lemons, "sweep", "push.toml"], cwd=tmp_path, check=True, capture_output=True)
     subprocess.run([lemons, "pack", TRIAL_PUSH, "-o", tmp_path / "push.fmu"], check=True, capture_output=True)
     fmu = load(tmp_path / "push.fmu")
-    drive = Drive.read(TRIAL_PUSH / "drive.csv", fmu.ids)
+    drive = tmp_path / drive if drive else drive
     grid = {"contact.human_naked.human_naked.KineticFriction": [0.0, 0.4], "agent[*].Mass": [60.0, 90.0]}
     with local_cluster(1, threads=1, processes=False) as cluster, Client(cluster) as client:
         there = sweep(fmu, grid, drive, measure, until=0.7, client=client, out=tmp_path / "there", progress=False)
     here = pd.read_parquet(tmp_path / "push" / "table.parquet")
     pd.testing.assert_frame_equal(here, there, check_exact=True)
+    assert (here["squeeze"].max() > 100.0) == (drive is not False)
     ours, theirs = (json.loads((tmp_path / name / "sweep.json").read_text()) for name in ("push", "there"))
     assert ours.pop("measure") != theirs.pop("measure")
     assert ours == theirs  # the FMU, the points, the drive: the hashes are of the same bytes

@@ -47,8 +47,14 @@ impl Drive {
             csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_path(path)?;
         let header = reader.headers()?.clone();
         let column = |name: &str| {
-            let place = header.iter().position(|column| column.trim_start_matches('\u{feff}') == name);
-            place.with_context(|| format!("there is no column {name:?} (expected t,agent,Fp.x,Fp.y,Mp)"))
+            let named = |column: &str| column.trim_start_matches('\u{feff}') == name;
+            let mut places = header.iter().enumerate().filter(|(_, column)| named(column));
+            let many = match (places.next(), places.next()) {
+                (Some((place, _)), None) => return Ok(place),
+                (None, _) => "is no column",
+                (Some(_), Some(_)) => "are two columns",
+            };
+            bail!("there {many} {name:?} (expected t,agent,Fp.x,Fp.y,Mp)")
         };
         let (time, agent) = (column("t")?, column("agent")?);
         let push = [column("Fp.x")?, column("Fp.y")?, column("Mp")?];
@@ -170,6 +176,7 @@ mod tests {
     fn says_line_and_value() {
         let said = |text: &str| format!("{:#}", drive(text).unwrap_err());
         assert!(said("t,agent,Fp.x,Mp\n").contains("no column \"Fp.y\""));
+        assert!(said("t,agent,Fp.x,Fp.y,Mp,Mp\n").contains("two columns \"Mp\""));
         assert!(said("t,agent,Fp.x,Fp.y,Mp\n0,a,x,0,0\n").contains("line 2: Fp.x=\"x\""));
         assert!(said("t,agent,Fp.x,Fp.y,Mp\n1,a,0,0,0\n1,a,0,0,0\n").contains("line 3"));
     }

@@ -11,18 +11,21 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from .drive import Drive, DriveLike, Floats
+from .drive import Drive, DriveLike, Floats, forces, known
 from .fmu import Fmu, FmuError, Instance, Source, Value, load
 
 Ints = NDArray[np.int32]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class State:
     """A saved crowd, springs and parameters included; it can be pickled, and restored in another process."""
 
     time: float
     data: bytes
+
+    def __repr__(self) -> str:
+        return f"<State at {self.time:g} s, {len(self.data)} bytes>"
 
 
 class Crowd:
@@ -63,6 +66,11 @@ class Crowd:
         if getattr(self, "_given", None) is not None:
             self.close()
 
+    def __repr__(self) -> str:
+        if self._given is None:
+            return "<Crowd, closed>"
+        return f"<Crowd of {self.fmu.agents} people, Trial {self.trial!r}, at {self.time:g} s>"
+
     def __len__(self) -> int:
         """How many people there are."""
         return self.fmu.agents
@@ -84,16 +92,18 @@ class Crowd:
         self._instance.initialize(parameters or {}, start)
 
     @property
+    def trial(self) -> str:
+        """Name of the packed Trial that is simulated."""
+        return str(self["Trial"]) if "Trial" in self.fmu.variables else self.fmu.trial
+
+    @property
     def messages(self) -> list[str]:
         """What the FMU said, warnings that is."""
         return self._instance.messages
 
     def set_drive(self, drive: Floats) -> None:
         """Sets Fp.x, Fp.y [N] and Mp [N.m] of everybody, shape (N, 3), until they are set again."""
-        values = np.ascontiguousarray(drive, dtype=np.float64)
-        if values.shape != (self.fmu.agents, 3):
-            raise ValueError(f"the drive has the shape {values.shape}, not {(self.fmu.agents, 3)}")
-        self._instance.set_real(self.fmu.inputs, values)
+        self._instance.set_real(self.fmu.inputs, forces(drive, self.fmu.agents))
 
     def drive(self) -> Floats:
         """Fp.x, Fp.y [N] and Mp [N.m], shape (N, 3)."""
@@ -101,7 +111,7 @@ class Crowd:
 
     def step(self, step: float | None = None) -> None:
         """Simulates a communication step [s]; by default the Trial's TimeStep."""
-        self.step_to(self.time + (self.fmu.step if step is None else step))
+        self.step_to(self.time + (self.fmu.step_of(self.trial) if step is None else step))
 
     def step_to(self, time: float) -> None:
         """Simulates a communication step that ends at this time [s]."""
@@ -151,24 +161,40 @@ class Crowd:
 
     def run(self, drive: DriveLike = None, *, until: float, step: float | None = None) -> Run:
         """Steps on to a time [s] and keeps everything at all communication points, which are multiples of the step from
-        here; the last step is shortened to end there."""
-        step = self.fmu.step if step is None else step
+        here; the last step is shortened to end there. `step` is the Trial's TimeStep unless it is given.
+
+        By default the drive.csv that is packed with the Trial drives people, as in `lemons run`; with `False` no drive is
+        set, and what the Trial says or what was set before goes on. See `DriveLike` for the others.
+
+        Raises:
+            FmuError: the FMU's refusal, in its words.
+            TypeError: the drive is nothing that can drive a crowd.
+            ValueError: drive, time or step are of no use.
+            OSError: the drive's file cannot be read.
+        """
+        step = self.fmu.step_of(self.trial) if step is None else step
         start = self.time
         if not (math.isfinite(until) and until > start and math.isfinite(step) and step > 0):
             raise ValueError(f"nothing to simulate: from {start} s to {until} s in steps of {step} s")
         steps = max(1, math.ceil((until - start) / step - 1e-9))
         times: Floats = start + np.arange(steps + 1, dtype=np.float64) * step
-        times[-1] = until
+        # As `lemons run` ends: at a multiple of the step where it is one but for rounding.
+        if abs(times[-1] - until) > 1e-9 * step:
+            times[-1] = until
         reals = np.empty((steps + 1, *self.fmu.reals.shape))
         counts = np.empty((steps + 1, *self.fmu.counts.shape), dtype=np.int32)
         instance = self._instance
-        pushes, driven = self._pushes(drive, times)
+        drive = self.fmu.drive(self.trial) if drive is None else known(drive, self.fmu.ids)
+        pushes, driven = None, None
+        if isinstance(drive, Drive) and drive.tables:
+            pushes, driven = self._pushes(drive, times)
+        elif isinstance(drive, np.ndarray):
+            self.set_drive(drive)
         instance.get_real(self.fmu.reals, reals[0])
         instance.get_integer(self.fmu.counts, counts[0])
         for k in range(steps):
-            if pushes is not None:
-                if driven.size:
-                    instance.set_real(driven, pushes[k])
+            if pushes is not None and driven is not None:
+                instance.set_real(driven, pushes[k])
             elif callable(drive):
                 self.set_drive(drive(self))
             self.step_to(float(times[k + 1]))
@@ -176,25 +202,15 @@ class Crowd:
             instance.get_integer(self.fmu.counts, counts[k + 1])
         return Run(times, reals, counts, tuple(self.fmu.ids))
 
-    def _pushes(self, drive: DriveLike, times: Floats) -> tuple[Floats | None, NDArray[np.uint32]]:
-        """What a table drives, at each step, and the references of these inputs."""
-        nothing = np.empty(0, dtype=np.uint32)
-        if drive is None:
-            return np.empty(0), nothing
-        if isinstance(drive, Drive):
-            agents = list(drive.tables)
-            if agents and not (0 <= agents[0] and agents[-1] < self.fmu.agents):
-                raise ValueError(f"the drive is for agents {agents}; there are {self.fmu.agents}")
-            moments = times[:-1] if drive.at == "start" else (times[:-1] + times[1:]) / 2
-            masses = self.masses() if drive.per_mass else np.ones(self.fmu.agents)
-            pushes = np.empty((len(moments), len(agents), 3))
-            for place, agent in enumerate(agents):
-                pushes[:, place] = masses[agent] * drive.sample(agent, moments)
-            return pushes, self.fmu.references(("Fp.x", "Fp.y", "Mp"), agents)
-        if isinstance(drive, np.ndarray):
-            self.set_drive(drive)
-            return np.empty(0), nothing
-        return None, nothing
+    def _pushes(self, drive: Drive, times: Floats) -> tuple[Floats, NDArray[np.uint32]]:
+        """What tables drive, at each step, and the references of these inputs."""
+        agents = list(drive.tables)
+        moments = times[:-1] if drive.at == "start" else (times[:-1] + times[1:]) / 2
+        masses = self.masses() if drive.per_mass else np.ones(self.fmu.agents)
+        pushes = np.empty((len(moments), len(agents), 3))
+        for place, agent in enumerate(agents):
+            pushes[:, place] = masses[agent] * drive.sample(agent, moments)
+        return pushes, self.fmu.references(("Fp.x", "Fp.y", "Mp"), agents)
 
     def _reals(self, references: NDArray[np.uint32]) -> Floats:
         values = np.empty(references.shape)
@@ -202,7 +218,7 @@ class Crowd:
         return values
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Run:
     """What a run of N people showed at its K communication points, the first of which is the beginning."""
 
@@ -212,6 +228,10 @@ class Run:
     counts: Ints
     #: Of each agent, the Id of Agents.xml.
     ids: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        first, last = self.times[[0, -1]]
+        return f"<Run of {len(self.ids)} people from {first:g} s to {last:g} s, {len(self.times)} communication points>"
 
     @property
     def poses(self) -> Floats:
@@ -260,13 +280,16 @@ def simulate(
     *,
     step: float | None = None,
 ) -> pd.DataFrame:
-    """A run from the Trial's beginning until a time [s], as the table that `lemons run` writes:
+    """A run from the Trial's beginning until a time [s], as the table that `lemons run` writes, driven as there: by the
+    drive.csv that is packed with the Trial, unless `drive` is given, or `False` for none (`--no-drive`). Its columns are
     t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force and the crowd's
     total_agent_contacts, total_wall_contacts, in its units (s, m, rad, N), which the names do not have.
 
     Raises:
         FmuError: the FMU's refusal, in its words.
+        TypeError: the drive is nothing that can drive a crowd.
         ValueError: drive, time or step are of no use.
+        OSError: the drive's file cannot be read.
     """
     with Crowd(fmu, parameters) as crowd:
         return crowd.run(drive, until=until, step=step).frame()

@@ -9,6 +9,7 @@ import inspect
 import math
 import os
 import pickle
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Union
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Drive:
     """A table for each driven agent, linear between its rows and zero outside them.
 
@@ -35,6 +36,11 @@ class Drive:
     tables: Mapping[int, tuple[Floats, Floats]]
     at: Literal["start", "middle"] = "start"
     per_mass: bool = False
+
+    def __repr__(self) -> str:
+        rows = sum(len(times) for times, _ in self.tables.values())
+        per_mass = ", per mass" if self.per_mass else ""
+        return f"<Drive of {len(self.tables)} agents, {rows} rows, as at the {self.at} of each step{per_mass}>"
 
     def __post_init__(self) -> None:
         if self.at not in ("start", "middle"):
@@ -56,39 +62,11 @@ class Drive:
         """A drive file of `lemons run`: columns t, agent (an Id, of those given), Fp.x, Fp.y, Mp; # begins a comment.
 
         Raises:
-            ValueError: names file, line and what is wrong with it.
+            ValueError: names file, line, column and what is wrong with it.
+            OSError: the file cannot be read.
         """
-        names = ["t", "agent", "Fp.x", "Fp.y", "Mp"]
-        rows: dict[int, list[list[float]]] = {}
-        header = None
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            for number, line in enumerate(file, 1):
-                if not line.strip() or line.startswith("#"):
-                    continue
-                where = f"{os.fspath(path)}, line {number}"
-                cells = [cell.strip() for cell in next(csv.reader([line]))]
-                if header is None:
-                    header = cells
-                    missing = [name for name in names if name not in header]
-                    if missing:
-                        raise ValueError(f"{where}: there is no column {missing[0]!r} (expected {','.join(names)})")
-                    continue
-                if len(cells) != len(header):
-                    raise ValueError(f"{where}: {len(cells)} cells, not {len(header)}")
-                row = dict(zip(header, cells))
-                if row["agent"] not in ids:
-                    raise ValueError(f"{where}: there is no agent {row['agent']!r}")
-                try:
-                    rows.setdefault(ids.index(row["agent"]), []).append([_finite(row[n]) for n in names if n != "agent"])
-                except ValueError as error:
-                    raise ValueError(f"{where}: {error}") from None
-        if header is None:
-            raise ValueError(f"{os.fspath(path)}: empty")
-        arrays = {agent: np.array(each) for agent, each in rows.items()}
-        try:
-            return Drive({agent: (each[:, 0], each[:, 1:]) for agent, each in arrays.items()})
-        except ValueError as error:
-            raise ValueError(f"{os.fspath(path)}: {error}") from None
+        with open(path, "rb") as file:
+            return read(file.read(), os.fspath(path), ids)
 
     def sample(self, agent: int, times: Floats) -> Floats:
         """Values at these times, shape (len(times), 3)."""
@@ -107,23 +85,112 @@ class Drive:
         return out
 
 
-#: What drives a crowd: nothing new (what the Trial says goes on), tables, constants of shape (N, 3), or a function that
-#: is asked before each step and answers with an array of shape (N, 3).
-DriveLike = Union[None, Drive, Floats, "Callable[[Crowd], Floats]"]
+#: What drives a crowd: by default the drive.csv packed with its Trial, if there is one; False: nothing new, what the Trial
+#: says goes on; the path of such a file; tables; constants of shape (N, 3); or a function that is asked before each step
+#: and answers with an array of shape (N, 3).
+DriveLike = Union[None, Literal[False], str, "os.PathLike[str]", Drive, Floats, "Callable[[Crowd], Floats]"]
+#: The same when files are read.
+Known = Union[None, Literal[False], Drive, Floats, "Callable[[Crowd], Floats]"]
+
+_COLUMNS = ("t", "agent", "Fp.x", "Fp.y", "Mp")
+# As Rust reads numbers: no underscores, no digits of other scripts.
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
-def _finite(text: str) -> float:
-    number = float(text)
-    if not math.isfinite(number):
-        raise ValueError(f"{text!r} is not finite")
-    return number
+def known(drive: DriveLike, ids: Sequence[str]) -> Known:
+    """What drives a crowd of these people, read where it is a path.
+
+    Raises:
+        TypeError: it is nothing that can drive a crowd.
+        ValueError: it is for others, or what is wrong with its file.
+        OSError: its file cannot be read.
+    """
+    if drive is None or drive is False:
+        return drive
+    if isinstance(drive, (str, os.PathLike)):
+        return Drive.read(drive, ids)
+    if isinstance(drive, Drive):
+        agents = list(drive.tables)
+        if agents and not (0 <= agents[0] and agents[-1] < len(ids)):
+            raise ValueError(f"the drive is for agents {agents}; there are {len(ids)}")
+        return drive
+    if isinstance(drive, np.ndarray):
+        return forces(drive, len(ids))
+    if callable(drive) and not isinstance(drive, type):
+        return drive
+    raise TypeError(
+        f"the drive is {_short(drive)}; taken are None (the drive.csv of the Trial), False (no drive), the path of a CSV file, "
+        f"a Drive, an array of shape ({len(ids)}, 3), or a function of the Crowd"
+    )
 
 
-def identity(drive: DriveLike) -> dict[str, Any]:
+def forces(drive: Any, agents: int) -> Floats:
+    """Fp.x, Fp.y, Mp of everybody as C takes them."""
+    values = np.asarray(drive)
+    if values.dtype.kind not in "fiu":
+        raise TypeError(f"the drive is {_short(drive)}, not an array of real numbers")
+    if values.shape != (agents, 3):
+        raise ValueError(f"the drive has the shape {values.shape}, not {(agents, 3)}")
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+def _short(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype}"
+    text = repr(value)
+    return f"{text if len(text) <= 60 else text[:57] + '...'} ({type(value).__name__})"
+
+
+def read(data: bytes, name: str, ids: Sequence[str]) -> Drive:
+    """What a drive file of that name holds."""
+    places = {each: place for place, each in enumerate(ids)}
+    rows: dict[int, list[list[float]]] = {}
+    header: list[str] | None = None
+    # Only line feeds and carriage returns end a line: `str.splitlines` knows more.
+    for number, raw in enumerate(data.removeprefix(b"\xef\xbb\xbf").splitlines(), 1):
+        if not raw or raw.startswith(b"#"):
+            continue
+        where = f"drive file {name}: line {number}"
+        try:
+            cells = [cell.strip() for cell in next(csv.reader([raw.decode()], strict=True))]
+        except (UnicodeDecodeError, csv.Error) as error:
+            raise ValueError(f"{where}: {error}") from None
+        if header is None:
+            header = cells
+            for column in _COLUMNS:
+                if header.count(column) != 1:
+                    many = "are two columns" if column in header else "is no column"
+                    raise ValueError(f"{where}: there {many} {column!r} (expected {','.join(_COLUMNS)})")
+            continue
+        if len(cells) != len(header):
+            raise ValueError(f"{where}: {len(cells)} cells, not {len(header)}")
+        row = dict(zip(header, cells))
+        if row["agent"] not in places:
+            raise ValueError(f"{where}: agent={row['agent']!r}: there is no agent of this Id")
+        numbers = []
+        for column in _COLUMNS:
+            if column != "agent":
+                value = float(row[column]) if _NUMBER.fullmatch(row[column]) else math.nan
+                if not math.isfinite(value):
+                    raise ValueError(f"{where}: {column}={row[column]!r}: not a finite number")
+                numbers.append(value)
+        before = rows.setdefault(places[row["agent"]], [])
+        if before and before[-1][0] >= numbers[0]:
+            raise ValueError(f"{where}: t={row['t']} does not come after t={before[-1][0]} of the same agent")
+        before.append(numbers)
+    if header is None:
+        raise ValueError(f"drive file {name}: there is no column 't' (expected {','.join(_COLUMNS)})")
+    arrays = {agent: np.array(each) for agent, each in rows.items()}
+    return Drive({agent: (each[:, 0], each[:, 1:]) for agent, each in arrays.items()})
+
+
+def identity(drive: Known) -> dict[str, Any]:
     """What says whether two drives are the same; see python/README.md."""
-    if drive is None:
+    if drive is None or drive is False:
         return {"kind": "none"}
     if isinstance(drive, Drive):
+        if not drive.tables:
+            return {"kind": "none"}
         digest = hashlib.sha256()
         for agent, (times, values) in drive.tables.items():
             digest.update(np.array([agent, len(times)], dtype="<i8").tobytes())

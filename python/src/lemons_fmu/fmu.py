@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Union
+from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
@@ -31,12 +32,15 @@ from fmpy.fmi2 import (
 )
 from numpy.typing import NDArray
 
+from .drive import Drive, read
+
 Value = Union[float, int, str]
 Source = Union[str, "os.PathLike[str]", bytes]
 
 INPUTS = ("Fp.x", "Fp.y", "Mp")
 REALS = ("Position.x", "Position.y", "Theta", "Velocity.x", "Velocity.y", "Omega", "NormalForce")
 COUNTS = ("AgentContacts", "WallContacts", "ContactingAgents")
+DRIVE_FILE = "drive.csv"
 _STATUS = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
 _WARNING, _FATAL = 1, 4
 # A message comes as printf wants it. The FMU always says "%s" and one text, which on 64-bit Linux is a sixth argument
@@ -69,7 +73,8 @@ class Fmu:
             description = fmpy.read_model_description(str(directory), validate=False)
         except Exception as error:  # fmpy and zipfile raise what they like
             shutil.rmtree(directory, ignore_errors=True)
-            raise FmuError(f"not a readable FMU: {error}") from error
+            what = "cannot be unpacked" if isinstance(error, OSError) else "not a readable FMU"
+            raise FmuError(f"{what}: {error}") from error
         if description.fmiVersion != "2.0" or description.coSimulation is None:
             raise FmuError("not an FMU for co-simulation of FMI 2.0")
         self.data = data
@@ -83,8 +88,10 @@ class Fmu:
         }
         experiment = description.defaultExperiment
         size = None if experiment is None else experiment.stepSize
-        #: Communication step that the Trial asks for [s].
+        #: Communication step that the default Trial asks for [s].
         self.step: float = float(size) if size else 0.05
+        #: The Trial that is simulated unless the parameter `Trial` names another.
+        self.trial = str(next((v.start for v in description.modelVariables if v.name == "Trial"), ""))
         agents = 0
         while f"agent[{agents}].Mp" in self.variables:
             agents += 1
@@ -100,6 +107,8 @@ class Fmu:
         self.counts = self.references(COUNTS)
         self._idle: list[Instance] = []
         self._lock = threading.Lock()
+        self._drives: dict[str, Drive | None] = {}
+        self._steps: dict[str, float] = {}
 
     def __repr__(self) -> str:
         return f"<Fmu {self.model_name!r}, {self.agents} agents, {self.sha256[:12]}>"
@@ -107,6 +116,42 @@ class Fmu:
     def __reduce__(self) -> tuple[Any, tuple[bytes]]:
         """Pickled, it is its bytes; the process that reads them loads them, unless it has them."""
         return load, (self.data,)
+
+    def _packed(self, trial: str, file: str) -> Path | None:
+        """A file of a packed Trial, if it is there."""
+        path = self.directory / "resources" / trial / file
+        return path if trial and Path(trial).name == trial and path.is_file() else None
+
+    def has(self, trial: str) -> bool:
+        """Whether a Trial of that name is packed."""
+        return self._packed(trial, "Parameters.xml") is not None
+
+    def drive(self, trial: str) -> Drive | None:
+        """What drives people by the drive.csv of a packed Trial; None if it has none.
+
+        Raises:
+            ValueError: what is wrong with the file.
+        """
+        with self._lock:
+            if trial not in self._drives:
+                path = self._packed(trial, DRIVE_FILE)
+                # Where this process has unpacked the FMU says nothing to anybody.
+                name = f"{trial}/{DRIVE_FILE} in the FMU"
+                self._drives[trial] = None if path is None else read(path.read_bytes(), name, self.ids)
+            return self._drives[trial]
+
+    def step_of(self, trial: str) -> float:
+        """Communication step that a packed Trial asks for [s]."""
+        if trial == self.trial:
+            return self.step
+        with self._lock:
+            if trial not in self._steps:
+                path = self._packed(trial, "Parameters.xml")
+                times = None if path is None else ElementTree.parse(path).getroot().find("Times")
+                if times is None:
+                    raise FmuError(f"the FMU has no Trial {trial!r}")
+                self._steps[trial] = float(times.attrib["TimeStep"])
+            return self._steps[trial]
 
     def references(self, names: Sequence[str], agents: Sequence[int] | None = None) -> NDArray[np.uint32]:
         """Value references of `agent[i].<name>`, as rows of an array: one for each agent."""

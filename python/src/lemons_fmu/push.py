@@ -24,7 +24,7 @@ STEP = 0.01
 UNTIL = 4.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Push:
     """What was measured."""
 
@@ -32,6 +32,9 @@ class Push:
     push: tuple[Floats, Floats]
     #: person -> columns t [s], x, y [m] of the head, x along the push.
     heads: dict[int, Floats]
+
+    def __repr__(self) -> str:
+        return f"<Push of {len(self.heads)} people, {self.end:g} s>"
 
     @staticmethod
     def read(directory: str | os.PathLike[str]) -> Push:

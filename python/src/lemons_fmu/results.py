@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import fcntl
 import hashlib
+import itertools
 import json
+import math
 import os
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,6 +26,8 @@ MANIFEST, TABLE, LOCK = "sweep.json", "table.parquet", "sweep.lock"
 POINT, STATUS, ERROR = "point", "status", "error"
 OK, FAILED = "ok", "failed"
 RESERVED = (POINT, STATUS, ERROR)
+#: More points than this are a mistake; `lemons sweep` has the same limit.
+MOST_POINTS = 10_000_000
 
 
 class SweepError(Exception):
@@ -43,24 +47,30 @@ class Points:
     def of(points: Mapping[str, Iterable[Value]] | pd.DataFrame) -> Points:
         """A grid (name → values; the last name varies fastest) or a table (a row for each point)."""
         if isinstance(points, pd.DataFrame):
-            listed = {str(name): points[name].tolist() for name in points.columns}
-            count = len(points)
-            if len(listed) != len(points.columns):
+            _allowed(len(points))
+            if len({str(name) for name in points.columns}) != len(points.columns):
                 raise ValueError("two columns of the table have the same name")
+            listed = {str(name): _column(str(name), points[name].tolist()) for name in points.columns}
+            count = len(points)
         else:
-            axes = {str(name): list(values) for name, values in points.items()}
-            count = int(np.prod([len(values) for values in axes.values()], dtype=np.int64))
+            axes = _axes(points)
+            count = math.prod(len(values) for values in axes.values())
+            if count == 0:
+                raise ValueError("there are no points")
             listed, repeat = {}, count
             for name, values in axes.items():
-                repeat //= max(1, len(values))
-                column = [value for value in values for _ in range(repeat)]
-                listed[name] = column * (count // max(1, len(column)))
+                repeat //= len(values)
+                column, times = _column(name, values), count // (len(values) * repeat)
+                if isinstance(column, list):
+                    listed[name] = [value for value in column for _ in range(repeat)] * times
+                else:
+                    listed[name] = np.tile(np.repeat(column, repeat), times)
         if count == 0:
             raise ValueError("there are no points")
         for name in listed:
             if name in RESERVED:
                 raise ValueError(f"{name!r} cannot be a parameter: the table has a column of that name")
-        return Points(tuple(listed), tuple(_column(name, values) for name, values in listed.items()), count)
+        return Points(tuple(listed), tuple(listed.values()), count)
 
     def values(self, point: int) -> tuple[Value, ...]:
         return tuple(column[point] if isinstance(column, list) else column[point].item() for column in self.columns)
@@ -81,8 +91,38 @@ class Points:
         return digest.hexdigest()
 
 
+def _axes(grid: Mapping[str, Iterable[Value]]) -> dict[str, list[Value]]:
+    """The values of each parameter; more than are allowed are counted only until there are too many."""
+    for name, values in grid.items():
+        if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+            raise TypeError(f"parameter {name}: a list of values is needed, not {values!r}")
+    _allowed(math.prod(len(values) for values in grid.values() if isinstance(values, Sized)))
+    axes: dict[str, list[Value]] = {}
+    for name, values in grid.items():
+        axes[str(name)] = list(itertools.islice(values, MOST_POINTS + 1))
+        _allowed(math.prod(map(len, axes.values())))
+    return axes
+
+
+def _allowed(count: int) -> None:
+    if count > MOST_POINTS:
+        raise ValueError(f"there are more than {MOST_POINTS} points")
+
+
+def unicode(text: str) -> bool:
+    """Whether a text can be written as UTF-8: Python's may hold halves of characters."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def _column(name: str, values: list[Any]) -> Any:
     if all(isinstance(value, str) for value in values):
+        for value in values:
+            if not unicode(value):
+                raise ValueError(f"parameter {name}: {value!r} is not Unicode text")
         return values
     if all(isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.bool_)) for value in values):
         try:
@@ -233,11 +273,17 @@ class Directory:
     def _write(self, name: str, write: Any) -> None:
         """Whole or not at all, after a power failure too."""
         temporary = self.path / f".{name}.tmp"
-        with open(temporary, "wb") as file:
-            write(file)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, self.path / name)
+        try:
+            with open(temporary, "wb") as file:
+                write(file)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(temporary, self.path / name)
+        except BaseException as error:
+            temporary.unlink(missing_ok=True)
+            if isinstance(error, OSError):
+                raise SweepError(f"cannot write {self.path / name}: {error.strerror or error}") from error
+            raise
 
 
 def _same(one: pa.Table, other: pa.Table) -> bool:

@@ -25,9 +25,9 @@ from dask.system import CPU_COUNT
 from distributed import Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
 
 from .crowd import Crowd, Run
-from .drive import DriveLike, function_identity, identity
+from .drive import DriveLike, Known, function_identity, identity, known
 from .fmu import Fmu, FmuError, Source, Value, load, scratch
-from .results import FAILED, POINT, RESERVED, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of
+from .results import FAILED, POINT, RESERVED, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of, unicode
 
 #: What is to be known of a run: names and numbers (or texts).
 Measure = Callable[[Run], Mapping[str, Any]]
@@ -37,6 +37,10 @@ Grid = Union[Mapping[str, Iterable[Value]], pd.DataFrame]
 
 #: [s] A task of the workers is as many points as take so long: Dask costs some 10 ms for each task.
 TASK = 0.5
+
+
+#: The message of a point whose process ends again and again: os._exit, a signal, no memory left.
+DIED = "the worker died again and again while it simulated this point"
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ class _JobOnWorker(WorkerPlugin):
 
 
 _fmus: dict[str, Fmu] = {}
-_jobs: dict[str, tuple[_Job, tuple[DriveLike, Measure]]] = {}
+_jobs: dict[str, tuple[_Job, tuple[Known, Measure]]] = {}
 _sent: weakref.WeakKeyDictionary[Client, set[str]] = weakref.WeakKeyDictionary()
 
 
@@ -109,17 +113,41 @@ def _simulate_point(key: str, point: int, values: tuple[Value, ...]) -> Result:
             run = crowd.run(drive, until=job.until, step=job.step)
         return point, _measured(measure(run), job.names), None
     except FmuError as error:
-        return point, {}, str(error)
-    except Exception as error:  # a point's failure is a row of the table, not the end
-        return point, {}, f"{type(error).__name__}: {error}"
+        return point, {}, _text(str(error))
+    except KeyboardInterrupt:
+        raise _Interrupted from None
+    except BaseException as error:  # a point's failure, sys.exit too, is a row of the table and not the end
+        return point, {}, _told(error)
+
+
+class _Interrupted(Exception):
+    """A measure or a drive raised KeyboardInterrupt, which would end Dask's worker."""
+
+
+def _told(error: BaseException) -> str:
+    kind = type(error).__name__
+    try:
+        return _text(f"{kind}: {error}")
+    except BaseException as worse:
+        return _text(f"{kind}, whose message cannot be had: {type(worse).__name__}")
+
+
+def _text(text: str) -> str:
+    """As UTF-8 can hold it."""
+    return text.encode(errors="backslashreplace").decode()
 
 
 def _measured(measures: Mapping[str, Any], parameters: tuple[str, ...]) -> dict[str, float | str]:
+    if not hasattr(measures, "items"):
+        raise TypeError(f"the measure gave {type(measures).__name__}, not names and numbers")
     out: dict[str, float | str] = {}
-    for name, value in measures.items():
+    for key, value in measures.items():
+        name = str(key)
         if name in parameters or name in RESERVED:
             raise ValueError(f"the measure has the name of another column: {name!r}")
-        out[str(name)] = value if isinstance(value, str) else math.nan if value is None else float(value)
+        if not unicode(name) or isinstance(value, str) and not unicode(value):
+            raise ValueError(f"the measure {name!r} is not Unicode text: {value!r}")
+        out[name] = value if isinstance(value, str) else math.nan if value is None else float(value)
     return out
 
 
@@ -140,7 +168,7 @@ def sweep(
     run, `status` (`ok` or `failed`) and `error` (the message of a failed one), sorted by point.
 
     `points` is a grid or a table of parameters by their names in the FMU; `agent[*].Mass` sets everybody's. `drive` is
-    as for `Crowd.run`. `measure` gets a `Run` and gives names and numbers (or texts).
+    as for `Crowd.run`: None is the drive.csv that is packed with the point's Trial, False is no drive. `measure` gets a `Run` and gives names and numbers (or texts).
 
     With `out`, results are written to that directory as they come, and a sweep that was killed goes on from there: the
     points that are finished are not simulated again (those that failed only with `retry_failed`).
@@ -151,14 +179,25 @@ def sweep(
 
     Raises:
         FmuError: the FMU cannot be read, or has no variable of such a name.
+        TypeError: the drive is nothing that can drive a crowd, or a parameter has no list of values.
         ValueError: points, drive or times are of no use.
-        SweepError: the directory is of another sweep, or the scheduler is gone.
+        OSError: the drive's file cannot be read.
+        SweepError: the directory is of another sweep or cannot be written, or the scheduler is gone.
     """
     fmu = load(fmu)
     table = Points.of(points)
     for name in table.names:
         fmu.expand(name)
-    step = fmu.step if step is None else float(step)
+    drive = known(drive, fmu.ids)
+    trials = _trials(fmu, table)
+    if drive is None:
+        for trial in trials:
+            fmu.drive(trial)  # what is wrong with one is said before any point runs
+    if step is None:
+        step, *others = sorted({fmu.step_of(trial) for trial in trials})
+        if others:
+            raise ValueError(f"the Trials ask for steps of {step} s and {others[0]} s: give one for all (step)")
+    step = float(step)
     if not (math.isfinite(until) and until > 0 and math.isfinite(step) and step > 0):
         raise ValueError(f"nothing to simulate: until {until} s in steps of {step} s")
     job = _Job(os.urandom(8).hex(), fmu.sha256, table.names, cloudpickle.dumps((drive, measure)), float(until), step)
@@ -189,10 +228,14 @@ def sweep(
 
             def write() -> None:
                 if pending:
-                    if directory is None:
-                        kept.append(part_of(table, pending))
-                    else:
-                        directory.add(pending)
+                    try:
+                        if directory is None:
+                            kept.append(part_of(table, pending))
+                        else:
+                            directory.add(pending)
+                    except SweepError:
+                        pending.clear()  # it is tried once
+                        raise
                     pending.clear()
                 intervals.done()
 
@@ -223,12 +266,23 @@ def sweep(
             directory.close()
 
 
-def _manifest(fmu: Fmu, points: Points, drive: DriveLike, measure: Measure, job: _Job) -> dict[str, Any]:
+def _trials(fmu: Fmu, points: Points) -> list[str]:
+    """The packed Trials that points choose; what is no Trial is refused at its points."""
+    if "Trial" not in points.names:
+        return [fmu.trial]
+    chosen = points.columns[points.names.index("Trial")]
+    return [trial for trial in sorted(set(map(str, chosen))) if fmu.has(trial)] or [fmu.trial]
+
+
+def _manifest(fmu: Fmu, points: Points, drive: Known, measure: Measure, job: _Job) -> dict[str, Any]:
     """What must be the same for a sweep to go on; python/README.md explains it."""
+    packed = drive is None and "Trial" in points.names  # each Trial has its own
+    if drive is None and not packed:
+        drive = fmu.drive(fmu.trial)
     return {
         "fmu": {"model": fmu.model_name, "guid": fmu.guid, "sha256": fmu.sha256},
         "points": {"parameters": list(points.names), "count": points.count, "sha256": points.sha256()},
-        "drive": identity(drive),
+        "drive": {"kind": "packed"} if packed else identity(drive),
         "measure": function_identity(measure),
         "until": job.until,
         "step": job.step,
@@ -342,7 +396,9 @@ class _Run:
                 if not self.alone:
                     self.suspects += some
                 else:
-                    results.append((some[0], {}, "the worker died again and again while it simulated this point"))
+                    results.append((some[0], {}, DIED))
+            except _Interrupted:
+                raise KeyboardInterrupt from None
             except CancelledError:
                 raise SweepError("the scheduler is gone, or has cancelled the sweep; what was finished is kept") from None
             except Exception as error:  # not a point's: those are rows
