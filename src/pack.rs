@@ -29,7 +29,10 @@ pub enum PackError {
     Name { path: PathBuf },
     #[error("two Trials are called {name:?}: the parameter Trial could not tell them apart")]
     SameName { name: String },
-    #[error("Trial {other:?} does not fit into one FMU with {first:?}: {why}")]
+    #[error(
+        "Trial {other:?} does not fit into one FMU with {first:?}: {why}; the Trials of an FMU share its variables \
+         (agent[0].Mass, …), so they need the same number of agents with the same Ids, and the same materials: pack one FMU of each"
+    )]
     OtherInterface { first: String, other: String, why: String },
     #[error(
         "{path}: Parameters.xml says {attribute}={value:?}, which lies outside the Trial directory and would not be packed"

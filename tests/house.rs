@@ -105,6 +105,7 @@ const CRATES: [(&str, &Rooms); 10] = [
     (
         "crates/master/src",
         &[
+            ("clock", &[]),
             ("unzip", &[]),
             ("fmu", &["unzip"]),
             ("state", &["fmu"]),
@@ -207,8 +208,8 @@ const CRATES: [(&str, &Rooms); 10] = [
             ("measure", &[]),
             ("points", &[]),
             ("directory", &["points"]),
-            ("simulate", &["measure", "points"]),
             ("spec", &["measure", "points"]),
+            ("simulate", &["measure", "spec"]),
             ("sweep", &["points", "directory", "simulate", "spec"]),
         ],
     ),

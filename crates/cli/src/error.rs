@@ -23,3 +23,18 @@ impl std::fmt::Display for Misused {
 }
 
 impl std::error::Error for Misused {}
+
+/// An error with its causes; many of them say their cause themselves, which is not said again.
+pub fn said(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain().map(ToString::to_string).filter(|cause| !cause.is_empty()) {
+        if text.ends_with(&cause) {
+            continue;
+        }
+        if !text.is_empty() {
+            text += ": ";
+        }
+        text += &cause;
+    }
+    text
+}

@@ -28,8 +28,8 @@ mod sweep;
 mod verify;
 mod watch;
 
-use clap::{Parser, Subcommand};
-use error::{Misused, TrialHasErrors};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use error::{Misused, TrialHasErrors, said};
 use interrupt::{EXIT_CODE, Interrupted};
 use std::process::ExitCode;
 
@@ -78,8 +78,20 @@ enum Command {
     Bench(bench::Arguments),
 }
 
+/// A negative number is a value, though it begins like an option: the option it is for says what is wrong with it.
+fn arguments() -> Arguments {
+    let command = Arguments::command().mut_subcommands(|command| {
+        command.mut_args(|argument| {
+            let number = argument.get_action().takes_values();
+            argument.allow_negative_numbers(number)
+        })
+    });
+    let read = Arguments::from_arg_matches(&command.get_matches());
+    read.unwrap_or_else(|error| error.exit())
+}
+
 fn main() -> ExitCode {
-    let done = match Arguments::parse().command {
+    let done = match arguments().command {
         Command::Crowd(arguments) => people::crowd::crowd(*arguments),
         Command::Person(arguments) => people::person::person(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
@@ -102,7 +114,7 @@ fn main() -> ExitCode {
         // Somebody closed the pipe (`lemons info … | head`): they have what they wanted.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("lemons: {error:#}");
+            eprintln!("lemons: {}", said(&error));
             if error.is::<Misused>() {
                 return ExitCode::from(2);
             }

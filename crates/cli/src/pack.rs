@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Trial directories; the first is the default of the parameter Trial
+    /// Trial directories; the first is the default of the parameter Trial. All share the FMU's variables
+    /// (agent[0].Mass, …): they need the same number of agents with the same Ids, and the same materials
     #[arg(required = true, value_name = "TRIAL")]
     trials: Vec<PathBuf>,
     /// The FMU to write

@@ -1,25 +1,27 @@
 //! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
-mod clock;
 mod prepare;
+mod progress;
+mod underway;
 
 use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::recording::Recording;
-use crate::results::{Extent, Format, Place, Tables};
-use crate::saved::{CrowdRecord, Saved, wiring_of};
-use crate::watch::Watch;
+use crate::results::{Format, Place, Tables};
+use crate::saved::{Saved, wiring_of};
+use crate::watch::{Records, Watch};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
-use clock::{Clock, Kept};
-use crowd_mechanics::files::Staged;
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_master::{Algorithm, Pushes, State, System};
+use lemons_master::{Algorithm, Clock, PATIENCE, Pushes, State, System};
 use prepare::Prepared;
+use progress::{Kept, Progress};
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
+use underway::{AtHand, Shared, Underway};
 
-#[derive(clap::Args)]
+#[derive(clap::Args, Clone)]
 pub struct Arguments {
     /// A Trial directory, an FMU, or FMUs coupled by an SSP
     #[arg(value_name = "TRIAL, FILE.fmu or FILE.ssp")]
@@ -43,7 +45,8 @@ pub struct Arguments {
     /// Ignore the Trial's drive.csv
     #[arg(long)]
     no_drive: bool,
-    /// A parameter, as in: --set TimeStepMechanical=1e-5; in an SSP after the component's name and a dot
+    /// A parameter, as in: --set TimeStepMechanical=1e-5, of all agents: --set 'agent[*].Mass=80'; in
+    /// an SSP after the component's name and a dot
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
     /// Threads of the crowd's engine: worth it from some thousand agents; results do not depend on it.
@@ -121,16 +124,53 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     ended.tell();
     let Some(time) = ended.stopped else { return Ok(()) };
     let go_on = match &arguments.state {
-        Some(path) => format!("go on with --resume {}", path.display()),
+        Some(path) if ended.saved.is_some() => format!("go on with --resume {}", path.display()),
+        Some(_) => "it is not saved: no state can be taken in the middle of a step".into(),
         None => "it is not saved (--state)".into(),
     };
     Err(Interrupted(format!("stopped at t = {time:?} s; {go_on}")).into())
 }
 
+/// How often it is looked whether Ctrl-C was pressed.
+const LOOK: Duration = Duration::from_millis(50);
+/// After a step that took longer, Ctrl-C may find the next one under way: the state before it is put by.
+const LONG: Duration = Duration::from_millis(100);
+
 /// Runs and records; warnings go to standard error.
+///
+/// FMUs are called by a thread of their own. If Ctrl-C finds a step under way that does not end within [`PATIENCE`],
+/// this one completes the files with what was recorded before; the step is given up with the program.
 pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<Ended> {
+    let shared = Shared::default();
+    let (done, ended) = channel();
+    let thread = std::thread::Builder::new().name("run".into()).spawn({
+        let (arguments, interrupt, shared) = (arguments.clone(), interrupt.clone(), shared.clone());
+        // Nobody listens any more to a run that was given up.
+        move || drop(done.send(step_and_record(&arguments, &interrupt, &shared)))
+    });
+    let thread = thread.context("cannot start a thread")?;
+    let mut pressed: Option<Instant> = None;
+    loop {
+        match ended.recv_timeout(LOOK) {
+            Ok(ended) => return ended,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                Err(fault) => std::panic::resume_unwind(fault),
+                Ok(()) => bail!("the run ended without an answer"),
+            },
+        }
+        if interrupt.pressed()
+            && pressed.get_or_insert_with(Instant::now).elapsed() >= PATIENCE
+            && let Some(underway) = shared.take()
+        {
+            return underway.give_up();
+        }
+    }
+}
+
+fn step_and_record(arguments: &Arguments, interrupt: &Interrupt, shared: &Shared) -> Result<Ended> {
     let [trajectories, outputs] = places_of(arguments)?;
-    let Prepared { mut system, trials, pushes, driven, mut clock, before, coupled } =
+    let Prepared { mut system, trials, pushes, driven, mut progress, before, coupled } =
         Prepared::of(arguments)?;
     let first = system.time();
     // A run may be saved over the one that it goes on from.
@@ -141,21 +181,48 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<Ended> {
     let mut tables = Tables::beside(inputs.iter().map(PathBuf::as_path));
     let about = vec![
         ("lemons_version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("communication_step", format!("{:?}", clock.step)),
-        ("every", clock.every.to_string()),
+        ("communication_step", format!("{:?}", progress.clock.step)),
+        ("every", progress.every.to_string()),
     ];
     let recording = Recording { tables: &mut tables, about, before: before.as_ref() };
-    let mut watch = Watch::create(&system, trials, &trajectories, &outputs, recording)?;
-    let staged = arguments.state.as_deref().map(|path| tables.stage(path)).transpose()?;
-    let started = Instant::now();
-    let mut kept = if staged.is_some() { Some(Kept::of(&mut system, &clock)?) } else { None };
-    let done = advance(&mut system, &mut clock, &pushes, &mut watch, interrupt, before.is_none(), &mut kept);
-    let wall = started.elapsed();
+    let watch = Watch::create(&system, trials, &trajectories, &outputs, recording)?;
+    let state = arguments.state.clone();
+    let file = state.map(|path| Ok::<_, anyhow::Error>((tables.stage(&path)?, path))).transpose()?;
+    let coupling = coupled.then(|| {
+        let (components, connections) = (system.components().len(), system.connections());
+        let algorithm = arguments.algorithm;
+        [
+            format!("components         {components:>10}     ({connections} connections, {algorithm})"),
+            format!("communication step {:>10} s", progress.clock.step),
+        ]
+    });
+    let mut kept = if file.is_some() { Some(Kept::of(&mut system, &progress)?) } else { None };
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
+    shared.put(Underway {
+        first,
+        time: first,
+        started: Instant::now(),
+        coupling: coupling.into_iter().flatten().collect(),
+        watch,
+        file,
+        at_hand: None,
+        bar: ProgressBar::new(progress.clock.steps.saturating_sub(progress.index)).with_style(style),
+        unzipped: system.components().iter().map(|c| c.fmu.directory().to_owned()).collect(),
+    });
+    let mut stepping = Stepping { arguments, system: &mut system, pushes: &pushes, driven: &driven, shared };
+    let done = stepping.advance(&mut progress, interrupt, before.is_none(), &mut kept);
     // What was simulated before a failure is worth having.
-    let records = watch.records(&system);
+    let Underway { started, coupling, watch, file, .. } = shared.take().context("the run was given up")?;
+    let wall = started.elapsed();
+    let records = watch.records(stepping.system);
     let seen = watch.finish()?;
-    let saved = match staged {
-        Some(file) => save(arguments, &system, &clock, kept.as_ref(), (driven, records), file).map(Some),
+    let saved = match file {
+        Some((file, path)) => {
+            let kept = kept.as_ref().context("the run failed between two states");
+            let at_hand = kept.and_then(|kept| stepping.at_hand(&progress, kept, records));
+            let at_hand = at_hand.with_context(|| path.display().to_string());
+            at_hand.and_then(|at_hand| at_hand.write(file, &path)).map(Some)
+        }
         None => Ok(None),
     };
     // States are given back while their FMUs are there.
@@ -173,19 +240,11 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<Ended> {
         let stopped = format!("stopped at t = {:?} s; the results until then are written", system.time());
         return Err(error.context(stopped));
     }
-    let coupling = coupled.then(|| {
-        let (components, connections) = (system.components().len(), system.connections());
-        let algorithm = arguments.algorithm;
-        [
-            format!("components         {components:>10}     ({connections} connections, {algorithm})"),
-            format!("communication step {:>10} s", clock.step),
-        ]
-    });
     Ok(Ended {
         simulated: system.time() - first,
         wall,
-        stopped: (system.time() < clock.until).then(|| system.time()),
-        coupling: coupling.into_iter().flatten().collect(),
+        stopped: (system.time() < progress.clock.until).then(|| system.time()),
+        coupling,
         seen,
         saved: saved?,
     })
@@ -216,41 +275,6 @@ impl Ended {
     }
 }
 
-/// Writes the saved run; answers a line of the summary.
-fn save(
-    arguments: &Arguments,
-    system: &System,
-    clock: &Clock,
-    kept: Option<&Kept>,
-    (drive, (crowd, outputs)): (String, Records),
-    file: Staged,
-) -> Result<String> {
-    let path = arguments.state.as_deref().unwrap_or(&arguments.input).display();
-    let Some(kept) = kept else { bail!("{path}: the run failed between two states") };
-    let states = kept.states.iter().map(State::bytes).collect::<Result<Vec<_>>>()?;
-    let saved = Saved {
-        format: Saved::FORMAT,
-        lemons: env!("CARGO_PKG_VERSION").to_owned(),
-        start: clock.start,
-        step: clock.step,
-        until: clock.until,
-        index: kept.index,
-        time: kept.time,
-        every: clock.every,
-        algorithm: arguments.algorithm.to_string(),
-        wiring: wiring_of(system),
-        drive,
-        component: Saved::components(system, &states),
-        crowd,
-        outputs,
-    };
-    saved.write(&states, file).with_context(|| format!("cannot write {path}"))?;
-    Ok(format!("saved run          {path}   (at t = {:.3} s)", kept.time))
-}
-
-/// What has been written of crowds and of the others.
-type Records = (Vec<CrowdRecord>, Option<Extent>);
-
 /// Where the trajectories and the outputs go, and as what.
 fn places_of(arguments: &Arguments) -> Result<[Place; 2]> {
     let Arguments { output, outputs, format, .. } = arguments;
@@ -267,46 +291,107 @@ fn places_of(arguments: &Arguments) -> Result<[Place; 2]> {
                 own.extension(),
                 wanted.extension()
             ))),
+            (None, None) if path.extension().is_some() => bail!(Misused(format!(
+                "{}: tables are .csv or .parquet: give such a name, or --format for one that ends otherwise",
+                path.display()
+            ))),
             (own, _) => Ok(Place { path: path.clone(), format: own.unwrap_or(common) }),
         }
     };
     Ok([place(output, "trajectories")?, place(outputs, "outputs")?])
 }
 
-/// Steps to the clock's end, or until Ctrl-C; the last step is shortened to end there.
-fn advance(
-    system: &mut System,
-    clock: &mut Clock,
-    pushes: &Pushes,
-    watch: &mut Watch,
-    interrupt: &Interrupt,
-    from_start: bool,
-    kept: &mut Option<Kept>,
-) -> Result<()> {
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
-    let progress = ProgressBar::new(clock.steps.saturating_sub(clock.index)).with_style(style);
-    if from_start {
-        watch.look(system, true)?;
+/// A system that is stepped.
+struct Stepping<'a> {
+    arguments: &'a Arguments,
+    system: &'a mut System,
+    pushes: &'a Pushes,
+    /// Fingerprint of the drive.
+    driven: &'a str,
+    shared: &'a Shared,
+}
+
+impl Stepping<'_> {
+    /// To the clock's end, or until Ctrl-C; the last step is shortened to end there.
+    fn advance(
+        &mut self,
+        progress: &mut Progress,
+        interrupt: &Interrupt,
+        from_start: bool,
+        kept: &mut Option<Kept>,
+    ) -> Result<()> {
+        let shared = self.shared;
+        let bar = shared.with(|underway| {
+            if from_start {
+                underway.watch.look(self.system, true)?;
+            }
+            Ok(underway.bar.clone())
+        })?;
+        self.put_by(progress, kept.as_ref())?;
+        let clock = progress.clock;
+        for k in progress.index..clock.steps {
+            if interrupt.pressed() {
+                break;
+            }
+            self.pushes.send(&self.system.components()[0].instance, self.system.time())?;
+            let begun = Instant::now();
+            self.system.step_to(clock.end(k))?;
+            let long = begun.elapsed() >= LONG;
+            // Until rows and state are both of the new point, no run can go on from it.
+            let before = kept.take();
+            if self.system.time() == clock.point(k + 1) {
+                progress.index = k + 1;
+            }
+            shared.with(|underway| {
+                underway.at_hand = None;
+                underway.watch.look(self.system, (k + 1) % progress.every == 0)?;
+                underway.time = self.system.time();
+                Ok(())
+            })?;
+            if let Some(mut now) = before {
+                now.renew(self.system, progress)?;
+                *kept = Some(now);
+            }
+            if long {
+                self.put_by(progress, kept.as_ref())?;
+            }
+            bar.set_message(format!("t = {:.2} s", self.system.time()));
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(())
     }
-    for k in clock.index..clock.steps {
-        if interrupt.pressed() {
-            break;
-        }
-        pushes.send(&system.components()[0].instance, system.time())?;
-        system.step_to(clock.end(k))?;
-        // Until rows and state are both of the new point, no run can go on from it.
-        let before = kept.take();
-        if system.time() == clock.point(k + 1) {
-            clock.index = k + 1;
-        }
-        watch.look(system, (k + 1) % clock.every == 0)?;
-        if let Some(mut now) = before {
-            now.renew(system, clock)?;
-            *kept = Some(now);
-        }
-        progress.set_message(format!("t = {:.2} s", system.time()));
-        progress.inc(1);
+
+    /// Where a run that is given up in the next step can be gone on with.
+    fn put_by(&self, progress: &Progress, kept: Option<&Kept>) -> Result<()> {
+        let Some(kept) = kept else { return Ok(()) };
+        let records = self.shared.with(|underway| Ok(underway.watch.records(self.system)))?;
+        let at_hand = self.at_hand(progress, kept, records)?;
+        self.shared.with(|underway| {
+            underway.at_hand = Some(at_hand);
+            Ok(())
+        })
     }
-    progress.finish_and_clear();
-    Ok(())
+
+    fn at_hand(&self, progress: &Progress, kept: &Kept, (crowd, outputs): Records) -> Result<AtHand> {
+        let states = kept.states.iter().map(State::bytes).collect::<Result<Vec<_>>>()?;
+        let Clock { start, step, until, .. } = progress.clock;
+        let saved = Saved {
+            format: Saved::FORMAT,
+            lemons: env!("CARGO_PKG_VERSION").to_owned(),
+            start,
+            step,
+            until,
+            index: kept.index,
+            time: kept.time,
+            every: progress.every,
+            algorithm: self.arguments.algorithm.to_string(),
+            wiring: wiring_of(self.system),
+            drive: self.driven.to_owned(),
+            component: Saved::components(self.system, &states),
+            crowd,
+            outputs,
+        };
+        Ok(AtHand { saved, states })
+    }
 }

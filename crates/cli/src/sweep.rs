@@ -8,6 +8,7 @@ use crowd_mechanics::pack::Naming;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_master::own_binary;
 use lemons_sweep::{Directory, Finished, Progress, Spec, sweep as run};
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -87,7 +88,9 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let style =
         ProgressStyle::with_template("{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left")?;
     let bar = ProgressBar::new(spec.points.count as u64).with_style(style);
+    let newest = Cell::new(None);
     let tell = |at: Progress| {
+        newest.set(Some(at));
         if at.failed > 0 {
             bar.set_message(format!("{} failed  ", at.failed));
         }
@@ -99,8 +102,13 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         bar.set_position(at.done as u64);
     };
     let started = Instant::now();
-    let (kept, at) = run(&spec, &fmu, &output, (threads, arguments.retry_failed), interrupt.flag(), tell)?;
+    let done = run(spec, &fmu, &output, (threads, arguments.retry_failed), interrupt.flag(), tell);
     bar.finish_and_clear();
+    let (kept, at) = match (done, newest.get()) {
+        (Ok(done), _) => done,
+        (Err(error), Some(at)) => return Err(error.context(numbers(at))),
+        (Err(error), None) => return Err(error),
+    };
     summary(&kept, at, started.elapsed().as_secs_f64(), threads)?;
     if at.done < at.total {
         let go_on =
@@ -111,13 +119,31 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         kept.write_csv(path)?;
         println!("table as CSV       {}", path.display());
     }
+    if at.failed == at.total {
+        let again = "the table says why in the column error; --retry-failed simulates them again";
+        bail!("none of the {} points succeeded: {again}", at.total);
+    }
     Ok(())
+}
+
+/// What became of all points, in a line.
+fn numbers(at: Progress) -> String {
+    let Progress { done, failed, total, before } = at;
+    format!(
+        "{total} points: {} succeeded, {failed} failed, {} not simulated; {before} were there before",
+        done - failed,
+        total - done
+    )
 }
 
 fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize) -> Result<()> {
     let new = at.done - at.before;
     println!("points             {:>10}     ({new} now, {} before)", at.total, at.before);
+    println!("succeeded          {:>10}", at.done - at.failed);
     println!("failed             {:>10}", at.failed);
+    if at.done < at.total {
+        println!("not simulated      {:>10}", at.total - at.done);
+    }
     println!("wall time          {wall:>10.3} s   ({threads} at once)");
     if new > 0 {
         println!("points per second  {:>10.2}", new as f64 / wall);

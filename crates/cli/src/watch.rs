@@ -11,6 +11,9 @@ use crowd_mechanics::trial::Trial;
 use lemons_master::System;
 use std::path::{Path, PathBuf};
 
+/// What has been written of crowds and of the others.
+pub type Records = (Vec<CrowdRecord>, Option<Extent>);
+
 /// What is recorded of a run.
 pub struct Watch {
     /// With the component's name if there are several.
@@ -60,7 +63,7 @@ impl Watch {
     }
 
     /// What a saved run keeps: of each crowd, and of the outputs of the others.
-    pub fn records(&self, system: &System) -> (Vec<CrowdRecord>, Option<Extent>) {
+    pub fn records(&self, system: &System) -> Records {
         let crowds = self.crowds.iter().map(|(_, crowd)| {
             let name = &system.components()[crowd.place()].name;
             crowd.record(name)

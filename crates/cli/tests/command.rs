@@ -137,7 +137,17 @@ fn trials_of_different_crowds_do_not_go_into_one_fmu() {
     let output = lemons(at, &["pack", good.to_str().unwrap(), "renamed", "-o", "two.fmu"]);
     assert_code(&output, 1);
     assert!(err(&output).contains("agent 3 has the Id \"three\" instead of \"3\""), "{}", err(&output));
+    assert!(err(&output).contains("share its variables"), "{}", err(&output));
     assert!(!at.join("two.fmu").exists());
+    let crowd = ["crowd", "-n", "3", "--seed", "1", "-o", "three"];
+    assert_code(&lemons(at, &crowd), 0);
+    let output = lemons(at, &["pack", good.to_str().unwrap(), "three", "-o", "two.fmu"]);
+    assert_code(&output, 1);
+    for words in ["3 agents instead of 5", "they need the same number of agents with the same Ids"] {
+        assert!(err(&output).contains(words), "{}", err(&output));
+    }
+    let help = out(&lemons(at, &["pack", "--help"])).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(help.contains("they need the same number of agents with the same Ids"), "{help}");
     // The same crowd elsewhere does, and the parameter Trial chooses.
     trial(at, "elsewhere", "dynamic/AgentDynamics.xml", "1.448,0.012", "1.348,0.012");
     let output = lemons(at, &["pack", good.to_str().unwrap(), "elsewhere", "-o", "two.fmu"]);

@@ -154,7 +154,8 @@ fn results_go_into_files_of_their_own() {
         (["--outputs", "./coupled.ssp"], "the run reads it"),
         (["-o", "coupled.ssp"], "the run reads it"),
     ] {
-        let said = err(&lemons(at, &[&["run", "coupled.ssp", "--until", "0.1"], &options[..]].concat()));
+        let run = ["run", "coupled.ssp", "--until", "0.1", "--format", "csv"];
+        let said = err(&lemons(at, &[&run[..], &options].concat()));
         assert!(said.contains(options[1]) && said.contains(words), "{said}");
         assert!(!at.join("trajectories.csv").exists());
     }
@@ -252,4 +253,51 @@ fn mistakes_have_clear_messages() {
     assert!(
         fs::read_dir(at).unwrap().all(|file| !file.unwrap().file_name().to_string_lossy().starts_with('.'))
     );
+}
+
+#[test]
+fn a_parameter_of_all_agents_of_a_component() {
+    let directory = fmus(true);
+    let at = directory.path();
+    out(&lemons(at, &CONNECT));
+    let run = |file: &str, settings: &[String]| {
+        let settings: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+        out(&lemons(at, &[&["run", "coupled.ssp", "--until", "0.5", "-o", file], &settings[..]].concat()));
+        fs::read(at.join(file)).unwrap()
+    };
+    let each: Vec<String> = (0..5).map(|i| format!("crowd.agent[{i}].Mass=80")).collect();
+    let all = run("all.csv", &["crowd.agent[*].Mass=80".into()]);
+    assert!(all == run("each.csv", &each) && all != run("own.csv", &[]));
+    let said = err(&lemons(at, &["run", "coupled.ssp", "--set", "crowd.agent[*].Beauty=80"]));
+    assert!(said.contains("the FMU has no variable \"agent[*].Beauty\""), "{said}");
+}
+
+/// A step of half a day; a second is meant, the rest is for a busy machine.
+#[test]
+#[cfg(unix)]
+fn one_long_step_of_coupled_fmus_can_be_interrupted() {
+    let directory = fmus(true);
+    let at = directory.path();
+    out(&lemons(at, &CONNECT));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lemons"))
+        .args(["run", "coupled.ssp", "--step", "50000", "--until", "50000"])
+        .current_dir(at)
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The step is under way a moment after the files are begun.
+    while fs::read_dir(at).unwrap().count() < 5 {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    let sent = std::time::Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(sent.elapsed().as_secs() < 20 && said.contains("stopped at t = 0.0 s"), "{said}");
+    for file in ["trajectories.csv", "outputs.csv"] {
+        assert!(fs::read_to_string(at.join(file)).unwrap().lines().count() > 1);
+    }
 }

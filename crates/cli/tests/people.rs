@@ -473,3 +473,16 @@ fn a_trial_replaces_a_trial_and_keeps_what_else_is_there() {
     assert_eq!(Trial::read(&at.join("T")).unwrap().0.agents.len(), 4);
     assert_eq!(fs::read_to_string(at.join("T/decision.toml")).unwrap(), "mine");
 }
+
+#[test]
+fn a_crowd_that_is_written_nowhere_says_so() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let said = out(&lemons(at, &["crowd", "-n", "3"]));
+    assert!(said.lines().last().unwrap().starts_with("nothing was written: give -o TRIAL"), "{said}");
+    assert_eq!(std::fs::read_dir(at).unwrap().count(), 0);
+    for option in [["-o", "trial"], ["--population", "people.csv"]] {
+        let said = out(&lemons(at, &[&["crowd", "-n", "3"], &option[..]].concat()));
+        assert!(!said.contains("nothing was written"), "{said}");
+    }
+}

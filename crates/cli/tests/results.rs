@@ -354,3 +354,139 @@ fn help_is_readable() {
     let help = said(&lemons(directory.path(), &["run", "--help"]), 0);
     assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
 }
+
+/// Sends it once the run's files are begun and, as nothing tells when a step is under way, a moment later.
+#[cfg(unix)]
+fn interrupted(at: &Path, arguments: &[&str]) -> (Output, std::time::Duration) {
+    let files = || fs::read_dir(at).unwrap().count();
+    let before = files();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lemons"))
+        .args(arguments)
+        .current_dir(at)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while files() == before {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+    let sent = std::time::Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    (child.wait_with_output().unwrap(), sent.elapsed())
+}
+
+/// The step of half a day takes this machine minutes; a second is meant, the rest is for a busy machine.
+#[test]
+#[cfg(unix)]
+fn one_long_step_can_be_interrupted() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let step = ["--step", "50000", "--until", "50000"];
+    let trial = trial();
+    let (output, took) = interrupted(at, &[&["run", &trial, "--state", "a.run"], &step[..]].concat());
+    let text = said(&output, 130);
+    assert!(took.as_secs() < 20, "{took:?}");
+    assert!(text.contains("stopped at t = 0.0 s; go on with --resume a.run"), "{text}");
+    assert_eq!(names(at), ["a.run", "trajectories.csv"]);
+    assert_eq!(Run::read_table(&at.join("trajectories.csv")).unwrap().frames.len(), 1);
+    // What was kept goes on.
+    let more = push(at, "--resume a.run --until 0.1 --step 50000 -o rest.csv", 0);
+    assert!(more.contains("simulated time          0.100 s"), "{more}");
+
+    let before = names(at);
+    let (output, took) =
+        interrupted(at, &["plot", &trial, "--at", "50000", "--step", "50000", "-o", "a.png"]);
+    let text = said(&output, 130);
+    assert!(took.as_secs() < 20 && text.contains("interrupted: nothing was written"), "{took:?} {text}");
+    assert_eq!(names(at), before);
+}
+
+#[test]
+fn endless_runs_are_refused_with_their_number() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let refused = |arguments: &[&str], most: &str| {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_lemons")).args(arguments).current_dir(at).output().unwrap();
+        let text = said(&output, 1);
+        let expected = format!("2.0000e301 communication steps of 0.05 s: at most {most}");
+        assert!(text.contains(&expected), "{arguments:?}: {text}");
+        assert_eq!(names(at), Vec::<String>::new());
+    };
+    let trial = trial();
+    refused(&["run", &trial, "--until", "1e300"], "1e9");
+    refused(&["plot", &trial, "--at", "1e300"], "1e9");
+    refused(&["plot", &trial, "--series", "x", "--until", "1e300"], "1e9");
+    refused(&["movie", &trial, "--until", "1e300", "-o", "a.gif"], "1e9");
+    let output = Command::new(env!("CARGO_BIN_EXE_lemons"))
+        .args(["plot", &trial, "--at", "60000"])
+        .current_dir(at)
+        .output();
+    let text = said(&output.unwrap(), 1);
+    assert!(text.contains("1.2000e6 communication steps of 0.05 s: at most 1e6 are made"), "{text}");
+}
+
+#[test]
+fn unknown_kinds_of_tables_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    for options in ["-o t.xlsx", "--outputs t.xlsx", "-o t.csv.gz"] {
+        let text = push(at, options, 2);
+        assert!(text.contains(": tables are .csv or .parquet"), "{text}");
+        assert_eq!(names(at), Vec::<String>::new());
+    }
+    push(at, "--until 0.1 -o t.dat --format csv", 0);
+    push(at, "--until 0.1 -o plain", 0);
+    assert!(read(at, "t.dat") == read(at, "plain"));
+}
+
+#[test]
+fn a_parameter_of_all_agents() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let each: Vec<String> = (0..5).map(|i| format!("--set agent[{i}].Mass=80")).collect();
+    push(at, &format!("--until 1 -o each.csv {}", each.join(" ")), 0);
+    push(at, "--until 1 -o all.csv --set agent[*].Mass=80", 0);
+    push(at, "--until 1 -o own.csv", 0);
+    assert!(read(at, "each.csv") == read(at, "all.csv") && read(at, "all.csv") != read(at, "own.csv"));
+    let unknown = push(at, "--until 1 --set agent[*].Beauty=80", 1);
+    assert!(unknown.contains("the FMU has no variable \"agent[*].Beauty\""), "{unknown}");
+    let trial = trial();
+    let done = |arguments: &[&str]| {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_lemons")).args(arguments).current_dir(at).output().unwrap();
+        said(&output, 0)
+    };
+    let plot = ["plot", &trial, "--series", "x", "--until", "1", "-o"];
+    let each: Vec<&str> = each.iter().flat_map(|option| option.split(' ')).collect();
+    done(&[&plot[..], &["each.svg"], &each].concat());
+    done(&[&plot[..], &["all.svg", "--set", "agent[*].Mass=80"]].concat());
+    assert!(read(at, "each.svg") == read(at, "all.svg"));
+}
+
+#[test]
+fn negative_numbers_are_values() {
+    let directory = TempDir::new().unwrap();
+    let trial = trial();
+    for (arguments, expected) in [
+        (
+            ["run", &trial, "--until", "-1"],
+            "'-1' for '--until <SECONDS>': must be a positive number of seconds",
+        ),
+        (["run", &trial, "--step", "-0.5"], "'-0.5' for '--step <SECONDS>': must be a positive"),
+        (["run", &trial, "--every", "-3"], "'-3' for '--every <N>': -3 is not in 1.."),
+        (["plot", &trial, "--until", "-1e3"], "'-1e3' for '--until <SECONDS>': must be a positive"),
+        (["movie", &trial, "--frame-rate", "-25"], "'-25' for '--frame-rate <FPS>': must be a number from"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_lemons"))
+            .args(arguments)
+            .current_dir(directory.path())
+            .output()
+            .unwrap();
+        let text = said(&output, 2);
+        assert!(text.contains(expected) && !text.contains("use '--"), "{text}");
+    }
+}

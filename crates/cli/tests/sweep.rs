@@ -128,6 +128,57 @@ fn failed_points_are_rows_with_their_message() {
 }
 
 #[test]
+fn a_sweep_without_a_success_is_a_failure() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    write_spec(at, 0.1, "\"agent[2].Mass\" = [-80, -70]");
+    // Also when it had failed before.
+    for now in ["(2 now, 0 before)", "(0 now, 2 before)"] {
+        let output = lemons(at, &["sweep", "push.toml"]);
+        assert_code(&output, 1);
+        assert!(err(&output).contains("none of the 2 points succeeded"), "{}", err(&output));
+        for line in [
+            &format!("points                      2     {now}"),
+            "succeeded                   0",
+            "failed                      2",
+        ] {
+            assert!(out(&output).contains(line), "{line}: {}", out(&output));
+        }
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_sweep_of_long_steps_can_be_interrupted() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    write_spec(at, 50000.0, "\"agent[2].Mass\" = [60, 70, 80]");
+    let spec = fs::read_to_string(at.join("push.toml")).unwrap();
+    fs::write(at.join("push.toml"), spec.replace("until =", "step = 50000\nuntil =")).unwrap();
+    let mut running = command(at, &["sweep", "push.toml", "--threads", "2"]);
+    let mut running = running.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    while !at.join("push/sweep.json").exists() {
+        assert!(running.try_wait().unwrap().is_none(), "it ended by itself");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    std::thread::sleep(Duration::from_secs(1));
+    let sent = std::time::Instant::now();
+    let signal = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status();
+    assert!(signal.unwrap().success());
+    let output = running.wait_with_output().unwrap();
+    assert_code(&output, 130);
+    assert!(sent.elapsed() < Duration::from_secs(20), "{:?}", sent.elapsed());
+    assert!(err(&output).contains("0 of 3 points are finished and kept"), "{}", err(&output));
+    assert!(out(&output).contains("not simulated               3"), "{}", out(&output));
+    let endless = spec.replace("until = 50000", "until = 1e300");
+    fs::write(at.join("push.toml"), endless).unwrap();
+    let output = lemons(at, &["sweep", "push.toml", "-o", "endless"]);
+    assert_code(&output, 1);
+    let said = err(&output);
+    assert!(said.contains("until: from 0.0 to 1e300 s there are 2.0000e301 communication steps"), "{said}");
+}
+
+#[test]
 fn mistakes_have_clear_messages() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();

@@ -101,8 +101,15 @@ impl Drive {
         let after = rows.partition_point(|row| row.0 <= time);
         let push = match (after.checked_sub(1).map(|before| rows[before]), rows.get(after)) {
             (Some((t0, a)), Some((t1, b))) => {
-                let share = (time - t0) / (t1 - t0);
-                std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))
+                let share = match t1 - t0 {
+                    whole if whole.is_finite() => (time - t0) / whole,
+                    // Times so far apart that their difference is no number.
+                    _ => (0.5 * time - 0.5 * t0) / (0.5 * t1 - 0.5 * t0),
+                };
+                std::array::from_fn(|k| match b[k] - a[k] {
+                    change if change.is_finite() => a[k] + share * change,
+                    _ => (1.0 - share) * a[k] + share * b[k],
+                })
             }
             // The last row itself still counts.
             (Some((t0, a)), None) if t0 == time => a,
@@ -170,6 +177,17 @@ mod tests {
         assert_eq!(drive.at("a", 2.0), Some([100.0, -50.0, 2.0]));
         assert_eq!(drive.at("a", 2.1), Some([0.0; 3]));
         assert_eq!(drive.at("c", 1.5), None);
+    }
+
+    #[test]
+    fn the_largest_forces_are_interpolated_too() {
+        let rows = "t,agent,Fp.x,Fp.y,Mp\n0,a,-1e308,1e308,0\n1,a,1e308,-1e308,0\n";
+        let drive = drive(rows).unwrap();
+        assert_eq!(drive.at("a", 0.0), Some([-1e308, 1e308, 0.0]));
+        assert_eq!(drive.at("a", 0.5), Some([0.0; 3]));
+        assert_eq!(drive.at("a", 0.75), Some([0.75e308 - 0.25e308, 0.25e308 - 0.75e308, 0.0]));
+        let drive = self::drive("t,agent,Fp.x,Fp.y,Mp\n-1e308,a,0,0,0\n1e308,a,4,0,0\n").unwrap();
+        assert_eq!(drive.at("a", 0.0), Some([2.0, 0.0, 0.0]));
     }
 
     #[test]

@@ -13,6 +13,18 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use tempfile::TempDir;
 
+/// All agents, in the name of a variable.
+const EVERY_AGENT: &str = "agent[*].";
+
+/// The variables that a name means: `agent[*].Mass` those of all agents that are known, any other name itself.
+pub fn named(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
+    let of_all = name.strip_prefix(EVERY_AGENT).map(|rest| {
+        let names = (0..).map(|i| format!("agent[{i}].{rest}"));
+        names.take_while(|name| known(name)).collect::<Vec<_>>()
+    });
+    of_all.filter(|all| !all.is_empty()).unwrap_or_else(|| vec![name.to_owned()])
+}
+
 /// An FMU, unzipped.
 pub struct Fmu {
     directory: TempDir,
@@ -41,6 +53,11 @@ impl Fmu {
         let names = description.modelVariables.iter().enumerate();
         let places = names.map(|(place, variable)| (variable.name.clone(), place)).collect();
         Ok(Fmu { directory, description, places })
+    }
+
+    /// Where it is unzipped, until it is dropped.
+    pub fn directory(&self) -> &Path {
+        self.directory.path()
     }
 
     /// The variables and units, as SSP sees them.
@@ -91,6 +108,11 @@ impl Fmu {
         let references =
             self.description.modelVariables.iter().map(|v| (v.name.clone(), v.valueReference)).collect();
         Ok(Instance { fmu, messages, prefix, references })
+    }
+
+    /// The variables that a name means; see [`named`].
+    pub fn named(&self, name: &str) -> Vec<String> {
+        named(name, |name| self.places.contains_key(name))
     }
 
     /// The type of a variable.

@@ -1,6 +1,7 @@
 //! An FMI 2.0 master on `fmi-rs`: knows of an FMU what its model description says, couples several by SSP.
 
 mod assemble;
+mod clock;
 mod drive;
 mod fmu;
 mod state;
@@ -8,14 +9,19 @@ mod system;
 mod unzip;
 
 pub use assemble::{Assembled, assemble};
+pub use clock::Clock;
 pub use drive::{Drive, Push, Pushes};
-pub use fmu::{Fmu, Instance};
+pub use fmu::{Fmu, Instance, named};
 pub use state::{LARGEST_STATE, State};
 pub use system::{Algorithm, Component, System};
 
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::{Binary, host_platform};
 use std::path::Path;
+use std::time::Duration;
+
+/// Of a user who wants to stop: steps under way that take longer are given up.
+pub const PATIENCE: Duration = Duration::from_millis(500);
 
 /// The crowd's shared library that was built with this program.
 ///

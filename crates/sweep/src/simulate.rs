@@ -1,28 +1,25 @@
 //! One run with the parameters of a point.
 
 use crate::measure::{Measure, Watched};
-use crate::points::Points;
+use crate::spec::Spec;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::trial::Trial;
-use lemons_master::{Drive, Fmu, Instance, Pushes};
+use lemons_master::{Clock, Drive, Fmu, Instance, Pushes};
 
 /// What all points have in common.
-pub struct Job<'a> {
-    pub fmu: &'a Fmu,
-    pub trial: &'a Trial,
-    pub drive: &'a Drive,
-    pub until: f64,
+pub struct Job {
+    pub fmu: Fmu,
+    pub trial: Trial,
+    pub drive: Drive,
+    pub spec: Spec,
+    /// \[s\]
     pub step: f64,
-    pub points: &'a Points,
-    pub measures: &'a [(String, Measure)],
 }
-
-/// All agents in the name of a parameter.
-const EVERY_AGENT: &str = "agent[*].";
 
 /// An instance that simulates one point after the other.
 pub struct Worker<'a> {
-    job: &'a Job<'a>,
+    job: &'a Job,
+    clock: Clock,
     instance: Instance,
     pushes: Pushes,
     looks: Vec<Look>,
@@ -36,29 +33,26 @@ struct Look {
     width: usize,
 }
 
-impl Job<'_> {
-    /// The names that a parameter sets.
-    fn names(&self, parameter: &str) -> Vec<String> {
-        match parameter.strip_prefix(EVERY_AGENT) {
-            Some(rest) => (0..self.trial.agents.len()).map(|i| format!("agent[{i}].{rest}")).collect(),
-            None => vec![parameter.to_owned()],
-        }
+impl Job {
+    fn clock(&self) -> Result<Clock> {
+        Clock::new(0.0, self.step, self.spec.until)
     }
 
     /// That the FMU has what is set and measured.
     pub fn check(&self) -> Result<()> {
-        for (parameter, _) in &self.points.columns {
+        self.clock().context("until")?;
+        for (parameter, _) in &self.spec.points.columns {
             if parameter == "Trial" {
                 // Its drive, its TimeStep and its agents would be those of another.
                 bail!("parameters: Trial: each Trial needs a sweep of its own");
             }
-            for name in self.names(parameter) {
+            for name in self.fmu.named(parameter) {
                 if self.fmu.kind(&name).is_none() {
                     bail!("parameters: {parameter}: the FMU has no variable {name:?}; see lemons info");
                 }
             }
         }
-        for (name, measure) in self.measures {
+        for (name, measure) in &self.spec.measures {
             let agents = self.places(measure).with_context(|| format!("measures: {name}"))?.len();
             measure.check(agents).map_err(|what| anyhow::anyhow!("measures: {name}: {what}"))?;
         }
@@ -81,9 +75,9 @@ impl Job<'_> {
 }
 
 impl<'a> Worker<'a> {
-    pub fn new(job: &'a Job<'a>) -> Result<Worker<'a>> {
+    pub fn new(job: &'a Job) -> Result<Worker<'a>> {
         let instance = job.fmu.instantiate("sweep")?;
-        let looks = job.measures.iter().map(|(_, measure)| {
+        let looks = job.spec.measures.iter().map(|(_, measure)| {
             let (reals, integers) = measure.of.outputs();
             let places = job.places(measure)?;
             let references = |names: &[&str]| -> Result<Vec<u32>> {
@@ -96,30 +90,25 @@ impl<'a> Worker<'a> {
         });
         let looks = looks.collect::<Result<Vec<_>>>()?;
         let pushes = Pushes::new(&instance, &job.trial.agents, job.drive.clone())?;
-        Ok(Worker { job, instance, pushes, looks })
+        Ok(Worker { job, clock: job.clock()?, instance, pushes, looks })
     }
 
     /// What is measured at a point. The worker goes on with the next one, unless this failed.
     pub fn simulate(&mut self, point: usize) -> Result<Vec<Option<f64>>> {
-        let Job { fmu, until, step, points, measures, .. } = self.job;
+        let Job { fmu, spec: Spec { points, measures, .. }, .. } = self.job;
         self.instance.reset()?;
         for (parameter, values) in &points.columns {
             let text = values.text(point);
-            for name in self.job.names(parameter) {
+            for name in fmu.named(parameter) {
                 let kind = fmu.kind(&name).with_context(|| format!("the FMU has no variable {name:?}"))?;
                 self.instance.set(kind, &name, &text)?;
             }
         }
         self.instance.initialize()?;
         let mut watched: Vec<Watched> = measures.iter().map(|(_, measure)| Watched::new(measure)).collect();
-        let steps = (until / step - 1e-9).ceil().max(1.0) as u64;
-        // As `lemons run` ends: at a multiple of the step where it is one but for rounding.
-        let last = steps as f64 * step;
-        let until = if (last - until).abs() <= 1e-9 * step { &last } else { until };
         self.look(0.0, &mut watched)?;
-        for k in 0..steps {
-            let begin = k as f64 * step;
-            let end = if k + 1 == steps { *until } else { (k + 1) as f64 * step };
+        for k in 0..self.clock.steps {
+            let (begin, end) = (self.clock.point(k), self.clock.end(k));
             self.pushes.send(&self.instance, begin)?;
             self.instance.step(begin, end - begin)?;
             self.look(end, &mut watched)?;

@@ -4,13 +4,15 @@ use crate::directory::{Directory, Finished};
 use crate::points::hex;
 use crate::simulate::{Job, Worker};
 use crate::spec::{DriveChoice, Spec};
-use anyhow::{Context, Result};
-use lemons_master::{Drive, Fmu};
+use anyhow::{Context, Result, bail};
+use lemons_master::{Drive, Fmu, PATIENCE};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// How far a sweep is.
@@ -28,13 +30,13 @@ pub struct Progress {
 
 /// Runs what a sweep's directory does not hold yet, with so many threads.
 ///
-/// `tell` is called as points are finished. With `stop` set, those under way are finished and kept. Failed points are
-/// kept with their message; a sweep that is begun again with `retry` simulates them once more.
+/// `tell` is called as points are finished. With `stop` set, those under way are finished and kept if that takes no
+/// longer than [`PATIENCE`]; the others are given up, their threads end with the program. Failed points are kept with their message; a sweep that is begun again with `retry` simulates them once more.
 ///
 /// # Errors
 /// The FMU or the drive cannot be used, the directory is another sweep's or cannot be written.
 pub fn sweep(
-    spec: &Spec,
+    spec: Spec,
     fmu: &Path,
     directory: &Path,
     (threads, retry): (usize, bool),
@@ -50,29 +52,24 @@ pub fn sweep(
         DriveChoice::Own => Drive::of(Some(&trial), None)?,
         DriveChoice::File(path) => Drive::of(Some(&trial), Some(path))?,
     };
-    let job = Job {
-        fmu: &opened,
-        trial: &trial,
-        drive: &drive,
-        until: spec.until,
-        step: spec.step.unwrap_or(trial.parameters.time_step),
-        points: &spec.points,
-        measures: &spec.measures,
-    };
+    let step = spec.step.unwrap_or(trial.parameters.time_step);
+    let job = Job { fmu: opened, trial, drive, spec, step };
     job.check()?;
-    let measures: Vec<String> = spec.measures.iter().map(|(name, _)| name.clone()).collect();
-    let manifest = manifest(&job, spec, &bytes)?;
-    let kept = Directory::open(directory, manifest, &spec.points, &measures)?;
+    let Spec { points, measures, .. } = &job.spec;
+    let measures: Vec<String> = measures.iter().map(|(name, _)| name.clone()).collect();
+    let kept = Directory::open(directory, manifest(&job, &bytes)?, points, &measures)?;
     let before = kept.read()?;
-    let mut left = vec![true; spec.points.count];
+    let mut left = vec![true; points.count];
     before.iter().filter(|row| row.outcome.is_ok() || !retry).for_each(|row| left[row.point] = false);
     let left: Vec<usize> = (0..left.len()).filter(|&point| left[point]).collect();
-    let done = spec.points.count - left.len();
+    let done = points.count - left.len();
     let failed = before.iter().filter(|row| row.outcome.is_err()).count();
     let mut progress =
-        Progress { done, failed: if retry { 0 } else { failed }, total: spec.points.count, before: done };
+        Progress { done, failed: if retry { 0 } else { failed }, total: points.count, before: done };
     tell(progress);
-    simulate(&job, &left, threads, stop, |rows| {
+    let (next, over) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let queue = Arc::new(Queue { job, points: left, next, over });
+    simulate(&queue, threads, stop, |rows| {
         kept.add(rows)?;
         progress.done += rows.len();
         progress.failed += rows.iter().filter(|row| row.outcome.is_err()).count();
@@ -85,63 +82,99 @@ pub fn sweep(
     Ok((kept, progress))
 }
 
+/// What the threads of a sweep share.
+struct Queue {
+    job: Job,
+    points: Vec<usize>,
+    /// Among these.
+    next: AtomicUsize,
+    /// No further one is begun.
+    over: AtomicBool,
+}
+
+impl Queue {
+    fn work(&self, finished: &Sender<Finished>) {
+        let mut worker = None;
+        while !self.over.load(Ordering::Relaxed) {
+            let Some(&point) = self.points.get(self.next.fetch_add(1, Ordering::Relaxed)) else { return };
+            let outcome = one(&self.job, &mut worker, point);
+            if finished.send(Finished { point, outcome }).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+/// How often it is looked whether the sweep is to be stopped.
+const LOOK: Duration = Duration::from_millis(50);
+
 /// Hands points out to threads; what they finish is written every second, or every hundredth of the time so far: the
 /// number of parts stays small.
 fn simulate(
-    job: &Job,
-    points: &[usize],
+    queue: &Arc<Queue>,
     threads: usize,
     stop: &AtomicBool,
     mut write: impl FnMut(&[Finished]) -> Result<()>,
 ) -> Result<()> {
-    let (next, given_up) = (&AtomicUsize::new(0), &AtomicBool::new(false));
     let (finished, arrived) = channel();
-    let pool = &rayon::ThreadPoolBuilder::new().num_threads(threads.min(points.len()).max(1)).build()?;
-    std::thread::scope(|scope| {
-        // Owns the sender: when all have finished, nothing more arrives.
-        let work = move || {
-            let mut worker = None;
-            while !stop.load(Ordering::Relaxed) && !given_up.load(Ordering::Relaxed) {
-                let Some(&point) = points.get(next.fetch_add(1, Ordering::Relaxed)) else { return };
-                let outcome = one(job, &mut worker, point);
-                if finished.send(Finished { point, outcome }).is_err() {
-                    return;
-                }
-            }
-        };
-        let workers = scope.spawn(move || pool.broadcast(|_| work()));
-        let (start, mut last) = (Instant::now(), Instant::now());
-        let mut pending: Vec<Finished> = Vec::new();
-        let written = loop {
-            let patience = Duration::from_secs(1).max(start.elapsed() / 100);
-            let message = arrived.recv_timeout(patience.saturating_sub(last.elapsed()));
-            let over = message == Err(RecvTimeoutError::Disconnected);
-            pending.extend(message);
-            if (over || last.elapsed() >= patience) && !pending.is_empty() {
-                pending.sort_by_key(|row| row.point);
-                if let Err(error) = write(&pending) {
-                    given_up.store(true, Ordering::Relaxed);
-                    break Err(error);
-                }
-                pending.clear();
-            }
-            if last.elapsed() >= patience {
-                last = Instant::now();
-            }
-            if over {
-                break Ok(());
-            }
-        };
-        if workers.join().is_err() {
-            anyhow::bail!("a worker's thread ended by a fault of its own");
+    let mut workers = Vec::new();
+    for _ in 0..threads.min(queue.points.len()) {
+        let (queue, finished) = (queue.clone(), finished.clone());
+        let worker = std::thread::Builder::new().name("sweep".into()).spawn(move || queue.work(&finished));
+        workers.push(worker.context("cannot start a thread")?);
+    }
+    // When all workers have ended, nothing more arrives.
+    drop(finished);
+    let (start, mut last, mut stopped) = (Instant::now(), Instant::now(), None);
+    let mut pending: Vec<Finished> = Vec::new();
+    loop {
+        let between = Duration::from_secs(1).max(start.elapsed() / 100);
+        let message = arrived.recv_timeout(between.saturating_sub(last.elapsed()).min(LOOK));
+        let over = message == Err(RecvTimeoutError::Disconnected);
+        pending.extend(message);
+        if stop.load(Ordering::Relaxed) {
+            queue.over.store(true, Ordering::Relaxed);
+            stopped.get_or_insert_with(Instant::now);
         }
-        written
-    })
+        let given_up = stopped.is_some_and(|since| since.elapsed() >= PATIENCE);
+        if (over || given_up || last.elapsed() >= between) && !pending.is_empty() {
+            pending.extend(arrived.try_iter());
+            pending.sort_by_key(|row| row.point);
+            if let Err(error) = write(&pending) {
+                queue.give_up();
+                return Err(error);
+            }
+            pending.clear();
+        }
+        if last.elapsed() >= between {
+            last = Instant::now();
+        }
+        if over {
+            break;
+        }
+        if given_up {
+            queue.give_up();
+            return Ok(());
+        }
+    }
+    match workers.into_iter().map(JoinHandle::join).find(Result::is_err) {
+        Some(_) => bail!("a worker's thread ended by a fault of its own"),
+        None => Ok(()),
+    }
+}
+
+impl Queue {
+    /// Leaves the points under way to threads that end with the program.
+    fn give_up(&self) {
+        self.over.store(true, Ordering::Relaxed);
+        // They would do it, but are not waited for.
+        let _ = std::fs::remove_dir_all(self.job.fmu.directory());
+    }
 }
 
 /// A point; after a failure the next one has a new instance.
 fn one<'a>(
-    job: &'a Job<'a>,
+    job: &'a Job,
     worker: &mut Option<Worker<'a>>,
     point: usize,
 ) -> std::result::Result<Vec<Option<f64>>, String> {
@@ -155,8 +188,8 @@ fn one<'a>(
 }
 
 /// What must be the same for a sweep to go on.
-fn manifest(job: &Job, spec: &Spec, fmu: &[u8]) -> Result<Map<String, Value>> {
-    let description = &job.fmu.description;
+fn manifest(job: &Job, fmu: &[u8]) -> Result<Map<String, Value>> {
+    let (description, spec) = (&job.fmu.description, &job.spec);
     let names: Vec<&str> = spec.points.columns.iter().map(|(name, _)| name.as_str()).collect();
     let measures: Map<String, Value> = spec
         .measures
@@ -172,7 +205,7 @@ fn manifest(job: &Job, spec: &Spec, fmu: &[u8]) -> Result<Map<String, Value>> {
         "points": { "parameters": names, "count": spec.points.count, "sha256": spec.points.sha256() },
         "drive": drive_identity(job),
         "measure": measures,
-        "until": job.until,
+        "until": spec.until,
         "step": job.step,
     });
     match manifest {

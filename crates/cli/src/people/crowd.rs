@@ -273,6 +273,12 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         outputs.draw(&made)?;
         trial.write(&made, binaries, &interrupt, &mut out)?;
     }
+    if !trial.wanted() && outputs.is_empty() {
+        writeln!(
+            out,
+            "nothing was written: give -o TRIAL, --fmu, --zip, or another file (lemons crowd --help)"
+        )?;
+    }
     outputs.persist(&mut out)?;
     Ok(io::stdout().write_all(&out)?)
 }
@@ -450,6 +456,11 @@ struct Outputs {
 }
 
 impl Outputs {
+    fn is_empty(&self) -> bool {
+        let Outputs { population, light_xml, sections, sections_wkt, obj, stl, svg, png } = self;
+        [population, light_xml, sections, sections_wkt, obj, stl, svg, png].iter().all(|file| file.is_none())
+    }
+
     fn draw(&mut self, trial: &Trial) -> Result<()> {
         if self.svg.is_none() && self.png.is_none() {
             return Ok(());

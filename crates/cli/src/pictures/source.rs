@@ -11,6 +11,8 @@ use clap::Parser;
 use crowd_mechanics::trial::Trial;
 use crowd_mechanics::variables::{Kind, in_documents_mut, table};
 use lemons_export::{Frame, Run};
+use lemons_master::{Clock, named};
+use std::collections::HashMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +45,9 @@ struct Running {
     arguments: crate::run::Arguments,
 }
 
+/// Communication steps of a run that is made to be shown: its table is a temporary file.
+const MOST_STEPS: u64 = 1_000_000;
+
 /// What was found there.
 pub struct Opened {
     /// `None` where a table came without.
@@ -72,7 +77,13 @@ impl Source {
             }
         }
         let run = match (runs, until, &trial) {
-            (true, Some(until), Some(_)) => self.record(until, interrupt)?,
+            (true, Some(until), Some(trial)) => {
+                let step = self.step.unwrap_or(trial.parameters.time_step);
+                Clock::new(0.0, step, until)
+                    .and_then(|clock| clock.check_at_most(MOST_STEPS))
+                    .with_context(|| self.path.display().to_string())?;
+                self.record(until, interrupt)?
+            }
             (true, None, Some(trial)) => still(&self.path, trial),
             (_, _, Some(trial)) if self.path.is_dir() => Run::read_series(&self.path, trial)?,
             (_, _, Some(trial)) => Run::read_table(&self.path)?.of_trial(trial)?,
@@ -146,19 +157,23 @@ fn set(trial: &mut Trial, setting: &str) -> Result<()> {
     let (name, value) =
         setting.split_once('=').with_context(|| format!("--set {setting}: expected NAME=VALUE"))?;
     let variables = table(trial);
-    let variable = variables.iter().find(|variable| variable.name == name);
-    let variable = variable.with_context(|| format!("--set {setting}: there is no variable {name:?}"))?;
-    match variable.kind {
-        Kind::Real(_) => {}
-        // Results do not depend on them.
-        Kind::Integer => return Ok(()),
-        Kind::String => bail!("--set {setting}: not for pictures"),
-    }
-    let value: f64 = value.parse().with_context(|| format!("--set {setting}: not a number"))?;
-    variable.domain.check(value).map_err(|must| anyhow!("--set {setting}: must be {must}"))?;
-    match in_documents_mut(trial, variable.quantity) {
-        Some(place) => *place = value,
-        None => bail!("--set {setting}: {name} is computed"),
+    let variables: HashMap<&str, _> =
+        variables.iter().map(|variable| (variable.name.as_str(), variable)).collect();
+    for name in named(name, |name| variables.contains_key(name)) {
+        let unknown = || format!("--set {setting}: there is no variable {name:?}");
+        let variable = variables.get(name.as_str()).with_context(unknown)?;
+        match variable.kind {
+            Kind::Real(_) => {}
+            // Results do not depend on them.
+            Kind::Integer => continue,
+            Kind::String => bail!("--set {setting}: not for pictures"),
+        }
+        let value: f64 = value.parse().with_context(|| format!("--set {setting}: not a number"))?;
+        variable.domain.check(value).map_err(|must| anyhow!("--set {setting}: must be {must}"))?;
+        match in_documents_mut(trial, variable.quantity) {
+            Some(place) => *place = value,
+            None => bail!("--set {setting}: {name} is computed"),
+        }
     }
     Ok(())
 }

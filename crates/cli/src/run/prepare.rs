@@ -1,7 +1,7 @@
 //! From the arguments to a system at its first communication point.
 
 use super::Arguments;
-use super::clock::Clock;
+use super::progress::Progress;
 use crate::crowd::trial_of;
 use crate::error::Misused;
 use crate::pack::write_fmu;
@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use crowd_mechanics::pack::Naming;
 use crowd_mechanics::trial::Trial;
-use lemons_master::{Assembled, Drive, Fmu, Pushes, System, assemble, own_binary};
+use lemons_master::{Assembled, Clock, Drive, Fmu, Pushes, System, assemble, own_binary};
 
 /// What is ready to run.
 pub struct Prepared {
@@ -20,7 +20,7 @@ pub struct Prepared {
     pub pushes: Pushes,
     /// Fingerprint of the drive.
     pub driven: String,
-    pub clock: Clock,
+    pub progress: Progress,
     /// What this run goes on from.
     pub before: Option<Saved>,
     pub coupled: bool,
@@ -69,10 +69,10 @@ impl Prepared {
         if let Some(saved) = before {
             check_same(arguments, saved, &driven, every)?;
         }
-        let mut clock = Clock::new(start, step, until, every);
-        clock.index = before.map_or(0, |saved| saved.index);
+        let clock = Clock::new(start, step, until).with_context(|| arguments.input.display().to_string())?;
+        let progress = Progress { clock, every, index: before.map_or(0, |saved| saved.index) };
         let before = saved.map(|(saved, _)| saved);
-        Ok(Prepared { system, trials, pushes, driven, clock, before, coupled })
+        Ok(Prepared { system, trials, pushes, driven, progress, before, coupled })
     }
 }
 
@@ -130,10 +130,13 @@ fn set(system: &System, setting: &str, coupled: bool) -> Result<()> {
         (0, name)
     };
     let component = &system.components()[place];
-    let unknown = || format!("the FMU has no variable {name:?}; see lemons info");
-    let kind = component.fmu.kind(name).with_context(unknown)?;
-    component.instance.set(kind, name, value)?;
-    if system.feeds(place, name) {
+    let names = component.fmu.named(name);
+    for name in &names {
+        let unknown = || format!("the FMU has no variable {name:?}; see lemons info");
+        let kind = component.fmu.kind(name).with_context(unknown)?;
+        component.instance.set(kind, name, value)?;
+    }
+    if let Some(name) = names.iter().find(|name| system.feeds(place, name)) {
         eprintln!("warning: --set {setting}: overwritten by the connection that feeds {name}");
     }
     Ok(())

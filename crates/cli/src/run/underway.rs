@@ -1,0 +1,92 @@
+//! A run under way: what it has recorded can be completed while a step is still computed.
+
+use super::Ended;
+use crate::saved::Saved;
+use crate::watch::Watch;
+use anyhow::{Context, Result};
+use crowd_mechanics::files::Staged;
+use indicatif::ProgressBar;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// What a run has recorded so far, and what it takes to end it without its FMUs.
+pub struct Underway {
+    /// \[s\] where this run began
+    pub first: f64,
+    /// \[s\] the last communication point that is recorded
+    pub time: f64,
+    pub started: Instant,
+    pub coupling: Vec<String>,
+    pub watch: Watch,
+    /// Where the run is saved.
+    pub file: Option<(Staged, PathBuf)>,
+    /// Of the last communication point, if it was put by.
+    pub at_hand: Option<AtHand>,
+    pub bar: ProgressBar,
+    /// Directories of the FMUs.
+    pub unzipped: Vec<PathBuf>,
+}
+
+/// A run that can be saved without a call of its FMUs.
+pub struct AtHand {
+    pub saved: Saved,
+    /// Of each component.
+    pub states: Vec<Vec<u8>>,
+}
+
+/// Of the thread that steps and of the one that waits; empty before the first step and once one of them ends the run.
+#[derive(Clone, Default)]
+pub struct Shared(Arc<Mutex<Option<Underway>>>);
+
+impl Shared {
+    pub fn put(&self, underway: Underway) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(underway);
+    }
+
+    /// For the one who ends the run.
+    pub fn take(&self) -> Option<Underway> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// # Errors
+    /// The run was given up.
+    pub fn with<T>(&self, what: impl FnOnce(&mut Underway) -> Result<T>) -> Result<T> {
+        let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        what(held.as_mut().context("the run was given up")?)
+    }
+}
+
+impl Underway {
+    /// Ends the run at its last communication point while a step is computed, which goes with the program.
+    pub fn give_up(self) -> Result<Ended> {
+        self.bar.finish_and_clear();
+        // The thread that steps would do it, but is not waited for.
+        for directory in &self.unzipped {
+            let _ = std::fs::remove_dir_all(directory);
+        }
+        let wall = self.started.elapsed();
+        let seen = self.watch.finish()?;
+        let saved = match (self.at_hand, self.file) {
+            (Some(at_hand), Some((file, path))) => Some(at_hand.write(file, &path)?),
+            _ => None,
+        };
+        Ok(Ended {
+            simulated: self.time - self.first,
+            wall,
+            stopped: Some(self.time),
+            coupling: self.coupling,
+            seen,
+            saved,
+        })
+    }
+}
+
+impl AtHand {
+    /// Writes the saved run; answers a line of the summary.
+    pub fn write(&self, file: Staged, path: &Path) -> Result<String> {
+        let path = path.display();
+        self.saved.write(&self.states, file).with_context(|| format!("cannot write {path}"))?;
+        Ok(format!("saved run          {path}   (at t = {:.3} s)", self.saved.time))
+    }
+}
