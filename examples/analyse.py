@@ -10,6 +10,7 @@ around them, no further than 1 m. Speed: that of the people whose Voronoi cells 
 
 import argparse
 import sys
+import time
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -23,8 +24,8 @@ REACH = 1.0  # [m] how far a Voronoi cell goes
 WINDOW = 0.2  # [s] a speed is the distance between the places this long before and after
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("run", metavar="run.sqlite", type=Path)
-parser.add_argument("maps", metavar="maps.png", nargs="?", default="maps.png")
+parser.add_argument("run", metavar="run.sqlite", type=Path, help="made by `lemons export --to jupedsim`")
+parser.add_argument("maps", metavar="maps.png", nargs="?", default="maps.png", help="where the maps go; default maps.png")
 parser.add_argument("--from", dest="first", type=float, default=0.0, help="seconds after the first frame")
 parser.add_argument("--until", type=float, default=np.inf, help="seconds after the first frame; default: all")
 parser.add_argument("--cell", type=float, default=0.2, help="side of a cell in metres")
@@ -38,8 +39,8 @@ except (pedpy.errors.PedPyError, OSError) as error:
     sys.exit(f"{arguments.run}: {error}")
 
 rate = everything.frame_rate
-time = (everything.data.frame - everything.data.frame.min()) / rate
-chosen = everything.data[(time >= arguments.first - 1e-9) & (time <= arguments.until + 1e-9)]
+times = (everything.data.frame - everything.data.frame.min()) / rate
+chosen = everything.data[(times >= arguments.first - 1e-9) & (times <= arguments.until + 1e-9)]
 if chosen.frame.nunique() < 2:
     sys.exit(f"{arguments.run}: fewer than two frames from --from {arguments.first} s to --until {arguments.until} s")
 run = pedpy.TrajectoryData(chosen.drop(columns="point").reset_index(drop=True), rate)
@@ -49,18 +50,44 @@ speeds = pedpy.compute_individual_speed(
     frame_step=max(1, round(WINDOW * rate)),
     speed_calculation=pedpy.SpeedCalculation.BORDER_SINGLE_SIDED,
 )
-voronoi = pedpy.compute_individual_voronoi_polygons(traj_data=run, walkable_area=area, cut_off=pedpy.Cutoff(radius=REACH, quad_segments=8))
 cells, rows, columns = pedpy.get_grid_cells(walkable_area=area, grid_size=arguments.cell)
-shares, people = pedpy.compute_grid_cell_polygon_intersection_area(data=voronoi.merge(speeds), grid_cells=cells)
-profile = {"data": people, "walkable_area": area, "grid_size": arguments.cell, "grid_intersections_area": shares}
-densities = pedpy.compute_density_profile(density_method=pedpy.DensityMethod.VORONOI, **profile)
-fast = pedpy.compute_speed_profile(speed_method=pedpy.SpeedMethod.VORONOI, **profile)
+near = shapely.STRtree(cells)
+
+
+def profiles(frames):
+    """Sums over some frames: density, speed and what is covered of each cell [m²]."""
+    some = run.data[run.data.frame.isin(frames)].drop(columns="point").reset_index(drop=True)
+    voronoi = pedpy.compute_individual_voronoi_polygons(
+        traj_data=pedpy.TrajectoryData(some, rate), walkable_area=area, cut_off=pedpy.Cutoff(radius=REACH, quad_segments=8)
+    )
+    people = voronoi.merge(speeds).sort_values("frame", ignore_index=True)
+    # PedPy would cut every cell with everybody's polygon, of which nearly all are apart: minutes instead of seconds.
+    person, cell = near.query(people.polygon, predicate="intersects")
+    shares = np.zeros((len(cells), len(people)))
+    shares[cell, person] = shapely.area(shapely.intersection(cells[cell], people.polygon.to_numpy()[person]))
+    profile = {"data": people, "walkable_area": area, "grid_size": arguments.cell, "grid_intersections_area": shares}
+    densities = pedpy.compute_density_profile(density_method=pedpy.DensityMethod.VORONOI, **profile)
+    fast = pedpy.compute_speed_profile(speed_method=pedpy.SpeedMethod.VORONOI, **profile)
+    return np.array([np.sum(densities, axis=0), np.sum(fast, axis=0), shares.sum(axis=1).reshape(rows, columns)])
+
+
+frames = run.data.frame.unique()
+block = max(1, int(4e6 / (len(cells) * run.number_pedestrians)))  # of frames: 32 MB of shares
+sums, told = np.zeros((3, rows, columns)), time.monotonic()
+for k in range(0, len(frames), block):
+    sums += profiles(frames[k : k + block])
+    # A terminal shows one line again and again; elsewhere there is one every ten seconds.
+    if sys.stderr.isatty() or time.monotonic() > told + 10:
+        told = time.monotonic()
+        end = "\r" if sys.stderr.isatty() and k + block < len(frames) else "\n"
+        print(f"{min(k + block, len(frames))} of {len(frames)} frames", end=end, file=sys.stderr, flush=True)
 # PedPy takes a cell as a whole: at a wall only the part before it counts, and for the speed only what somebody covered.
 inside = shapely.area(shapely.intersection(cells, area.polygon)).reshape(rows, columns) / arguments.cell**2
-covered = shares.sum(axis=1).reshape(rows, columns) / (arguments.cell**2 * len(fast))
+densities, fast, covered = sums / len(frames)
+covered /= arguments.cell**2
 with np.errstate(invalid="ignore", divide="ignore"):
-    density = np.where(covered > 1e-6, np.mean(densities, axis=0) / inside, np.nan)
-    speed = np.where(covered > 1e-6, np.mean(fast, axis=0) / covered, np.nan)
+    density = np.where(covered > 1e-6, densities / inside, np.nan)
+    speed = np.where(covered > 1e-6, fast / covered, np.nan)
 
 left, _, _, top = area.bounds
 extent = (left, left + columns * arguments.cell, top - rows * arguments.cell, top)

@@ -37,13 +37,15 @@ import os
 import pathlib
 import sys
 import tempfile
+import time
 
 import numpy as np
 import pandas as pd
-from distributed import Client
-from feldmann_push import COLOURS, ROOT, pack
+from distributed import Client, as_completed
+from feldmann_push import COLOURS, DATA, pack
 from lemons_fmu import Crowd, FmuError, SweepError, load, local_cluster, sweep
 from lemons_fmu.push import STEP, UNTIL, Push
+from lemons_fmu.sweep import Progress, ProgressLine
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
@@ -193,7 +195,7 @@ def between(ends):
 def from_starts(fmu, push, ratio, values, starts, client):
     """Mean differences from these starts [m]."""
     table = pd.DataFrame([{**parameters(values, ratio), **start} for start in starts])
-    result = sweep(fmu, table, push.drive(), Compare(push), until=UNTIL, step=STEP, client=client, progress=False)
+    result = sweep(fmu, table, push.drive(), Compare(push), until=UNTIL, step=STEP, client=client)
     return result[[f"person {k}" for k in push.people]].mean(axis=1).to_numpy()
 
 
@@ -253,9 +255,9 @@ def plot(path, push, usual, fitted, profiles, level, paper, fit, people):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("data", nargs="?", type=pathlib.Path, default=ROOT.parent / "shared" / "data" / "push_wed", metavar="DATA_DIR")
-    parser.add_argument("--fmu", help="the packed Trial")
-    parser.add_argument("--plot", default="calibration.png", metavar="FILE.png")
+    parser.add_argument("data", nargs="?", type=pathlib.Path, default=DATA, metavar="DATA_DIR", help="the experiment; default ../shared/data/push_wed")
+    parser.add_argument("--fmu", metavar="FILE", help="the packed Trial; by default it is packed by the command lemons: LEMONS, target/release or PATH")
+    parser.add_argument("--plot", default="calibration.png", metavar="FILE.png", help="where the picture goes; default calibration.png")
     parser.add_argument("--out", metavar="DIR", help="the sweep is kept in this directory, and goes on from there")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler; by default the cores of this machine")
     parser.add_argument("--points", type=int, default=256, metavar="N", help="of the sweep; default 256")
@@ -263,7 +265,7 @@ def main():
     parser.add_argument("--searches", type=int, default=6, metavar="N", help="from the best points; default 6")
     parser.add_argument("--profile", type=int, default=9, metavar="N", help="values of each parameter; default 9")
     parser.add_argument("--evaluations", type=int, default=40, metavar="N", help="at most so many of a search, for each parameter; default 40")
-    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of all that is drawn; default 1")
     arguments = parser.parse_args()
     if min(arguments.points, arguments.starts, arguments.searches, arguments.evaluations) < 1 or arguments.profile < 5:
         parser.error("at least one of each, and five values for a profile, are needed")
@@ -310,7 +312,18 @@ def calibrate(arguments, push, fmu, client):
 
     def search_all(tasks):
         fixed = {"fmu": crowds, "push": push, "ratio": ratio, "starts": starts, "evaluations": arguments.evaluations}
-        return client.gather(client.map(search, tasks, **fixed, pure=False))
+        futures = client.map(search, tasks, **fixed, pure=False)
+        begin, line = time.monotonic(), ProgressLine("searches")
+
+        def show(done):
+            line(Progress(done, 0, len(tasks), time.monotonic() - begin, 0, None))
+
+        show(0)
+        for done, future in enumerate(as_completed(futures), 1):
+            if future.status == "error":
+                future.result()  # raises it
+            show(done)
+        return client.gather(futures)
 
     tell(f"{arguments.searches} searches from the best of them")
     order = np.argsort(cloud[:, 4:].mean(axis=1))
@@ -337,6 +350,7 @@ def calibrate(arguments, push, fmu, client):
         rows = sorted([*zip(values[k], least), (fit[k], fit[4:].mean())])
         profiles.append((np.array([row[0] for row in rows]), np.array([row[1] for row in rows])))
 
+    tell("the fit, with a mechanical step of 2e-6 s")
     with Crowd(fmu, parameters(np.exp(fit[:4]), ratio, 2e-6)) as crowd:
         after = crowd.run(push.drive(), until=push.end, step=STEP)
     residuals = [column for each in push.residuals(after).values() for column in each.T]
@@ -360,6 +374,7 @@ def calibrate(arguments, push, fmu, client):
         print(f"{f'person {person}':22} {old[person][0]:9.4f} {new[person][0]:9.4f}   {left_out[-1]:.4f}")
     means = [np.mean([each[0] for each in one.values()]) for one in (old, new)]
     print(f"{'mean':22} {means[0]:9.4f} {means[1]:9.4f}   {np.mean(left_out):.4f}")
+    tell("the paper's parameters and the fit from 64 other starts")
     fresh = starts_of(fmu, 65, arguments.seed + 1)[1:]
     rounded = [float(written(math.exp(value))) for value in fit[:4]]
     spread = [from_starts(fmu, push, ratio, values, fresh, client) for values in (usual, rounded)]

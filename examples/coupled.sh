@@ -3,6 +3,11 @@
 #
 #     examples/coupled.sh [DIRECTORY]      # default: the present one; LEMONS names another command than the built one
 set -euo pipefail
+if [[ $# -gt 1 || ${1:-} == -* ]]; then
+    sed -n '2,/^[^#]/s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    [[ $# -eq 1 && ($1 == -h || $1 == --help) ]] && exit 0
+    exit 2
+fi
 repository=$(realpath "$(dirname "${BASH_SOURCE[0]}")/..")
 lemons=$(realpath "${LEMONS:-$repository/target/release/lemons}")
 cd "${1:-.}"

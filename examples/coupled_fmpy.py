@@ -19,9 +19,9 @@ from fmpy import extract, instantiate_fmu, read_model_description
 STEP, END, DOOR = 0.05, 60.0, 5.2  # s, s, m: the door's far side
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("decision", metavar="decision.fmu")
-parser.add_argument("crowd", metavar="crowd.fmu")
-parser.add_argument("picture", metavar="flow.png", nargs="?", default="flow.png")
+parser.add_argument("decision", metavar="decision.fmu", help="where people want to go: made by `lemons decide`")
+parser.add_argument("crowd", metavar="crowd.fmu", help="what becomes of it: made by `lemons pack`")
+parser.add_argument("picture", metavar="flow.png", nargs="?", default="flow.png", help="where the picture goes; default flow.png")
 arguments = parser.parse_args()
 
 

@@ -22,8 +22,8 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 STEP, END, DOOR = 0.05, 60.0, 5.2  # s, s, m: the door's far side
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("decision", metavar="decision.fmu")
-parser.add_argument("crowd", metavar="crowd.fmu")
+parser.add_argument("decision", metavar="decision.fmu", help="where people want to go: made by `lemons decide`")
+parser.add_argument("crowd", metavar="crowd.fmu", help="what becomes of it: made by `lemons pack`")
 fmus = vars(parser.parse_args())
 
 log_output_level(CosimLogLevel.WARNING)

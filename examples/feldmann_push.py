@@ -19,23 +19,35 @@ on this window: over the whole 6 s the mean is 0.142 m.
 import argparse
 import os
 import pathlib
+import shutil
 import subprocess
 import tempfile
 
 import matplotlib
 import numpy as np
-from lemons_fmu import Crowd
+from lemons_fmu import Crowd, FmuError
 from lemons_fmu.push import STEP, UNTIL, Push
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+DATA = ROOT.parent / "shared" / "data" / "push_wed"
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00"]  # Okabe and Ito: distinct for the colour-blind too
 
 
+def lemons():
+    """The command: the one that LEMONS names, else that of this clone, else the one on PATH."""
+    named = os.environ.get("LEMONS")
+    built = ROOT / "target" / "release" / "lemons"
+    command = shutil.which(named) if named else shutil.which(built) or shutil.which("lemons")
+    if command is None:
+        where = f"as LEMONS names it ({named})" if named else f"at {built} nor on PATH"
+        raise SystemExit(f"the command lemons is not {where}: cargo build --release makes it; or give --fmu")
+    return command
+
+
 def pack(trial, fmu):
-    command = os.environ.get("LEMONS") or ROOT / "target" / "release" / "lemons"
-    if not pathlib.Path(command).exists():
-        raise SystemExit(f"{command} is missing: cargo build --release, or give --fmu")
-    subprocess.run([command, "pack", trial, "-o", fmu], check=True, stdout=subprocess.DEVNULL)
+    done = subprocess.run([lemons(), "pack", trial, "-o", fmu], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    if done.returncode != 0:
+        raise SystemExit(done.stderr.strip())
 
 
 def plot(path, experiment, run, rms, until):
@@ -74,22 +86,25 @@ def plot(path, experiment, run, rms, until):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("data", nargs="?", type=pathlib.Path, default=ROOT.parent / "shared" / "data" / "push_wed", metavar="DATA_DIR")
-    parser.add_argument("--fmu", help="the packed Trial")
+    parser.add_argument("data", nargs="?", type=pathlib.Path, default=DATA, metavar="DATA_DIR", help="the experiment; default ../shared/data/push_wed")
+    parser.add_argument("--fmu", metavar="FILE", help="the packed Trial; by default it is packed by the command lemons: LEMONS, target/release or PATH")
     parser.add_argument("--until", type=float, default=UNTIL, metavar="T", help="the differences are taken up to this time [s]; default 4")
-    parser.add_argument("--plot", default="feldmann_push.png", metavar="FILE.png")
+    parser.add_argument("--plot", default="feldmann_push.png", metavar="FILE.png", help="where the picture goes; default feldmann_push.png")
     arguments = parser.parse_args()
     if not arguments.data.is_dir():
         raise SystemExit(f"{arguments.data}: no such directory; give the directory of the data as first argument (see --help)")
 
-    experiment = Push.read(arguments.data)
-    with tempfile.TemporaryDirectory() as scratch:
-        fmu = arguments.fmu
-        if not fmu:
-            fmu = os.path.join(scratch, "push.fmu")
-            pack(arguments.data / "Trial", fmu)
-        with Crowd(fmu) as crowd:
-            run = crowd.run(experiment.drive(), until=experiment.end, step=STEP)
+    try:
+        experiment = Push.read(arguments.data)
+        with tempfile.TemporaryDirectory() as scratch:
+            fmu = arguments.fmu
+            if not fmu:
+                fmu = os.path.join(scratch, "push.fmu")
+                pack(arguments.data / "Trial", fmu)
+            with Crowd(fmu) as crowd:
+                run = crowd.run(experiment.drive(), until=experiment.end, step=STEP)
+    except (FmuError, ValueError, OSError) as error:
+        raise SystemExit(str(error))
 
     rms = experiment.differences(run, arguments.until)
     print(f"root-mean-square difference of the displacement from the start, at the measured times up to {arguments.until:g} s")

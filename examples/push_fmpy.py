@@ -15,8 +15,8 @@ from fmpy import extract, instantiate_fmu, read_model_description
 PEAK, DURATION, STEP, END = 1200.0, 0.6, 0.02, 2.0  # N, s, s, s
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("crowd", metavar="crowd.fmu")
-parser.add_argument("plot", metavar="plot.png", nargs="?", default="push.png")
+parser.add_argument("crowd", metavar="crowd.fmu", help="made by `lemons pack`")
+parser.add_argument("plot", metavar="plot.png", nargs="?", default="push.png", help="where the picture goes; default push.png")
 arguments = parser.parse_args()
 
 description = read_model_description(arguments.crowd)

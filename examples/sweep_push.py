@@ -120,8 +120,8 @@ def plot(path, results, usual):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("fmu", metavar="push.fmu")
-    parser.add_argument("--plot", default="sweep_push.png", metavar="FILE.png")
+    parser.add_argument("fmu", metavar="push.fmu", help="made by `lemons pack resources/Trial_push`")
+    parser.add_argument("--plot", default="sweep_push.png", metavar="FILE.png", help="where the picture goes; default sweep_push.png")
     parser.add_argument("--out", metavar="DIR", help="results are kept in this directory as they come")
     parser.add_argument("--values", type=int, default=11, metavar="N", help="of each of the three; default 11")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler; by default the cores of this machine")

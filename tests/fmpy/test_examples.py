@@ -1,11 +1,13 @@
 """The examples run, write their plots, and say what is wrong with their arguments."""
 
 import os
+import re
+import shutil
 import subprocess
 import sys
 
 import pytest
-from crowd import REPOSITORY, TRIAL_DOOR
+from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH
 
 
 def run(script, directory, *arguments):
@@ -24,6 +26,63 @@ def test_push_fmpy(push_fmu, tmp_path):
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "plot.png").read_bytes().startswith(b"\x89PNG")
     assert [path.name for path in tmp_path.iterdir()] == ["plot.png"]
+
+
+@pytest.mark.parametrize("script", sorted(path.name for path in (REPOSITORY / "examples").glob("*.py")))
+def test_help_helps_and_makes_nothing(tmp_path, script):
+    """One of them made a directory called --help."""
+    needs(script)
+    if script == "analyse.py":
+        pytest.importorskip("pedpy")
+    done = run(script, tmp_path, "--help")
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    assert done.stdout.startswith(f"usage: {script} ")
+    first = (REPOSITORY / "examples" / script).read_text().splitlines()[0].strip('"')
+    assert first in done.stdout, "what it does"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_help_of_the_shell_script(tmp_path):
+    for arguments, code in (["--help"], 0), (["a", "b"], 2):
+        done = subprocess.run(["bash", REPOSITORY / "examples/coupled.sh", *arguments], cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == code and done.stdout.startswith("Makes coupled.ssp") and done.stderr == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_room_with_door_writes_the_trial_of_the_repository(tmp_path):
+    assert run("room_with_door.py", tmp_path, "room").returncode == 0
+    written = {path.relative_to(tmp_path / "room"): path.read_bytes() for path in (tmp_path / "room").rglob("*") if path.is_file()}
+    assert written == {path.relative_to(TRIAL_DOOR): path.read_bytes() for path in TRIAL_DOOR.rglob("*") if path.is_file()}
+    assert run("room_with_door.py", tmp_path).returncode == 2
+
+
+def test_feldmann_push_finds_the_command(lemons, tmp_path):
+    """Where LEMONS says, in the clone, on PATH; else it says where it looked."""
+    (tmp_path / "examples").mkdir()
+    shutil.copy(REPOSITORY / "examples/feldmann_push.py", tmp_path / "examples")
+    shutil.copytree(TRIAL_PUSH, tmp_path / "data" / "Trial")
+    (tmp_path / "data" / "external_force_per_mass.txt").write_text("TimeS ForcePerMassNperM\n0 0\n0.1 2\n0.2 0\n")
+    (tmp_path / "data" / "measured_head_trajectories.csv").write_text("t,id,x,y\n0,0,0,0\n0.2,0,0.01,0\n")
+
+    def found(path, named=None):
+        environment = {**os.environ, "MPLBACKEND": "Agg", "TMPDIR": str(tmp_path), "PATH": str(path)}
+        environment.pop("LEMONS", None)
+        environment |= {"LEMONS": str(named)} if named else {}
+        command = [sys.executable, tmp_path / "examples/feldmann_push.py", tmp_path / "data"]
+        return subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+
+    lost = found(tmp_path)
+    assert lost.returncode == 1 and lost.stderr.startswith(f"the command lemons is not at {tmp_path}/target/release/lemons nor on PATH")
+    lost = found(lemons.parent, tmp_path / "nowhere")
+    assert lost.returncode == 1 and f"as LEMONS names it ({tmp_path}/nowhere)" in lost.stderr
+    assert found(lemons.parent).returncode == 0
+    assert found(tmp_path, lemons).returncode == 0
+    (tmp_path / "target/release").mkdir(parents=True)
+    (tmp_path / "target/release/lemons").symlink_to(lemons)
+    assert found(tmp_path).returncode == 0
+    (tmp_path / "data" / "Trial" / "Parameters.xml").unlink()
+    broken = found(tmp_path)
+    assert broken.returncode == 1 and "Parameters.xml" in broken.stderr and "Traceback" not in broken.stderr
 
 
 @pytest.mark.parametrize("script", ["push_fmpy.py", "coupled_fmpy.py", "coupled_libcosim.py"])

@@ -1,12 +1,14 @@
 """What `lemons export` writes, read by those it is for: PedPy, and the FMU itself."""
 
+import os
+import pty
 import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
-from crowd import TRIAL_DOOR, TRIAL_PUSH, bits, ids_of, push_drive, read_table, write_trial
+from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH, bits, ids_of, push_drive, read_table, write_trial
 from test_examples import run as run_example
 
 
@@ -133,6 +135,15 @@ def test_analyse(pedpy, call, decide, pack, tmp_path):
     assert done.stdout.startswith("maps.png: 30 people, 31 frames, 10 per second\n"), done.stdout
     densest, fastest = (float(line.split("at most ")[1].split()[0]) for line in done.stdout.splitlines()[1:])
     assert 2.0 < densest < 9.0 and 1.0 < fastest < 5.0
+
+    # A terminal shows how far it is: it was silent for minutes.
+    terminal, its_end = pty.openpty()
+    command = [sys.executable, REPOSITORY / "examples/analyse.py", "door.sqlite", "again.png", "--from", "1"]
+    subprocess.run(command, cwd=tmp_path, env={**os.environ, "MPLBACKEND": "Agg"}, check=True, stdout=subprocess.DEVNULL, stderr=its_end)
+    assert b"31 of 31 frames" in os.read(terminal, 10_000)
+    os.close(terminal)
+    os.close(its_end)
+    assert (tmp_path / "again.png").read_bytes() == (tmp_path / "maps.png").read_bytes()
 
     for arguments, words in [
         (["none.sqlite"], "none.sqlite"),

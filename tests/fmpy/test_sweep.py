@@ -427,6 +427,8 @@ def test_calibrate(lemons, shared, tmp_path):
     few = ["--points", "32", "--starts", "1", "--searches", "1", "--profile", "5", "--evaluations", "1"]
     done = example("calibrate.py", tmp_path, shared / "data" / "push_wed", *few)
     assert done.returncode == 0, done.stderr
+    for said in ("0 of 32 points", "1 of 1 searches", "20 of 20 searches", "64 of 64 points"):  # it was silent for minutes
+        assert said in done.stderr
     rows = {line[:22].strip(): line[22:].split() for line in done.stdout.splitlines()}
     paper, fit = map(float, rows["mean"][:2])
     assert paper == pytest.approx(0.0566, abs=0.001) and fit < paper

@@ -424,13 +424,14 @@ def _clean_up(client: Client, job: _Job, futures: list[Future[Any]]) -> None:
 def _report(progress: bool | Callable[[Progress], None]) -> Callable[[Progress], None]:
     if not isinstance(progress, bool):
         return progress
-    return _Line() if progress else lambda _: None
+    return ProgressLine() if progress else lambda _: None
 
 
-class _Line:
-    """A line on standard error, which a terminal shows again and again; elsewhere one every half minute."""
+class ProgressLine:
+    """A line on standard error, which a terminal shows again and again; elsewhere one every half minute. `what` is counted."""
 
-    def __init__(self) -> None:
+    def __init__(self, what: str = "points") -> None:
+        self.what = what
         self.terminal = sys.stderr.isatty()
         self.last = -math.inf
 
@@ -443,8 +444,6 @@ class _Line:
         rest = f"{(at.total - at.done) * at.seconds / new:.0f} s left" if new and not end else f"{at.seconds:.0f} s"
         if at.threads == 0 and not end:
             rest = "waiting for workers"
-        line = f"{at.done} of {at.total} points, {at.failed} failed, {rest}"
+        line = f"{at.done} of {at.total} {self.what}, {at.failed} failed, {rest}"
         print(f"\r{line:<60}" if self.terminal else line, end="" if self.terminal and not end else "\n", file=sys.stderr)
         sys.stderr.flush()
-
-
