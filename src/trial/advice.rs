@@ -1,22 +1,34 @@
 //! What may be a mistake in a Trial that is otherwise in order.
 
 use super::problem::{Problem, Severity, quoted};
-use super::{Contact, Material, Trial, WorldError, stiffness};
+use super::{Trial, WorldError};
 use crate::engine::{ContactReport, DiskId, Pair, Scene};
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-/// A mechanical step longer than this share of the shortest contact period is warned of: beyond about a
-/// third of it the integration is unstable, and contacts in a dense crowd share bodies.
+/// A mechanical step longer than this share of the shortest contact period is warned of. Without damping bodies may
+/// part 1 % faster than they met.
 const LONGEST_SHARE: f64 = 1.0 / 20.0;
+
+/// Contacts that a body is taken to have at once, in a dense crowd; all of them act on the same motion of it.
+const CONTACTS_AT_ONCE: f64 = 8.0;
+
+/// \[1/s\] How fast the slip of a contact that sticks may grow, where next to nothing damps it.
+const FASTEST_GROWTH: f64 = 0.5;
 
 /// The share of the shortest contact period that is proposed instead.
 const PROPOSED_SHARE: f64 = 1.0 / 50.0;
 
-/// The share of the shortest time in which a contact's damping stops a motion that is proposed at most: twice that
-/// time would be unstable.
+/// The share of the shortest time in which a contact's damping slows a motion to 1/e that is proposed at most: one
+/// contact would be unstable from that time on.
 const PROPOSED_DAMPING_SHARE: f64 = 1.0 / 10.0;
+
+/// The share of its radius that a disk moves in a step that is proposed.
+const PROPOSED_SHARE_OF_RADIUS: f64 = 1.0 / 10.0;
+
+/// \[s\] A drive without relaxation is taken to act for so long.
+const DRIVEN_FOR: f64 = 10.0;
 
 impl Trial {
     /// Warnings: overlaps at the start that no spring of an earlier step explains, and a mechanical step
@@ -36,6 +48,7 @@ impl Trial {
         let scene = world.scene();
         let mut advice = self.overlaps(scene, world.contacts(), dynamics);
         advice.extend(self.coarse_step(scene, parameters));
+        advice.extend(self.stepping_over(scene, parameters));
         advice
     }
 
@@ -75,33 +88,48 @@ impl Trial {
 
     fn coarse_step(&self, scene: &Scene, file: &Path) -> Option<Problem> {
         let step = self.parameters.time_step_mechanical;
-        let Fastest { period, pair, .. } = self.fastest_contacts(scene)?;
-        if step <= LONGEST_SHARE * period {
+        let contacts = self.fastest_contacts(scene)?;
+        let Fastest { pair, rates } = &contacts.least_allowed;
+        if step <= rates.longest_step() {
             return None;
         }
+        let verdict = if step < rates.unstable_from(1.0) {
+            "is long for"
+        } else {
+            "is unstable, bodies part faster than they met, for"
+        };
+        let Some(proposed) = contacts.proposed_step() else {
+            let message = format!(
+                "no step resolves the contact of {pair}: are mass, moment of inertia and materials right?"
+            );
+            return Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message));
+        };
+        let damping = match rates.damping {
+            0.0 => String::new(),
+            damping => format!(", damping time {:.2e} s", 1.0 / damping),
+        };
         let message = format!(
-            "is long for the shortest contact period, {period:.2e} s ({pair}): at most {:e} s would resolve it",
-            rounded_down(PROPOSED_SHARE * period)
+            "{verdict} the contact of {pair} (period {:.2e} s{damping}): at most {proposed:e} s would resolve all contacts",
+            rates.period()
         );
         Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message))
     }
 
     /// \[s\] A mechanical step that resolves every contact that these agents and walls can have; `None` if nothing can
-    /// touch.
+    /// touch, or if there is none.
     ///
     /// A contact moves the points that touch as a spring moves an effective mass m\\*, 1/m\\* = Σ (1/m + R²/I) over the
     /// bodies in contact (walls do not move), R from the centre of mass to the rim. The step is a fiftieth of the
-    /// shortest period 2π √(m\\*/k), k the stiffer of the two springs, or a tenth of the shortest damping time m\\*/γ
-    /// where that is less, rounded down to 1, 2 or 5 times a power of ten.
+    /// shortest period 2π √(m\\*/k), k the stiffer of the two springs, or a tenth of the shortest damping time m\\*/γ,
+    /// or the step up to which a contact that sticks gains next to nothing, if these are less; rounded down to 1, 2 or
+    /// 5 times a power of ten.
     pub fn proposed_step(&self) -> Option<f64> {
-        let Fastest { period, damping, .. } = self.fastest_contacts(&self.scene().ok()?)?;
-        Some(rounded_down((PROPOSED_SHARE * period).min(PROPOSED_DAMPING_SHARE * damping)))
+        self.fastest_contacts(&self.scene().ok()?)?.proposed_step()
     }
 
     /// `None` if nothing can touch.
-    fn fastest_contacts(&self, scene: &Scene) -> Option<Fastest> {
-        let placed = self.materials_placed(&self.material_places());
-        let materials = placed.len();
+    fn fastest_contacts(&self, scene: &Scene) -> Option<FastestContacts> {
+        let materials = self.material_places().len();
         // The two lightest agents that carry each material: a contact may be between two of a kind.
         let mut lightest: Vec<[Option<(f64, usize)>; 2]> = vec![[None; 2]; materials];
         for (b, body) in scene.bodies.iter().enumerate() {
@@ -119,59 +147,171 @@ impl Trial {
                 }
             }
         }
+        // One wall of each material.
+        let mut walls: Vec<Option<usize>> = vec![None; materials];
+        for (wall, faces) in scene.wall_faces.iter().enumerate() {
+            walls[scene.faces[faces.start].material].get_or_insert(wall);
+        }
         let id = |b: usize| quoted(&self.agents[b].id);
-        let mut fastest: Option<Fastest> = None;
+        let mut fastest: Option<FastestContacts> = None;
         let mut consider = |first: usize, second: usize, lightness: f64, whose: &dyn Fn() -> String| {
-            let (normal, tangential) = stiffness(placed[first], placed[second]);
-            let period = TAU / (normal.max(tangential) * lightness).sqrt();
-            let damping = 1.0 / (self.strongest_damping(placed[first], placed[second]) * lightness);
+            let law = scene.law(first, second);
+            let rates = Rates {
+                stiffness: law.normal_stiffness.max(law.tangential_stiffness) * lightness,
+                damping: law.normal_damping.max(law.tangential_damping) * lightness,
+                tangential_stiffness: law.tangential_stiffness * lightness,
+                tangential_damping: law.tangential_damping * lightness,
+            };
             match &mut fastest {
-                None => fastest = Some(Fastest { period, pair: whose(), damping }),
+                None => {
+                    let least_allowed = Fastest { pair: whose(), rates };
+                    fastest = Some(FastestContacts {
+                        stiffness: rates.stiffness,
+                        damping: rates.damping,
+                        to_stick: rates.longest_to_stick(),
+                        least_allowed,
+                    });
+                }
                 Some(fastest) => {
-                    if period < fastest.period {
-                        (fastest.period, fastest.pair) = (period, whose());
+                    fastest.stiffness = fastest.stiffness.max(rates.stiffness);
+                    fastest.damping = fastest.damping.max(rates.damping);
+                    fastest.to_stick = fastest.to_stick.min(rates.longest_to_stick());
+                    if rates.longest_step() < fastest.least_allowed.rates.longest_step() {
+                        fastest.least_allowed = Fastest { pair: whose(), rates };
                     }
-                    fastest.damping = fastest.damping.min(damping);
                 }
             }
         };
         for first in 0..materials {
             let Some((lightness, a)) = lightest[first][0] else { continue };
-            for (second, carriers) in lightest.iter().enumerate().skip(first) {
-                let other = carriers.iter().flatten().find(|(_, b)| *b != a);
-                if let Some(&(other, b)) = other {
-                    consider(first, second, lightness + other, &|| format!("agents {} and {}", id(a), id(b)));
+            for (second, others) in lightest.iter().enumerate().skip(first) {
+                let pairs = lightest[first].iter().flatten().flat_map(|one| {
+                    others.iter().flatten().filter(|other| other.1 != one.1).map(move |other| (one, other))
+                });
+                let sum = |pair: &(&(f64, usize), &(f64, usize))| pair.0.0 + pair.1.0;
+                if let Some(pair) = pairs.max_by(|a, b| sum(a).total_cmp(&sum(b))) {
+                    let whose = || format!("agents {} and {}", id(pair.0.1), id(pair.1.1));
+                    consider(first, second, sum(&pair), &whose);
                 }
             }
-            for (wall, faces) in self.geometry.walls.iter().zip(&scene.wall_faces) {
-                let material = scene.faces[faces.start].material;
+            for (material, wall) in walls.iter().enumerate() {
+                let Some(wall) = wall else { continue };
                 consider(first, material, lightness, &|| {
-                    format!("agent {} and wall {}", id(a), quoted(&wall.id))
+                    format!("agent {} and wall {}", id(a), quoted(&self.geometry.walls[*wall].id))
                 });
             }
         }
         fastest
     }
 
-    /// \[kg/s\] between two materials, along the normal or the tangent.
-    fn strongest_damping(&self, first: &Material, second: &Material) -> f64 {
-        let of_pair = |contact: &&Contact| {
-            (contact.id1 == first.id && contact.id2 == second.id)
-                || (contact.id1 == second.id && contact.id2 == first.id)
+    /// Disks that may stand on the far side of a wall, or of somebody, before a contact is seen.
+    fn stepping_over(&self, scene: &Scene, file: &Path) -> Option<Problem> {
+        let step = self.parameters.time_step_mechanical;
+        let (mut count, mut worst) = (0, None::<(f64, f64, usize)>);
+        for (b, (body, dynamics)) in scene.bodies.iter().zip(&self.dynamics).enumerate() {
+            let for_so_long = |rate: f64| (1.0 / rate).min(DRIVEN_FOR);
+            let speed = dynamics.velocity.norm()
+                + dynamics.fp.norm() * body.inverse_mass * for_so_long(body.translation_rate);
+            let spin = dynamics.omega.abs()
+                + dynamics.mp.abs() * body.inverse_inertia * for_so_long(body.rotation_rate);
+            // Of its disks the one that goes furthest for its size.
+            let steps = scene.disks[body.disks.clone()].iter().map(|disk| {
+                let speed = speed + spin * disk.offset.norm();
+                (speed * step / disk.radius, disk.radius)
+            });
+            let Some((share, radius)) = steps.max_by(|(a, _), (b, _)| a.total_cmp(b)) else { continue };
+            if share > 1.0 {
+                count += 1;
+                if worst.is_none_or(|(most, ..)| share > most) {
+                    worst = Some((share, radius, b));
+                }
+            }
+        }
+        let (share, radius, b) = worst?;
+        let others = if count > 1 { format!(" ({count} agents may)") } else { String::new() };
+        let id = quoted(&self.agents[b].id);
+        let cure = match rounded_down(PROPOSED_SHARE_OF_RADIUS * step / share) {
+            Some(proposed) => format!("at most {proposed:e} s would do"),
+            None => "no step would do: are its speed and its drive right?".to_owned(),
         };
-        let contact = self.materials.binary.iter().find(of_pair);
-        contact.map_or(0.0, |contact| contact.gamma_normal.max(contact.gamma_tangential))
+        let (moved, speed) = (share * radius, share * radius / step);
+        let message = format!(
+            "a disk of agent {id} may move {moved:.2e} m in it, further than its radius {radius:?} m, and step over a \
+             wall{others}: by Velocity and Fp the agent comes to {speed:.2e} m/s; {cure}"
+        );
+        Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message))
     }
 }
 
-/// What a mechanical step must resolve.
-struct Fastest {
-    /// \[s\] the shortest period of a contact's springs.
-    period: f64,
-    /// Whose it is.
-    pair: String,
-    /// \[s\] the shortest time in which a contact's damping slows a motion to 1/e; infinite without damping.
+/// How fast a contact's springs and dampers move the points that touch.
+#[derive(Debug, Clone, Copy)]
+struct Rates {
+    /// \[1/s²\] k/m\*
+    stiffness: f64,
+    /// \[1/s\] γ/m\*
     damping: f64,
+    /// \[1/s²\]
+    tangential_stiffness: f64,
+    /// \[1/s\]
+    tangential_damping: f64,
+}
+
+impl Rates {
+    /// \[s\]
+    fn period(&self) -> f64 {
+        TAU / self.stiffness.sqrt()
+    }
+
+    /// \[s\] The step from which on the integration gains energy where so many such contacts share a body.
+    ///
+    /// Velocity Verlet with the force of x and of the predicted velocity at the same instant has the characteristic
+    /// polynomial z³ + (κ + 3g/2 − 2) z² + (1 − 2g) z + g/2 for κ = (k/m\*) dt², g = (γ/m\*) dt. All its roots are
+    /// within the unit circle just where κ/4 + g < 1; n contacts of a body make κ and g up to n times as large.
+    fn unstable_from(&self, contacts: f64) -> f64 {
+        let (damping, stiffness) = (contacts * self.damping, contacts * self.stiffness);
+        2.0 / (damping + (damping * damping + stiffness).sqrt())
+    }
+
+    /// \[s\] The step up to which the slip of a contact that sticks grows no faster than is allowed.
+    ///
+    /// A tangential spring follows the trapezoid of the predicted slip: 4z (z − 1)² + (3z − 1) (κ (z + 1) + 2g (z − 1)) = 0.
+    /// Its complex roots grow by κ²/8 − g/2 in a step, κ and g small.
+    fn longest_to_stick(&self) -> f64 {
+        let squared = self.tangential_stiffness * self.tangential_stiffness;
+        (8.0 * (FASTEST_GROWTH + 0.5 * self.tangential_damping) / squared).cbrt()
+    }
+
+    /// \[s\] A longer one is warned of.
+    fn longest_step(&self) -> f64 {
+        let stable = self.unstable_from(CONTACTS_AT_ONCE).min(self.longest_to_stick());
+        stable.min(LONGEST_SHARE * self.period())
+    }
+}
+
+/// A contact, and whose it is.
+struct Fastest {
+    pair: String,
+    rates: Rates,
+}
+
+/// What a mechanical step must resolve.
+struct FastestContacts {
+    /// \[1/s²\] of the stiffest contact.
+    stiffness: f64,
+    /// \[1/s\] of the most strongly damped one.
+    damping: f64,
+    /// \[s\] The shortest [`Rates::longest_to_stick`].
+    to_stick: f64,
+    /// The one that allows the shortest step only.
+    least_allowed: Fastest,
+}
+
+impl FastestContacts {
+    /// As [`Trial::proposed_step`].
+    fn proposed_step(&self) -> Option<f64> {
+        let period = TAU / self.stiffness.sqrt();
+        rounded_down((PROPOSED_SHARE * period).min(PROPOSED_DAMPING_SHARE / self.damping).min(self.to_stick))
+    }
 }
 
 /// How many overlaps there are, and the deepest.
@@ -200,11 +340,12 @@ impl Deepest {
     }
 }
 
-/// To 1, 2 or 5 times a power of ten.
-fn rounded_down(value: f64) -> f64 {
-    let power = 10f64.powf(value.log10().floor());
-    let lead = [5.0, 2.0].into_iter().find(|lead| lead * power <= value).unwrap_or(1.0);
-    lead * power
+/// To 1, 2 or 5 times a power of ten; `None` if that is no usual number.
+fn rounded_down(value: f64) -> Option<f64> {
+    let power = value.log10().floor();
+    // From its text, so that it is the double that the text means.
+    let rounded = [5, 2, 1].map(|lead| format!("{lead}e{power}").parse().unwrap_or(f64::NAN));
+    rounded.into_iter().find(|rounded| *rounded <= value).filter(|rounded| rounded.is_normal())
 }
 
 fn warning(file: &Path, subject: Option<(&str, &str, f64)>, message: String) -> Problem {
@@ -279,9 +420,82 @@ mod tests {
     }
 
     #[test]
+    fn damping_that_makes_the_step_unstable_is_warned_of() {
+        // The paper's agent 1 on a wall: 1/m* is 0.0644/kg.
+        let mut trial = push();
+        trial.parameters.time_step_mechanical = 1e-4;
+        assert_eq!(said(&trial), [""; 0]);
+        for normal in [true, false] {
+            let mut trial = trial.clone();
+            let contact = &mut trial.materials.binary[2];
+            let (damping, which) = if normal {
+                (2e6, &mut contact.gamma_normal)
+            } else {
+                (2.5e4, &mut contact.gamma_tangential)
+            };
+            *which = damping;
+            let said = said(&trial);
+            assert_eq!(said.len(), 1, "{said:?}");
+            let words = if normal {
+                [
+                    "is unstable, bodies part faster than they met, for the contact of",
+                    "damping time 7.73e-6 s",
+                    "at most 5e-7 s",
+                ]
+            } else {
+                ["is long for the contact of", "damping time 6.19e-4 s", "at most 5e-5 s"]
+            };
+            assert!(words.iter().all(|word| said[0].contains(word)), "{said:?}");
+            trial.parameters.time_step_mechanical = trial.proposed_step().unwrap();
+            assert_eq!(super::tests::said(&trial), [""; 0]);
+        }
+    }
+
+    #[test]
+    fn a_light_body_is_warned_of_by_its_damping() {
+        let mut trial = push();
+        trial.parameters.time_step_mechanical = 1e-6;
+        (trial.agents[2].mass, trial.agents[2].moment_of_inertia) = (0.001, 0.001);
+        let said = said(&trial);
+        assert!(said.len() == 1 && said[0].contains("is unstable") && said[0].contains("\"2\""), "{said:?}");
+    }
+
+    #[test]
+    fn what_no_step_resolves_is_not_given_one_of_zero() {
+        let mut trial = push();
+        trial.agents[0].moment_of_inertia = 1e-320;
+        let said = said(&trial).join("\n");
+        assert!(said.contains("no step resolves the contact of agents") && !said.contains("0e0"), "{said}");
+        assert_eq!(trial.proposed_step(), None);
+    }
+
+    #[test]
+    fn disks_that_may_step_over_a_wall_are_warned_of() {
+        // A radius of 0.095 m; 1 m/s is nothing.
+        let mut trial = push();
+        trial.parameters.time_step_mechanical = 1e-4;
+        trial.dynamics[1].velocity.x = 1.0;
+        assert_eq!(said(&trial), [""; 0]);
+        trial.dynamics[1].velocity.x = 1500.0;
+        let said_of_speed = said(&trial).join("\n");
+        assert!(said_of_speed.contains("a disk of agent \"1\" may move 1.5"), "{said_of_speed}");
+        assert!(said_of_speed.contains("at most 5e-6 s would do"), "{said_of_speed}");
+        // By its drive, against the relaxation.
+        trial.dynamics[1].velocity.x = 0.0;
+        trial.dynamics[1].fp.y = 1500.0 * trial.agents[1].mass * trial.agents[1].floor_damping;
+        assert!(said(&trial).join("\n").contains("step over a wall"), "{:?}", said(&trial));
+        // By turning.
+        trial.dynamics[1].fp.y = 0.0;
+        trial.dynamics[1].omega = 1e4;
+        trial.dynamics[2].omega = 1e4;
+        assert!(said(&trial).join("\n").contains("(2 agents may)"), "{:?}", said(&trial));
+    }
+
+    #[test]
     fn rounding_goes_down() {
-        assert_eq!(rounded_down(0.000_73), 0.000_5);
-        assert_eq!(rounded_down(0.3), 0.2);
-        assert_eq!(rounded_down(1.9), 1.0);
+        assert_eq!(rounded_down(0.000_73), Some(0.000_5));
+        assert_eq!(rounded_down(0.3), Some(0.2));
+        assert_eq!(rounded_down(1.9), Some(1.0));
+        assert_eq!([0.0, 1e-320, f64::NAN, f64::INFINITY].map(rounded_down), [None; 4]);
     }
 }

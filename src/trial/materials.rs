@@ -77,6 +77,9 @@ pub(super) fn read(root: Element<'_>, problems: &mut Problems) -> Read {
     }
 }
 
+/// Materials that agents and walls may be of: the table of laws has a row and a column for each, 40 bytes for two.
+const MOST_MATERIALS: usize = 1000;
+
 /// Every pair of materials that can touch has its coefficients. A rigid agent does not touch itself, nor a wall a wall.
 pub(super) fn check_pairs(
     read: &Read,
@@ -102,6 +105,13 @@ pub(super) fn check_pairs(
         .filter_map(|wall| read.ids.place(&wall.material_id))
         .collect();
 
+    let used = walls.len() + carriers.keys().filter(|material| !walls.contains(material)).count();
+    if used > MOST_MATERIALS {
+        let message =
+            format!("agents and walls are of {used} materials: at most {MOST_MATERIALS} can be used");
+        problems.push(file_problem(&read.path, None, message));
+        return;
+    }
     let among_agents = carriers.iter().flat_map(|(&first, carried)| {
         let others = carriers.range(first..);
         others

@@ -12,6 +12,7 @@ pub mod ramp;
 pub mod reference;
 pub mod scenarios;
 pub mod scenes;
+pub mod stability;
 pub mod symmetry;
 pub mod walls;
 
@@ -55,6 +56,7 @@ pub fn checks() -> Vec<Check> {
         collision::CHECKS,
         friction::CHECKS,
         walls::CHECKS,
+        stability::CHECKS,
         flight::CHECKS,
         ramp::CHECKS,
         ledger::CHECKS,

@@ -37,7 +37,7 @@ pub(crate) const CHECKS: &[Check] = &[
 ];
 
 /// A scenario's Trial, on disk as long as the directory lives.
-fn open(name: &str) -> Result<(tempfile::TempDir, Trial)> {
+pub(crate) fn open(name: &str) -> Result<(tempfile::TempDir, Trial)> {
     let directory = tempfile::tempdir()?;
     let scenario = SCENARIOS.get_dir(name).with_context(|| format!("no scenario {name}"))?;
     for part in ["", "static", "dynamic"] {
