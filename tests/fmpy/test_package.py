@@ -153,6 +153,19 @@ def test_arrays_that_cannot_drive_a_crowd_are_refused(fmu):
         simulate(fmu, "nothing.csv", until=0.1)
 
 
+@pytest.mark.parametrize(
+    "step, until, words",
+    [(0.05, 1e300, "2.0000e[+]301 steps of 0.05 s"), (1e-12, 5.0, "at most 1e[+]09"), (0.0, 1.0, "nothing to")],
+)
+def test_as_many_steps_as_lemons_run_makes(lemons, fmu, tmp_path, step, until, words):
+    with pytest.raises(ValueError, match=words):
+        simulate(fmu, until=until, step=step)
+    command = [lemons, "run", TRIAL_PUSH, "--step", repr(step), "--until", repr(until), "-o", tmp_path / "run.csv"]
+    assert subprocess.run(command, capture_output=True).returncode in (1, 2)
+    with Crowd(fmu, start=1e17) as crowd, pytest.raises(ValueError, match="lost in rounding"):
+        crowd.run(until=1e17 + 64, step=1.0)
+
+
 def test_ids_of_agents_are_those_of_the_trial(pack, tmp_path):
     trial = Path(shutil.copytree(TRIAL_PUSH, tmp_path / "Trial"))
     for file in ("static/Agents.xml", "dynamic/AgentDynamics.xml"):

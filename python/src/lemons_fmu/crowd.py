@@ -6,15 +6,36 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from .drive import Drive, DriveLike, Floats, forces, known
-from .fmu import Fmu, FmuError, Instance, Source, Value, load
+from .fmu import OF_STEP, REALS, Fmu, FmuError, Instance, Source, Value, load
 
 Ints = NDArray[np.int32]
+
+
+#: Communication steps of a run at most, as for `lemons run`.
+MOST_STEPS = 1_000_000_000
+
+
+def steps_between(start: float, until: float, step: float) -> int:
+    """How many communication steps there are from one time to another [s]; the last may be a shorter one.
+
+    Raises:
+        ValueError: there is none, there are too many, or the step is lost in rounding.
+    """
+    if not (math.isfinite(until) and until > start and math.isfinite(step) and step > 0):
+        raise ValueError(f"nothing to simulate: from {start} s to {until} s in steps of {step} s")
+    steps = (until - start) / step
+    if steps > MOST_STEPS:
+        raise ValueError(f"from {start} s to {until} s there are {steps:.4e} steps of {step} s: at most {MOST_STEPS:.0e} are made")
+    if start + step <= start or until - step >= until:
+        raise ValueError(f"a communication step of {step} s is lost in rounding between {start} s and {until} s")
+    return max(1, math.ceil(steps - 1e-9))
 
 
 @dataclass(frozen=True, repr=False)
@@ -127,8 +148,25 @@ class Crowd:
         return self._reals(np.ascontiguousarray(self.fmu.reals[:, 3:6]))
 
     def squeeze(self) -> Floats:
-        """How hard everybody is squeezed, shape (N,): the sum of |F_n| over the contacts [N]."""
+        """How hard everybody is squeezed now, shape (N,): the sum of |F_n| over the contacts [N]. Collisions last
+        milliseconds, so this hangs on the instant; `mean_squeeze` and `peak_squeeze` do not."""
         return self._reals(np.ascontiguousarray(self.fmu.reals[:, 6]))
+
+    def mean_squeeze(self) -> Floats:
+        """Mean of the squeeze over the last communication step [N], shape (N,): its impulse by the step.
+
+        Raises:
+            FmuError: the FMU is of a version that did not have it; neither did it have the two that follow.
+        """
+        return self._reals(np.ascontiguousarray(_of_step(self.fmu.reals, 0)))
+
+    def peak_squeeze(self) -> Floats:
+        """Largest squeeze within the last communication step [N], shape (N,)."""
+        return self._reals(np.ascontiguousarray(_of_step(self.fmu.reals, 1)))
+
+    def peak_overlap(self) -> Floats:
+        """Deepest overlap of the contacts within the last communication step [m], shape (N,)."""
+        return self._reals(np.ascontiguousarray(_of_step(self.fmu.reals, 2)))
 
     def contacts(self) -> Ints:
         """Contacts with people, contacts with walls, how many people touch, of everybody: shape (N, 3)."""
@@ -174,9 +212,7 @@ class Crowd:
         """
         step = self.fmu.step_of(self.trial) if step is None else step
         start = self.time
-        if not (math.isfinite(until) and until > start and math.isfinite(step) and step > 0):
-            raise ValueError(f"nothing to simulate: from {start} s to {until} s in steps of {step} s")
-        steps = max(1, math.ceil((until - start) / step - 1e-9))
+        steps = steps_between(start, until, step)
         times: Floats = start + np.arange(steps + 1, dtype=np.float64) * step
         # As `lemons run` ends: at a multiple of the step where it is one but for rounding.
         if abs(times[-1] - until) > 1e-9 * step:
@@ -245,8 +281,28 @@ class Run:
 
     @property
     def squeeze(self) -> Floats:
-        """Sum of |F_n| over the contacts [N]: shape (K, N)"""
+        """Sum of |F_n| over the contacts [N] at the communication points: shape (K, N). Collisions last milliseconds, so
+        its maximum hangs on the step; those of `mean_squeeze` and `peak_squeeze` tell what happened between the points."""
         return self.reals[:, :, 6]
+
+    @property
+    def mean_squeeze(self) -> Floats:
+        """Mean of the squeeze over the step that ends at a communication point [N]: shape (K, N).
+
+        Raises:
+            FmuError: the FMU is of a version that did not have it; neither did it have the two that follow.
+        """
+        return _of_step(self.reals, 0)
+
+    @property
+    def peak_squeeze(self) -> Floats:
+        """Largest squeeze within the step that ends at a communication point [N]: shape (K, N)"""
+        return _of_step(self.reals, 1)
+
+    @property
+    def peak_overlap(self) -> Floats:
+        """Deepest overlap of the contacts within the step that ends at a communication point [m]: shape (K, N)"""
+        return _of_step(self.reals, 2)
 
     @property
     def contacts(self) -> Ints:
@@ -260,16 +316,29 @@ class Run:
         if all(each.isascii() and each.isdigit() and str(int(each)) == each for each in self.ids):
             ids = [int(each) for each in self.ids]
         columns: dict[str, object] = {"t": np.repeat(self.times, agents), "id": np.tile(np.array(ids), points)}
-        for k, name in enumerate(("x", "y", "theta", "vx", "vy", "omega", "normal_force")):
+        names = ["x", "y", "theta", "vx", "vy", "omega", "normal_force", *OF_STEP_COLUMNS]
+        for k, name in enumerate(names[: self.reals.shape[2]]):
             columns[name] = self.reals[:, :, k].ravel()
         for k, name in enumerate(("agent_contacts", "wall_contacts", "contacting_agents")):
             columns[name] = self.counts[:, :, k].ravel().astype(np.int64)
         totals = self.counts.sum(axis=1, dtype=np.int64)  # each contact of two people is one of both
         columns["total_agent_contacts"] = np.repeat(totals[:, 0] // 2, agents)
         columns["total_wall_contacts"] = np.repeat(totals[:, 1], agents)
-        order = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force"
-        order += ",total_agent_contacts,total_wall_contacts"
-        return pd.DataFrame(columns)[order.split(",")]
+        order = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force".split(",")
+        order += [name for name in OF_STEP_COLUMNS if name in columns]
+        order += ["total_agent_contacts", "total_wall_contacts"]
+        return pd.DataFrame(columns)[order]
+
+
+OF_STEP_COLUMNS = ("mean_normal_force", "peak_normal_force", "peak_overlap")
+
+
+def _of_step(values: NDArray[Any], which: int) -> NDArray[Any]:
+    """One of `fmu.OF_STEP`, of values whose last axis is REALS and these."""
+    place = len(REALS) + which
+    if values.shape[-1] <= place:
+        raise FmuError(f"the FMU has no output agent[i].{OF_STEP[which]}: an earlier version packed it; pack its Trial again")
+    return values[..., place]
 
 
 def simulate(
@@ -282,8 +351,9 @@ def simulate(
 ) -> pd.DataFrame:
     """A run from the Trial's beginning until a time [s], as the table that `lemons run` writes, driven as there: by the
     drive.csv that is packed with the Trial, unless `drive` is given, or `False` for none (`--no-drive`). Its columns are
-    t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force and the crowd's
-    total_agent_contacts, total_wall_contacts, in its units (s, m, rad, N), which the names do not have.
+    t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force (at that time),
+    mean_normal_force, peak_normal_force, peak_overlap (of the step that ends then; FMUs of the first versions do not
+    have these three) and the crowd's total_agent_contacts, total_wall_contacts; units are s, m, rad, N.
 
     Raises:
         FmuError: the FMU's refusal, in its words.

@@ -39,6 +39,8 @@ Source = Union[str, "os.PathLike[str]", bytes]
 
 INPUTS = ("Fp.x", "Fp.y", "Mp")
 REALS = ("Position.x", "Position.y", "Theta", "Velocity.x", "Velocity.y", "Omega", "NormalForce")
+#: Of the last communication step; FMUs of the first versions have no such outputs.
+OF_STEP = ("MeanNormalForce", "PeakNormalForce", "PeakOverlap")
 COUNTS = ("AgentContacts", "WallContacts", "ContactingAgents")
 DRIVE_FILE = "drive.csv"
 _STATUS = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
@@ -103,7 +105,9 @@ class Fmu:
         #: Of each agent, the Id of Agents.xml.
         self.ids = [_id_in(words[f"agent[{i}].Mp"], i) for i in range(agents)]
         self.inputs = self.references(INPUTS)
-        self.reals = self.references(REALS)
+        #: Whether mean and peak squeeze of a communication step are outputs.
+        self.has_means = all(f"agent[0].{name}" in self.variables for name in OF_STEP)
+        self.reals = self.references(REALS + OF_STEP if self.has_means else REALS)
         self.counts = self.references(COUNTS)
         self._idle: list[Instance] = []
         self._lock = threading.Lock()

@@ -24,7 +24,7 @@ import pandas as pd
 from dask.system import CPU_COUNT
 from distributed import Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
 
-from .crowd import Crowd, Run
+from .crowd import Crowd, Run, steps_between
 from .drive import DriveLike, Known, function_identity, identity, known
 from .fmu import Fmu, FmuError, Source, Value, load, scratch
 from .results import FAILED, POINT, RESERVED, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of, unicode
@@ -198,8 +198,7 @@ def sweep(
         if others:
             raise ValueError(f"the Trials ask for steps of {step} s and {others[0]} s: give one for all (step)")
     step = float(step)
-    if not (math.isfinite(until) and until > 0 and math.isfinite(step) and step > 0):
-        raise ValueError(f"nothing to simulate: until {until} s in steps of {step} s")
+    steps_between(0.0, until, step)
     job = _Job(os.urandom(8).hex(), fmu.sha256, table.names, cloudpickle.dumps((drive, measure)), float(until), step)
     report = _report(progress)
 
