@@ -1,8 +1,9 @@
-//! Files written whole or not at all.
+//! Files written whole or not at all, and what is removed when they are not.
 
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -22,21 +23,120 @@ impl WriteError {
     }
 }
 
-/// A file being written beside its place; it takes the place by [`Staged::persist`], or vanishes.
+/// What has been begun and has no place yet: whoever ends the process removes it.
+static BEGUN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn begun() -> MutexGuard<'static, Vec<PathBuf>> {
+    BEGUN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes every temporary file and directory. Nothing more can be begun or put into place after that: for a process
+/// that ends now, whatever its other threads do.
+pub fn give_up() {
+    let all = begun();
+    for path in all.iter() {
+        // What cannot be removed stays behind under its hidden name.
+        let _ = remove(path);
+    }
+    std::mem::forget(all);
+}
+
+fn remove(path: &Path) -> io::Result<()> {
+    if !path.symlink_metadata()?.is_dir() {
+        return std::fs::remove_file(path);
+    }
+    // With one file handle at a time: perhaps no more are left.
+    let entries = std::fs::read_dir(path)?.map(|entry| Ok(entry?.path()));
+    let entries = entries.collect::<io::Result<Vec<_>>>()?;
+    entries.iter().try_for_each(|path| remove(path))?;
+    std::fs::remove_dir(path)
+}
+
+/// A file or directory under a name of its own, removed when dropped unless it was put into its place.
 ///
 /// Not the crate `tempfile`: its random names initialise a thread-local of this library, whose destructor
 /// crashes the host's thread when it ends after the library was unloaded.
 #[derive(Debug)]
+struct Temporary(PathBuf);
+
+impl Temporary {
+    /// Made by `make`, which fails where there is something.
+    fn new<T>(
+        name: impl Fn(u32, u16) -> PathBuf,
+        make: impl Fn(&Path) -> io::Result<T>,
+    ) -> io::Result<(Temporary, T)> {
+        let process = std::process::id();
+        for attempt in 0..=u16::MAX {
+            let path = name(process, attempt);
+            let mut all = begun();
+            match make(&path) {
+                Ok(made) => {
+                    all.push(path.clone());
+                    return Ok((Temporary(path), made));
+                }
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Err(io::ErrorKind::AlreadyExists.into())
+    }
+
+    fn file(directory: &Path) -> io::Result<(Temporary, File)> {
+        let make = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
+        Temporary::new(|process, attempt| directory.join(format!(".lemons-{process}-{attempt}")), make)
+    }
+
+    fn persist(mut self, place: &Path) -> io::Result<()> {
+        let mut all = begun();
+        std::fs::rename(&self.0, place)?;
+        forget(&mut all, &self.0);
+        self.0.clear();
+        Ok(())
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        if !self.0.as_os_str().is_empty() {
+            let mut all = begun();
+            // What cannot be removed now (no file handle is left) may be at the end: [`give_up`].
+            match remove(&self.0) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => {}
+                _ => forget(&mut all, &self.0),
+            }
+        }
+    }
+}
+
+fn forget(all: &mut Vec<PathBuf>, path: &Path) {
+    all.retain(|other| other != path);
+    // A library that is unloaded leaves nothing allocated.
+    if all.is_empty() {
+        *all = Vec::new();
+    }
+}
+
+fn directory_of(place: &Path) -> &Path {
+    place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// A file being written beside its place; it takes the place by [`Staged::persist`], or vanishes.
+#[derive(Debug)]
 pub struct Staged {
     file: File,
-    /// Where it is written; empty once it is persisted, or if the place itself is written.
-    temporary: PathBuf,
+    /// Beside the place, or wherever there is room for what goes into a device or a pipe later; `None`: the place
+    /// itself is written.
+    temporary: Option<Temporary>,
+    /// The device or pipe, of which `file` holds the content for the moment.
+    device: Option<File>,
     place: PathBuf,
+    begun: bool,
+    failed: bool,
 }
 
 impl Staged {
     /// A new file for `place`: beside the file that a link leads to, with the permissions of one that is
-    /// there already. What is no regular file (a device, a pipe) is written itself.
+    /// there already. What is no regular file (a device, a pipe) is written itself, never replaced.
     ///
     /// # Errors
     /// The place or its directory cannot be written.
@@ -46,29 +146,45 @@ impl Staged {
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
             Err(error) => return Err(error),
         };
+        let staged = |file, temporary, place| Staged {
+            file,
+            temporary,
+            device: None,
+            place,
+            begun: false,
+            failed: false,
+        };
         if there.as_ref().is_some_and(|there| !there.is_file()) {
             let file = File::options().write(true).open(place)?;
-            return Ok(Staged { file, temporary: PathBuf::new(), place: place.to_owned() });
+            return Ok(staged(file, None, place.to_owned()));
         }
         let place = if there.is_some() { place.canonicalize()? } else { place.to_owned() };
-        let directory =
-            place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let process = std::process::id();
-        for attempt in 0.. {
-            let temporary = directory.join(format!(".lemons-{process}-{attempt}"));
-            match File::options().write(true).create_new(true).open(&temporary) {
-                Ok(file) => {
-                    let staged = Staged { file, temporary, place };
-                    if let Some(there) = there {
-                        staged.file.set_permissions(there.permissions())?;
-                    }
-                    return Ok(staged);
-                }
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < u16::MAX => {}
-                Err(error) => return Err(error),
-            }
+        let (temporary, file) = Temporary::file(directory_of(&place))?;
+        let staged = staged(file, Some(temporary), place);
+        if let Some(there) = there {
+            staged.file.set_permissions(there.permissions())?;
         }
-        Err(io::ErrorKind::AlreadyExists.into())
+        Ok(staged)
+    }
+
+    /// Has it written by what wants a path and not a file.
+    ///
+    /// # Errors
+    /// Those of `write`, or there is no room for what goes into a device or a pipe.
+    pub fn fill<T>(&mut self, write: impl FnOnce(&Path) -> io::Result<T>) -> io::Result<T> {
+        if self.temporary.is_none() {
+            self.detour()?;
+        }
+        let path = self.temporary.as_ref().map_or(&*self.place, |temporary| &temporary.0);
+        write(path).inspect_err(|_| self.failed = true)
+    }
+
+    /// What goes into a device or a pipe is written elsewhere first: there one can seek.
+    fn detour(&mut self) -> io::Result<()> {
+        let (temporary, file) = Temporary::file(&std::env::temp_dir())?;
+        self.device = Some(std::mem::replace(&mut self.file, file));
+        self.temporary = Some(temporary);
+        Ok(())
     }
 
     /// Makes what was written survive a power failure.
@@ -82,28 +198,29 @@ impl Staged {
     /// Takes its place.
     ///
     /// # Errors
-    /// The place cannot be taken; it is as it was then.
+    /// The place cannot be taken, or something could not be written; it is as it was then.
     pub fn persist(mut self) -> io::Result<()> {
-        if !self.temporary.as_os_str().is_empty() {
-            std::fs::rename(&self.temporary, &self.place)?;
-            self.temporary.clear();
+        if self.failed {
+            return Err(io::Error::other("a part of it could not be written"));
         }
-        Ok(())
-    }
-}
-
-impl Drop for Staged {
-    fn drop(&mut self) {
-        if !self.temporary.as_os_str().is_empty() {
-            // What cannot be removed stays behind under its hidden name.
-            let _ = std::fs::remove_file(&self.temporary);
+        if let Some(mut device) = self.device.take() {
+            self.file.rewind()?;
+            io::copy(&mut self.file, &mut device)?;
+            return device.flush();
         }
+        self.temporary.take().map_or(Ok(()), |temporary| temporary.persist(&self.place))
     }
 }
 
 impl Write for Staged {
+    /// After a failure the file is lost: what follows goes nowhere, so that writers which end their work when they
+    /// are dropped do not complain as well.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
+        if self.failed {
+            return Ok(bytes.len());
+        }
+        self.begun = true;
+        self.file.write(bytes).inspect_err(|error| self.failed = error.kind() != io::ErrorKind::Interrupted)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -113,7 +230,109 @@ impl Write for Staged {
 
 impl Seek for Staged {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        if self.temporary.is_none() && !self.begun {
+            self.detour()?;
+        }
         self.file.seek(to)
+    }
+}
+
+/// A directory being written beside its place; it takes the place by [`StagedDirectory::persist`], or vanishes.
+#[derive(Debug)]
+pub struct StagedDirectory(Temporary);
+
+impl StagedDirectory {
+    /// A new, empty directory beside `place`.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn beside(place: &Path) -> io::Result<StagedDirectory> {
+        // `Trial/.` and `Trial/` have the parent of `Trial`.
+        let parent = directory_of(place);
+        let name = |process, attempt| parent.join(format!(".lemons-{process}-{attempt}.d"));
+        Ok(StagedDirectory(Temporary::new(name, |path| std::fs::create_dir(path))?.0))
+    }
+
+    /// Where it is for the moment.
+    pub fn path(&self) -> &Path {
+        &self.0.0
+    }
+
+    /// Takes its place, where nothing is.
+    ///
+    /// # Errors
+    /// The place cannot be taken.
+    pub fn persist(self, place: &Path) -> io::Result<()> {
+        self.0.persist(place)
+    }
+}
+
+/// A directory for what only this process needs, in the system's temporary directory; removed when dropped, or, where
+/// the process was killed, by the next one that makes such a directory.
+#[derive(Debug)]
+pub struct Scratch {
+    content: PathBuf,
+    /// Locked while the process lives; given back before the directory is removed.
+    _lock: File,
+    _temporary: Temporary,
+}
+
+const SCRATCH: &str = "lemons-scratch-";
+const SCRATCH_LOCK: &str = "lock";
+
+impl Scratch {
+    /// A new, empty directory.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn new() -> io::Result<Scratch> {
+        static CLEARED: Once = Once::new();
+        CLEARED.call_once(clear_scratch);
+        let directory = std::env::temp_dir();
+        let name = |process, attempt| directory.join(format!("{SCRATCH}{process}-{attempt}"));
+        loop {
+            let (temporary, ()) = Temporary::new(name, private_directory)?;
+            let path = temporary.0.join(SCRATCH_LOCK);
+            let made = File::options().write(true).create_new(true).open(&path).inspect(|lock| {
+                // Where files cannot be locked, nobody clears.
+                let _ = lock.lock();
+            });
+            let content = temporary.0.join("files");
+            // Another process may have taken it for left behind before it was locked.
+            match made.and_then(|lock| std::fs::create_dir(&content).map(|()| lock)) {
+                Ok(lock) => return Ok(Scratch { content, _lock: lock, _temporary: temporary }),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.content
+    }
+}
+
+fn private_directory(path: &Path) -> io::Result<()> {
+    let mut builder = std::fs::DirBuilder::new();
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.create(path)
+}
+
+/// Removes what processes left behind that were killed. What cannot be looked at or removed is not ours.
+fn clear_scratch() {
+    for entry in std::fs::read_dir(std::env::temp_dir()).into_iter().flatten().flatten() {
+        let path = entry.path();
+        let ours = entry.file_name().to_string_lossy().starts_with(SCRATCH);
+        if !ours || !entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            continue;
+        }
+        let Ok(lock) = File::options().write(true).open(path.join(SCRATCH_LOCK)) else { continue };
+        match lock.try_lock() {
+            Ok(()) => drop(std::fs::remove_dir_all(&path)),
+            Err(TryLockError::WouldBlock | TryLockError::Error(_)) => {}
+        }
     }
 }
 

@@ -25,7 +25,7 @@ use thiserror::Error;
 pub enum CrowdError {
     #[error(transparent)]
     Resources(#[from] ResourcesError),
-    #[error("{0}")]
+    #[error(transparent)]
     World(#[from] WorldError),
     #[error("Trial = {value:?}: must be one of the packed Trials: {names}")]
     NoSuchTrial { value: String, names: String },

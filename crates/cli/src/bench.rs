@@ -1,8 +1,9 @@
 //! `lemons bench`: what a mechanical step costs, and what the FMU adds.
 
+use crate::tell;
 use anyhow::Result;
 use lemons_bench::{Figures, cases, fmu, measure};
-use std::io::{self, Write};
+use std::io::Write;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -18,7 +19,7 @@ pub struct Arguments {
 }
 
 pub fn bench(arguments: &Arguments) -> Result<()> {
-    let mut out = io::stdout().lock();
+    let mut out = tell::out();
     let Arguments { runs, threads, .. } = arguments;
     writeln!(out, "{}", machine())?;
     writeln!(out, "ns: processor time per agent and mechanical step, one thread, median of {runs}.")?;

@@ -1,6 +1,7 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
 use crate::error::TrialHasErrors;
+use crate::tell;
 use anyhow::Result;
 use crowd_mechanics::trial::{Problems, Trial};
 use std::io::{self, Write};
@@ -14,7 +15,7 @@ pub struct Arguments {
 }
 
 pub fn check(arguments: &Arguments) -> Result<()> {
-    let mut out = io::stdout().lock();
+    let mut out = tell::out();
     let mut broken = false;
     for path in &arguments.trials {
         match Trial::read(path) {

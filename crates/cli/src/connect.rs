@@ -1,5 +1,6 @@
 //! `lemons connect`: FMUs -> an SSP.
 
+use crate::pack::say_size;
 use anyhow::{Context, Result, bail};
 use lemons_master::Fmu;
 use lemons_ssp::{Participant, write_archive};
@@ -53,7 +54,7 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
                 structure.connections.iter().filter(|c| (c.from.component, c.to.component) == (i, k));
             let connectors: Vec<&str> = between.map(|c| structure.port(c.from).1.name.as_str()).collect();
             if !connectors.is_empty() {
-                println!("{}", fitted(&format!("{} -> {}", from.name, to.name), "connected", &connectors));
+                say!("{}", fitted(&format!("{} -> {}", from.name, to.name), "connected", &connectors))?;
             }
         }
     }
@@ -61,12 +62,10 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
         if !inputs.is_empty() {
             let names: Vec<&str> = inputs.iter().map(String::as_str).collect();
             let who = format!("warning: {}", component.name);
-            eprintln!("{}", fitted(&who, "inputs not connected", &names));
+            note!("{}", fitted(&who, "inputs not connected", &names));
         }
     }
-    let size = std::fs::metadata(&arguments.output)?.len();
-    println!("{}: {:.1} MB", arguments.output.display(), size as f64 / 1e6);
-    Ok(())
+    say_size(&arguments.output)
 }
 
 /// Whether the output can be an SSP, and no FMU is lost to it.

@@ -10,7 +10,6 @@ use lemons_decision::rule::Pose;
 use lemons_decision::{Person, Plan, Wishes};
 use std::path::PathBuf;
 
-/// In a Trial's directory, if it is not named otherwise.
 /// In a Trial's directory.
 pub const WISHES_FILE: &str = "decision.toml";
 
@@ -52,13 +51,13 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     let (trial, warnings) = match Trial::read(&arguments.trial) {
         Ok(read) => read,
         Err(problems) => {
-            eprintln!("{problems}");
-            eprintln!("lemons: {} has errors", arguments.trial.display());
+            note!("{problems}");
+            note!("lemons: {} has errors", arguments.trial.display());
             return Err(TrialHasErrors.into());
         }
     };
     for warning in warnings.iter() {
-        eprintln!("{warning}");
+        note!("{warning}");
     }
     let path = arguments.plan.clone().unwrap_or_else(|| arguments.trial.join(WISHES_FILE));
     if arguments.plan.is_none() && !path.exists() {
@@ -75,7 +74,7 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     let unwritten = || format!("cannot write {}", arguments.output.display());
     let mut file = Staged::beside(&arguments.output).with_context(unwritten)?;
     lemons_decision::pack::write_fmu(&plan, arguments.fmu.naming(), &binaries, &mut file)
-        .with_context(unwritten)?;
+        .with_context(|| arguments.output.display().to_string())?;
     file.persist().with_context(unwritten)?;
     say_size(&arguments.output)
 }

@@ -1,6 +1,7 @@
 //! `lemons describe`: the model description that a Trial's FMU would have.
 
 use crate::error::TrialHasErrors;
+use crate::tell;
 use anyhow::Result;
 use crowd_mechanics::model_description::model_description;
 use crowd_mechanics::pack::Naming;
@@ -19,10 +20,10 @@ pub fn describe(arguments: &Arguments) -> Result<()> {
     match Trial::read(&arguments.trial) {
         Ok((trial, _)) => {
             let text = model_description(&trial, Naming::Structured);
-            Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
+            Ok(tell::out().write_all(text.as_bytes())?)
         }
         Err(problems) => {
-            eprintln!("{problems}");
+            note!("{problems}");
             Err(TrialHasErrors.into())
         }
     }

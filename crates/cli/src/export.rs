@@ -98,18 +98,18 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         );
     }
     for line in said {
-        eprintln!("{line}");
+        note!("{line}");
     }
     let (first, last) = (&run.frames[0], &run.frames[run.frames.len() - 1]);
     let (agents, out) = (run.ids.len(), out.display());
     match to {
-        Format::Trial => println!("{out}: {agents} agents as at t = {:?} s", last.time),
-        _ => println!(
+        Format::Trial => say!("{out}: {agents} agents as at t = {:?} s", last.time)?,
+        _ => say!(
             "{out}: {agents} agents, {} frames from {:?} to {:?} s",
             run.frames.len(),
             first.time,
             last.time
-        ),
+        )?,
     }
     Ok(())
 }
@@ -128,7 +128,7 @@ pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
     let fmu = Fmu::open(path)?;
     let resources = fmu.resources().with_context(|| path.display().to_string())?;
     if resources.names().len() > 1 {
-        eprintln!("warning: {} holds several Trials: {:?} is taken", path.display(), resources.first());
+        note!("warning: {} holds several Trials: {:?} is taken", path.display(), resources.first());
     }
     Ok(Some(resources.load(resources.first())?.0))
 }

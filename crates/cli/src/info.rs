@@ -1,9 +1,10 @@
 //! `lemons info`: what an FMU is and which variables it has.
 
+use crate::tell;
 use anyhow::Result;
 use fmi_rs::model_description::fmi2::{Causality, ScalarVariable, VariableType};
 use lemons_master::Fmu;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -19,7 +20,7 @@ pub struct Arguments {
 pub fn info(arguments: &Arguments) -> Result<()> {
     let fmu = Fmu::open(&arguments.fmu)?;
     let description = &fmu.description;
-    let mut out = io::stdout().lock();
+    let mut out = tell::out();
     let count = |causality| description.modelVariables.iter().filter(|v| v.causality == causality).count();
     writeln!(out, "{}  {}", description.modelName, description.version.as_deref().unwrap_or(""))?;
     writeln!(out, "GUID      {}", description.guid)?;

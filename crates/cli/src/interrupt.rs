@@ -1,7 +1,7 @@
-//! Ctrl-C during long work: nothing is left half-written.
+//! Ctrl-C, termination, a closed terminal: nothing is left half-written.
 
 use anyhow::{Context, Result};
-use std::sync::Arc;
+use crowd_mechanics::files::give_up;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The user pressed Ctrl-C; what became of the work.
@@ -26,31 +26,45 @@ impl std::error::Error for Interrupted {}
 /// As shells count it: 128 and the number of the signal.
 pub const EXIT_CODE: u8 = 130;
 
+/// Whether the command looks for [`PRESSED`] and ends its work itself.
+static WATCHED: AtomicBool = AtomicBool::new(false);
+static PRESSED: AtomicBool = AtomicBool::new(false);
+
+/// Before anything is written. A signal ends the program at once, without what it has begun, unless the command watches
+/// for it; a second one does in any case. A file that gets too large (`ulimit -f`) is an error of writing it.
+pub fn prepare() -> Result<()> {
+    ctrlc::set_handler(|| {
+        if PRESSED.swap(true, Ordering::Relaxed) || !WATCHED.load(Ordering::Relaxed) {
+            give_up();
+            note!("lemons: {}", Interrupted::nothing_written());
+            std::process::exit(EXIT_CODE.into());
+        }
+    })
+    .context("cannot watch for Ctrl-C")?;
+    #[cfg(unix)]
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default())
+        .context("cannot watch for SIGXFSZ")?;
+    Ok(())
+}
+
 /// Whether Ctrl-C was pressed. Pressed twice, the program ends at once.
 #[derive(Clone)]
-pub struct Interrupt(Arc<AtomicBool>);
+pub struct Interrupt(());
 
 impl Interrupt {
-    /// To be called once.
-    pub fn watch() -> Result<Interrupt> {
-        let pressed = Arc::new(AtomicBool::new(false));
-        let handler = pressed.clone();
-        ctrlc::set_handler(move || {
-            if handler.swap(true, Ordering::Relaxed) {
-                std::process::exit(EXIT_CODE.into());
-            }
-        })
-        .context("cannot watch for Ctrl-C")?;
-        Ok(Interrupt(pressed))
+    /// From now on the command looks for it.
+    pub fn watch() -> Interrupt {
+        WATCHED.store(true, Ordering::Relaxed);
+        Interrupt(())
     }
 
     /// Set when Ctrl-C is pressed.
     pub fn flag(&self) -> &AtomicBool {
-        &self.0
+        &PRESSED
     }
 
     pub fn pressed(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        PRESSED.load(Ordering::Relaxed)
     }
 
     pub fn check(&self) -> Result<()> {

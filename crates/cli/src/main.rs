@@ -3,6 +3,12 @@
 //! Exit codes: 0 done; 1 something failed (a file, a run); 2 the command line is wrong; 3 a Trial has errors;
 //! 130 interrupted.
 
+// `tell` prints: a closed pipe or a full disk is an error, no panic.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+#[macro_use]
+mod tell;
+
 mod bench;
 mod binary;
 mod check;
@@ -28,9 +34,12 @@ mod sweep;
 mod verify;
 mod watch;
 
+use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use crowd_mechanics::files::give_up;
 use error::{Misused, TrialHasErrors, said};
 use interrupt::{EXIT_CODE, Interrupted};
+use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
 /// Contact mechanics of dense crowds: Trials, FMUs, runs, coupling.
@@ -79,19 +88,45 @@ enum Command {
 }
 
 /// A negative number is a value, though it begins like an option: the option it is for says what is wrong with it.
-fn arguments() -> Arguments {
+fn arguments() -> Result<Arguments, clap::Error> {
     let command = Arguments::command().mut_subcommands(|command| {
         command.mut_args(|argument| {
             let number = argument.get_action().takes_values();
             argument.allow_negative_numbers(number)
         })
     });
-    let read = Arguments::from_arg_matches(&command.get_matches());
-    read.unwrap_or_else(|error| error.exit())
+    Arguments::from_arg_matches(&command.try_get_matches()?)
 }
 
 fn main() -> ExitCode {
-    let done = match arguments().command {
+    let done = interrupt::prepare().and_then(|()| command()).and_then(|()| Ok(tell::out().flush()?));
+    // What could not be removed while files were open.
+    give_up();
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<TrialHasErrors>() => ExitCode::from(3),
+        Err(error) if tell::nobody_listens(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            note!("lemons: {}", said(&error));
+            if error.is::<Misused>() {
+                return ExitCode::from(2);
+            }
+            if error.is::<Interrupted>() {
+                return ExitCode::from(EXIT_CODE);
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn command() -> Result<()> {
+    let arguments = match arguments() {
+        Ok(arguments) => arguments,
+        // Where it was asked for, help goes where everything goes.
+        Err(asked) if std::io::stdout().is_terminal() || asked.use_stderr() => asked.exit(),
+        Err(asked) => return Ok(write!(tell::out(), "{}", asked.render())?),
+    };
+    match arguments.command {
         Command::Crowd(arguments) => people::crowd::crowd(*arguments),
         Command::Person(arguments) => people::person::person(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
@@ -107,26 +142,5 @@ fn main() -> ExitCode {
         Command::Describe(arguments) => describe::describe(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if error.is::<TrialHasErrors>() => ExitCode::from(3),
-        // Somebody closed the pipe (`lemons info … | head`): they have what they wanted.
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("lemons: {}", said(&error));
-            if error.is::<Misused>() {
-                return ExitCode::from(2);
-            }
-            if error.is::<Interrupted>() {
-                return ExitCode::from(EXIT_CODE);
-            }
-            ExitCode::FAILURE
-        }
     }
-}
-
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    let io = error.downcast_ref::<std::io::Error>();
-    io.is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
 }

@@ -57,14 +57,14 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
     let binaries = arguments.fmu.binaries(&CROWD)?;
     let warnings = write_fmu(&arguments.trials, binaries, arguments.fmu.naming(), &arguments.output)?;
     for warning in warnings {
-        eprintln!("{warning}");
+        note!("{warning}");
     }
     say_size(&arguments.output)
 }
 
 pub fn say_size(output: &Path) -> Result<()> {
     let size = std::fs::metadata(output)?.len();
-    println!("{}: {:.1} MB", output.display(), size as f64 / 1e6);
+    say!("{}: {:.1} MB", output.display(), size as f64 / 1e6)?;
     Ok(())
 }
 
@@ -84,8 +84,8 @@ pub fn write_fmu(
     match package.write(output) {
         Ok(warnings) => Ok(warnings),
         Err(PackError::Broken { path, problems }) => {
-            eprintln!("{problems}");
-            eprintln!("lemons: {} has errors", path.display());
+            note!("{problems}");
+            note!("lemons: {} has errors", path.display());
             Err(TrialHasErrors.into())
         }
         Err(error) => Err(error.into()),

@@ -120,9 +120,9 @@ pub struct Ended {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let ended = simulate(arguments, &Interrupt::watch()?)?;
-    ended.tell();
-    let Some(time) = ended.stopped else { return Ok(()) };
+    let ended = simulate(arguments, &Interrupt::watch())?;
+    let told = ended.tell();
+    let Some(time) = ended.stopped else { return told };
     let go_on = match &arguments.state {
         Some(path) if ended.saved.is_some() => format!("go on with --resume {}", path.display()),
         Some(_) => "it is not saved: no state can be taken in the middle of a step".into(),
@@ -229,13 +229,13 @@ fn step_and_record(arguments: &Arguments, interrupt: &Interrupt, shared: &Shared
     drop(kept);
     let done = done.and_then(|()| system.terminate());
     for warning in system.warnings() {
-        eprintln!("{warning}");
+        note!("{warning}");
     }
     if let Err(error) = done {
         match saved {
-            Ok(Some(line)) => eprintln!("{line}"),
+            Ok(Some(line)) => note!("{line}"),
             Ok(None) => {}
-            Err(why) => eprintln!("warning: the run is not saved: {why:#}"),
+            Err(why) => note!("warning: the run is not saved: {why:#}"),
         }
         let stopped = format!("stopped at t = {:?} s; the results until then are written", system.time());
         return Err(error.context(stopped));
@@ -262,16 +262,16 @@ fn files_of(directory: &Path) -> Vec<PathBuf> {
 }
 
 impl Ended {
-    fn tell(&self) {
+    fn tell(&self) -> Result<()> {
         let seconds = self.wall.as_secs_f64();
-        self.coupling.iter().for_each(|line| println!("{line}"));
+        self.coupling.iter().try_for_each(|line| say!("{line}"))?;
         if let Some(time) = self.stopped {
-            println!("stopped by Ctrl-C  {time:>10.3} s");
+            say!("stopped by Ctrl-C  {time:>10.3} s")?;
         }
-        println!("simulated time     {:>10.3} s", self.simulated);
-        println!("wall time          {seconds:>10.3} s");
-        println!("real-time factor   {:>10.2}", self.simulated / seconds);
-        self.seen.iter().chain(&self.saved).for_each(|line| println!("{line}"));
+        say!("simulated time     {:>10.3} s", self.simulated)?;
+        say!("wall time          {seconds:>10.3} s")?;
+        say!("real-time factor   {:>10.2}", self.simulated / seconds)?;
+        Ok(self.seen.iter().chain(&self.saved).try_for_each(|line| say!("{line}"))?)
     }
 }
 

@@ -4,6 +4,7 @@ use crate::error::Misused;
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::pack::write_fmu;
 use anyhow::{Context, Result, bail};
+use crowd_mechanics::files::Scratch;
 use crowd_mechanics::pack::Naming;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_master::own_binary;
@@ -72,7 +73,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
             bail!("cannot write {}: the sweep reads {}", path.display(), read.display());
         }
     }
-    let packed = tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
+    let packed = Scratch::new().context("cannot make a temporary directory")?;
     let fmu = if spec.model.is_dir() {
         let path = packed.path().join("crowd.fmu");
         write_fmu(std::slice::from_ref(&spec.model), vec![own_binary()?], Naming::Structured, &path)?;
@@ -84,7 +85,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         Some(threads) => usize::from(threads),
         None => std::thread::available_parallelism().map_or(1, usize::from),
     };
-    let interrupt = Interrupt::watch()?;
+    let interrupt = Interrupt::watch();
     let style =
         ProgressStyle::with_template("{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left")?;
     let bar = ProgressBar::new(spec.points.count as u64).with_style(style);
@@ -109,19 +110,24 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         (Err(error), Some(at)) => return Err(error.context(numbers(at))),
         (Err(error), None) => return Err(error),
     };
-    summary(&kept, at, started.elapsed().as_secs_f64(), threads)?;
+    let wall = started.elapsed().as_secs_f64();
+    // Written before anything is said: who closes the pipe early has the file nevertheless.
+    if let (Some(path), true) = (&arguments.csv, at.done == at.total) {
+        kept.write_csv(path)?;
+    }
+    let told = summary(&kept, at, wall, threads);
     if at.done < at.total {
         let go_on =
             format!("{} of {} points are finished and kept; go on with the same command", at.done, at.total);
         return Err(Interrupted(go_on).into());
     }
-    if let Some(path) = &arguments.csv {
-        kept.write_csv(path)?;
-        println!("table as CSV       {}", path.display());
-    }
     if at.failed == at.total {
         let again = "the table says why in the column error; --retry-failed simulates them again";
         bail!("none of the {} points succeeded: {again}", at.total);
+    }
+    told?;
+    if let Some(path) = &arguments.csv {
+        say!("table as CSV       {}", path.display())?;
     }
     Ok(())
 }
@@ -138,27 +144,27 @@ fn numbers(at: Progress) -> String {
 
 fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize) -> Result<()> {
     let new = at.done - at.before;
-    println!("points             {:>10}     ({new} now, {} before)", at.total, at.before);
-    println!("succeeded          {:>10}", at.done - at.failed);
-    println!("failed             {:>10}", at.failed);
+    say!("points             {:>10}     ({new} now, {} before)", at.total, at.before)?;
+    say!("succeeded          {:>10}", at.done - at.failed)?;
+    say!("failed             {:>10}", at.failed)?;
     if at.done < at.total {
-        println!("not simulated      {:>10}", at.total - at.done);
+        say!("not simulated      {:>10}", at.total - at.done)?;
     }
-    println!("wall time          {wall:>10.3} s   ({threads} at once)");
+    say!("wall time          {wall:>10.3} s   ({threads} at once)")?;
     if new > 0 {
-        println!("points per second  {:>10.2}", new as f64 / wall);
+        say!("points per second  {:>10.2}", new as f64 / wall)?;
     }
     let failed: Vec<Finished> = kept.read()?.into_iter().filter(|row| row.outcome.is_err()).collect();
     for Finished { point, outcome } in failed.iter().take(SHOWN) {
         if let Err(message) = outcome {
-            println!("point {point:<6}       {}", message.lines().next().unwrap_or_default());
+            say!("point {point:<6}       {}", message.lines().next().unwrap_or_default())?;
         }
     }
     if failed.len() > SHOWN {
-        println!("                   … and {} more, see the column error", failed.len() - SHOWN);
+        say!("                   … and {} more, see the column error", failed.len() - SHOWN)?;
     }
     if at.done == at.total {
-        println!("table              {}", kept.table().display());
+        say!("table              {}", kept.table().display())?;
     }
     Ok(())
 }

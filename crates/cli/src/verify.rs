@@ -1,8 +1,9 @@
 //! `lemons verify`: the mechanics against things it did not produce.
 
+use crate::tell;
 use anyhow::{Result, bail};
 use lemons_verify::Check;
-use std::io::{self, Write};
+use std::io::Write;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -15,7 +16,7 @@ pub struct Arguments {
 }
 
 pub fn verify(arguments: &Arguments) -> Result<()> {
-    let mut out = io::stdout().lock();
+    let mut out = tell::out();
     let checks = lemons_verify::checks();
     let wanted = |check: &&Check| arguments.only.as_ref().is_none_or(|only| check.name.contains(only));
     let (mut passed, mut failed) = (0, 0);

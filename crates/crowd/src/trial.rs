@@ -7,7 +7,7 @@
 use crate::person::Person;
 use crate::shape::Shape;
 use crowd_mechanics::engine::{Pose, Vec2, vec2};
-use crowd_mechanics::files::{Change, Staged, WriteError, change_all};
+use crowd_mechanics::files::{Change, Scratch, Staged, StagedDirectory, WriteError, change_all};
 use crowd_mechanics::trial::{
     Agent, AgentDynamics, Contact, Geometry, INTERACTIONS, Interactions, Material, Materials, Parameters,
     Trial, Wall,
@@ -277,15 +277,14 @@ pub fn may_write(directory: &Path, overwrite: Overwrite) -> Result<(), TrialErro
 /// What is there may not be written over, or cannot be; it is as it was then.
 pub fn write_trial(trial: &Trial, directory: &Path, overwrite: Overwrite) -> Result<(), TrialError> {
     may_write(directory, overwrite)?;
-    let stage = Stage::beside(directory)?;
-    trial.write(&stage.0)?;
+    let stage = StagedDirectory::beside(directory).map_err(WriteError::at(directory))?;
+    trial.write(stage.path())?;
     if !directory.exists() {
-        std::fs::rename(&stage.0, directory).map_err(WriteError::at(directory))?;
-        return Ok(());
+        return Ok(stage.persist(directory).map_err(WriteError::at(directory))?);
     }
     let mut changes = Vec::new();
     for part in PARTS {
-        let text = std::fs::read_to_string(stage.0.join(part)).map_err(WriteError::at(directory))?;
+        let text = std::fs::read_to_string(stage.path().join(part)).map_err(WriteError::at(directory))?;
         let place = directory.join(part);
         if let Some(parent) = place.parent() {
             std::fs::create_dir_all(parent).map_err(WriteError::at(parent))?;
@@ -310,8 +309,8 @@ const PARTS: [&str; 5] = [
 /// # Errors
 /// The file cannot be written; what was there is as it was then.
 pub fn write_trial_zip(trial: &Trial, file: &Path) -> Result<(), TrialError> {
-    let stage = Stage::beside(file)?;
-    trial.write(&stage.0)?;
+    let stage = Scratch::new().map_err(WriteError::at(file))?;
+    trial.write(stage.path())?;
     let staged = Staged::beside(file).map_err(WriteError::at(file))?;
     let mut archive = ZipWriter::new(staged);
     // A fixed date: the same Trial gives the same bytes.
@@ -322,40 +321,13 @@ pub fn write_trial_zip(trial: &Trial, file: &Path) -> Result<(), TrialError> {
     let mut fill = || -> io::Result<()> {
         for part in PARTS {
             archive.start_file(format!("{}/{part}", trial.name), options)?;
-            archive.write_all(&std::fs::read(stage.0.join(part))?)?;
+            archive.write_all(&std::fs::read(stage.path().join(part))?)?;
         }
         Ok(())
     };
     fill().map_err(WriteError::at(file))?;
     let staged = archive.finish().map_err(|error| WriteError::at(file)(error.into()))?;
     Ok(staged.persist().map_err(WriteError::at(file))?)
-}
-
-/// A directory that is written beside its place; removed unless it has been renamed.
-struct Stage(PathBuf);
-
-impl Stage {
-    fn beside(place: &Path) -> Result<Stage, WriteError> {
-        // `Trial/.` and `Trial/` have the parent of `Trial`.
-        let parent = place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let process = std::process::id();
-        for attempt in 0..=u16::MAX {
-            let path = parent.join(format!(".lemons-{process}-{attempt}.d"));
-            match std::fs::create_dir(&path) {
-                Ok(()) => return Ok(Stage(path)),
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(WriteError::at(place)(error)),
-            }
-        }
-        Err(WriteError::at(place)(io::ErrorKind::AlreadyExists.into()))
-    }
-}
-
-impl Drop for Stage {
-    fn drop(&mut self) {
-        // Gone when it was renamed.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
 }
 
 #[cfg(test)]

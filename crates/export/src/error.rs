@@ -14,12 +14,10 @@ pub enum ExportError {
     Read { path: PathBuf, error: io::Error },
     #[error("{}: {message}", path.display())]
     Wrong { path: PathBuf, message: String },
-    #[error("{0}")]
+    #[error(transparent)]
     Xml(#[from] Problems),
-    #[error("{0}")]
+    #[error(transparent)]
     Write(#[from] WriteError),
-    #[error("{}: cannot be written: {error}", path.display())]
-    Database { path: PathBuf, error: rusqlite::Error },
 }
 
 impl ExportError {

@@ -3,9 +3,10 @@
 use crate::area::walkable_area;
 use crate::error::ExportError;
 use crate::run::Run;
-use crowd_mechanics::files::WriteError;
+use crowd_mechanics::files::{Staged, WriteError};
 use crowd_mechanics::trial::Wall;
 use rusqlite::{Connection, params};
+use std::io;
 use std::path::Path;
 
 const TABLES: &str = "
@@ -25,23 +26,20 @@ const TABLES: &str = "
 /// No constant frame rate, or the file cannot be written.
 pub fn jupedsim(run: &Run, walls: &[Wall], path: &Path) -> Result<Vec<String>, ExportError> {
     let rate = run.frame_rate()?;
-    // A link stays one.
-    let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let directory = place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // The file appears under its name only when it is complete; SQLite's journal lies beside it until then.
-    let staged =
-        tempfile::Builder::new().prefix(".lemons-").tempdir_in(directory).map_err(WriteError::at(path))?;
-    let file = staged.path().join("run.sqlite");
-    let said = fill(&file, run, walls, rate)
-        .map_err(|error| ExportError::Database { path: path.to_owned(), error })?;
-    std::fs::rename(&file, &place).map_err(WriteError::at(path))?;
-    Ok(said)
+    let written = || {
+        let mut staged = Staged::beside(path)?;
+        let said = staged.fill(|file| fill(file, run, walls, rate).map_err(io::Error::other))?;
+        staged.persist().map(|()| said)
+    };
+    Ok(written().map_err(WriteError::at(path))?)
 }
 
 fn fill(file: &Path, run: &Run, walls: &[Wall], rate: f64) -> rusqlite::Result<Vec<String>> {
     let area = walkable_area(walls, run.positions());
     let hash = hash(&area.wkt);
     let mut database = Connection::open(file)?;
+    // No journal beside it: a file that is not complete is removed.
+    database.pragma_update(None, "journal_mode", "OFF")?;
     database.execute_batch(TABLES)?;
     let transaction = database.transaction()?;
     {

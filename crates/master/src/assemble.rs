@@ -3,10 +3,12 @@
 use crate::fmu::{Fmu, Instance};
 use crate::system::{Algorithm, Component, System, Wire, Wires, component_of};
 use anyhow::{Context, Result, anyhow, bail};
+use crowd_mechanics::files::Scratch;
 use lemons_ssp::{
     Affine, Allowance, Archive, Connector, Interface, Kind, ParameterSet, SystemStructure, Type, Unit, Value,
     conversion, located,
 };
+use std::fs::File;
 use std::path::Path;
 
 /// What an `.ssp` holds, ready to be initialized.
@@ -55,9 +57,10 @@ fn assemble_archive(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
 }
 
 fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
-    let mut file = tempfile::NamedTempFile::with_prefix("lemons-").context("cannot make a temporary file")?;
-    archive.copy(source, &mut file, allowance)?;
-    Fmu::unzip(file.path(), allowance)
+    let scratch = Scratch::new().context("cannot make a temporary directory")?;
+    let path = scratch.path().join("component.fmu");
+    archive.copy(source, &mut File::create(&path).context("cannot make a temporary file")?, allowance)?;
+    Fmu::unzip(&path, allowance)
 }
 
 /// Whether the FMU has the variable that a connector names, of that kind, type and unit.

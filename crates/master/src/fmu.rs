@@ -2,6 +2,7 @@
 
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use anyhow::{Context, Result, anyhow, bail};
+use crowd_mechanics::files::Scratch;
 use crowd_mechanics::resources::Resources;
 use fmi_rs::fmi2::log::Logger;
 use fmi_rs::fmi2::types::fmi2Status;
@@ -11,7 +12,6 @@ use lemons_ssp::{Allowance, Interface};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
-use tempfile::TempDir;
 
 /// All agents, in the name of a variable.
 const EVERY_AGENT: &str = "agent[*].";
@@ -27,7 +27,7 @@ pub fn named(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
 
 /// An FMU, unzipped.
 pub struct Fmu {
-    directory: TempDir,
+    directory: Scratch,
     /// What `modelDescription.xml` says.
     pub description: ModelDescription,
     /// Of the variables, by name.
@@ -46,7 +46,7 @@ impl Fmu {
 
     /// As [`Fmu::open`], for a file whose name is of no interest to those who read messages.
     pub(crate) fn unzip(path: &Path, allowance: &mut Allowance) -> Result<Fmu> {
-        let directory = TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
+        let directory = Scratch::new().context("cannot make a temporary directory")?;
         unzip(path, directory.path(), allowance)?;
         let description = ModelDescription::from_path(&directory.path().join(DESCRIPTION_FILE))
             .map_err(|error| anyhow!("{DESCRIPTION_FILE}: {error}"))?;

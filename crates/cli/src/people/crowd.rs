@@ -10,9 +10,11 @@ use crate::error::{Misused, TrialHasErrors};
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::pack::{FmuArguments, write_fmu};
+use crate::tell;
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 use crowd_mechanics::engine::{Rotation, Vec2, vec2};
+use crowd_mechanics::files::Scratch;
 use crowd_mechanics::pack::{Binary, DRIVE_FILE};
 use crowd_mechanics::trial::Trial;
 use lemons_crowd::{
@@ -197,7 +199,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         })?;
         for file in [DRIVE_FILE, WISHES_FILE] {
             if directory.join(file).is_file() {
-                eprintln!(
+                note!(
                     "warning: {} of the Trial that was there stays, and is used",
                     directory.join(file).display()
                 );
@@ -206,7 +208,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     }
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
     let mut outputs = arguments.outputs()?;
-    let interrupt = Interrupt::watch()?;
+    let interrupt = Interrupt::watch();
 
     let agents: Vec<Agent> = population.agents(*seed).take(wanted.number).collect();
     let shapes = agents.iter().map(shape).collect::<Result<Vec<Shape>>>()?;
@@ -280,7 +282,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         )?;
     }
     outputs.persist(&mut out)?;
-    Ok(io::stdout().write_all(&out)?)
+    Ok(tell::out().write_all(&out)?)
 }
 
 /// A unit vector; exact along the axes.
@@ -339,17 +341,16 @@ impl TrialArguments {
         if !self.wanted() {
             return Ok(());
         }
-        let scratch =
-            tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
+        let scratch = Scratch::new().context("cannot make a temporary directory")?;
         let directory = scratch.path().join(&trial.name);
         write_trial(trial, &directory, Overwrite::Trials)?;
         match Trial::read(&directory) {
             Ok((_, warnings)) => warnings.iter().for_each(|warning| {
                 // The file's name without the place where it lies for the moment.
-                eprintln!("{}", warning.to_string().replace(&format!("{}/", directory.display()), ""));
+                note!("{}", warning.to_string().replace(&format!("{}/", directory.display()), ""));
             }),
             Err(problems) => {
-                eprintln!("{problems}");
+                note!("{problems}");
                 return Err(TrialHasErrors.into());
             }
         }

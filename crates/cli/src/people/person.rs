@@ -3,6 +3,7 @@
 use super::{SexArgument, breadth, depth, line, mass, refuse_same, stature};
 use crate::error::Misused;
 use crate::output::Output;
+use crate::tell;
 use anyhow::Result;
 use crowd_mechanics::engine::{Pose, vec2};
 use crowd_mechanics::trial::Geometry;
@@ -11,7 +12,7 @@ use lemons_crowd::{
     write_wkt,
 };
 use lemons_picture::{Scene, Style, svg};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -125,7 +126,7 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         writeln!(out, "{}", output.path().display())?;
         output.persist()?;
     }
-    Ok(io::stdout().write_all(&out)?)
+    Ok(tell::out().write_all(&out)?)
 }
 
 const ORIGIN: Pose = Pose { position: vec2(0.0, 0.0), orientation: 0.0 };

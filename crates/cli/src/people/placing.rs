@@ -102,12 +102,12 @@ impl PlacingArguments {
             let (geometry, warnings) = match Geometry::read(path) {
                 Ok(read) => read,
                 Err(problems) => {
-                    eprintln!("{problems}");
+                    note!("{problems}");
                     return Err(TrialHasErrors.into());
                 }
             };
             for warning in warnings.iter() {
-                eprintln!("{warning}");
+                note!("{warning}");
             }
             let name = path.display().to_string();
             let region = Region::from_walls(&geometry).with_context(|| format!("--geometry {name}"))?;

@@ -7,15 +7,14 @@ use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::files::Staged;
+use crowd_mechanics::files::{Scratch, Staged};
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
 use rayon::prelude::*;
 use std::fs::File;
-use std::io::{BufWriter, Read, Seek, Write};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
-use tempfile::TempPath;
 
 /// Frames that are drawn at once, by all processors.
 const BATCH: usize = 16;
@@ -69,7 +68,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
         bail!(Misused(format!("--from {from:?} is not before --until {until:?}")));
     }
     // Before there is anything that would be left.
-    let interrupt = Interrupt::watch()?;
+    let interrupt = Interrupt::watch();
     let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(crowd_mechanics::model_description::DEFAULT_STOP_TIME);
     let footage = source.footage(source.runs().then_some(until), &interrupt)?;
@@ -111,10 +110,10 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     file.persist()?;
     progress.finish_and_clear();
     if looks.other_parameters() {
-        eprintln!("{OTHER_PARAMETERS}");
+        note!("{OTHER_PARAMETERS}");
     }
     let seconds = frames / frame_rate;
-    println!("{}: {frames} frames, {seconds:.2} s", path.display());
+    say!("{}: {frames} frames, {seconds:.2} s", path.display())?;
     Ok(())
 }
 
@@ -164,10 +163,8 @@ struct Ffmpeg {
     program: Running,
     frames: BufWriter<ChildStdin>,
     size: (u32, u32),
-    /// What it says.
-    said: File,
-    /// Where it writes.
-    made: TempPath,
+    /// Where it writes, and what it says.
+    scratch: Scratch,
 }
 
 /// Ended with the movie, whatever becomes of that.
@@ -227,19 +224,22 @@ impl<'a> Film<'a> {
             Film::Ffmpeg { running, file, .. } => {
                 let Some(ffmpeg) = running else { return Ok(()) };
                 let made = ffmpeg.end()?;
-                std::io::copy(&mut File::open(&made).context("what ffmpeg made")?, file)?;
+                std::io::copy(&mut File::open(made.path().join(MADE)).context("what ffmpeg made")?, file)?;
                 Ok(())
             }
         }
     }
 }
 
+/// Files in its scratch directory.
+const MADE: &str = "movie.mp4";
+const SAID: &str = "said";
+
 impl Ffmpeg {
     fn start(frame_rate: f64, size: (u32, u32)) -> Result<Ffmpeg> {
         // It goes back in the file to put the index first, so it cannot write to a pipe.
-        let made = tempfile::Builder::new().prefix("lemons-").suffix(".mp4").tempfile();
-        let made = made.context("cannot make a temporary file")?.into_temp_path();
-        let said = tempfile::tempfile().context("cannot make a temporary file")?;
+        let scratch = Scratch::new().context("cannot make a temporary directory")?;
+        let said = File::create(scratch.path().join(SAID)).context("cannot make a temporary file")?;
         let mut program = Command::new("ffmpeg");
         // Ctrl-C is for this program: it ends ffmpeg by closing its input.
         #[cfg(unix)]
@@ -249,27 +249,26 @@ impl Ffmpeg {
             .args(["-s", &format!("{}x{}", size.0, size.1), "-r", &frame_rate.to_string(), "-i", "-"])
             // What every player reads; the index first, so that pages play it while it loads.
             .args(["-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-y"])
-            .arg(&*made)
+            .arg(scratch.path().join(MADE))
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
-            .stderr(said.try_clone().context("cannot make a temporary file")?)
+            .stderr(said)
             .spawn()
             .context("cannot start ffmpeg")?;
         let frames = BufWriter::new(program.stdin.take().context("ffmpeg takes no frames")?);
-        Ok(Ffmpeg { program: Running(program), frames, size, said, made })
+        Ok(Ffmpeg { program: Running(program), frames, size, scratch })
     }
 
     /// The file that it made.
-    fn end(self) -> Result<TempPath> {
-        let Ffmpeg { mut program, frames, mut said, made, .. } = self;
+    fn end(self) -> Result<Scratch> {
+        let Ffmpeg { mut program, frames, scratch, .. } = self;
         // A broken pipe is told by ffmpeg itself.
         let _ = frames.into_inner();
         let status = program.0.wait().context("ffmpeg")?;
         if !status.success() {
-            let mut text = String::new();
-            said.rewind().and_then(|()| said.read_to_string(&mut text)).context("ffmpeg")?;
+            let text = std::fs::read_to_string(scratch.path().join(SAID)).context("ffmpeg")?;
             bail!("ffmpeg ({status}): {}", text.trim());
         }
-        Ok(made)
+        Ok(scratch)
     }
 }

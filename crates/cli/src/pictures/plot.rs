@@ -67,7 +67,7 @@ pub fn plot(arguments: &Arguments) -> Result<()> {
         bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
     }
     // Before there is anything that would be left.
-    let interrupt = Interrupt::watch()?;
+    let interrupt = Interrupt::watch();
     let mut file = Output::open(output)?;
     let text = if !arguments.series.is_empty() {
         series(arguments, &interrupt)?
@@ -82,7 +82,7 @@ pub fn plot(arguments: &Arguments) -> Result<()> {
     };
     file.fill(|out| out.write_all(&bytes))?;
     file.persist()?;
-    println!("{}", output.display());
+    say!("{}", output.display())?;
     Ok(())
 }
 
@@ -114,7 +114,7 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let moments: Vec<Moment> = times.iter().map(|time| footage.at(*time)).collect();
     let scenes: Vec<Scene> = moments.iter().map(|moment| looks.scene(moment)).collect();
     if looks.other_parameters() {
-        eprintln!("{OTHER_PARAMETERS}");
+        note!("{OTHER_PARAMETERS}");
     }
     if let ([scene], [moment]) = (&scenes[..], &moments[..]) {
         return Ok(svg(scene, &looks.style(moment)));

@@ -8,6 +8,7 @@ use crate::interrupt::{Interrupt, Interrupted};
 use crate::run::simulate;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
+use crowd_mechanics::files::Scratch;
 use crowd_mechanics::trial::Trial;
 use crowd_mechanics::variables::{Kind, in_documents_mut, table};
 use lemons_export::{Frame, Run};
@@ -113,8 +114,7 @@ impl Source {
 
     /// As `lemons run` does it.
     fn record(&self, until: f64, interrupt: &Interrupt) -> Result<Run> {
-        let directory =
-            tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
+        let directory = Scratch::new().context("cannot make a temporary directory")?;
         let table = directory.path().join("trajectories.csv");
         let mut words: Vec<OsString> = vec!["run".into()];
         let mut option = |name: &str, value: OsString| words.extend([name.into(), value]);

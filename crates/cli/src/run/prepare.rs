@@ -7,6 +7,7 @@ use crate::error::Misused;
 use crate::pack::write_fmu;
 use crate::saved::Saved;
 use anyhow::{Context, Result, bail};
+use crowd_mechanics::files::Scratch;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use crowd_mechanics::pack::Naming;
 use crowd_mechanics::trial::Trial;
@@ -95,7 +96,7 @@ type Opened = (System, f64, Option<f64>);
 
 /// A Trial is packed first: it runs as everybody's FMU of it would.
 fn open_fmu(arguments: &Arguments) -> Result<Opened> {
-    let packed = tempfile::TempDir::with_prefix("lemons-").context("cannot make a temporary directory")?;
+    let packed = Scratch::new().context("cannot make a temporary directory")?;
     let fmu = if arguments.input.is_dir() {
         let path = packed.path().join("crowd.fmu");
         write_fmu(std::slice::from_ref(&arguments.input), vec![own_binary()?], Naming::Structured, &path)?;
@@ -112,7 +113,7 @@ fn open_ssp(arguments: &Arguments) -> Result<Opened> {
     }
     let Assembled { system, start, stop, ignored } = assemble(&arguments.input, arguments.algorithm.into())?;
     for parameter in ignored {
-        eprintln!("warning: {parameter}");
+        note!("warning: {parameter}");
     }
     Ok((system, start.unwrap_or(0.0), stop))
 }
@@ -137,7 +138,7 @@ fn set(system: &System, setting: &str, coupled: bool) -> Result<()> {
         component.instance.set(kind, name, value)?;
     }
     if let Some(name) = names.iter().find(|name| system.feeds(place, name)) {
-        eprintln!("warning: --set {setting}: overwritten by the connection that feeds {name}");
+        note!("warning: --set {setting}: overwritten by the connection that feeds {name}");
     }
     Ok(())
 }
