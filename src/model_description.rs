@@ -1,7 +1,7 @@
 //! `modelDescription.xml` of a Trial's FMU.
 
 use crate::trial::Trial;
-use crate::variables::{Quantity, Variable, in_documents, table};
+use crate::variables::{MOST_MECHANICAL_STEPS, Quantity, Variable, in_documents, table};
 use lemons_fmi2::description::{Description, Naming, number};
 
 /// `modelName`
@@ -34,6 +34,7 @@ pub fn model_description(trial: &Trial, naming: Naming) -> String {
 fn start(trial: &Trial, variable: &Variable) -> Option<String> {
     match variable.quantity {
         Quantity::Threads => Some("1".into()),
+        Quantity::MostMechanicalSteps => Some(number(MOST_MECHANICAL_STEPS)),
         Quantity::Trial => Some(trial.name.clone()),
         Quantity::OutputDirectory => Some(String::new()),
         quantity => in_documents(trial, quantity).map(number),

@@ -8,6 +8,9 @@ use lemons_fmi2::variables::units::*;
 use lemons_fmi2::variables::{Domain, Unit};
 pub use lemons_fmi2::variables::{Kind, Role, guid};
 
+/// `MostMechanicalSteps`, if nobody sets it: some minutes of five people, half a day of a thousand.
+pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
+
 /// Which number of the model a variable is. Places are `u32` as value references are: small rows are read faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
@@ -21,8 +24,14 @@ pub enum Quantity {
     AgentContacts,
     /// Disk–face contacts.
     WallContacts,
+    /// Contacts without a normal.
+    CoincidentContacts,
+    /// \[m\]
+    LargestOverlap,
     /// \[s\]
     TimeStepMechanical,
+    /// How many mechanical steps a communication step may have.
+    MostMechanicalSteps,
     /// Threads of this instance.
     Threads,
     /// Which packed Trial is loaded.
@@ -48,6 +57,9 @@ pub enum AgentQuantity {
     WallContacts,
     ContactingAgents,
     NormalForce,
+    MeanNormalForce,
+    PeakNormalForce,
+    PeakOverlap,
     Mass,
     MomentOfInertia,
     FloorDamping,
@@ -76,7 +88,7 @@ pub type Variable = lemons_fmi2::variables::Variable<Quantity>;
 
 type AgentRow = (AgentQuantity, &'static str, Kind, Role, Domain, &'static str);
 
-const AGENT_ROWS: [AgentRow; 17] = {
+const AGENT_ROWS: [AgentRow; 20] = {
     use AgentQuantity::*;
     use Domain::*;
     use Role::*;
@@ -106,7 +118,31 @@ const AGENT_ROWS: [AgentRow; 17] = {
             Kind::Real(NEWTON),
             Calculated,
             Finite,
-            "squeeze: sum of |Fn| over its contacts",
+            "squeeze at the communication point: sum of |Fn| over its contacts",
+        ),
+        (
+            MeanNormalForce,
+            "MeanNormalForce",
+            Kind::Real(NEWTON),
+            Calculated,
+            NonNegative,
+            "mean squeeze: time average of NormalForce over the last step",
+        ),
+        (
+            PeakNormalForce,
+            "PeakNormalForce",
+            Kind::Real(NEWTON),
+            Calculated,
+            NonNegative,
+            "peak squeeze: largest NormalForce within the last step",
+        ),
+        (
+            PeakOverlap,
+            "PeakOverlap",
+            Kind::Real(METRE),
+            Calculated,
+            NonNegative,
+            "deepest overlap of its contacts within the last step",
         ),
         (Mass, "Mass", Kind::Real(KILOGRAM), Parameter, Positive, "mass"),
         (
@@ -159,6 +195,14 @@ pub fn table(trial: &Trial) -> Vec<Variable> {
             description: "longest step of the integrator".into(),
         },
         Variable {
+            name: "MostMechanicalSteps".into(),
+            quantity: Quantity::MostMechanicalSteps,
+            kind: Kind::Real(ONE),
+            role: Role::Parameter,
+            domain: Domain::Positive,
+            description: "fmi2DoStep refuses a step of more mechanical steps: nobody could cancel it".into(),
+        },
+        Variable {
             name: "Threads".into(),
             quantity: Quantity::Threads,
             kind: Kind::Integer,
@@ -199,6 +243,23 @@ pub fn table(trial: &Trial) -> Vec<Variable> {
             role: Role::Calculated,
             domain: Domain::Finite,
             description: "disk-face contacts of the crowd".into(),
+        },
+        Variable {
+            name: "CoincidentContacts".into(),
+            quantity: Quantity::CoincidentContacts,
+            kind: Kind::Integer,
+            role: Role::Calculated,
+            domain: Domain::Finite,
+            description: "of these contacts, those of centres at one place: no force acts between them"
+                .into(),
+        },
+        Variable {
+            name: "LargestOverlap".into(),
+            quantity: Quantity::LargestOverlap,
+            kind: Kind::Real(METRE),
+            role: Role::Calculated,
+            domain: Domain::NonNegative,
+            description: "largest PeakOverlap: deepest overlap of the crowd within the last step".into(),
         },
     ];
     for (i, agent) in (0..).zip(&trial.agents) {
@@ -288,7 +349,10 @@ macro_rules! place {
                     AgentQuantity::AgentContacts
                     | AgentQuantity::WallContacts
                     | AgentQuantity::ContactingAgents
-                    | AgentQuantity::NormalForce => return None,
+                    | AgentQuantity::NormalForce
+                    | AgentQuantity::MeanNormalForce
+                    | AgentQuantity::PeakNormalForce
+                    | AgentQuantity::PeakOverlap => return None,
                 }
             }
             Quantity::Material(m, quantity) => {
@@ -308,6 +372,9 @@ macro_rules! place {
             }
             Quantity::AgentContacts
             | Quantity::WallContacts
+            | Quantity::CoincidentContacts
+            | Quantity::LargestOverlap
+            | Quantity::MostMechanicalSteps
             | Quantity::Threads
             | Quantity::Trial
             | Quantity::OutputDirectory => return None,

@@ -6,12 +6,13 @@ mod saved;
 
 pub use saved::Saved;
 
-use crate::engine::{AdvanceError, ThreadsError, World, Wrench};
+use crate::engine::{AdvanceError, Pair, ThreadsError, World, Wrench, step_count};
 use crate::files::{Change, WriteError, change_all};
 use crate::resources::{Resources, ResourcesError};
 use crate::trial::{Drive, Trial, WorldError, dynamics_of, dynamics_xml, interactions_of, interactions_xml};
 use crate::variables::{
-    AgentQuantity, Quantity, Role, Variable, guid, in_documents, in_documents_mut, table,
+    AgentQuantity, MOST_MECHANICAL_STEPS, Quantity, Role, Variable, guid, in_documents, in_documents_mut,
+    table,
 };
 use lemons_fmi2::{Model, Phase, StepError};
 use std::collections::BTreeMap;
@@ -39,6 +40,11 @@ pub enum CrowdError {
     Threads(#[from] ThreadsError),
     #[error("{0}")]
     Advance(String),
+    #[error(
+        "a communication step of {step:?} s takes {steps} mechanical steps of {mechanical_step:?} s, more than \
+        MostMechanicalSteps = {most}: take shorter communication steps, or set that parameter"
+    )]
+    TooManySteps { step: f64, steps: u64, mechanical_step: f64, most: f64 },
     #[error("OutputDirectory: {0}")]
     Output(#[from] WriteError),
 }
@@ -58,6 +64,8 @@ pub struct Crowd {
     trial: Trial,
     settings: Settings,
     threads: i32,
+    /// More mechanical steps in one communication step are refused.
+    most_steps: f64,
     output_directory: String,
     /// Of the inputs over the next step, by agent; absent ones are held.
     rates: BTreeMap<usize, Wrench>,
@@ -65,6 +73,8 @@ pub struct Crowd {
     world: Option<World>,
     /// Not yet told.
     warnings: Vec<String>,
+    /// The first of the pairs of which it was said that they are in one place.
+    said_coincident: Option<Pair>,
 }
 
 impl Model for Crowd {
@@ -73,7 +83,7 @@ impl Model for Crowd {
     type Error = CrowdError;
 
     const INTERPOLATES_INPUTS: bool = true;
-    const STATE_VERSION: u32 = 2;
+    const STATE_VERSION: u32 = 3;
 
     fn load(location: &str) -> Result<Crowd, CrowdError> {
         let resources = Resources::from_uri(location)?;
@@ -86,10 +96,12 @@ impl Model for Crowd {
             packed: Arc::new(packed),
             settings: Settings::new(),
             threads: 1,
+            most_steps: MOST_MECHANICAL_STEPS,
             output_directory: String::new(),
             rates: BTreeMap::new(),
             world: None,
             warnings,
+            said_coincident: None,
         })
     }
 
@@ -126,6 +138,10 @@ impl Model for Crowd {
 
     #[inline]
     fn set_real(&mut self, reference: u32, quantity: Quantity, value: f64, phase: Phase) {
+        if quantity == Quantity::MostMechanicalSteps {
+            self.most_steps = value;
+            return;
+        }
         match self.world.as_mut().and_then(|world| drive_mut(world, quantity)) {
             Some(input) => *input = value,
             None => self.world = None,
@@ -174,17 +190,20 @@ impl Model for Crowd {
         if self.settings.keys().any(|&reference| self.table[reference as usize].role != Role::Input) {
             self.warnings.extend(self.trial.advice_as_edited());
         }
+        self.warn_of_coincidence();
         Ok(())
     }
 
     fn advance(&mut self, step: f64, to: f64) -> Result<(), StepError<CrowdError>> {
         self.make_world().map_err(StepError::Refused)?;
+        self.few_steps(step).map_err(StepError::Refused)?;
         if let Err(error) = self.advance_world(step) {
             let told = CrowdError::Advance(self.trial.name_body(&error));
             // Anything else was refused before it began.
             let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
             return Err(if failed { StepError::Failed(told) } else { StepError::Refused(told) });
         }
+        self.warn_of_coincidence();
         // A rate counts for one step.
         self.rates.clear();
         self.write_output(to).map_err(|error| StepError::Failed(error.into()))
@@ -198,9 +217,11 @@ impl Model for Crowd {
         self.trial = (*self.packed).clone();
         self.settings.clear();
         self.threads = 1;
+        self.most_steps = MOST_MECHANICAL_STEPS;
         self.output_directory.clear();
         self.rates.clear();
         self.world = None;
+        self.said_coincident = None;
         Ok(())
     }
 
@@ -221,6 +242,41 @@ impl Crowd {
             self.world = Some(world);
         }
         Ok(self.world.as_mut().expect("made above"))
+    }
+
+    /// That a communication step \[s\] has no more mechanical steps than allowed.
+    fn few_steps(&self, step: f64) -> Result<(), CrowdError> {
+        let Some(mechanical_step) = self.world.as_ref().map(|world| world.mechanical_step) else {
+            return Ok(());
+        };
+        // What has no number of steps is refused by the world.
+        let steps = step_count(step, mechanical_step).unwrap_or(0);
+        let most = self.most_steps;
+        if steps as f64 > most {
+            return Err(CrowdError::TooManySteps { step, steps, mechanical_step, most });
+        }
+        Ok(())
+    }
+
+    /// Says who stands in one place, as often as it is somebody else.
+    fn warn_of_coincidence(&mut self) {
+        let Some(world) = &self.world else { return };
+        let coincident = &world.contacts().coincident;
+        let first = coincident.first().copied();
+        if first == self.said_coincident {
+            return;
+        }
+        self.said_coincident = first;
+        let Some(first) = first else { return };
+        let (whose, count) = (self.trial.name_pair(world.scene(), first), coincident.len());
+        let others = match count {
+            1 => String::new(),
+            2 => ", and one more pair".to_owned(),
+            count => format!(", and {} more pairs", count - 1),
+        };
+        self.warnings.push(format!(
+            "{whose} have their centres at one place{others}: no force acts between them as long as this is so"
+        ));
     }
 
     fn advance_world(&mut self, step: f64) -> Result<(), AdvanceError> {
@@ -254,6 +310,10 @@ impl Crowd {
             return Some(world.contacts().bodies[i].squeeze);
         }
         let (first, second, third) = match quantity {
+            MeanNormalForce | PeakNormalForce | PeakOverlap => {
+                let exposure = &world.exposures()[i];
+                (exposure.mean_force, exposure.peak_force, exposure.peak_overlap)
+            }
             FpX | FpY | Mp => (world.drive[i].force.x, world.drive[i].force.y, world.drive[i].torque),
             PositionX | PositionY | Theta => {
                 let pose = &world.state().poses[i];
@@ -266,8 +326,8 @@ impl Crowd {
             _ => return None,
         };
         Some(match quantity {
-            FpX | PositionX | VelocityX => first,
-            FpY | PositionY | VelocityY => second,
+            FpX | PositionX | VelocityX | MeanNormalForce => first,
+            FpY | PositionY | VelocityY | PeakNormalForce => second,
             _ => third,
         })
     }
@@ -286,7 +346,13 @@ impl Crowd {
         if let Some(value) = in_documents(&self.trial, quantity) {
             return Ok(value);
         }
-        self.make_world()?;
+        if quantity == Quantity::MostMechanicalSteps {
+            return Ok(self.most_steps);
+        }
+        let world = self.make_world()?;
+        if quantity == Quantity::LargestOverlap {
+            return Ok(world.largest_overlap());
+        }
         Ok(self.in_world(quantity).unwrap_or(0.0))
     }
 
@@ -359,6 +425,7 @@ fn count(world: &World, quantity: Quantity) -> Option<i32> {
         }
         Quantity::AgentContacts => contacts.agent_contacts,
         Quantity::WallContacts => contacts.wall_contacts,
+        Quantity::CoincidentContacts => u32::try_from(contacts.coincident.len()).unwrap_or(u32::MAX),
         _ => return None,
     };
     Some(i32::try_from(count).unwrap_or(i32::MAX))

@@ -1,7 +1,7 @@
 //! A crowd's part of FMI's "FMU state": saved and restored.
 
 use super::{Crowd, CrowdError, Settings, edited, give_threads, make_directory};
-use crate::engine::{State, World, Wrench};
+use crate::engine::{Exposure, State, World, Wrench};
 use crate::variables::{Kind, guid, table};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -14,6 +14,7 @@ pub struct Saved {
     fingerprint: u128,
     settings: Settings,
     threads: i32,
+    most_steps: f64,
     output_directory: String,
     rates: BTreeMap<usize, Wrench>,
     running: Option<Running>,
@@ -24,6 +25,8 @@ pub struct Saved {
 struct Running {
     drive: Vec<Wrench>,
     state: State,
+    /// Outputs; nothing depends on them.
+    exposures: Vec<Exposure>,
 }
 
 impl Crowd {
@@ -33,12 +36,14 @@ impl Crowd {
             fingerprint: self.fingerprint,
             settings: self.settings.clone(),
             threads: self.threads,
+            most_steps: self.most_steps,
             output_directory: self.output_directory.clone(),
             rates: self.rates.clone(),
-            running: self
-                .world
-                .as_ref()
-                .map(|world| Running { drive: world.drive.clone(), state: world.state().clone() }),
+            running: self.world.as_ref().map(|world| Running {
+                drive: world.drive.clone(),
+                state: world.state().clone(),
+                exposures: world.exposures().to_vec(),
+            }),
         }
     }
 
@@ -67,6 +72,9 @@ impl Crowd {
         if saved.threads < 1 || saved.output_directory.contains('\0') {
             return Err(CrowdError::Saved("a number of threads or an OutputDirectory that nobody can set"));
         }
+        if !(saved.most_steps > 0.0 && saved.most_steps.is_finite()) {
+            return Err(CrowdError::Saved("a MostMechanicalSteps that nobody can set"));
+        }
         let trial = edited(&packed, &saved.settings, &self.table);
         let world = match &saved.running {
             None => None,
@@ -75,7 +83,7 @@ impl Crowd {
                 check_running(&world, running)?;
                 give_threads(&mut world, saved.threads, self.world.as_ref())?;
                 world
-                    .restore(running.state.clone())
+                    .restore_with(running.state.clone(), running.exposures.clone())
                     .map_err(|_| CrowdError::Saved("more agents in one place than can be held"))?;
                 world.drive.clone_from(&running.drive);
                 Some(world)
@@ -87,6 +95,7 @@ impl Crowd {
         (self.packed, self.fingerprint, self.trial, self.world) = (packed, fingerprint, trial, world);
         self.settings.clone_from(&saved.settings);
         self.threads = saved.threads;
+        self.most_steps = saved.most_steps;
         self.output_directory.clone_from(&saved.output_directory);
         self.rates.clone_from(&saved.rates);
         Ok(())
@@ -101,12 +110,16 @@ fn check_running(world: &World, running: &Running) -> Result<(), CrowdError> {
     let fits = state.poses.len() == bodies
         && state.twists.len() == bodies
         && running.drive.len() == bodies
+        && running.exposures.len() == bodies
         && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)
         && state.face_springs.iter().all(|s| s.disk.index() < disks && s.face.index() < faces);
     if !fits {
         return Err(CrowdError::Saved("it does not fit the scene"));
     }
+    let positive = |number: f64| number >= 0.0 && number.is_finite();
+    let exposed = |of: &Exposure| [of.mean_force, of.peak_force, of.peak_overlap].into_iter().all(positive);
     let finite = running.drive.iter().all(finite)
+        && running.exposures.iter().all(exposed)
         && state.poses.iter().all(|pose| pose.position.is_finite() && pose.orientation.is_finite())
         && state.twists.iter().all(|twist| twist.velocity.is_finite() && twist.angular_velocity.is_finite())
         && state.disk_springs.iter().all(|spring| spring.elongation.is_finite())

@@ -3,10 +3,11 @@
 //! A block is as large for one thread as for many, and forces are summed within it first: so the order of
 //! every sum, and with it every bit, is the same for any number of threads.
 
-use super::contacts::{ContactReport, Crossing, Instant, Standing, Stretch, Sums};
+use super::contacts::{ContactReport, Crossing, Instant, Load, Standing, Stretch, Sums};
+use super::exposure::Tally;
 use super::neighbours::{CellGrid, Circle, Crowded, Near, Room, list};
 use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
-use super::{Pose, Scene, State, Threads, Twist, Work, Wrench};
+use super::{Pose, Scene, State, Threads, Twist, Work};
 
 /// Bodies of a block: enough that few pairs cross its bounds and that handing it to a thread costs little
 /// beside it; few, so that a crowd of a thousand can be shared out. Results change in the last digits with it.
@@ -32,13 +33,22 @@ pub(super) struct Blocks {
     pub blocks: Vec<Block>,
     /// Of each body.
     pub standing: Vec<Standing>,
-    /// Of each body: how it moves but for the half kick that the contacts at the present instant will give.
-    pub flown: Vec<Twist>,
+    /// Of each body.
+    pub flown: Vec<Flown>,
     /// By the contacts: of each body where blocks are shared out, else of one block after the other, so that it
     /// stays in the cache.
-    wrenches: Vec<Wrench>,
+    loads: Vec<Load>,
     /// How many times contacts have been looked at.
     evaluation: u64,
+}
+
+/// What a body has come to during the present communication step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Flown {
+    /// How it moves but for the half kick that the contacts at the present instant will give.
+    pub twist: Twist,
+    /// Up to the present instant.
+    pub tally: Tally,
 }
 
 /// The bodies of a block.
@@ -46,9 +56,9 @@ pub(super) struct Bodies<'a> {
     /// The first of them.
     pub start: usize,
     pub standing: &'a mut [Standing],
-    pub flown: &'a mut [Twist],
+    pub flown: &'a mut [Flown],
     /// By the contacts at the present instant.
-    pub wrenches: &'a [Wrench],
+    pub loads: &'a [Load],
 }
 
 impl Blocks {
@@ -57,8 +67,8 @@ impl Blocks {
         Blocks {
             blocks: vec![Block::default(); bodies.div_ceil(BLOCK)],
             standing: vec![Standing::default(); bodies],
-            flown: vec![Twist::default(); bodies],
-            wrenches: vec![Wrench::default(); bodies],
+            flown: vec![Flown::default(); bodies],
+            loads: vec![Load::default(); bodies],
             evaluation: FIRST_EVALUATION,
         }
     }
@@ -66,12 +76,13 @@ impl Blocks {
     /// Puts a body at a pose.
     pub fn put(&mut self, body: usize, pose: Pose, twist: Twist) {
         self.standing[body] = Standing::at(pose, twist);
-        self.flown[body] = twist;
+        self.flown[body].twist = twist;
     }
 
-    /// Holds just the state's springs: what the first list of a communication step starts from.
+    /// Holds just the state's springs, and nothing added up: what a communication step starts from.
     pub fn load(&mut self, scene: &Scene, state: &State) {
         self.evaluation = FIRST_EVALUATION;
+        self.flown.iter_mut().for_each(|flown| flown.tally = Tally::default());
         for block in &mut self.blocks {
             block.pairs.clear();
             // Empty, unless somebody has caught a panic.
@@ -140,29 +151,29 @@ impl Blocks {
     ) -> f64 {
         let before = self.evaluation;
         self.evaluation += 1;
-        let Blocks { blocks, standing, flown, wrenches, .. } = self;
+        let Blocks { blocks, standing, flown, loads, .. } = self;
         if threads.count() == 1 {
             for k in 0..blocks.len() {
                 let of_block = k * BLOCK..standing.len().min((k + 1) * BLOCK);
-                let wrenches = &mut wrenches[..of_block.len()];
-                blocks[k].evaluate(&Instant { scene, standing, before }, stretch, of_block.start, wrenches);
+                let (start, loads) = (of_block.start, &mut loads[..of_block.len()]);
+                blocks[k].evaluate(&Instant { scene, standing, before }, stretch, start, loads);
                 hand_over(blocks, k);
-                blocks[k].take_in(of_block.start, wrenches);
-                let (standing, flown) = (&mut standing[of_block.clone()], &mut flown[of_block.clone()]);
-                blocks[k].answer = then(k, Bodies { start: of_block.start, standing, flown, wrenches });
+                blocks[k].take_in(start, loads);
+                let (standing, flown) = (&mut standing[of_block.clone()], &mut flown[of_block]);
+                blocks[k].answer = then(k, Bodies { start, standing, flown, loads });
             }
         } else {
             let instant = Instant { scene, standing, before };
-            let each = blocks.iter_mut().zip(wrenches.chunks_mut(BLOCK)).enumerate();
-            threads.each(each, |(k, (block, wrenches))| {
-                block.evaluate(&instant, stretch, k * BLOCK, wrenches);
+            let each = blocks.iter_mut().zip(loads.chunks_mut(BLOCK)).enumerate();
+            threads.each(each, |(k, (block, loads))| {
+                block.evaluate(&instant, stretch, k * BLOCK, loads);
             });
             (0..blocks.len()).for_each(|k| hand_over(blocks, k));
             let each = blocks.iter_mut().zip(standing.chunks_mut(BLOCK)).enumerate();
-            let each = each.zip(flown.chunks_mut(BLOCK).zip(wrenches.chunks_mut(BLOCK)));
-            threads.each(each, |((k, (block, standing)), (flown, wrenches))| {
-                block.take_in(k * BLOCK, wrenches);
-                block.answer = then(k, Bodies { start: k * BLOCK, standing, flown, wrenches });
+            let each = each.zip(flown.chunks_mut(BLOCK).zip(loads.chunks_mut(BLOCK)));
+            threads.each(each, |((k, (block, standing)), (flown, loads))| {
+                block.take_in(k * BLOCK, loads);
+                block.answer = then(k, Bodies { start: k * BLOCK, standing, flown, loads });
             });
         }
         blocks.iter().map(|block| block.answer).fold(0.0, f64::max)
@@ -182,18 +193,16 @@ impl Blocks {
 
 impl Block {
     /// Sums the forces of its own pairs; what crosses its bounds waits to be handed over.
-    fn evaluate(&mut self, instant: &Instant, stretch: Stretch, start: usize, wrenches: &mut [Wrench]) {
+    fn evaluate(&mut self, instant: &Instant, stretch: Stretch, start: usize, loads: &mut [Load]) {
         let Block { pairs, outgoing, work, .. } = self;
-        wrenches.fill(Wrench::default());
-        instant.evaluate(pairs, stretch, &mut Sums { start, wrenches, outgoing, work });
+        loads.fill(Load::default());
+        instant.evaluate(pairs, stretch, &mut Sums { start, loads, outgoing, work });
     }
 
     /// Adds what was handed over; then the forces are complete.
-    fn take_in(&mut self, start: usize, wrenches: &mut [Wrench]) {
-        for Crossing { body, wrench } in self.incoming.drain(..) {
-            let sum = &mut wrenches[body.index() - start];
-            sum.force += wrench.force;
-            sum.torque += wrench.torque;
+    fn take_in(&mut self, start: usize, loads: &mut [Load]) {
+        for Crossing { body, load } in self.incoming.drain(..) {
+            loads[body.index() - start].add(&load);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Every contact at one instant: overlap, relative motion, spring -> forces.
 
 use super::contact_law::{Reaction, react};
-use super::overlap::{Meeting, Overlap, books_contact, meet, nearest_on_face};
-use super::pairs::{DiskPair, DiskPairDetail, FacePair, Pairs, Spring};
+use super::overlap::{Meeting, Overlap, books_contact, meet, meet_face, nearest_on_face};
+use super::pairs::{DiskPair, DiskPairDetail, FacePair, Pairs, Spring, spring_at_face};
 use super::vec2::SMALL_TURN;
 use super::{BodyId, DiskId, FaceId, FacePart, PairLaw, Pose, Regime, Rotation, Scene, Twist, Vec2, Wrench};
 
@@ -143,7 +143,11 @@ struct Touch {
 
 enum Finding {
     Apart,
-    Coincident,
+    Coincident {
+        /// \[m\] overlap h.
+        depth: f64,
+        part: FacePart,
+    },
     Touching(Touch),
 }
 
@@ -161,11 +165,31 @@ pub(super) struct Sight {
 /// Pairs that are looked at together: what is found of them stays in the nearest cache.
 const AT_ONCE: usize = 32;
 
-/// A wrench that a body of another block is to receive.
+/// What the contacts at one instant do to a body, added up.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Load {
+    pub wrench: Wrench,
+    /// \[N\] sum of |F_n|.
+    pub squeeze: f64,
+    /// \[m\] the deepest overlap.
+    pub depth: f64,
+}
+
+impl Load {
+    #[inline(always)]
+    pub fn add(&mut self, other: &Load) {
+        self.wrench.force += other.wrench.force;
+        self.wrench.torque += other.wrench.torque;
+        self.squeeze += other.squeeze;
+        self.depth = if other.depth > self.depth { other.depth } else { self.depth };
+    }
+}
+
+/// What a contact does to a body of another block.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crossing {
     pub body: BodyId,
-    pub wrench: Wrench,
+    pub load: Load,
 }
 
 /// What an evaluation adds up, for the bodies of a block.
@@ -173,7 +197,7 @@ pub(super) struct Sums<'a> {
     /// The first body of the block.
     pub start: usize,
     /// Of the bodies of the block.
-    pub wrenches: &'a mut [Wrench],
+    pub loads: &'a mut [Load],
     /// For bodies of later blocks.
     pub outgoing: &'a mut Vec<Crossing>,
     pub work: &'a mut Work,
@@ -184,21 +208,28 @@ impl Sums<'_> {
     /// last bit.
     #[inline(always)]
     fn add(&mut self, receiver: BodyId, giver: Option<BodyId>, touch: &Touch) {
-        let force = touch.force();
-        let wrench = &mut self.wrenches[receiver.index() - self.start];
-        wrench.force += force;
-        wrench.torque += touch.arm.cross(force);
+        let (force, squeeze, depth) = (touch.force(), touch.reaction.normal.abs(), touch.overlap.depth);
+        let wrench = Wrench { force, torque: touch.arm.cross(force) };
+        self.loads[receiver.index() - self.start].add(&Load { wrench, squeeze, depth });
         let Some(giver) = giver else { return };
-        let torque = touch.other_arm.cross(force);
-        match self.wrenches.get_mut(giver.index() - self.start) {
-            Some(wrench) => {
-                wrench.force -= force;
-                wrench.torque -= torque;
-            }
-            None => {
-                self.outgoing
-                    .push(Crossing { body: giver, wrench: Wrench { force: -force, torque: -torque } });
-            }
+        let wrench = Wrench { force: -force, torque: -touch.other_arm.cross(force) };
+        self.give(giver, Load { wrench, squeeze, depth });
+    }
+
+    #[inline(always)]
+    fn give(&mut self, body: BodyId, load: Load) {
+        match self.loads.get_mut(body.index() - self.start) {
+            Some(sum) => sum.add(&load),
+            None => self.outgoing.push(Crossing { body, load }),
+        }
+    }
+
+    /// Disks that overlap without a normal: no force acts between them.
+    #[cold]
+    fn add_coincident(&mut self, receiver: BodyId, giver: Option<BodyId>, depth: f64) {
+        self.work.coincident += 1;
+        for body in [Some(receiver), giver].into_iter().flatten() {
+            self.give(body, Load { depth, ..Load::default() });
         }
     }
 }
@@ -225,7 +256,9 @@ impl Instant<'_> {
     fn disks(&self, pair: &DiskPair, detail: &DiskPairDetail, sight: &Sight, memory: Memory) -> Finding {
         let overlap = match meet(sight.between, pair.reach) {
             Meeting::Apart => return Finding::Apart,
-            Meeting::Coincident => return Finding::Coincident,
+            Meeting::Coincident => {
+                return Finding::Coincident { depth: pair.reach, part: FacePart::Left };
+            }
             Meeting::Touching(overlap) => overlap,
         };
         let (i, j) = (&self.standing[pair.first_body.index()], &self.standing[pair.second_body.index()]);
@@ -233,24 +266,31 @@ impl Instant<'_> {
         let other_arm = sight.other_arm - overlap.contact_point(detail.second_radius);
         let velocity = i.velocity_at(arm) - j.velocity_at(other_arm);
         let law = self.scene.law_at(detail.law);
-        Finding::Touching(touch(law, overlap, FacePart::Inside, arm, other_arm, velocity, memory))
+        Finding::Touching(touch(law, overlap, FacePart::Left, arm, other_arm, velocity, memory))
     }
 
+    /// A disk and a face; `memory` of the part of the face that is touched.
     #[inline]
-    fn face(&self, pair: &FacePair, memory: Memory) -> Finding {
+    fn face<'a>(&self, pair: &FacePair, memory: impl FnOnce(FacePart) -> Memory<'a>) -> Finding {
         let (disk, face) = (&self.scene.disks[pair.disk.index()], pair.face.index());
         let (wall, standing) = (&self.scene.faces[face], &self.standing[disk.body.index()]);
         let arm = standing.arm(disk.offset);
         let centre = standing.position + arm;
-        let (nearest, part) = nearest_on_face(wall, centre);
-        let meeting = meet(centre - nearest, disk.radius);
-        if meeting == Meeting::Apart || !books_contact(self.scene, face, nearest, part, centre) {
+        let nearest = nearest_on_face(wall, centre);
+        let apart = (centre - nearest.0).norm_squared() >= disk.radius * disk.radius;
+        if apart || !books_contact(self.scene, face, nearest, centre) {
             return Finding::Apart;
         }
-        let Meeting::Touching(overlap) = meeting else { return Finding::Coincident };
+        let (meeting, part) = meet_face(wall, nearest, centre, disk.radius, standing.position);
+        let overlap = match meeting {
+            Meeting::Apart => return Finding::Apart,
+            Meeting::Coincident => return Finding::Coincident { depth: disk.radius, part },
+            Meeting::Touching(overlap) => overlap,
+        };
         let arm = arm + overlap.contact_point(disk.radius);
         let law = self.scene.law(disk.material, wall.material);
-        Finding::Touching(touch(law, overlap, part, arm, Vec2::ZERO, standing.velocity_at(arm), memory))
+        let velocity = standing.velocity_at(arm);
+        Finding::Touching(touch(law, overlap, part, arm, Vec2::ZERO, velocity, memory(part)))
     }
 
     /// Sums the contact wrenches of a block's pairs and lets their springs advance as `stretch` says.
@@ -264,14 +304,17 @@ impl Instant<'_> {
                 let (pair, detail) = (&pairs.disks[*k], &pairs.disk_details[*k]);
                 let spring = &mut pairs.disk_springs[*k];
                 let finding = self.disks(pair, detail, sight, Memory { spring, before, stretch });
-                let Some(touch) = settle(finding, spring, now, stretch, sums.work) else { continue };
-                sums.add(pair.first_body, Some(pair.second_body), &touch);
+                settle(finding, spring, now, stretch, pair.first_body, Some(pair.second_body), sums);
             }
         }
-        for (pair, spring) in pairs.faces.iter().zip(&mut pairs.face_springs) {
-            let finding = self.face(pair, Memory { spring, before, stretch });
-            let Some(touch) = settle(finding, spring, now, stretch, sums.work) else { continue };
-            sums.add(self.scene.body_of(pair.disk), None, &touch);
+        let Pairs { faces, face_springs, .. } = pairs;
+        for (k, pair) in faces.iter().enumerate() {
+            let memory = |part| {
+                let spring = spring_at_face(self.scene, faces, face_springs, k, part, before);
+                Memory { spring, before, stretch }
+            };
+            let finding = self.face(pair, memory);
+            settle(finding, &mut face_springs[k], now, stretch, self.scene.body_of(pair.disk), None, sums);
         }
     }
 
@@ -300,26 +343,32 @@ impl Instant<'_> {
         let memory = |spring| Memory { spring, before: self.before, stretch: Stretch::Hold };
         let disks = |pairs: &'a Pairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
         for ((pair, detail), spring) in blocks.clone().flat_map(disks) {
-            if let Finding::Touching(touch) = self.disks(pair, detail, &self.sight(pair), memory(spring)) {
-                let bodies = [pair.first_body, pair.second_body];
-                touching_bodies.push(bodies);
-                for body in bodies {
-                    report.bodies[body.index()].agent_contacts += 1;
-                    report.bodies[body.index()].squeeze += touch.reaction.normal.abs();
-                }
-                report.agent_contacts += 1;
-                report.add(Pair::Disks { first: detail.first, second: detail.second }, &touch);
+            let who = Pair::Disks { first: detail.first, second: detail.second };
+            let squeeze = match self.disks(pair, detail, &self.sight(pair), memory(spring)) {
+                Finding::Apart => continue,
+                Finding::Coincident { depth, .. } => report.add_coincident(who, depth),
+                Finding::Touching(touch) => report.add(who, &touch),
+            };
+            let bodies = [pair.first_body, pair.second_body];
+            touching_bodies.push(bodies);
+            for body in bodies {
+                report.bodies[body.index()].agent_contacts += 1;
+                report.bodies[body.index()].squeeze += squeeze;
             }
+            report.agent_contacts += 1;
         }
         for (&pair, spring) in blocks.flat_map(|pairs| pairs.faces.iter().zip(&pairs.face_springs)) {
-            if let Finding::Touching(touch) = self.face(&pair, memory(spring)) {
-                let FacePair { disk, face } = pair;
-                let body = &mut report.bodies[self.scene.body_of(disk).index()];
-                body.wall_contacts += 1;
-                body.squeeze += touch.reaction.normal.abs();
-                report.wall_contacts += 1;
-                report.add(Pair::Face { disk, face, part: touch.part }, &touch);
-            }
+            let FacePair { disk, face } = pair;
+            let who = |part| Pair::Face { disk, face, part };
+            let squeeze = match self.face(&pair, |_| memory(spring)) {
+                Finding::Apart => continue,
+                Finding::Coincident { depth, part } => report.add_coincident(who(part), depth),
+                Finding::Touching(touch) => report.add(who(touch.part), &touch),
+            };
+            let body = &mut report.bodies[self.scene.body_of(disk).index()];
+            body.wall_contacts += 1;
+            body.squeeze += squeeze;
+            report.wall_contacts += 1;
         }
         touching_bodies.sort_unstable();
         touching_bodies.dedup();
@@ -386,31 +435,30 @@ fn touching_for(depth: f64, normal_speed: f64, dt: f64) -> f64 {
     if -normal_speed * dt > depth { depth / -normal_speed } else { dt }
 }
 
-/// Writes what the evaluation `now` has found into the pair's spring.
+/// Writes what the evaluation `now` has found into the pair's spring, and adds the forces up.
 #[inline(always)]
 fn settle(
     finding: Finding,
     spring: &mut Spring,
     now: u64,
     stretch: Stretch,
-    work: &mut Work,
-) -> Option<Touch> {
+    receiver: BodyId,
+    giver: Option<BodyId>,
+    sums: &mut Sums,
+) {
     match finding {
-        Finding::Apart => None,
-        Finding::Coincident => {
-            work.coincident += 1;
-            None
-        }
+        Finding::Apart => {}
+        Finding::Coincident { depth, .. } => sums.add_coincident(receiver, giver, depth),
         Finding::Touching(touch) => {
-            work.contacts += 1;
-            work.sliding += u64::from(touch.reaction.regime == Regime::Sliding);
+            sums.work.contacts += 1;
+            sums.work.sliding += u64::from(touch.reaction.regime == Regime::Sliding);
             let elongation = match stretch {
                 Stretch::Hold => touch.elongation,
                 Stretch::Over(_) => touch.reaction.elongation,
             };
             let (slip_speed, part) = (touch.slip_speed, touch.part);
             *spring = Spring { elongation, slip_speed, part, touched_at: now };
-            Some(touch)
+            sums.add(receiver, giver, &touch);
         }
     }
 }
@@ -462,9 +510,9 @@ pub struct Contact {
 /// What the contacts do to one body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BodyContacts {
-    /// Disk–disk contacts.
+    /// Disk–disk contacts, pairs whose centres coincide among them.
     pub agent_contacts: u32,
-    /// Disk–face contacts.
+    /// Disk–face contacts, the same among them.
     pub wall_contacts: u32,
     /// Different bodies that touch this one.
     pub touching_bodies: u32,
@@ -483,6 +531,10 @@ pub struct ContactReport {
     pub agent_contacts: u32,
     /// Disk–face contacts.
     pub wall_contacts: u32,
+    /// Of these contacts, the pairs whose centres coincide: no force acts between them.
+    pub coincident: Vec<Pair>,
+    /// \[m\] the deepest overlap; zero without contacts.
+    pub largest_overlap: f64,
 }
 
 impl ContactReport {
@@ -490,7 +542,9 @@ impl ContactReport {
         ContactReport { bodies: vec![BodyContacts::default(); bodies], ..ContactReport::default() }
     }
 
-    fn add(&mut self, pair: Pair, touch: &Touch) {
+    /// Adds a contact; answers |F_n| \[N\].
+    fn add(&mut self, pair: Pair, touch: &Touch) -> f64 {
+        self.largest_overlap = self.largest_overlap.max(touch.overlap.depth);
         self.contacts.push(Contact {
             pair,
             depth: touch.overlap.depth,
@@ -502,6 +556,14 @@ impl ContactReport {
             slip_speed: touch.slip_speed,
             regime: touch.reaction.regime,
         });
+        touch.reaction.normal.abs()
+    }
+
+    /// The same of a pair without a normal.
+    fn add_coincident(&mut self, pair: Pair, depth: f64) -> f64 {
+        self.largest_overlap = self.largest_overlap.max(depth);
+        self.coincident.push(pair);
+        0.0
     }
 
     /// A body on which a force is no finite number, if there is one.
@@ -514,10 +576,5 @@ impl ContactReport {
             Pair::Face { disk, .. } => scene.body_of(disk),
         });
         receiver.or_else(|| self.bodies.iter().position(|body| !body.squeeze.is_finite()).map(BodyId::from))
-    }
-
-    /// \[m\] the deepest overlap; zero without contacts.
-    pub fn largest_overlap(&self) -> f64 {
-        self.contacts.iter().map(|contact| contact.depth).fold(0.0, f64::max)
     }
 }

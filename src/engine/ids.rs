@@ -46,3 +46,7 @@ index!(
     /// A corner shared by faces of one wall.
     CornerId
 );
+index!(
+    /// Faces that go on straight into each other: place of one of them.
+    LineId
+);

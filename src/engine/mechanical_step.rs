@@ -165,12 +165,13 @@ impl<D: Drive> CommunicationStep<'_, D> {
             let (mut moved, mut turned) = (0.0f64, 0.0f64);
             for mover in &movers[k] {
                 let b = mover.body.index() - bodies.start;
-                let acceleration = mover.acceleration(&bodies.wrenches[b]);
-                let (before, kicked) =
-                    (bodies.standing[b].pose(), kicked(bodies.flown[b], acceleration, kick));
+                let (load, flown) = (&bodies.loads[b], &mut bodies.flown[b]);
+                flown.tally.add(load, kick);
+                let acceleration = mover.acceleration(&load.wrench);
+                let (before, kicked) = (bodies.standing[b].pose(), kicked(flown.twist, acceleration, kick));
                 let flight = &flights[mover.flyer as usize];
                 let (pose, twist) = mover.drive.after(begun).fly(flight, before, kicked);
-                bodies.flown[b] = twist;
+                flown.twist = twist;
                 let turn = pose.orientation - before.orientation;
                 // The velocity that another half kick would give is the predicted one.
                 bodies.standing[b].follow(pose, turn, self::kicked(twist, acceleration, half_kick));
@@ -189,8 +190,9 @@ impl<D: Drive> CommunicationStep<'_, D> {
         let correct = |k: usize, bodies: Bodies| {
             for mover in &movers[k] {
                 let b = mover.body.index() - bodies.start;
-                let acceleration = mover.acceleration(&bodies.wrenches[b]);
-                bodies.flown[b] = kicked(bodies.flown[b], acceleration, half_kick);
+                let (load, flown) = (&bodies.loads[b], &mut bodies.flown[b]);
+                flown.tally.add(load, half_kick);
+                flown.twist = kicked(flown.twist, mover.acceleration(&load.wrench), half_kick);
             }
             0.0
         };
@@ -287,7 +289,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
         let blocks = &mut self.scratch.blocks;
         for (b, body) in self.scene.bodies.iter().enumerate() {
             let (pose, twist) = match self.shortlist.activity[b] {
-                Activity::Active => (blocks.standing[b].pose(), blocks.flown[b]),
+                Activity::Active => (blocks.standing[b].pose(), blocks.flown[b].twist),
                 Activity::Free => {
                     self.work.shortlisted += 1;
                     let flight = &flights[body.flyer as usize];

@@ -8,6 +8,7 @@
 mod blocks;
 pub mod contact_law;
 mod contacts;
+mod exposure;
 mod face_grid;
 mod free_flight;
 mod ids;
@@ -25,8 +26,9 @@ mod world;
 
 pub use contact_law::Regime;
 pub use contacts::{BodyContacts, Contact, ContactReport, Pair, Work};
+pub use exposure::Exposure;
 pub use free_flight::{BodyFlight, FreeFlight};
-pub use ids::{BodyId, CornerId, DiskId, FaceId, WallId};
+pub use ids::{BodyId, CornerId, DiskId, FaceId, LineId, WallId};
 pub use neighbours::Crowded;
 pub use overlap::{Meeting, Overlap};
 pub use scene::{

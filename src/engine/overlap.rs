@@ -7,7 +7,8 @@ use super::{Face, FacePart, Scene, Vec2};
 pub struct Overlap {
     /// \[m\] h > 0.
     pub depth: f64,
-    /// Unit vector from the other's centre (or nearest point) to the receiver's centre.
+    /// Unit vector from the other's centre (or corner) to the receiver's centre; at a face the face's own, towards
+    /// the side of the receiver's centre.
     pub normal: Vec2,
 }
 
@@ -26,9 +27,14 @@ pub enum Meeting {
     Apart,
     /// Overlapping with a well-defined normal.
     Touching(Overlap),
-    /// Centres on top of each other: no normal, so no force; counted.
+    /// Centres on top of each other, to [`COINCIDENT`]: no normal, so no force; counted.
     Coincident,
 }
+
+/// \[m\] Centres that are no further apart are one point: what lies between them is rounding, and no direction.
+/// Less would let rounding choose the normal; a force left out so near the centre is of no consequence, as nobody
+/// stays there.
+pub const COINCIDENT: f64 = 1e-9;
 
 /// A disk and another (a point where `reach` is the disk's radius alone) whose centre is `between` away.
 ///
@@ -40,7 +46,7 @@ pub fn meet(between: Vec2, reach: f64) -> Meeting {
         return Meeting::Apart;
     }
     let distance = squared.sqrt();
-    if distance == 0.0 {
+    if distance <= COINCIDENT {
         return Meeting::Coincident;
     }
     let depth = reach - distance;
@@ -66,41 +72,81 @@ fn beyond(end: Vec2, other_end: Vec2, place: Vec2) -> bool {
     (place - end).dot(other_end - end) <= 0.0
 }
 
-/// The point of a face nearest to a place, and the part of the face it lies on.
+/// Where on a face a point lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Along {
+    /// At its start.
+    Start,
+    /// Between its ends.
+    Inside,
+    /// At its end.
+    End,
+}
+
+/// The point of a face nearest to a place, and where on the face it lies.
 #[inline]
-pub fn nearest_on_face(face: &Face, place: Vec2) -> (Vec2, FacePart) {
+pub fn nearest_on_face(face: &Face, place: Vec2) -> (Vec2, Along) {
     if beyond(face.start, face.end, place) {
-        (face.start, FacePart::Start)
+        (face.start, Along::Start)
     } else if beyond(face.end, face.start, place) {
-        (face.end, FacePart::End)
+        (face.end, Along::End)
     } else {
         let along = face.end - face.start;
         let share = (place - face.start).dot(along) / along.norm_squared();
-        (face.start + along * share, FacePart::Inside)
+        (face.start + along * share, Along::Inside)
     }
+}
+
+/// A disk and a face, of which `nearest` is nearest to the disk's centre.
+///
+/// Inside the face, and at a corner where the wall goes on straight, the normal is the face's own, on the side of
+/// the centre: the way from a near point to the centre would be a rounding error. A centre within [`COINCIDENT`]
+/// of the line is on the side where its body's centre of mass is; on the left if that is on the line, too.
+///
+/// `radius` \[m\] of the disk; `owner` \[m\] the centre of mass of its body.
+#[inline]
+pub fn meet_face(
+    face: &Face,
+    nearest: (Vec2, Along),
+    centre: Vec2,
+    radius: f64,
+    owner: Vec2,
+) -> (Meeting, FacePart) {
+    match nearest.1 {
+        Along::Start if !face.straight_before => return (meet(centre - nearest.0, radius), FacePart::Start),
+        Along::End if !face.straight_after => return (meet(centre - nearest.0, radius), FacePart::End),
+        _ => {}
+    }
+    let offset = (centre - face.start).dot(face.normal);
+    let side = if offset.abs() > COINCIDENT { offset } else { (owner - face.start).dot(face.normal) };
+    let (normal, part) =
+        if side >= 0.0 { (face.normal, FacePart::Left) } else { (-face.normal, FacePart::Right) };
+    let depth = radius - offset.abs();
+    let meeting = if depth > 0.0 { Meeting::Touching(Overlap { depth, normal }) } else { Meeting::Apart };
+    (meeting, part)
 }
 
 /// \[m\] Nearest points of two faces that both lie this near to their common corner are one point.
 const SAME_POINT: f64 = 1e-9;
 
-/// Whether the contact of a place with a part of a face is this face's to book.
+/// Whether the contact of a place with a point of a face, the nearest one, is this face's to book.
 ///
 /// A corner touches only when it is the nearest point of every face that meets there, and then once,
 /// on the lowest-numbered of them. At the seam of a straight wall drawn in two pieces rounding may put
 /// the nearest points of both just inside: that is one contact too, of the lower-numbered face.
-pub fn books_contact(scene: &Scene, face: usize, nearest: Vec2, part: FacePart, place: Vec2) -> bool {
+pub fn books_contact(scene: &Scene, face: usize, (nearest, along): (Vec2, Along), place: Vec2) -> bool {
     let own = &scene.faces[face];
-    let at = match part {
-        FacePart::Start => own.start_corner,
-        FacePart::End => own.end_corner,
-        FacePart::Inside => {
+    let at = match along {
+        Along::Start => own.start_corner,
+        Along::End => own.end_corner,
+        Along::Inside => {
             return ![own.start_corner, own.end_corner].into_iter().any(|at| {
                 let corner = &scene.corners[at.index()];
                 (nearest - corner.position).norm_squared() < SAME_POINT * SAME_POINT
                     && corner.faces.iter().take_while(|lower| lower.index() < face).any(|lower| {
-                        let (point, part) = nearest_on_face(&scene.faces[lower.index()], place);
+                        let (point, along) = nearest_on_face(&scene.faces[lower.index()], place);
                         let near = (point - corner.position).norm_squared() < SAME_POINT * SAME_POINT;
-                        part == FacePart::Inside && near
+                        along == Along::Inside && near
                     })
             });
         }
@@ -126,12 +172,66 @@ mod tests {
         Scene::new(&[], &[WallSpec { material: 0, corners: corners.to_vec() }], &LawTable::new(1)).unwrap()
     }
 
-    fn booked(scene: &Scene, place: Vec2) -> Vec<(usize, FacePart)> {
+    fn booked(scene: &Scene, place: Vec2) -> Vec<(usize, Along)> {
         (0..scene.faces.len())
             .map(|face| (face, nearest_on_face(&scene.faces[face], place)))
-            .filter(|&(face, (nearest, part))| books_contact(scene, face, nearest, part, place))
-            .map(|(face, (_, part))| (face, part))
+            .filter(|&(face, nearest)| books_contact(scene, face, nearest, place))
+            .map(|(face, (_, along))| (face, along))
             .collect()
+    }
+
+    /// Of a disk of 0.2 m with the first face.
+    fn met(scene: &Scene, centre: Vec2, owner: Vec2) -> (Meeting, FacePart) {
+        let face = &scene.faces[0];
+        meet_face(face, nearest_on_face(face, centre), centre, 0.2, owner)
+    }
+
+    #[test]
+    fn the_normal_at_a_face_is_never_a_rounding_error() {
+        let touching = |depth, normal| Meeting::Touching(Overlap { depth, normal });
+        let (start, end) = (vec2(-4.7, -1.3), vec2(5.1, 2.9));
+        let scene = wall(&[start, end]);
+        let across = scene.faces[0].normal;
+        assert!(across.dot(end - start).abs() < 1e-15 && (across.norm() - 1.0).abs() < 1e-15);
+        for share in [0.1, 0.3, 0.51, 0.9] {
+            let on_line = start + (end - start) * share;
+            for (beside, part, sign) in [(across, FacePart::Left, 1.0), (-across, FacePart::Right, -1.0)] {
+                // The centre on the line but for rounding: the body's centre of mass tells the side.
+                let (meeting, seen) = met(&scene, on_line, on_line + beside * 0.1);
+                assert_eq!(seen, part);
+                let Meeting::Touching(Overlap { depth, normal }) = meeting else { panic!() };
+                assert!((depth - 0.2).abs() < 1e-15 && normal == across * sign);
+                // Beside it: the centre itself does.
+                let (_, seen) = met(&scene, on_line + beside * 2e-9, on_line - beside);
+                assert_eq!(seen, part);
+            }
+        }
+        // Both on it.
+        let scene = wall(&[vec2(-4.7, 0.0), vec2(5.1, 0.0)]);
+        let on_line = vec2(0.3, 0.0);
+        assert_eq!(met(&scene, on_line, on_line), (touching(0.2, vec2(0.0, 1.0)), FacePart::Left));
+        // At the end of the wall there is a normal only away from it.
+        assert_eq!(met(&scene, vec2(5.1 + 5e-10, 0.0), on_line), (Meeting::Coincident, FacePart::End));
+        assert_eq!(met(&scene, vec2(5.2, 0.0), on_line).1, FacePart::End);
+    }
+
+    #[test]
+    fn a_seam_of_a_straight_wall_has_the_normal_of_its_faces() {
+        let scene = wall(&[vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(2.0, 0.0)]);
+        for y in [0.1, 0.0, -0.1] {
+            let (meeting, part) = met(&scene, vec2(1.0, y), vec2(1.0, 3.0 * y));
+            let (normal, side) =
+                if y < 0.0 { (vec2(0.0, -1.0), FacePart::Right) } else { (vec2(0.0, 1.0), FacePart::Left) };
+            let depth = 0.2 - y.abs();
+            assert_eq!((meeting, part), (Meeting::Touching(Overlap { depth, normal }), side));
+        }
+    }
+
+    #[test]
+    fn centres_within_a_nanometre_are_coincident() {
+        assert_eq!(meet(vec2(6e-10, 7e-10), 0.4), Meeting::Coincident);
+        assert_eq!(meet(Vec2::ZERO, 0.4), Meeting::Coincident);
+        assert!(matches!(meet(vec2(2e-9, 0.0), 0.4), Meeting::Touching(_)));
     }
 
     #[test]
@@ -147,10 +247,10 @@ mod tests {
     #[test]
     fn straight_wall_in_two_pieces_is_one() {
         let scene = wall(&[vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(2.0, 0.0)]);
-        assert_eq!(booked(&scene, vec2(0.5, 0.1)), [(0, FacePart::Inside)]);
-        assert_eq!(booked(&scene, vec2(1.0, 0.1)), [(0, FacePart::End)]);
-        assert_eq!(booked(&scene, vec2(1.5, 0.1)), [(1, FacePart::Inside)]);
-        assert_eq!(booked(&scene, vec2(-0.1, 0.1)), [(0, FacePart::Start)]);
+        assert_eq!(booked(&scene, vec2(0.5, 0.1)), [(0, Along::Inside)]);
+        assert_eq!(booked(&scene, vec2(1.0, 0.1)), [(0, Along::End)]);
+        assert_eq!(booked(&scene, vec2(1.5, 0.1)), [(1, Along::Inside)]);
+        assert_eq!(booked(&scene, vec2(-0.1, 0.1)), [(0, Along::Start)]);
     }
 
     #[test]
@@ -177,16 +277,16 @@ mod tests {
     fn corners_push_once_outside_and_twice_inside() {
         let scene = wall(&[vec2(-1.0, 0.0), vec2(0.0, 0.0), vec2(0.0, -1.0)]);
         // Outside the right angle only the corner is near.
-        assert_eq!(booked(&scene, vec2(0.1, 0.1)), [(0, FacePart::End)]);
+        assert_eq!(booked(&scene, vec2(0.1, 0.1)), [(0, Along::End)]);
         // Inside it, both faces are.
-        assert_eq!(booked(&scene, vec2(-0.1, -0.1)), [(0, FacePart::Inside), (1, FacePart::Inside)]);
+        assert_eq!(booked(&scene, vec2(-0.1, -0.1)), [(0, Along::Inside), (1, Along::Inside)]);
         // Beside one face only that face is, though the corner is the other's nearest point.
-        assert_eq!(booked(&scene, vec2(-0.1, 0.1)), [(0, FacePart::Inside)]);
+        assert_eq!(booked(&scene, vec2(-0.1, 0.1)), [(0, Along::Inside)]);
     }
 
     #[test]
     fn a_corner_of_a_closed_wall_is_booked_on_its_lowest_face() {
         let scene = wall(&[vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0), vec2(0.0, 0.0)]);
-        assert_eq!(booked(&scene, vec2(-0.1, -0.1)), [(0, FacePart::Start)]);
+        assert_eq!(booked(&scene, vec2(-0.1, -0.1)), [(0, Along::Start)]);
     }
 }

@@ -12,7 +12,7 @@ pub(super) struct Spring {
     pub elongation: f64,
     /// \[m/s\] tangential speed at the last evaluation.
     pub slip_speed: f64,
-    /// The part of the face it touched; disks are touched [`FacePart::Inside`] by convention.
+    /// The part of the face it touched; disks are touched on the [`FacePart::Left`] by convention.
     pub part: FacePart,
     /// The evaluation that found the pair touching last: it holds a spring only if that was the one before.
     pub touched_at: u64,
@@ -21,7 +21,7 @@ pub(super) struct Spring {
 impl Spring {
     /// Never touched: evaluations count from [`FIRST_EVALUATION`].
     pub const RELAXED: Spring =
-        Spring { elongation: 0.0, slip_speed: 0.0, part: FacePart::Inside, touched_at: 0 };
+        Spring { elongation: 0.0, slip_speed: 0.0, part: FacePart::Left, touched_at: 0 };
 }
 
 /// The evaluation that a state's springs were found by.
@@ -149,7 +149,7 @@ impl Pairs {
     /// Lists the pair of a state's spring, which was found by the [`FIRST_EVALUATION`].
     pub fn load_disks(&mut self, scene: &Scene, known: &DiskSpring) {
         push_disks(&mut self.disks, &mut self.disk_details, scene, known.first, known.second);
-        self.disk_springs.push(loaded(known.elongation, FacePart::Inside));
+        self.disk_springs.push(loaded(known.elongation, FacePart::Left));
     }
 
     /// The same for a spring at a face.
@@ -194,6 +194,47 @@ fn push_disks(
         second_radius: b.radius,
         law: scene.law_between(a.material, b.material),
     });
+}
+
+/// The spring of the contact that the k-th of these pairs has at a part of its face.
+///
+/// A contact that slides from one face to another that goes on straight is one contact: it keeps the spring of the
+/// pair that an evaluation has found touching `before` (Physics: how finely a straight wall is divided changes
+/// nothing).
+#[inline]
+pub(super) fn spring_at_face<'a>(
+    scene: &Scene,
+    faces: &[FacePair],
+    springs: &'a [Spring],
+    k: usize,
+    part: FacePart,
+    before: u64,
+) -> &'a Spring {
+    let on_a_side = matches!(part, FacePart::Left | FacePart::Right);
+    if springs[k].touched_at == before || !on_a_side {
+        return &springs[k];
+    }
+    came_from(scene, faces, springs, k, part, before).unwrap_or(&springs[k])
+}
+
+#[cold]
+fn came_from<'a>(
+    scene: &Scene,
+    faces: &[FacePair],
+    springs: &'a [Spring],
+    k: usize,
+    part: FacePart,
+    before: u64,
+) -> Option<&'a Spring> {
+    let FacePair { disk, face } = faces[k];
+    let line = |face: FaceId| scene.faces[face.index()].line;
+    // Pairs of a disk stand together.
+    let first = faces.partition_point(|pair| pair.disk < disk);
+    let of_disk = faces[first..].iter().zip(&springs[first..]).take_while(|(pair, _)| pair.disk == disk);
+    let left = |(pair, spring): &(&FacePair, &Spring)| {
+        spring.touched_at == before && spring.part == part && line(pair.face) == line(face)
+    };
+    of_disk.filter(left).map(|(_, spring)| spring).next()
 }
 
 fn loaded(elongation: f64, part: FacePart) -> Spring {

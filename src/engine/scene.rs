@@ -1,7 +1,7 @@
 //! What does not change while time runs: bodies, disks, walls and the laws between materials.
 
 use super::face_grid::FaceGrid;
-use super::{BodyId, CornerId, DiskId, FaceId, Rotation, Vec2, WallId};
+use super::{BodyId, CornerId, DiskId, FaceId, LineId, Rotation, Vec2, WallId};
 use std::collections::HashMap;
 use std::ops::Range;
 use thiserror::Error;
@@ -134,7 +134,19 @@ pub struct Face {
     pub start_corner: CornerId,
     /// The corner at the end.
     pub end_corner: CornerId,
+    /// Unit vector across it, to the left of the way from start to end; zero if it has no length.
+    pub normal: Vec2,
+    /// Faces of one wall that go on straight into each other are of one line, which acts on a disk like one
+    /// long face.
+    pub line: LineId,
+    /// Whether the wall goes on straight before the start, to 1e-6 rad.
+    pub straight_before: bool,
+    /// Whether the wall goes on straight after the end, to 1e-6 rad.
+    pub straight_after: bool,
 }
+
+/// \[rad\] Faces whose directions differ by no more go on straight into each other.
+const STRAIGHT: f64 = 1e-6;
 
 /// A point where faces of one wall meet, or where a wall ends.
 #[derive(Debug, Clone, PartialEq)]
@@ -290,10 +302,42 @@ impl Scene {
                 end: ends[1],
                 start_corner,
                 end_corner,
+                normal: across(ends[0], ends[1]),
+                line: LineId::from(face.index()),
+                straight_before: false,
+                straight_after: false,
             });
         }
+        self.join_lines(first_face);
         debug_assert!(self.corners[first_corner..].iter().all(|corner| corner.faces.is_sorted()));
         self.wall_faces.push(first_face..self.faces.len());
+    }
+
+    /// Finds out where the faces of the last wall, from a place on, go on straight into each other.
+    fn join_lines(&mut self, first: usize) {
+        for face in first + 1..self.faces.len() {
+            if self.goes_on(face - 1, face) {
+                self.faces[face].line = self.faces[face - 1].line;
+            }
+        }
+        // A wall of two faces that is closed goes back where it came from.
+        let Some(last) = self.faces.len().checked_sub(1).filter(|last| *last > first + 1) else { return };
+        if self.goes_on(last, first) {
+            let (from, to) = (self.faces[last].line, self.faces[first].line);
+            self.faces[first..].iter_mut().filter(|face| face.line == from).for_each(|face| face.line = to);
+        }
+    }
+
+    /// Notes whether a face goes on straight into another that begins where it ends, and where no third one begins.
+    fn goes_on(&mut self, before: usize, after: usize) -> bool {
+        let (one, other) = (&self.faces[before], &self.faces[after]);
+        let straight = one.end_corner == other.start_corner
+            && self.corners[one.end_corner.index()].faces.len() == 2
+            && (one.normal - other.normal).norm() <= STRAIGHT
+            && one.normal != Vec2::ZERO;
+        self.faces[before].straight_after = straight;
+        self.faces[after].straight_before = straight;
+        straight
     }
 
     /// The law of two materials.
@@ -319,6 +363,13 @@ impl Scene {
     pub fn body_of(&self, disk: DiskId) -> BodyId {
         self.disks[disk.index()].body
     }
+}
+
+/// The unit vector to the left of the way from one point to another; zero if they are one.
+fn across(from: Vec2, to: Vec2) -> Vec2 {
+    let along = to - from;
+    let length = libm::hypot(along.x, along.y);
+    if length > 0.0 { (along * (1.0 / length)).perp() } else { Vec2::ZERO }
 }
 
 fn check_laws(bodies: &[BodySpec], walls: &[WallSpec], laws: &LawTable) -> Result<(), SceneError> {
@@ -381,6 +432,25 @@ mod tests {
         let scene = Scene::new(&[], &[WallSpec { material: 0, corners }], &LawTable::new(1)).unwrap();
         assert_eq!(scene.corners.len(), 3);
         assert_eq!(scene.corners[0].faces, vec![FaceId(0), FaceId(2)]);
+    }
+
+    #[test]
+    fn straight_faces_are_of_one_line() {
+        let lines = |corners: &[(f64, f64)]| {
+            let corners = corners.iter().map(|&(x, y)| vec2(x, y)).collect();
+            let scene = Scene::new(&[], &[WallSpec { material: 0, corners }], &LawTable::new(1)).unwrap();
+            scene.faces.iter().map(|face| face.line.index()).collect::<Vec<_>>()
+        };
+        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.5, 0.0), (2.5, 1.0), (2.5, 7.0)]), [0, 0, 2, 2]);
+        // Closed in the middle of a side.
+        let square = [(0.5, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (0.5, 0.0)];
+        assert_eq!(lines(&square), [0, 1, 2, 3, 0]);
+        // A bend of 2e-6 rad is a bend, one of 5e-7 rad is none.
+        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2e-6)]), [0, 1]);
+        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.0, 5e-7)]), [0, 0]);
+        // There and back, and a third face at the corner.
+        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.0)]), [0, 1]);
+        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0)]), [0, 1, 2, 3]);
     }
 
     #[test]

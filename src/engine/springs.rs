@@ -1,7 +1,7 @@
 //! Springs from the vectors that files hold.
 
-use super::overlap::{nearest_on_face, unit};
-use super::{DiskId, DiskSpring, FaceId, FaceSpring, Pose, Rotation, Scene, Vec2};
+use super::overlap::{COINCIDENT, Meeting, meet_face, nearest_on_face, unit};
+use super::{Disk, DiskId, DiskSpring, FaceId, FaceSpring, Pose, Rotation, Scene, Vec2};
 
 impl Scene {
     /// \[m\] the centre of a disk, with bodies at their poses.
@@ -19,16 +19,23 @@ impl Scene {
 
     /// The spring between a disk and a face whose elongation is a vector \[m\].
     pub fn face_spring(&self, disk: DiskId, face: FaceId, elongation: Vec2, poses: &[Pose]) -> FaceSpring {
-        let centre = self.centre(disk, poses);
-        let (nearest, part) = nearest_on_face(&self.faces[face.index()], centre);
-        FaceSpring { disk, face, part, elongation: elongation_along(centre - nearest, elongation) }
+        let (centre, Disk { body, radius, .. }) = (self.centre(disk, poses), &self.disks[disk.index()]);
+        let of_wall = &self.faces[face.index()];
+        let nearest = nearest_on_face(of_wall, centre);
+        let owner = poses[body.index()].position;
+        let (meeting, part) = meet_face(of_wall, nearest, centre, *radius, owner);
+        let elongation = match meeting {
+            Meeting::Touching(overlap) => elongation.dot(overlap.normal.perp()),
+            Meeting::Apart | Meeting::Coincident => 0.0,
+        };
+        FaceSpring { disk, face, part, elongation }
     }
 }
 
 /// The component along the tangent of a contact whose centres lie `between` apart.
 fn elongation_along(between: Vec2, elongation: Vec2) -> f64 {
     let distance = between.norm();
-    if distance == 0.0 { 0.0 } else { elongation.dot(unit(between, distance).perp()) }
+    if distance <= COINCIDENT { 0.0 } else { elongation.dot(unit(between, distance).perp()) }
 }
 
 /// The vector of a spring's elongation along the tangent, which reads back to the same double: where the

@@ -30,11 +30,15 @@ pub struct Wrench {
     pub torque: f64,
 }
 
-/// The part of a face that is nearest to a disk.
+/// The part of a face that a disk touches.
+///
+/// A corner at which the wall goes on straight is no corner to a disk: it belongs to the sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FacePart {
-    /// Between its corners.
-    Inside,
+    /// The side on the left of the way from its first to its last corner.
+    Left,
+    /// The side on the right.
+    Right,
     /// Its first corner.
     Start,
     /// Its last corner.
@@ -63,7 +67,8 @@ pub struct FaceSpring {
     pub disk: DiskId,
     /// The face.
     pub face: FaceId,
-    /// Which part of the face; another part is another contact.
+    /// Which part of the face. Another part is another contact, but a side of faces that go on straight
+    /// ([`super::Face::line`]) is one.
     pub part: FacePart,
     /// \[m\] along the tangent.
     pub elongation: f64,

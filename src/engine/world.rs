@@ -1,11 +1,12 @@
 //! The world: owns scene, drive and state, and advances them.
 
+use super::blocks::Flown;
 use super::contacts::{ContactReport, Stretch};
 use super::free_flight::Drive;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::neighbours::{CellGrid, Circle, Crowded, Near, SKIN};
 use super::shortlist::{Activity, Shortlist};
-use super::{BodyId, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
+use super::{BodyId, Exposure, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
 use thiserror::Error;
 
 /// More mechanical steps than this in one communication step are refused: they would never end.
@@ -90,6 +91,7 @@ pub struct World {
     /// Communication steps that threads have shared.
     shared: u64,
     contacts: ContactReport,
+    exposures: Vec<Exposure>,
     work: Work,
     scratch: Scratch,
 }
@@ -114,6 +116,7 @@ impl World {
             threads: Threads::default(),
             shared: 0,
             contacts: ContactReport::default(),
+            exposures: Vec::new(),
             work: Work::default(),
             state: State::default(),
             scene,
@@ -168,6 +171,16 @@ impl World {
         &self.contacts
     }
 
+    /// What the contacts did to each body during the last communication step.
+    pub fn exposures(&self) -> &[Exposure] {
+        &self.exposures
+    }
+
+    /// \[m\] the deepest overlap during the last communication step; zero without contacts.
+    pub fn largest_overlap(&self) -> f64 {
+        self.exposures.iter().map(|exposure| exposure.peak_overlap).fold(0.0, f64::max)
+    }
+
     /// Work done since the world was made.
     pub fn work(&self) -> &Work {
         &self.work
@@ -175,6 +188,8 @@ impl World {
 
     /// Puts the world into a state of the same scene; run on, it gives the same bits as the world that
     /// the state was taken from.
+    ///
+    /// The [`World::exposures`] are no part of a state: they are those of its instant then.
     ///
     /// # Errors
     /// More pairs are near each other than are held in memory; nothing has changed then.
@@ -189,12 +204,28 @@ impl World {
         let (grid, alone) = (CellGrid::new(&circles, 0..circles.len(), SKIN), Threads::default());
         blocks.list(scene, &alone, &grid, &circles, |_| true)?;
         blocks.renew(scene, &alone, Near::default());
-        // Finds out which pairs touch; the forces are not wanted.
-        blocks.evaluate(scene, &alone, Stretch::Hold, |_, _| 0.0);
+        // Finds out which pairs touch, and how deeply; the forces are not wanted.
+        blocks.evaluate(scene, &alone, Stretch::Hold, |_, bodies| {
+            bodies.flown.iter_mut().zip(bodies.loads).for_each(|(flown, load)| flown.tally.add(load, 0.0));
+            0.0
+        });
         blocks.take_work();
         self.contacts = blocks.report(scene);
+        // What a step of no duration would show.
+        self.exposures = exposures(&blocks.flown, 0.0, &self.contacts);
         blocks.store(&mut state);
         self.state = state;
+        Ok(())
+    }
+
+    /// As [`World::restore`], with the exposures of the step that ended there, one for each body.
+    ///
+    /// # Errors
+    /// As [`World::restore`].
+    pub fn restore_with(&mut self, state: State, exposures: Vec<Exposure>) -> Result<(), Crowded> {
+        assert_eq!(exposures.len(), self.scene.bodies.len(), "one exposure for each body");
+        self.restore(state)?;
+        self.exposures = exposures;
         Ok(())
     }
 
@@ -225,7 +256,12 @@ impl World {
         if let Some(body) = contacts.not_finite(&self.scene) {
             return Err(AdvanceError::NotFinite { body });
         }
+        let exposures = exposures(&self.scratch.blocks.flown, duration, &contacts);
+        if let Some(b) = exposures.iter().position(|exposure| !exposure.is_finite()) {
+            return Err(AdvanceError::NotFinite { body: BodyId::from(b) });
+        }
         self.contacts = contacts;
+        self.exposures = exposures;
         self.state = state;
         Ok(())
     }
@@ -256,6 +292,12 @@ impl World {
         self.work = [self.work, self.scratch.blocks.take_work()].into_iter().sum();
         state
     }
+}
+
+/// What was added up over a duration \[s\]; at its end the contacts are these.
+fn exposures(bodies: &[Flown], duration: f64, contacts: &ContactReport) -> Vec<Exposure> {
+    let bodies = bodies.iter().zip(&contacts.bodies);
+    bodies.map(|(flown, body)| flown.tally.exposure(duration, body.squeeze)).collect()
 }
 
 #[cfg(test)]

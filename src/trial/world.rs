@@ -1,5 +1,6 @@
 //! Documents to an engine world, and a world back to documents.
 
+use super::problem::quoted;
 use super::{
     AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, Trial, WallInteraction, stiffness,
 };
@@ -187,6 +188,20 @@ impl Trial {
                 }
             }
             _ => error.to_string(),
+        }
+    }
+
+    /// Who a pair is, by the Ids of agents and walls.
+    pub fn name_pair(&self, scene: &Scene, pair: Pair) -> String {
+        let agent = |disk: DiskId| &self.agents[scene.body_of(disk).index()].id;
+        match pair {
+            Pair::Disks { first, second } => {
+                format!("agents {} and {}", quoted(agent(first)), quoted(agent(second)))
+            }
+            Pair::Face { disk, face, .. } => {
+                let wall = &self.geometry.walls[scene.faces[face.index()].wall.index()];
+                format!("agent {} and a corner of wall {}", quoted(agent(disk)), quoted(&wall.id))
+            }
         }
     }
 

@@ -274,6 +274,11 @@ impl Resources {
     }
 }
 
+/// Whether a Real is computed, so that nobody sets it.
+pub fn computed(name: &str) -> bool {
+    name.ends_with("NormalForce") || name.ends_with("Overlap")
+}
+
 /// Names, references and GUID of a Trial's FMU.
 pub struct Model {
     pub guid: String,

@@ -5,6 +5,7 @@
 
 mod derivatives;
 mod exports;
+mod exposure;
 mod fmu;
 mod instances;
 mod instantiate;

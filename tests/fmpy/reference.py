@@ -3,7 +3,7 @@
 The engine steps through contacts with a fixed mechanical step. Here scipy's eighth-order Runge-Kutta (DOP853, tolerance 1e-12)
 integrates the smooth pieces, and every instant at which the equations change is located by root finding:
 
-- a contact begins or ends, or passes from a face of a wall to another or to a corner
+- a contact begins or ends, or passes from a face of a wall to another or to a corner; where the wall goes on straight it goes on as it was
 - sticking -> sliding: the test force F* = -k_t s - gamma_t v_t leaves the Coulomb cone |F*| <= mu |F_n|
 - sliding -> sticking: with the elongation on the cone, s = -(F_t + gamma_t v_t)/k_t, and let go (ds/dt = v_t), F* would enter it
 - the normal force changes sign (it is not clamped), so |F_n| has a kink
@@ -21,6 +21,7 @@ states answer to the start `moved` by 1e-9 and to a `loose` tolerance of 1e-10. 
 """
 
 import argparse
+import cmath
 import json
 import math
 import sys
@@ -115,11 +116,33 @@ class Scene:
             for point, ends in meeting.items():
                 self.corners.append((np.array(point), ends))
                 self.touch += [("corner", i, len(self.corners) - 1, of_wall[stuff[i]]) for i in range(disks)]
+        # Faces that go on straight into each other are one line: line[face], and of such corners line_at[corner].
+        self.line = list(range(len(self.faces)))
+        self.line_at = [None] * len(self.corners)
+        for number, (_, ends) in enumerate(self.corners):
+            if len(ends) == 2 and self._bend(*ends) < 1e-6:
+                kept, other = sorted(self.line[face] for face, _ in ends)
+                self.line = [kept if line == other else line for line in self.line]
+                self.line_at[number] = ends[0][0]
 
         self._owner, self._radius, self._offset = np.array(self.owner), np.array(self.radius), np.array(self.offset)
         pairs = [(i, j) for kind, i, j, _ in self.touch if kind == "disk"]
         self._i, self._j = (np.array(pairs, int).T if pairs else (np.array([], int), np.array([], int)))
         self._pairs = len(pairs)
+
+    def _bend(self, first, second):
+        """The angle [rad] by which the wall turns where two faces meet; each as (face, whether it ends there)."""
+        away = []
+        for face, ends in (first, second):
+            a, b = self.faces[face]
+            away.append(complex(*(a - b if ends else b - a)))
+        return abs(math.remainder(cmath.phase(away[0] / -away[1]), 2 * math.pi))
+
+    def line_of(self, n):
+        """The disk and the line that `touch[n]` is a contact of; None if it is none with a line."""
+        kind, i, j, _ = self.touch[n]
+        face = j if kind == "face" else self.line_at[j] if kind == "corner" else None
+        return None if face is None else (i, self.line[face])
 
     def centres(self, y):
         """Disk centres as complex numbers."""
@@ -372,11 +395,17 @@ class Simulation:
                 raise Grazing("a touch without depth")
             if ending and beginning:
                 self.counts["passes on"] += 1
+            gone = {}
             for m in ending:
-                del self.contacts[m]
+                gone[self.scene.line_of(m)] = self.contacts.pop(m)
                 self.counts["ends"] += 1
+            gone.pop(None, None)
             for m in beginning:
                 self._begin(m)
+                if (before := gone.get(self.scene.line_of(m))) is not None:  # along a straight line it is one contact
+                    c = self.contacts[m]
+                    c.s, c.side, c.sign = before.s, before.side, before.sign
+                    self.counts["goes on straight"] += 1
         elif kind == "stick":
             _, _, h, h1, vt, *_ = c.motion(self.y.tolist(), self.scene)
             c.side = int(math.copysign(1, -c.law.kt * c.s - c.law.gt * vt))

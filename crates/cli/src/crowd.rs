@@ -188,7 +188,7 @@ impl Crowd {
                 .map(|m| Twist { velocity: vec2(m[2], m[3]), angular_velocity: m[5] })
                 .collect();
             shadow.restore(State::new(poses, twists))?;
-            let overlap = shadow.contacts().largest_overlap();
+            let overlap = shadow.contacts().largest_overlap;
             self.extremes.largest_overlap = self.extremes.largest_overlap.max(overlap);
         }
         if !wanted {

@@ -659,7 +659,9 @@ pub unsafe fn do_step<M: Model>(
     _no_set_fmu_state_prior_to_current_point: c_int,
 ) -> Status {
     call::<M>(instance, "fmi2DoStep", |component| {
-        Ok(component.slave.do_step(current_communication_point, communication_step_size)?)
+        component.slave.do_step(current_communication_point, communication_step_size)?;
+        component.tell_warnings();
+        Ok(())
     })
 }
 

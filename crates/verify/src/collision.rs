@@ -111,7 +111,7 @@ pub fn errors_in_contact() -> Result<Vec<(f64, f64)>> {
             world.advance(time)?;
             let twists = &world.state().twists;
             let closing = twists[0].velocity.x - twists[1].velocity.x;
-            let error_of_depth = world.contacts().largest_overlap() - exact;
+            let error_of_depth = world.contacts().largest_overlap - exact;
             Ok((dt, error_of_depth.hypot((closing - exact_speed) / pulsation)))
         })
         .collect()

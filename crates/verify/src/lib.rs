@@ -4,6 +4,7 @@
 //! A [`Check`] measures one figure, the largest difference it finds, and passes when that is within its limit.
 
 pub mod collision;
+pub mod exposure;
 pub mod flight;
 pub mod friction;
 pub mod interfaces;
@@ -57,6 +58,7 @@ pub fn checks() -> Vec<Check> {
         friction::CHECKS,
         walls::CHECKS,
         stability::CHECKS,
+        exposure::CHECKS,
         flight::CHECKS,
         ramp::CHECKS,
         ledger::CHECKS,
