@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use crowd_mechanics::trial::Trial;
-use lemons_export::{Run, chaos, jupedsim, pedpy, series, trial_at_end};
+use lemons_export::{Record, chaos, jupedsim, pedpy, series, trial_at_end};
 use lemons_master::Fmu;
 use std::path::{Path, PathBuf};
 
@@ -55,15 +55,16 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     let need =
         || trial.as_ref().with_context(|| format!("{}: give its Trial or FMU: --trial", source.display()));
     let run = if source.is_dir() {
-        Run::read_series(source, need()?)?
+        Record::series(source, need()?)?
     } else {
-        let run = Run::read_table(source)?;
+        let run = Record::table(source)?;
         match &trial {
             Some(trial) => run.of_trial(trial)?,
             None => run,
         }
     };
     let run = run.every(*every as usize);
+    let last = run.frames() - 1;
     let mut said = Vec::new();
     match to {
         Format::Jupedsim => {
@@ -76,12 +77,12 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         Format::Pedpy => pedpy(&run, out)?,
         Format::Chaos => chaos(&run, out)?,
         Format::Series => series(&run, need()?, out)?,
-        Format::Trial => trial_at_end(&run, need()?)?.write(out)?,
+        Format::Trial => trial_at_end(&run.read(|k| k == last)?, need()?)?.write(out)?,
     }
     if matches!(to, Format::Jupedsim | Format::Pedpy) && !run.names().are_ids {
         said.push("Ids are no whole numbers: agents are numbered in the order of the source, from 0".into());
     }
-    let without_contacts = run.frames.iter().any(|frame| frame.interactions.is_none());
+    let without_contacts = !run.contacts();
     if *to == Format::Series && without_contacts {
         said.push(
             "a table holds no contacts: no AgentInteractions; run with OutputDirectory for these".into(),
@@ -100,16 +101,11 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     for line in said {
         note!("{line}");
     }
-    let (first, last) = (&run.frames[0], &run.frames[run.frames.len() - 1]);
-    let (agents, out) = (run.ids.len(), out.display());
+    let (first, end) = (run.times().next().unwrap_or_default(), run.times().nth(last).unwrap_or_default());
+    let (agents, out) = (run.ids().len(), out.display());
     match to {
-        Format::Trial => say!("{out}: {agents} agents as at t = {:?} s", last.time)?,
-        _ => say!(
-            "{out}: {agents} agents, {} frames from {:?} to {:?} s",
-            run.frames.len(),
-            first.time,
-            last.time
-        )?,
+        Format::Trial => say!("{out}: {agents} agents as at t = {end:?} s")?,
+        _ => say!("{out}: {agents} agents, {} frames from {first:?} to {end:?} s", run.frames())?,
     }
     Ok(())
 }

@@ -1,8 +1,9 @@
 //! JuPedSim's trajectories: an SQLite database of version 2.
 
-use crate::area::walkable_area;
+use crate::area::{Area, walkable_area};
 use crate::error::ExportError;
-use crate::run::Run;
+use crate::record::Record;
+use crate::run::Frame;
 use crowd_mechanics::files::{Staged, WriteError};
 use crowd_mechanics::trial::Wall;
 use rusqlite::{Connection, params};
@@ -24,49 +25,84 @@ const TABLES: &str = "
 ///
 /// # Errors
 /// No constant frame rate, or the file cannot be written.
-pub fn jupedsim(run: &Run, walls: &[Wall], path: &Path) -> Result<Vec<String>, ExportError> {
-    let rate = run.frame_rate()?;
-    let written = || {
-        let mut staged = Staged::beside(path)?;
-        let said = staged.fill(|file| fill(file, run, walls, rate).map_err(io::Error::other))?;
-        staged.persist().map(|()| said)
-    };
-    Ok(written().map_err(WriteError::at(path))?)
+pub fn jupedsim(record: &Record, walls: &[Wall], path: &Path) -> Result<Vec<String>, ExportError> {
+    let rate = record.frame_rate()?;
+    let positions = record.positions()?;
+    let area = walkable_area(walls, positions.iter());
+    positions.check().map_err(WriteError::at(path))?;
+    let mut staged = Staged::beside(path).map_err(WriteError::at(path))?;
+    // What is wrong with the record has another message than what is wrong with the file.
+    let mut wrong = None;
+    let filled = staged.fill(|file| match fill(file, record, &area, rate) {
+        Ok(()) => Ok(()),
+        Err(Fault::Database(error)) => Err(io::Error::other(error)),
+        Err(Fault::Record(error)) => {
+            wrong = Some(error);
+            Err(io::ErrorKind::Other.into())
+        }
+    });
+    wrong.map_or(Ok(()), Err)?;
+    filled.and_then(|()| staged.persist()).map_err(WriteError::at(path))?;
+    Ok(area.said)
 }
 
-fn fill(file: &Path, run: &Run, walls: &[Wall], rate: f64) -> rusqlite::Result<Vec<String>> {
-    let area = walkable_area(walls, run.positions());
+/// Why a database is not complete.
+enum Fault {
+    Database(rusqlite::Error),
+    Record(ExportError),
+}
+
+fn fill(file: &Path, record: &Record, area: &Area, rate: f64) -> Result<(), Fault> {
+    let begin = || -> rusqlite::Result<Connection> {
+        let database = Connection::open(file)?;
+        // No journal beside it: a file that is not complete is removed.
+        database.pragma_update(None, "journal_mode", "OFF")?;
+        database.execute_batch(TABLES)?;
+        Ok(database)
+    };
+    let mut database = begin().map_err(Fault::Database)?;
+    let transaction = database.transaction().map_err(Fault::Database)?;
     let hash = hash(&area.wkt);
-    let mut database = Connection::open(file)?;
-    // No journal beside it: a file that is not complete is removed.
-    database.pragma_update(None, "journal_mode", "OFF")?;
-    database.execute_batch(TABLES)?;
-    let transaction = database.transaction()?;
+    head(&transaction, area, hash, rate).map_err(Fault::Database)?;
     {
-        let mut metadata = transaction.prepare("INSERT INTO metadata VALUES (?, ?)")?;
-        metadata.execute(["version", "2"])?;
-        metadata.execute(["fps", &format!("{rate:?}")])?;
-        let limits =
-            [("xmin", area.low.x), ("xmax", area.high.x), ("ymin", area.low.y), ("ymax", area.high.y)];
-        for (key, value) in limits {
-            metadata.execute([key, &format!("{value:?}")])?;
-        }
-        transaction.execute("INSERT INTO geometry VALUES (?, ?)", params![hash, area.wkt])?;
-        let mut rows = transaction.prepare("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
-        let mut frames = transaction.prepare("INSERT INTO frame_data VALUES (?, ?)")?;
-        let numbers = run.names().numbers;
-        for (at, frame) in run.frames.iter().enumerate() {
+        let prepared = |text| transaction.prepare(text).map_err(Fault::Database);
+        let mut rows = prepared("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
+        let mut frames = prepared("INSERT INTO frame_data VALUES (?, ?)")?;
+        let numbers = record.names().numbers;
+        let mut insert = |at: usize, frame: &Frame| -> rusqlite::Result<()> {
             let at = at as i64;
             frames.execute([at, hash])?;
             for (number, agent) in numbers.iter().zip(&frame.agents) {
                 let (x, y) = (agent.position.x, agent.position.y);
                 rows.execute(params![at, number, x, y, libm::cos(agent.theta), libm::sin(agent.theta)])?;
             }
-        }
+            Ok(())
+        };
+        let mut refused = None;
+        let read = record.each(|at, frame| {
+            insert(at, &frame).map_err(|error| {
+                refused = Some(error);
+                ExportError::wrong(file, "cannot be written")
+            })
+        });
+        refused.map_or(Ok(()), |error| Err(Fault::Database(error)))?;
+        read.map_err(Fault::Record)?;
     }
-    transaction.commit()?;
-    database.close().map_err(|(_, error)| error)?;
-    Ok(area.said)
+    transaction.commit().map_err(Fault::Database)?;
+    database.close().map_err(|(_, error)| Fault::Database(error))
+}
+
+/// What stands before the rows.
+fn head(database: &Connection, area: &Area, hash: i64, rate: f64) -> rusqlite::Result<()> {
+    let mut metadata = database.prepare("INSERT INTO metadata VALUES (?, ?)")?;
+    metadata.execute(["version", "2"])?;
+    metadata.execute(["fps", &format!("{rate:?}")])?;
+    let limits = [("xmin", area.low.x), ("xmax", area.high.x), ("ymin", area.low.y), ("ymax", area.high.y)];
+    for (key, value) in limits {
+        metadata.execute([key, &format!("{value:?}")])?;
+    }
+    database.execute("INSERT INTO geometry VALUES (?, ?)", params![hash, area.wkt])?;
+    Ok(())
 }
 
 /// FNV-1a: any number would do that tells geometries apart.

@@ -1,13 +1,14 @@
 //! Runs of crowds in the formats that the field's tools read, and the way back to a Trial.
 //!
-//! A [`Run`] comes from the table of `lemons run` ([`Run::read_table`]) or from the XML series of an
-//! `OutputDirectory` ([`Run::read_series`]). It goes to [`jupedsim`], [`pedpy`], [`chaos`] or [`series`];
-//! [`trial_at_end`] is the Trial that goes on where it ended.
+//! A [`Record`] is the table of `lemons run` ([`Record::table`]) or the XML series of an `OutputDirectory`
+//! ([`Record::series`]), read frame by frame; a [`Run`] is frames of it in memory. It goes to [`jupedsim`], [`pedpy`],
+//! [`chaos`] or [`series`]; [`trial_at_end`] is the Trial that goes on where it ended.
 
 mod area;
 mod error;
 mod jupedsim;
 mod parquet;
+mod record;
 mod rows;
 mod run;
 mod series;
@@ -17,6 +18,7 @@ mod text;
 pub use area::{Area, MARGIN, walkable_area};
 pub use error::ExportError;
 pub use jupedsim::jupedsim;
+pub use record::{Positions, Record};
 pub use run::{Frame, Names, Observed, Run};
 pub use series::{series, trial_at_end};
 pub use text::{chaos, pedpy};

@@ -1,16 +1,17 @@
 //! The table that `lemons run --format parquet` writes.
 
-use crate::rows::{Builder, COLUMNS, OBSERVED, check_unit};
-use crate::run::{Observed, Run};
+use crate::record::Each;
+use crate::rows::{Builder, COLUMNS, OBSERVED, Stop, check_unit};
+use crate::run::Observed;
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::trial::AgentDynamics;
 use lemons_columns::{Batch, Cell, Kind, Reader};
 use std::fs::File;
-use std::path::Path;
 
 type Wanted = (&'static str, Option<&'static str>);
 
-pub(crate) fn read(path: &Path, file: File) -> Result<Run, String> {
+/// Answers the Ids.
+pub(crate) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
     let reader = Reader::open(file).map_err(|error| error.to_string())?;
     let has = |name: &str| reader.columns().iter().any(|column| column.name == name);
     let mut wanted: Vec<Wanted> = COLUMNS.to_vec();
@@ -37,11 +38,15 @@ pub(crate) fn read(path: &Path, file: File) -> Result<Run, String> {
                 mp: 0.0,
             };
             let seen = if observed { Some(row.observed()?) } else { None };
-            builder.add(n, real(0)?, &row.id()?, (agent, seen))?;
+            if let Some(frame) = builder.add(n, real(0)?, &row.id()?, (agent, seen))? {
+                each(frame)?;
+            }
         }
         before += batch.rows() as u64;
     }
-    builder.finish(path)
+    let (last, ids) = builder.finish()?;
+    each(last)?;
+    Ok(ids)
 }
 
 /// Where a column is.

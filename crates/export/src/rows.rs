@@ -1,9 +1,9 @@
 //! The rows of the table that `lemons run` writes, in whatever format.
 
-use crate::run::{Frame, Observed, Run};
+use crate::error::ExportError;
+use crate::run::{Frame, Observed};
 use crowd_mechanics::trial::AgentDynamics;
 use std::collections::HashMap;
-use std::path::Path;
 
 /// With their units.
 pub(crate) const COLUMNS: [(&str, Option<&str>); 8] = [
@@ -38,26 +38,51 @@ pub(crate) fn check_unit(name: &str, there: Option<&str>, ours: Option<&str>) ->
 /// Of one agent at one time.
 pub(crate) type Seen = (AgentDynamics, Option<Observed>);
 
+/// Why rows are read no further.
+pub(crate) enum Stop {
+    /// Something is wrong with them.
+    Wrong(String),
+    /// What is done with them failed.
+    Error(ExportError),
+}
+
+impl From<String> for Stop {
+    fn from(message: String) -> Stop {
+        Stop::Wrong(message)
+    }
+}
+
+impl From<ExportError> for Stop {
+    fn from(error: ExportError) -> Stop {
+        Stop::Error(error)
+    }
+}
+
 /// Rows become frames.
 pub(crate) struct Builder {
     /// What is counted in the file: lines or rows.
     what: &'static str,
     ids: Vec<String>,
     places: HashMap<String, usize>,
-    frames: Vec<Frame>,
+    /// Whether the newest frame is the first.
+    first: bool,
+    /// Time \[s\] and place of the newest frame.
+    newest: Option<(f64, String)>,
     /// Of the newest frame, by place.
     agents: Vec<Option<Seen>>,
 }
 
 impl Builder {
     pub(crate) fn new(what: &'static str) -> Builder {
-        Builder { what, ids: Vec::new(), places: HashMap::new(), frames: Vec::new(), agents: Vec::new() }
+        let (ids, places, agents) = (Vec::new(), HashMap::new(), Vec::new());
+        Builder { what, ids, places, first: true, newest: None, agents }
     }
 
-    /// The `n`-th row.
-    pub(crate) fn add(&mut self, n: u64, time: f64, id: &str, agent: Seen) -> Result<(), String> {
+    /// The `n`-th row; answers the frame before, if this is the first one of the next.
+    pub(crate) fn add(&mut self, n: u64, time: f64, id: &str, agent: Seen) -> Result<Option<Frame>, String> {
         let what = self.what;
-        match self.frames.last().map(|frame| frame.time) {
+        let mut complete = None;
+        match self.newest.as_ref().map(|(time, _)| *time) {
             Some(last) if time == last => {}
             Some(last) if time < last => {
                 return Err(format!(
@@ -65,16 +90,15 @@ impl Builder {
                 ));
             }
             _ => {
-                self.close()?;
-                let place = format!("{what} {n}");
-                let (agents, observed, interactions) = (Vec::new(), None, None);
-                self.frames.push(Frame { time, agents, observed, interactions, place });
+                complete = self.close()?;
+                self.first = complete.is_none();
+                self.newest = Some((time, format!("{what} {n}")));
             }
         }
         if id.is_empty() {
             return Err(format!("{what} {n}: column id: is empty"));
         }
-        if self.frames.len() == 1 && !self.places.contains_key(id) {
+        if self.first && !self.places.contains_key(id) {
             self.places.insert(id.to_owned(), self.ids.len());
             self.ids.push(id.to_owned());
             self.agents.push(None);
@@ -84,27 +108,24 @@ impl Builder {
         };
         match self.agents[place].replace(agent) {
             Some(_) => Err(format!("{what} {n}: column id: agent {id:?} stands twice at t = {time:?} s")),
-            None => Ok(()),
+            None => Ok(complete),
         }
     }
 
-    /// Puts the newest frame's agents into it.
-    fn close(&mut self) -> Result<(), String> {
-        let Some(frame) = self.frames.last_mut() else { return Ok(()) };
+    /// The newest frame, if there is one.
+    fn close(&mut self) -> Result<Option<Frame>, String> {
+        let Some((time, place)) = self.newest.take() else { return Ok(None) };
         let all = self.agents.iter_mut().zip(&self.ids).map(|(agent, id)| {
-            let missing = || format!("{}: at t = {:?} s agent {id:?} is missing", frame.place, frame.time);
-            agent.take().ok_or_else(missing)
+            agent.take().ok_or_else(|| format!("{place}: at t = {time:?} s agent {id:?} is missing"))
         });
         let (agents, observed): (_, Vec<_>) = all.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        (frame.agents, frame.observed) = (agents, observed.into_iter().collect());
-        Ok(())
+        let observed = observed.into_iter().collect();
+        Ok(Some(Frame { time, agents, observed, interactions: None, place }))
     }
 
-    pub(crate) fn finish(mut self, path: &Path) -> Result<Run, String> {
-        self.close()?;
-        if self.frames.is_empty() {
-            return Err("the run is empty: there is no row".into());
-        }
-        Ok(Run { source: path.to_owned(), ids: self.ids, frames: self.frames })
+    /// The last frame, and the Ids of all agents.
+    pub(crate) fn finish(mut self) -> Result<(Frame, Vec<String>), String> {
+        let last = self.close()?.ok_or("the run is empty: there is no row")?;
+        Ok((last, self.ids))
     }
 }

@@ -1,10 +1,9 @@
 //! What was recorded of a crowd.
 
 use crate::error::ExportError;
-use crowd_mechanics::engine::Vec2;
 use crowd_mechanics::trial::{AgentDynamics, Interactions, Trial};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The motion of a crowd at communication points.
 #[derive(Debug, Clone)]
@@ -54,54 +53,10 @@ pub struct Names {
     pub are_ids: bool,
 }
 
-/// \[s\] Names of files hold nine decimals.
-const ROUNDING: f64 = 2e-9;
-
 impl Run {
     /// \[s\] of the first and of the last frame.
     pub fn times(&self) -> (f64, f64) {
         (self.frames[0].time, self.frames[self.frames.len() - 1].time)
-    }
-
-    /// Each `n`-th frame, the first one included.
-    #[must_use]
-    pub fn every(self, n: usize) -> Run {
-        Run { frames: self.frames.into_iter().step_by(n.max(1)).collect(), ..self }
-    }
-
-    /// Frames per second.
-    ///
-    /// # Errors
-    /// There is one frame only, or they do not follow each other at equal times.
-    pub fn frame_rate(&self) -> Result<f64, ExportError> {
-        let [first, second, ..] = &self.frames[..] else {
-            let message = format!("has one frame only, at t = {:?} s: no frame rate", self.frames[0].time);
-            return Err(ExportError::wrong(&self.source, message));
-        };
-        let step = second.time - first.time;
-        for pair in self.frames.windows(2) {
-            let gap = pair[1].time - pair[0].time;
-            if (gap - step).abs() > 1e-6 * step + ROUNDING {
-                let message = format!(
-                    "{}: column t: t = {:?} s comes {gap:.6} s after the frame before, the others {step:.6} s: the format \
-                     needs a constant frame rate (a run's last step is shortened if --until is no multiple of \
-                     --step; --every N may leave it out)",
-                    pair[1].place, pair[1].time
-                );
-                return Err(ExportError::wrong(&self.source, message));
-            }
-        }
-        // Sums of steps are rounded; the step that was meant has few decimals, or its rate has none.
-        let mean = (self.frames[self.frames.len() - 1].time - first.time) / (self.frames.len() - 1) as f64;
-        let (rate, decimal) = (mean.recip().round(), (mean * 1e9).round() / 1e9);
-        let near = |value: f64, within: f64| (value - mean).abs() < within * mean;
-        Ok(if near(rate.recip(), 1e-6) {
-            rate
-        } else if near(decimal, 1e-10) {
-            decimal.recip()
-        } else {
-            mean.recip()
-        })
     }
 
     /// In the order of a Trial's agents.
@@ -109,48 +64,57 @@ impl Run {
     /// # Errors
     /// These are not the agents of the Trial.
     pub fn of_trial(self, trial: &Trial) -> Result<Run, ExportError> {
-        let places: BTreeMap<&str, usize> =
-            self.ids.iter().enumerate().map(|(place, id)| (id.as_str(), place)).collect();
-        let known: BTreeSet<&str> = trial.agents.iter().map(|agent| agent.id.as_str()).collect();
-        if let Some(stranger) = self.ids.iter().find(|id| !known.contains(id.as_str())) {
-            let message = format!("column id: there is no agent {stranger:?} in the Trial {:?}", trial.name);
-            return Err(ExportError::wrong(&self.source, message));
-        }
-        let order = trial.agents.iter().map(|agent| {
-            places.get(agent.id.as_str()).copied().ok_or_else(|| {
-                let message = format!("has no agent {:?} of the Trial {:?}", agent.id, trial.name);
-                ExportError::wrong(&self.source, message)
-            })
-        });
-        let order = order.collect::<Result<Vec<_>, _>>()?;
+        let order = order_of(&self.ids, trial, &self.source)?;
         if order.iter().copied().eq(0..order.len()) {
             return Ok(self);
         }
-        let sorted = |frame: Frame| Frame {
-            agents: order.iter().map(|&place| frame.agents[place].clone()).collect(),
-            observed: frame.observed.map(|all| order.iter().map(|&place| all[place]).collect()),
-            ..frame
-        };
         Ok(Run {
             ids: order.iter().map(|&place| self.ids[place].clone()).collect(),
-            frames: self.frames.into_iter().map(sorted).collect(),
+            frames: self.frames.into_iter().map(|frame| frame.sorted(&order)).collect(),
             source: self.source,
         })
     }
+}
 
-    /// The Ids, if all are different whole numbers, else places.
-    pub fn names(&self) -> Names {
-        let numbers: Option<Vec<i64>> = self.ids.iter().map(|id| id.parse().ok()).collect();
-        let numbers = numbers.filter(|numbers| {
-            let different: BTreeSet<_> = numbers.iter().collect();
-            different.len() == numbers.len() && numbers.iter().all(|&number| number >= 0)
-        });
-        let are_ids = numbers.is_some();
-        Names { numbers: numbers.unwrap_or_else(|| (0..self.ids.len() as i64).collect()), are_ids }
+impl Frame {
+    /// With the agents of these places.
+    pub(crate) fn sorted(self, order: &[usize]) -> Frame {
+        Frame {
+            agents: order.iter().map(|&place| self.agents[place].clone()).collect(),
+            observed: self.observed.map(|all| order.iter().map(|&place| all[place]).collect()),
+            ..self
+        }
     }
+}
 
-    /// \[m\] where anybody ever was.
-    pub(crate) fn positions(&self) -> impl Iterator<Item = Vec2> + Clone {
-        self.frames.iter().flat_map(|frame| frame.agents.iter().map(|agent| agent.position))
+/// The places of a Trial's agents among these.
+///
+/// # Errors
+/// These are not the agents of the Trial.
+pub(crate) fn order_of(ids: &[String], trial: &Trial, source: &Path) -> Result<Vec<usize>, ExportError> {
+    let places: BTreeMap<&str, usize> =
+        ids.iter().enumerate().map(|(place, id)| (id.as_str(), place)).collect();
+    let known: BTreeSet<&str> = trial.agents.iter().map(|agent| agent.id.as_str()).collect();
+    if let Some(stranger) = ids.iter().find(|id| !known.contains(id.as_str())) {
+        let message = format!("column id: there is no agent {stranger:?} in the Trial {:?}", trial.name);
+        return Err(ExportError::wrong(source, message));
     }
+    let order = trial.agents.iter().map(|agent| {
+        places.get(agent.id.as_str()).copied().ok_or_else(|| {
+            let message = format!("has no agent {:?} of the Trial {:?}", agent.id, trial.name);
+            ExportError::wrong(source, message)
+        })
+    });
+    order.collect()
+}
+
+/// The Ids, if all are different whole numbers, else places.
+pub(crate) fn names_of(ids: &[String]) -> Names {
+    let numbers: Option<Vec<i64>> = ids.iter().map(|id| id.parse().ok()).collect();
+    let numbers = numbers.filter(|numbers| {
+        let different: BTreeSet<_> = numbers.iter().collect();
+        different.len() == numbers.len() && numbers.iter().all(|&number| number >= 0)
+    });
+    let are_ids = numbers.is_some();
+    Names { numbers: numbers.unwrap_or_else(|| (0..ids.len() as i64).collect()), are_ids }
 }

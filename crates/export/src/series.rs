@@ -1,13 +1,14 @@
 //! The paper's series of XML files, as an `OutputDirectory` holds it, and the Trial that goes on from its end.
 
 use crate::error::ExportError;
+use crate::record::{Each, Record};
 use crate::run::{Frame, Observed, Run};
 use crate::text::own;
 use crowd_mechanics::crowd::output_names;
 use crowd_mechanics::files::{Change, change_all};
 use crowd_mechanics::trial::{AgentDynamics, Drive, Interactions, Trial, dynamics_xml, interactions_xml};
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const DYNAMICS: &str = "AgentDynamics output t=";
 const INTERACTIONS: &str = "AgentInteractions t=";
@@ -18,11 +19,43 @@ fn time_of<'a>(name: &'a str, prefix: &str) -> Option<&'a str> {
 }
 
 impl Run {
-    /// Reads the series `AgentDynamics output t=….xml`, `AgentInteractions t=….xml` of a Trial's agents.
+    /// Reads a whole series into memory; see [`Record::series`].
     ///
     /// # Errors
     /// No such series there, or what is wrong with its files.
     pub fn read_series(directory: &Path, trial: &Trial) -> Result<Run, ExportError> {
+        let mut frames = Vec::new();
+        let ids = Series::open(directory, trial)?.pass(&mut |frame| {
+            frames.push(frame);
+            Ok(())
+        })?;
+        Ok(Run { source: directory.to_owned(), ids, frames })
+    }
+}
+
+impl Record {
+    /// Of the series `AgentDynamics output t=….xml`, `AgentInteractions t=….xml` of a Trial's agents.
+    ///
+    /// # Errors
+    /// No such series there, or what is wrong with its files.
+    pub fn series(directory: &Path, trial: &Trial) -> Result<Record, ExportError> {
+        let series = Series::open(directory, trial)?;
+        Record::new(directory, move |each| series.pass(each))
+    }
+}
+
+/// The files of a series.
+struct Series {
+    directory: PathBuf,
+    trial: Trial,
+    /// \[s\] with its text in the names.
+    times: Vec<(f64, String)>,
+    /// Texts of those times at which there were contacts, sorted.
+    contacts: Vec<String>,
+}
+
+impl Series {
+    fn open(directory: &Path, trial: &Trial) -> Result<Series, ExportError> {
         let cannot = |error| ExportError::Read { path: directory.to_owned(), error };
         let (mut times, mut contacts) = (Vec::new(), Vec::new());
         for entry in std::fs::read_dir(directory).map_err(cannot)? {
@@ -54,22 +87,23 @@ impl Run {
                 format!("there is no {:?} beside it", format!("{DYNAMICS}{alone}.xml")),
             ));
         }
-        let frames = times.into_iter().map(|(time, text)| {
+        Ok(Series { directory: directory.to_owned(), trial: trial.clone(), times, contacts })
+    }
+
+    fn pass(&self, each: &mut Each<'_>) -> Result<Vec<String>, ExportError> {
+        let Series { directory, trial, times, contacts } = self;
+        for (time, text) in times {
             let place = format!("{DYNAMICS}{text}.xml");
-            let interactions = if contacts.binary_search(&text).is_ok() {
+            let interactions = if contacts.binary_search(text).is_ok() {
                 trial.read_interactions(&directory.join(format!("{INTERACTIONS}{text}.xml")))?
             } else {
                 Interactions::default()
             };
             let agents = trial.read_dynamics(&directory.join(&place))?;
             let observed = Some(observed(trial.agents.len(), &interactions));
-            Ok(Frame { time, agents, observed, interactions: Some(interactions), place })
-        });
-        Ok(Run {
-            source: directory.to_owned(),
-            ids: trial.agents.iter().map(|agent| agent.id.clone()).collect(),
-            frames: frames.collect::<Result<_, ExportError>>()?,
-        })
+            each(Frame { time: *time, agents, observed, interactions: Some(interactions), place })?;
+        }
+        Ok(trial.agents.iter().map(|agent| agent.id.clone()).collect())
     }
 }
 
@@ -98,17 +132,18 @@ fn observed(agents: usize, interactions: &Interactions) -> Vec<Observed> {
 ///
 /// # Errors
 /// Not the Trial's agents, files of another run in the directory, or a file cannot be written.
-pub fn series(run: &Run, trial: &Trial, directory: &Path) -> Result<(), ExportError> {
-    let run = run.clone().of_trial(trial)?;
-    let names: Vec<[String; 2]> = run.frames.iter().map(|frame| output_names(frame.time)).collect();
+pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), ExportError> {
+    let record = record.clone().of_trial(trial)?;
+    let names: Vec<[String; 2]> = record.times().map(output_names).collect();
     if let Some(k) = (1..names.len()).find(|&k| names[k] == names[k - 1]) {
-        let message =
-            format!("{}: column t: as near to the frame before as no file name tells", run.frames[k].place);
-        return Err(ExportError::wrong(&run.source, message));
+        return Err(record.wrong_at(k, |place| {
+            format!("{place}: column t: as near to the frame before as no file name tells")
+        }));
     }
     let kind = |name: &str| time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS)).is_some();
     own(directory, names.as_flattened(), kind)?;
-    for (frame, [dynamics, interactions]) in run.frames.iter().zip(names) {
+    record.each(|k, frame| {
+        let [dynamics, interactions] = &names[k];
         let text = dynamics_xml(&trial.agents, &frame.agents, Drive::Omitted);
         let dynamics = Change::Write(directory.join(dynamics), text);
         let place = directory.join(interactions);
@@ -118,9 +153,8 @@ pub fn series(run: &Run, trial: &Trial, directory: &Path) -> Result<(), ExportEr
             }
             _ => Change::Remove(place),
         };
-        change_all(&[dynamics, interactions])?;
-    }
-    Ok(())
+        Ok(change_all(&[dynamics, interactions])?)
+    })
 }
 
 /// The Trial that goes on where a run ended: its last poses, velocities and springs. Fp and Mp, which no run

@@ -2,37 +2,78 @@
 
 use crate::error::ExportError;
 use crate::parquet;
-use crate::rows::{Builder, COLUMNS, OBSERVED, check_unit};
+use crate::record::{Each, Record};
+use crate::rows::{Builder, COLUMNS, OBSERVED, Stop, check_unit};
 use crate::run::{Observed, Run};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::trial::AgentDynamics;
 use std::fs::File;
-use std::io::Read;
-use std::path::Path;
+use std::io::{self, BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
 
 /// What a file of Parquet begins with.
 const PARQUET: &[u8; 4] = b"PAR1";
 
 impl Run {
-    /// Reads `trajectories.csv` or, whatever it is called, a table in Parquet: the columns t, id, x, y, vx, vy,
+    /// Reads a whole table into memory; see [`Record::table`].
+    ///
+    /// # Errors
+    /// What is wrong, with line (CSV) or row (Parquet) and column.
+    pub fn read_table(path: &Path) -> Result<Run, ExportError> {
+        let mut frames = Vec::new();
+        let ids = Table::open(path)?.pass(&mut |frame| {
+            frames.push(frame);
+            Ok(())
+        })?;
+        Ok(Run { source: path.to_owned(), ids, frames })
+    }
+}
+
+impl Record {
+    /// Of `trajectories.csv` or, whatever it is called, a table in Parquet: the columns t, id, x, y, vx, vy,
     /// theta, omega in any order, with their units or without (in Parquet, as
     /// `lemons run` says them in the metadata), the contact counts and the squeeze where they are
     /// there, further ones do not matter; all agents at one time, then all at the next.
     ///
     /// # Errors
     /// What is wrong, with line (CSV) or row (Parquet) and column.
-    pub fn read_table(path: &Path) -> Result<Run, ExportError> {
+    pub fn table(path: &Path) -> Result<Record, ExportError> {
+        let table = Table::open(path)?;
+        Record::new(path, move |each| table.pass(each))
+    }
+}
+
+/// A file that is read more than once.
+struct Table {
+    path: PathBuf,
+    file: File,
+    parquet: bool,
+}
+
+impl Table {
+    fn open(path: &Path) -> Result<Table, ExportError> {
         let cannot = |error| ExportError::Read { path: path.to_owned(), error };
         let mut file = File::open(path).map_err(cannot)?;
+        if !file.metadata().map_err(cannot)?.is_file() {
+            // A pipe cannot go back.
+            let mut copy = tempfile::tempfile().map_err(cannot)?;
+            io::copy(&mut file, &mut copy).map_err(cannot)?;
+            copy.rewind().map_err(cannot)?;
+            file = copy;
+        }
         let mut begin = Vec::new();
         file.by_ref().take(PARQUET.len() as u64).read_to_end(&mut begin).map_err(cannot)?;
-        let run = if begin == PARQUET {
-            parquet::read(path, file)
-        } else {
-            // A pipe cannot go back.
-            read(path, begin.chain(file))
-        };
-        run.map_err(|message| ExportError::wrong(path, message))
+        Ok(Table { path: path.to_owned(), file, parquet: begin == PARQUET })
+    }
+
+    fn pass(&self, each: &mut Each<'_>) -> Result<Vec<String>, ExportError> {
+        let again = (&self.file).rewind().and_then(|()| self.file.try_clone());
+        let file = again.map_err(|error| ExportError::Read { path: self.path.clone(), error })?;
+        let read = if self.parquet { parquet::read(file, each) } else { read(BufReader::new(file), each) };
+        read.map_err(|stop| match stop {
+            Stop::Wrong(message) => ExportError::wrong(&self.path, message),
+            Stop::Error(error) => error,
+        })
     }
 }
 
@@ -60,7 +101,8 @@ fn column(header: &csv::StringRecord, (name, unit): (&str, Option<&str>)) -> Res
     Ok(place)
 }
 
-fn read(path: &Path, file: impl Read) -> Result<Run, String> {
+/// Answers the Ids.
+fn read(file: impl Read, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let header = reader.headers().map_err(broken)?.clone();
     let mut columns = [0; COLUMNS.len()];
@@ -103,9 +145,13 @@ fn read(path: &Path, file: impl Read) -> Result<Run, String> {
                 normal_force: force.ok_or_else(|| wrong(3, "squeeze in newtons"))?,
             })
         });
-        builder.add(line, number(0)?, &row[columns[1]], (agent, seen.transpose()?))?;
+        if let Some(frame) = builder.add(line, number(0)?, &row[columns[1]], (agent, seen.transpose()?))? {
+            each(frame)?;
+        }
     }
-    builder.finish(path)
+    let (last, ids) = builder.finish()?;
+    each(last)?;
+    Ok(ids)
 }
 
 fn broken(error: csv::Error) -> String {

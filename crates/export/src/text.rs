@@ -1,44 +1,55 @@
 //! Text formats: one file for PedPy, one file for each agent for ChAOS.
 
 use crate::error::ExportError;
-use crate::run::Run;
+use crate::record::Record;
 use crowd_mechanics::files::{Staged, WriteError};
 use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes a text that `pedpy.load_trajectory` reads: `id frame x y z` in m, after the frame rate.
 ///
 /// # Errors
 /// No constant frame rate, or the file cannot be written.
-pub fn pedpy(run: &Run, path: &Path) -> Result<(), ExportError> {
-    let (rate, names) = (run.frame_rate()?, run.names());
-    write(path, |out| {
-        writeln!(out, "# framerate: {rate:?} fps")?;
-        writeln!(out, "# id frame x/m y/m z/m")?;
-        for (frame, at) in run.frames.iter().enumerate() {
-            for (number, agent) in names.numbers.iter().zip(&at.agents) {
-                writeln!(out, "{number} {frame} {:?} {:?} 0.0", agent.position.x, agent.position.y)?;
-            }
-        }
-        Ok(())
-    })
+pub fn pedpy(record: &Record, path: &Path) -> Result<(), ExportError> {
+    let (rate, names) = (record.frame_rate()?, record.names());
+    let mut out = begun(path)?;
+    let cannot = WriteError::at(path);
+    let head = writeln!(out, "# framerate: {rate:?} fps\n# id frame x/m y/m z/m");
+    head.map_err(cannot)?;
+    record.each(|k, frame| {
+        let mut rows = names.numbers.iter().zip(&frame.agents);
+        let written = rows.try_for_each(|(number, agent)| {
+            writeln!(out, "{number} {k} {:?} {:?} 0.0", agent.position.x, agent.position.y)
+        });
+        Ok(written.map_err(WriteError::at(path))?)
+    })?;
+    ended(out, path)
 }
+
+/// Files that are written at once.
+const TOGETHER: usize = 64;
 
 /// Writes `trajNNN.csv` for each agent, NNN its place among the agents: `t,x,y,0.0` in s and m, no header.
 ///
 /// # Errors
 /// The directory holds trajectories of more agents, or a file cannot be written.
-pub fn chaos(run: &Run, directory: &Path) -> Result<(), ExportError> {
-    let names: Vec<String> = (0..run.ids.len()).map(|place| format!("traj{place:03}.csv")).collect();
+pub fn chaos(record: &Record, directory: &Path) -> Result<(), ExportError> {
+    let names: Vec<String> = (0..record.ids().len()).map(|place| format!("traj{place:03}.csv")).collect();
     own(directory, &names, |name| name.starts_with("traj") && name.ends_with(".csv"))?;
-    for (place, name) in names.iter().enumerate() {
-        write(&directory.join(name), |out| {
-            for frame in &run.frames {
-                let position = frame.agents[place].position;
-                writeln!(out, "{:?},{:?},{:?},0.0", frame.time, position.x, position.y)?;
+    let paths: Vec<PathBuf> = names.iter().map(|name| directory.join(name)).collect();
+    let positions = record.positions()?;
+    for (group, paths) in paths.chunks(TOGETHER).enumerate() {
+        let first = group * TOGETHER;
+        let files = paths.iter().map(|path| Ok((begun(path)?, path)));
+        let mut files = files.collect::<Result<Vec<_>, ExportError>>()?;
+        for (time, positions) in record.times().zip(positions.of(first..first + paths.len())) {
+            for ((out, path), position) in files.iter_mut().zip(positions) {
+                let written = writeln!(out, "{time:?},{:?},{:?},0.0", position.x, position.y);
+                written.map_err(WriteError::at(path))?;
             }
-            Ok(())
-        })?;
+        }
+        positions.check().map_err(WriteError::at(directory))?;
+        files.into_iter().try_for_each(|(out, path)| ended(out, path))?;
     }
     Ok(())
 }
@@ -63,14 +74,11 @@ pub(crate) fn own(
     Ok(())
 }
 
-fn write(
-    path: &Path,
-    content: impl FnOnce(&mut BufWriter<Staged>) -> std::io::Result<()>,
-) -> Result<(), ExportError> {
-    let written = || {
-        let mut out = BufWriter::new(Staged::beside(path)?);
-        content(&mut out)?;
-        out.into_inner()?.persist()
-    };
-    Ok(written().map_err(WriteError::at(path))?)
+fn begun(path: &Path) -> Result<BufWriter<Staged>, ExportError> {
+    Ok(BufWriter::new(Staged::beside(path).map_err(WriteError::at(path))?))
+}
+
+fn ended(out: BufWriter<Staged>, path: &Path) -> Result<(), ExportError> {
+    let file = out.into_inner().map_err(|error| error.into_error());
+    Ok(file.and_then(Staged::persist).map_err(WriteError::at(path))?)
 }

@@ -4,7 +4,7 @@ use crowd_mechanics::crowd::Crowd;
 use crowd_mechanics::engine::{State, World, vec2};
 use crowd_mechanics::trial::Trial;
 use crowd_mechanics::variables::Quantity;
-use lemons_export::{ExportError, Run, series, trial_at_end};
+use lemons_export::{ExportError, Record, Run, series, trial_at_end};
 use lemons_fmi2::Model;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -55,7 +55,7 @@ fn the_end_of_a_series_is_where_the_run_was() {
     let worlds = run(at, &trial);
     let series = Run::read_series(&at.join("out"), &trial).unwrap();
     assert_eq!(series.frames.len(), 30);
-    assert_eq!(series.frame_rate().unwrap(), 20.0);
+    assert_eq!(Record::from(series.clone()).frame_rate().unwrap(), 20.0);
     let (mut rubbed_agents, mut rubbed_walls) = (0, 0);
     for (k, mut world) in worlds.into_iter().enumerate() {
         let frames = series.frames[..=k].to_vec();
@@ -88,7 +88,7 @@ fn a_series_written_again_is_the_same_files() {
     let at = directory.path();
     let trial = pushed(at);
     run(at, &trial);
-    let read = Run::read_series(&at.join("out"), &trial).unwrap();
+    let read = Record::series(&at.join("out"), &trial).unwrap();
     series(&read, &trial, &at.join("copy")).unwrap();
     let mut files: Vec<_> =
         std::fs::read_dir(at.join("out")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
@@ -138,6 +138,6 @@ fn broken_series_are_told_by_file() {
     }
     std::fs::remove_file(out.join("AgentDynamics output t=0.3.xml")).unwrap();
     let _ = std::fs::remove_file(out.join("AgentInteractions t=0.3.xml"));
-    let message = read().unwrap().frame_rate().unwrap_err().to_string();
+    let message = Record::from(read().unwrap()).frame_rate().unwrap_err().to_string();
     assert!(message.contains("AgentDynamics output t=0.35.xml: column t"), "{message}");
 }

@@ -1,7 +1,7 @@
 //! Tables of runs: what is read, what is refused, what is written of them.
 
 use crowd_mechanics::trial::Trial;
-use lemons_export::{Observed, Run, chaos, jupedsim, pedpy};
+use lemons_export::{Observed, Record, Run, chaos, jupedsim, pedpy};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -84,7 +84,7 @@ fn times_must_be_even() {
     let directory = TempDir::new().unwrap();
     let run = |times: &[f64]| {
         let rows: String = times.iter().map(|t| format!("{t:?},0,0,0,0,0,0,0,0\n")).collect();
-        Run::read_table(&table(&directory, &format!("{HEADER}\n{rows}"))).unwrap()
+        Record::table(&table(&directory, &format!("{HEADER}\n{rows}"))).unwrap()
     };
     let fifths: Vec<f64> = (0..8).map(|k| 10.0 + f64::from(k) * 0.2).collect();
     assert_eq!(run(&fifths).frame_rate().unwrap(), 5.0);
@@ -111,7 +111,7 @@ fn times_must_be_even() {
 fn formats_are_as_their_readers_want_them() {
     let directory = TempDir::new().unwrap();
     let at = |name: &str| directory.path().join(name);
-    let run = good(&directory);
+    let run = Record::from(good(&directory));
     pedpy(&run, &at("t.txt")).unwrap();
     let text = fs::read_to_string(at("t.txt")).unwrap();
     let expected = "# framerate: 10.0 fps\n# id frame x/m y/m z/m\n7 0 0.0 0.5 0.0\n3 0 1.0 0.5 0.0\n\
@@ -163,7 +163,7 @@ fn agents_are_those_of_the_trial() {
     trial.agents.truncate(2);
     let run = good(&directory).of_trial(&trial).unwrap();
     assert_eq!((run.ids[0].as_str(), run.frames[0].agents[0].position.x), ("3", 1.0));
-    assert_eq!(run.names().numbers, [3, 7]);
-    let named = Run { ids: vec!["3".into(), "b".into()], ..run };
+    assert_eq!(Record::from(run.clone()).names().numbers, [3, 7]);
+    let named = Record::from(Run { ids: vec!["3".into(), "b".into()], ..run });
     assert_eq!((named.names().numbers, named.names().are_ids), (vec![0, 1], false));
 }

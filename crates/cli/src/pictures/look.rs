@@ -194,6 +194,11 @@ impl Look {
         if self.dark { Theme::Dark } else { Theme::Light }
     }
 
+    /// Whether scenes show where people were before.
+    pub fn shows_trails(&self) -> bool {
+        self.trails.is_some() || self.measured.is_some()
+    }
+
     /// `--range`
     pub fn range(&self) -> Option<(f64, f64)> {
         self.range
@@ -245,7 +250,7 @@ impl<'f> Looks<'f> {
             looks.range = Some((0.0, if greatest > 0.0 { greatest } else { 1.0 }));
         }
         looks.widest = look.widest.or(widest);
-        if let Some(last) = times.last().filter(|_| looks.shows_trails()) {
+        if let Some(last) = times.last().filter(|_| look.shows_trails()) {
             let moment = footage.at(*last);
             looks.scene.trails = looks.trails(&moment, f64::INFINITY);
             extent = extent.map(|all| around(all, looks.scene.extent()));
@@ -254,14 +259,10 @@ impl<'f> Looks<'f> {
         Ok(looks)
     }
 
-    fn shows_trails(&self) -> bool {
-        self.look.trails.is_some() || self.measured.is_some()
-    }
-
     /// What is to be drawn of a moment.
     pub fn scene(&mut self, moment: &Moment) -> Scene<'f> {
         let length = self.look.trails.unwrap_or(f64::INFINITY);
-        let trails = if self.shows_trails() { self.trails(moment, length) } else { Vec::new() };
+        let trails = if self.look.shows_trails() { self.trails(moment, length) } else { Vec::new() };
         let (poses, forces) = (moment.poses(), self.forces(moment));
         let mut scene = self.scene.clone();
         (scene.poses, scene.trails, scene.forces) = (poses, trails, forces);

@@ -2,7 +2,7 @@
 
 use super::look::{Look, Looks, positive, seconds};
 use super::plot::OTHER_PARAMETERS;
-use super::source::Source;
+use super::source::{Source, Wanted};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
@@ -71,7 +71,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let interrupt = Interrupt::watch();
     let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(crowd_mechanics::model_description::DEFAULT_STOP_TIME);
-    let footage = source.footage(source.runs().then_some(until), &interrupt)?;
+    let footage = source.footage(source.runs().then_some(until), Wanted::All, &interrupt)?;
     let (first, last) = (
         arguments.from.unwrap_or_else(|| footage.first()),
         arguments.until.unwrap_or_else(|| footage.last()),

@@ -3,7 +3,7 @@
 use super::look::{Look, Looks, Quantity, positive, seconds};
 use super::moment::{Footage, Moment};
 use super::series::{Selection, chart};
-use super::source::Source;
+use super::source::{Source, Wanted};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
@@ -105,7 +105,8 @@ impl Format {
 fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, at, look, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
-    let footage = source.footage(latest, interrupt)?;
+    let wanted = if look.shows_trails() { Wanted::All } else { Wanted::Around(at) };
+    let footage = source.footage(latest, wanted, interrupt)?;
     at.iter().try_for_each(|time| footage.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
     let asked = if at.is_empty() { vec![footage.last()] } else { at.clone() };
@@ -149,7 +150,7 @@ fn columns(panels: usize, aspect: f64) -> usize {
 
 fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let opened = source.open(source.runs().then(|| arguments.end()), interrupt)?;
+    let opened = source.open(source.runs().then(|| arguments.end()), Wanted::All, interrupt)?;
     let (from, until) = (arguments.from, arguments.until);
     let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
     let chart = chart(opened, look, &selection)?;
@@ -159,7 +160,7 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
 
 fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let footage = source.footage(source.runs().then(|| arguments.end()), interrupt)?;
+    let footage = source.footage(source.runs().then(|| arguments.end()), Wanted::All, interrupt)?;
     let within = |time: f64| within(time, arguments.from, arguments.until);
     let places: Vec<usize> =
         (0..footage.run.frames.len()).filter(|&k| within(footage.run.frames[k].time)).collect();

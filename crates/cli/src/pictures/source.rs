@@ -11,9 +11,9 @@ use clap::Parser;
 use crowd_mechanics::files::Scratch;
 use crowd_mechanics::trial::Trial;
 use crowd_mechanics::variables::{Kind, in_documents_mut, table};
-use lemons_export::{Frame, Run};
+use lemons_export::{Frame, Record, Run};
 use lemons_master::{Clock, named};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -49,6 +49,25 @@ struct Running {
 /// Communication steps of a run that is made to be shown: its table is a temporary file.
 const MOST_STEPS: u64 = 1_000_000;
 
+/// Which frames of a run are read into memory.
+#[derive(Clone, Copy)]
+pub enum Wanted<'a> {
+    All,
+    /// The first, the last, and those on both sides of each of these times \[s\].
+    Around(&'a [f64]),
+}
+
+impl Wanted<'_> {
+    fn of(self, record: Record) -> Result<Run> {
+        let Wanted::Around(asked) = self else { return Ok(record.read(|_| true)?) };
+        let (times, last) = (record.times().collect::<Vec<_>>(), record.frames() - 1);
+        let after = asked.iter().map(|asked| times.partition_point(|time| time <= asked).min(last));
+        let mut places: BTreeSet<usize> = after.flat_map(|after| [after.saturating_sub(1), after]).collect();
+        places.extend([0, last]);
+        Ok(record.read(|place| places.contains(&place))?)
+    }
+}
+
 /// What was found there.
 pub struct Opened {
     /// `None` where a table came without.
@@ -58,7 +77,7 @@ pub struct Opened {
 
 impl Source {
     /// A Trial or an FMU is run until a time \[s\]; without one it is shown as it begins.
-    pub fn open(&self, until: Option<f64>, interrupt: &Interrupt) -> Result<Opened> {
+    pub fn open(&self, until: Option<f64>, wanted: Wanted<'_>, interrupt: &Interrupt) -> Result<Opened> {
         let runs = self.runs();
         if !runs && (self.drive.is_some() || self.no_drive || self.step.is_some()) {
             let path = self.path.display();
@@ -83,23 +102,23 @@ impl Source {
                 Clock::new(0.0, step, until)
                     .and_then(|clock| clock.check_at_most(MOST_STEPS))
                     .with_context(|| self.path.display().to_string())?;
-                self.record(until, interrupt)?
+                self.record(until, wanted, interrupt)?
             }
             (true, None, Some(trial)) => still(&self.path, trial),
-            (_, _, Some(trial)) if self.path.is_dir() => Run::read_series(&self.path, trial)?,
-            (_, _, Some(trial)) => Run::read_table(&self.path)?.of_trial(trial)?,
+            (_, _, Some(trial)) if self.path.is_dir() => wanted.of(Record::series(&self.path, trial)?)?,
+            (_, _, Some(trial)) => wanted.of(Record::table(&self.path)?.of_trial(trial)?)?,
             (_, _, None) if self.path.is_dir() => bail!(
                 "{}: is no Trial, as it has no Parameters.xml; a series needs the Trial or FMU that ran: --trial",
                 self.path.display()
             ),
-            (_, _, None) => Run::read_table(&self.path)?,
+            (_, _, None) => wanted.of(Record::table(&self.path)?)?,
         };
         Ok(Opened { trial, run })
     }
 
     /// With shapes and walls.
-    pub fn footage(&self, until: Option<f64>, interrupt: &Interrupt) -> Result<Footage> {
-        let Opened { trial, run } = self.open(until, interrupt)?;
+    pub fn footage(&self, until: Option<f64>, wanted: Wanted<'_>, interrupt: &Interrupt) -> Result<Footage> {
+        let Opened { trial, run } = self.open(until, wanted, interrupt)?;
         let need = || {
             format!("{}: give the Trial or FMU that ran, for shapes and walls: --trial", self.path.display())
         };
@@ -113,7 +132,7 @@ impl Source {
     }
 
     /// As `lemons run` does it.
-    fn record(&self, until: f64, interrupt: &Interrupt) -> Result<Run> {
+    fn record(&self, until: f64, wanted: Wanted<'_>, interrupt: &Interrupt) -> Result<Run> {
         let directory = Scratch::new().context("cannot make a temporary directory")?;
         let table = directory.path().join("trajectories.csv");
         let mut words: Vec<OsString> = vec!["run".into()];
@@ -135,7 +154,7 @@ impl Source {
                 self.path.display()
             );
         }
-        Ok(Run { source: self.path.clone(), ..Run::read_table(&table)? })
+        Ok(Run { source: self.path.clone(), ..wanted.of(Record::table(&table)?)? })
     }
 }
 
