@@ -1,9 +1,11 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
 use crate::error::TrialHasErrors;
+use crate::pack::TRIAL;
 use crate::tell;
 use anyhow::Result;
 use crowd_mechanics::trial::{Problems, Trial};
+use lemons_master::Kind;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
@@ -18,6 +20,11 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     let mut out = tell::out();
     let mut broken = false;
     for path in &arguments.trials {
+        if let Err(other) = Kind::expect(path, &[Kind::Trial], TRIAL) {
+            broken = true;
+            writeln!(out, "{other}")?;
+            continue;
+        }
         match Trial::read(path) {
             Ok((trial, warnings)) => {
                 print(&mut out, &warnings)?;

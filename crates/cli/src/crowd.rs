@@ -66,13 +66,12 @@ pub fn agents_of(description: &ModelDescription) -> usize {
 
 /// The Trial that an initialized instance runs; `None` if its FMU holds none.
 pub fn trial_of(component: &Component) -> Result<Option<Trial>> {
-    let (Ok(resources), Ok(reference)) = (component.fmu.resources(), component.instance.reference("Trial"))
-    else {
+    let (Ok(_), Ok(reference)) = (component.fmu.resources(), component.instance.reference("Trial")) else {
         return Ok(None);
     };
     let mut chosen = [String::new()];
     component.instance.get_string(&[reference], &mut chosen)?;
-    Ok(Some(resources.load(&chosen[0])?.0))
+    component.fmu.trial(Some(&chosen[0])).map(Some)
 }
 
 /// Integer outputs of the whole crowd; none if one is missing.

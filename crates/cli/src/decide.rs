@@ -2,12 +2,13 @@
 
 use crate::binary::DECISION;
 use crate::error::TrialHasErrors;
-use crate::pack::{FmuArguments, say_size};
+use crate::pack::{FmuArguments, TRIAL, say_size};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
 use crowd_mechanics::trial::Trial;
 use lemons_decision::rule::Pose;
 use lemons_decision::{Person, Plan, Wishes};
+use lemons_master::Kind;
 use std::path::PathBuf;
 
 /// In a Trial's directory.
@@ -48,6 +49,7 @@ pub struct Arguments {
 }
 
 pub fn decide(arguments: &Arguments) -> Result<()> {
+    Kind::expect(&arguments.trial, &[Kind::Trial], TRIAL)?;
     let (trial, warnings) = match Trial::read(&arguments.trial) {
         Ok(read) => read,
         Err(problems) => {

@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use crowd_mechanics::trial::Trial;
 use lemons_export::{Record, chaos, jupedsim, pedpy, series, trial_at_end};
-use lemons_master::Fmu;
+use lemons_master::{Fmu, Kind};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -46,6 +46,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     if *to == Format::Trial && *every != 1 {
         bail!("--every is not for --to trial, which takes the last frame");
     }
+    expect_table(source)?;
     let trial = trial_of(source, arguments.trial.as_deref())?;
     let reads =
         [Some(source.as_path()), arguments.trial.as_deref(), trial.as_ref().map(|t| t.directory.as_path())];
@@ -110,6 +111,12 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// That a file can be the table of a run; what is in it is read later.
+pub fn expect_table(path: &Path) -> Result<()> {
+    let tables = [Kind::Text, Kind::Binary, Kind::Parquet, Kind::Stream, Kind::Trial, Kind::Directory];
+    Kind::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")
+}
+
 /// The Trial or FMU that was given with the record of a run, else the Trial directory that a series lies in.
 pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
     let Some(path) = given else {
@@ -126,7 +133,7 @@ pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
     if resources.names().len() > 1 {
         note!("warning: {} holds several Trials: {:?} is taken", path.display(), resources.first());
     }
-    Ok(Some(resources.load(resources.first())?.0))
+    fmu.trial(None).map(Some)
 }
 
 fn same(read: &Path, written: &Path) -> bool {

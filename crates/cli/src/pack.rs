@@ -5,7 +5,7 @@ use crate::error::TrialHasErrors;
 use anyhow::Result;
 use crowd_mechanics::pack::{Binary, Naming, PackError, Package};
 use crowd_mechanics::trial::Trial;
-use lemons_master::binary_beside;
+use lemons_master::{Kind, binary_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::path::{Path, PathBuf};
 
@@ -68,6 +68,9 @@ pub fn say_size(output: &Path) -> Result<()> {
     Ok(())
 }
 
+/// What is taken for a Trial.
+pub const TRIAL: &str = "a Trial directory";
+
 /// Packs Trials; errors of a Trial are printed, one line each.
 pub fn write_fmu(
     trials: &[PathBuf],
@@ -75,6 +78,7 @@ pub fn write_fmu(
     naming: Naming,
     output: &Path,
 ) -> Result<Vec<String>> {
+    trials.iter().try_for_each(|trial| Kind::expect(trial, &[Kind::Trial], TRIAL))?;
     let package = Package {
         trials: trials.to_vec(),
         binaries,

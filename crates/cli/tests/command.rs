@@ -358,3 +358,111 @@ fn decide_says_what_it_needs_and_what_it_doubts() {
     let good = default_trial();
     assert_code(&lemons(at, &["pack", good.to_str().unwrap(), "-o", "y.fmu", &binary("crowd.library")]), 0);
 }
+
+/// Each command with what it does not take.
+#[test]
+fn wrong_kinds_of_files_are_called_what_they_are() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let good = default_trial();
+    let good = good.to_str().unwrap();
+    fs::create_dir(at.join("dir")).unwrap();
+    fs::write(at.join("text.md"), "# A text\n\nwith words.\n").unwrap();
+    fs::write(at.join("empty"), "").unwrap();
+    fs::write(at.join("binary"), b"\x01\x00\xff\xfe\x00\x00").unwrap();
+    fs::write(at.join("program"), b"\x7fELF\x02\x01\x01").unwrap();
+    fs::write(at.join("damaged.zip"), b"PK\x03\x04").unwrap();
+    assert_code(&lemons(at, &["pack", good, "-o", "push.fmu"]), 0);
+    assert_code(&lemons(at, &["run", good, "--until", "0.1", "--state", "a.run", "-o", "t.parquet"]), 0);
+    let kinds = [
+        ("none", "there is no such file or directory"),
+        ("dir", "is a directory without Parameters.xml"),
+        ("text.md", "is a text file"),
+        ("empty", "is an empty file"),
+        ("binary", "is a binary file"),
+        ("program", "is a program or a library"),
+        ("a.run", "is a saved run (--resume)"),
+        ("push.fmu", "is an FMU"),
+        ("t.parquet", "is a table in Parquet"),
+        ("damaged.zip", "damaged"),
+    ];
+    let table = "a table that lemons run wrote";
+    let shown: &[&str] = &["dir", "text.md", "binary", "push.fmu", "t.parquet"];
+    // With what it takes, and what is refused for another reason.
+    let commands: [(&[&str], i32, &str, &[&str]); 13] = [
+        (&["info", "FILE"], 1, "an FMU", &["push.fmu", "a.run"]),
+        (&["run", "FILE"], 1, "a Trial directory, an FMU or an SSP", &["push.fmu"]),
+        (&["check", "FILE"], 3, "a Trial directory", &[]),
+        (&["describe", "FILE"], 1, "a Trial directory", &[]),
+        (&["pack", "FILE", "-o", "x.fmu"], 1, "a Trial directory", &[]),
+        (&["decide", "FILE", "-o", "x.fmu"], 1, "a Trial directory", &[]),
+        (&["connect", "FILE", "push.fmu", "-o", "x.ssp"], 1, "an FMU", &["push.fmu", "a.run"]),
+        (&["sweep", "FILE"], 1, "a sweep.toml", &["text.md"]),
+        (&["run", good, "--resume", "FILE"], 1, "a saved run", &["a.run"]),
+        (&["plot", "FILE"], 1, table, shown),
+        (&["movie", "FILE", "-o", "m.gif"], 1, table, shown),
+        (&["export", "FILE", "x", "--to", "pedpy"], 1, table, &["dir", "text.md", "binary", "t.parquet"]),
+        (&["plot", "t.parquet", "--trial", "FILE"], 1, "an FMU", &["dir", "push.fmu", "a.run"]),
+    ];
+    for (words, code, wanted, other) in commands {
+        for (file, is) in kinds.iter().filter(|(file, _)| !other.contains(file)) {
+            let words: Vec<&str> =
+                words.iter().map(|word| if *word == "FILE" { file } else { *word }).collect();
+            let output = lemons(at, &words);
+            let said = out(&output) + &err(&output);
+            assert_eq!(output.status.code(), Some(code), "{words:?}: {said}");
+            assert!(said.contains(&format!("{file}: ")) && said.contains(is), "{words:?}: {said}");
+            assert!(said.contains(wanted) || *file == "none", "{words:?}: {said}");
+            for never in ["EOCD", "os error 22", "lemons-", "/tmp"] {
+                assert!(!said.contains(never), "{words:?}: {said}");
+            }
+        }
+    }
+    for name in ["x", "x.fmu", "x.ssp", "m.gif", "plot.png", "trajectories.csv"] {
+        assert!(!at.join(name).exists(), "{name}");
+    }
+}
+
+/// What an FMU says of its files names the user's FMU, not where it was unzipped.
+#[test]
+fn messages_name_no_temporary_path() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    assert_code(&lemons(at, &["pack", default_trial().to_str().unwrap(), "-o", "push.fmu"]), 0);
+    let copy = |to: &str, keep: &dyn Fn(&str) -> bool, broken: &str| {
+        let mut from = zip::ZipArchive::new(fs::File::open(at.join("push.fmu")).unwrap()).unwrap();
+        let mut zip = zip::ZipWriter::new(fs::File::create(at.join(to)).unwrap());
+        for k in 0..from.len() {
+            let mut entry = from.by_index(k).unwrap();
+            let name = entry.name().unwrap().into_owned();
+            if !keep(&name) {
+                continue;
+            }
+            zip.start_file(name.as_str(), zip::write::SimpleFileOptions::default()).unwrap();
+            if !broken.is_empty() && name.ends_with(broken) {
+                std::io::Write::write_all(&mut zip, b"<a>").unwrap();
+            } else {
+                std::io::copy(&mut entry, &mut zip).unwrap();
+            }
+        }
+        zip.finish().unwrap();
+    };
+    copy("bare.fmu", &|name| !name.starts_with("resources"), "");
+    copy("broken.fmu", &|_| true, "Agents.xml");
+    for (words, expected) in [
+        (["run", "bare.fmu"], "bare.fmu: has no directory resources, which it may need"),
+        (["plot", "bare.fmu"], "bare.fmu: holds no Trial"),
+        (["run", "broken.fmu"], "broken.fmu/resources/Trial_push/static/Agents.xml:1: is not well-formed"),
+        (["plot", "broken.fmu"], "broken.fmu/resources/Trial_push/static/Agents.xml:1: is not well-formed"),
+    ] {
+        let output = lemons(at, &words);
+        assert_code(&output, 1);
+        let said = err(&output);
+        assert!(said.contains(expected) && !said.contains("lemons-"), "{said}");
+    }
+    // A warning of a Trial that runs as an FMU names the Trial's file.
+    trial(at, "close", "dynamic/AgentDynamics.xml", "1.448,0.012", "1.3,0.012");
+    let output = lemons(at, &["run", "close", "--until", "0.1"]);
+    assert_code(&output, 0);
+    assert!(err(&output).contains("warning: close/dynamic/AgentDynamics.xml: "), "{}", err(&output));
+}

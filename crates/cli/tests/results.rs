@@ -284,7 +284,11 @@ fn saved_runs_are_hostile_until_checked() {
     zip.finish().unwrap();
     assert!(push(at, "--resume forged.run --until 1", 1).contains("run.toml: is refused: more than 4 MB"));
     fs::write(at.join("forged.run"), "t,id").unwrap();
-    assert!(push(at, "--resume forged.run --until 1", 1).contains("saved run forged.run: is none"));
+    let message = push(at, "--resume forged.run --until 1", 1);
+    assert!(
+        message.contains("forged.run: is a text file, not a saved run (--state writes one)"),
+        "{message}"
+    );
     assert!(push(at, "--resume none.run", 1).contains("none.run"));
 }
 
@@ -378,13 +382,13 @@ fn interrupted(at: &Path, arguments: &[&str]) -> (Output, std::time::Duration) {
     (child.wait_with_output().unwrap(), sent.elapsed())
 }
 
-/// The step of half a day takes this machine minutes; a second is meant, the rest is for a busy machine.
+/// The step of 7.5e8 mechanical ones takes minutes; a second is meant, the rest is for a busy machine.
 #[test]
 #[cfg(unix)]
 fn one_long_step_can_be_interrupted() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    let step = ["--step", "50000", "--until", "50000"];
+    let step = ["--step", "1500", "--until", "1500"];
     let trial = trial();
     let (output, took) = interrupted(at, &[&["run", &trial, "--state", "a.run"], &step[..]].concat());
     let text = said(&output, 130);
@@ -393,12 +397,11 @@ fn one_long_step_can_be_interrupted() {
     assert_eq!(names(at), ["a.run", "trajectories.csv"]);
     assert_eq!(Run::read_table(&at.join("trajectories.csv")).unwrap().frames.len(), 1);
     // What was kept goes on.
-    let more = push(at, "--resume a.run --until 0.1 --step 50000 -o rest.csv", 0);
+    let more = push(at, "--resume a.run --until 0.1 --step 1500 -o rest.csv", 0);
     assert!(more.contains("simulated time          0.100 s"), "{more}");
 
     let before = names(at);
-    let (output, took) =
-        interrupted(at, &["plot", &trial, "--at", "50000", "--step", "50000", "-o", "a.png"]);
+    let (output, took) = interrupted(at, &["plot", &trial, "--at", "1500", "--step", "1500", "-o", "a.png"]);
     let text = said(&output, 130);
     assert!(took.as_secs() < 20 && text.contains("interrupted: nothing was written"), "{took:?} {text}");
     assert_eq!(names(at), before);

@@ -1,6 +1,7 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
 use crate::fmu::{Fmu, Instance};
+use crate::kind::Kind as FileKind;
 use crate::system::{Algorithm, Component, System, Wire, Wires, component_of};
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::files::Scratch;
@@ -28,6 +29,7 @@ pub struct Assembled {
 /// # Errors
 /// The archive or one of its files is broken, holds what is not served, or does not fit together.
 pub fn assemble(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
+    FileKind::expect(path, &FileKind::ARCHIVES, "an SSP")?;
     assemble_archive(path, algorithm).with_context(|| path.display().to_string())
 }
 
@@ -42,6 +44,7 @@ fn assemble_archive(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
             located(described.line, "Component", "source", &described.source, format!("{error:#}"))
         };
         let fmu = unpack(&mut archive, &described.source, &mut allowance).map_err(wrong)?;
+        let fmu = fmu.shown_as(&described.source);
         let interface = fmu.interface().map_err(wrong)?;
         for connector in &described.connectors {
             check(connector, &interface, &structure)?;

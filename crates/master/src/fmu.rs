@@ -1,9 +1,11 @@
 //! An FMU and its instances, by `fmi-rs`.
 
+use crate::kind::Kind;
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::files::Scratch;
-use crowd_mechanics::resources::Resources;
+use crowd_mechanics::resources::{Resources, ResourcesError};
+use crowd_mechanics::trial::Trial;
 use fmi_rs::fmi2::log::Logger;
 use fmi_rs::fmi2::types::fmi2Status;
 use fmi_rs::fmi2::{CS, FMU2};
@@ -32,6 +34,20 @@ pub struct Fmu {
     pub description: ModelDescription,
     /// Of the variables, by name.
     places: HashMap<String, usize>,
+    /// Where it came from.
+    shown: String,
+    /// The Trial that was packed, by name, and where it lies.
+    trial: Option<(String, String)>,
+}
+
+/// Temporary places, and what the user knows them by.
+#[derive(Default, Clone)]
+struct Names(Vec<(String, String)>);
+
+impl Names {
+    fn said(&self, text: &str) -> String {
+        self.0.iter().fold(text.to_owned(), |text, (place, name)| text.replace(place, name))
+    }
 }
 
 impl Fmu {
@@ -40,8 +56,31 @@ impl Fmu {
     /// # Errors
     /// No FMU there.
     pub fn open(path: &Path) -> Result<Fmu> {
+        Kind::expect(path, &Kind::ARCHIVES, "an FMU")?;
         let mut allowance = Allowance::new(Allowance::FMUS);
-        Self::unzip(path, &mut allowance).with_context(|| path.display().to_string())
+        let fmu = Self::unzip(path, &mut allowance).with_context(|| path.display().to_string())?;
+        Ok(fmu.shown_as(&path.display().to_string()))
+    }
+
+    /// Messages name its files as those of this path.
+    #[must_use]
+    pub fn shown_as(self, path: &str) -> Fmu {
+        Fmu { shown: path.to_owned(), ..self }
+    }
+
+    /// Messages name the files of the Trial that was packed into it as those of this directory.
+    #[must_use]
+    pub fn of_trial(mut self, directory: &Path) -> Fmu {
+        let resources = self.resources().ok();
+        self.trial = resources.map(|packed| (packed.first().to_owned(), directory.display().to_string()));
+        self
+    }
+
+    fn names(&self) -> Names {
+        let unzipped = self.directory.path().display();
+        let trial =
+            self.trial.iter().map(|(name, path)| (format!("{unzipped}/resources/{name}"), path.clone()));
+        Names(trial.chain([(unzipped.to_string(), self.shown.clone())]).collect())
     }
 
     /// As [`Fmu::open`], for a file whose name is of no interest to those who read messages.
@@ -52,7 +91,7 @@ impl Fmu {
             .map_err(|error| anyhow!("{DESCRIPTION_FILE}: {error}"))?;
         let names = description.modelVariables.iter().enumerate();
         let places = names.map(|(place, variable)| (variable.name.clone(), place)).collect();
-        Ok(Fmu { directory, description, places })
+        Ok(Fmu { directory, description, places, shown: "FMU".into(), trial: None })
     }
 
     /// Where it is unzipped, until it is dropped.
@@ -75,7 +114,20 @@ impl Fmu {
     pub fn resources(&self) -> Result<Resources> {
         let path = self.directory.path().join("resources");
         let path = path.to_str().ok_or_else(|| anyhow!("{} is not UTF-8", path.display()))?;
-        Ok(Resources::from_uri(path)?)
+        Resources::from_uri(path).map_err(|error| match error {
+            ResourcesError::NoTrial { .. } => anyhow!("holds no Trial: it is not an FMU of a crowd"),
+            error => anyhow!("{}", self.names().said(&error.to_string())),
+        })
+    }
+
+    /// One of these Trials.
+    ///
+    /// # Errors
+    /// All that is wrong with it.
+    pub fn trial(&self, name: Option<&str>) -> Result<Trial> {
+        let packed = self.resources()?;
+        let read = packed.load(name.unwrap_or(packed.first()));
+        Ok(read.map_err(|error| anyhow!("{}", self.names().said(&error.to_string())))?.0)
     }
 
     /// A new instance.
@@ -88,7 +140,7 @@ impl Fmu {
             .coSimulation
             .as_ref()
             .ok_or_else(|| anyhow!("the FMU is not for co-simulation"))?;
-        let messages = Arc::new(Messages::default());
+        let messages = Arc::new(Messages { names: self.names(), ..Messages::default() });
         let prefix = format!("{}/", self.directory.path().display());
         let fmu = FMU2::<CS>::new(
             self.directory.path(),
@@ -103,11 +155,16 @@ impl Fmu {
         )
         .map_err(|error| {
             let text = format!("cannot instantiate the FMU: {error}: {}", root_cause(&error));
-            messages.explain(anyhow!("{}", text.replace(&prefix, "")))
+            let error = messages.explain(anyhow!("{}", text.replace(&prefix, "")));
+            if self.directory.path().join("resources").is_dir() {
+                error.context(self.shown.clone())
+            } else {
+                error.context(format!("{}: has no directory resources, which it may need", self.shown))
+            }
         })?;
         let references =
             self.description.modelVariables.iter().map(|v| (v.name.clone(), v.valueReference)).collect();
-        Ok(Instance { fmu, messages, prefix, references })
+        Ok(Instance { fmu, messages, references })
     }
 
     /// The variables that a name means; see [`named`].
@@ -134,6 +191,7 @@ fn root_cause(error: &dyn std::error::Error) -> String {
 pub(crate) struct Messages {
     errors: Mutex<Vec<String>>,
     warnings: Mutex<Vec<String>>,
+    names: Names,
 }
 
 impl Logger for Messages {
@@ -154,7 +212,7 @@ impl Logger for Messages {
 impl Messages {
     fn explain(&self, error: anyhow::Error) -> anyhow::Error {
         let said = self.errors.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default();
-        if said.is_empty() { error } else { anyhow!("{}", said.join("\n")) }
+        if said.is_empty() { error } else { anyhow!("{}", self.names.said(&said.join("\n"))) }
     }
 }
 
@@ -170,8 +228,6 @@ pub(crate) fn done(messages: &Messages, status: fmi2Status, what: &str) -> Resul
 pub struct Instance {
     pub(crate) fmu: Arc<FMU2<CS>>,
     pub(crate) messages: Arc<Messages>,
-    /// Where the FMU was unzipped: of no interest to those who read messages.
-    prefix: String,
     references: HashMap<String, u32>,
 }
 
@@ -331,6 +387,6 @@ impl Instance {
     pub fn warnings(&self) -> Vec<String> {
         let said =
             self.messages.warnings.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default();
-        said.iter().map(|message| message.replace(&self.prefix, "")).collect()
+        said.iter().map(|message| self.messages.names.said(message)).collect()
     }
 }

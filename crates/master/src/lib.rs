@@ -4,6 +4,7 @@ mod assemble;
 mod clock;
 mod drive;
 mod fmu;
+mod kind;
 mod state;
 mod system;
 mod unzip;
@@ -12,6 +13,7 @@ pub use assemble::{Assembled, assemble};
 pub use clock::Clock;
 pub use drive::{Drive, Push, Pushes};
 pub use fmu::{Fmu, Instance, named};
+pub use kind::Kind;
 pub use state::{LARGEST_STATE, State};
 pub use system::{Algorithm, Component, System};
 

@@ -3,6 +3,7 @@
 use crate::measure::Measure;
 use crate::points::{Points, Values};
 use anyhow::{Context, Result, bail};
+use lemons_master::Kind;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -95,6 +96,7 @@ impl Spec {
     /// # Errors
     /// What is wrong, with the key.
     pub fn read(path: &Path) -> Result<Spec> {
+        Kind::expect(path, &[Kind::Text, Kind::Stream], "a sweep.toml (lemons sweep --help)")?;
         let text =
             std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
         let directory =

@@ -3,7 +3,7 @@
 use super::look::positive;
 use super::moment::Footage;
 use crate::error::Misused;
-use crate::export::trial_of;
+use crate::export::{expect_table, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::run::simulate;
 use anyhow::{Context, Result, anyhow, bail};
@@ -88,6 +88,9 @@ impl Source {
         }
         if self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
             bail!("{}: run it first, and show its trajectories.csv", self.path.display());
+        }
+        if !runs {
+            expect_table(&self.path)?;
         }
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
         let mut trial = trial_of(&self.path, given)?;

@@ -11,7 +11,7 @@ use crowd_mechanics::files::Scratch;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use crowd_mechanics::pack::Naming;
 use crowd_mechanics::trial::Trial;
-use lemons_master::{Assembled, Clock, Drive, Fmu, Pushes, System, assemble, own_binary};
+use lemons_master::{Assembled, Clock, Drive, Fmu, Kind, Pushes, System, assemble, own_binary};
 
 /// What is ready to run.
 pub struct Prepared {
@@ -30,6 +30,11 @@ pub struct Prepared {
 impl Prepared {
     pub fn of(arguments: &Arguments) -> Result<Prepared> {
         check_resumed(arguments)?;
+        let runs = [Kind::Trial, Kind::Fmu, Kind::Ssp, Kind::Archive, Kind::Stream];
+        Kind::expect(&arguments.input, &runs, "a Trial directory, an FMU or an SSP")?;
+        if let Some(path) = &arguments.resume {
+            Kind::expect(path, &[Kind::SavedRun], "a saved run (--state writes one)")?;
+        }
         let saved = arguments.resume.as_deref().map(Saved::read).transpose()?;
         let coupled = arguments.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp"));
         let (mut system, start, stop) = if coupled { open_ssp(arguments)? } else { open_fmu(arguments)? };
@@ -100,7 +105,7 @@ fn open_fmu(arguments: &Arguments) -> Result<Opened> {
     let fmu = if arguments.input.is_dir() {
         let path = packed.path().join("crowd.fmu");
         write_fmu(std::slice::from_ref(&arguments.input), vec![own_binary()?], Naming::Structured, &path)?;
-        Fmu::open(&path)?
+        Fmu::open(&path)?.of_trial(&arguments.input)
     } else {
         Fmu::open(&arguments.input)?
     };
