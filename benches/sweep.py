@@ -35,7 +35,7 @@ STEPS = round(UNTIL / MECHANICAL)
 
 
 def measure(run):
-    return {"reach": run.poses[-1, :, 0].max(), "squeeze": run.squeeze.max()}
+    return {"reach": run.poses[-1, :, 0].max(), "squeeze": run.peak_squeeze.max()}
 
 
 def engine(trial, at_once, runs):

@@ -13,6 +13,8 @@ Trial says: the stiffness of all bodies (Young's and shear modulus times the sam
             reached; none where fewer than two were (it jumps where one more or less is reached)
     reach   how many people the push displaced by 0.05 m or more along x at any time
     last    how far the last person of the row was displaced at most [m]; the wall is 0.16 m away
+    mean    the largest mean squeeze of a person over a communication step, 0.01 s [N]
+    peak    the largest squeeze of a person at any time [N]: collisions last milliseconds, so it is above the mean
 
 With --out, the results are kept there, and a second call goes on where the first was stopped. With --scheduler (see
 examples/sweep_cluster.md) the runs are made on a cluster.
@@ -30,6 +32,7 @@ from lemons_fmu import Crowd, Drive, FmuError, SweepError, load, local_cluster, 
 PEAKS = [900.0, 1200.0, 1500.0]  # N
 DURATION, UNTIL, STEP = 0.6, 3.0, 0.01  # s
 MECHANICAL = 1e-5  # s; with 2e-6 s the speeds differ by less than 0.1 %, the displacements by less than 0.3 mm
+MEASURES = ["speed", "reach", "last", "mean", "peak"]
 REACHED, DISPLACED = 0.05, 0.05  # m/s, m
 COLOURS = ["#0072B2", "#E69F00", "#D55E00"]  # Okabe and Ito
 
@@ -51,7 +54,8 @@ def front(run):
             places.append(start[person])
             times.append(run.times[k - 1] + share * (run.times[k] - run.times[k - 1]))
     speed = np.polyfit(times, places, 1)[0] if len(places) > 1 and np.ptp(times) > 0 else np.nan
-    return {"speed": speed, "reach": (moved >= DISPLACED).sum(), "last": moved[-1]}
+    squeeze = {"mean": run.mean_squeeze.max(), "peak": run.peak_squeeze.max()}
+    return {"speed": speed, "reach": (moved >= DISPLACED).sum(), "last": moved[-1], **squeeze}
 
 
 def table(fmu, count):
@@ -85,15 +89,16 @@ def plot(path, results, usual):
     from matplotlib import pyplot as plt
 
     names = {"stiffness": "stiffness / that of the paper", "friction": "friction between people", "mass": "mass / that of the Trial"}
-    rows = {"speed": "speed of the front\n/ m s$^{-1}$", "reach": "people displaced\nby 5 cm or more", "last": "displacement of\nthe last / cm"}
-    figure, panels = plt.subplots(3, 3, figsize=(9.5, 7), sharex="col", sharey="row", layout="constrained")
+    units = {"last": 100, "peak": 1e-3}
+    rows = {"speed": "speed of the front\n/ m s$^{-1}$", "reach": "people displaced\nby 5 cm or more", "last": "displacement of\nthe last / cm", "peak": "peak squeeze\n/ kN"}
+    figure, panels = plt.subplots(4, 3, figsize=(9.5, 9), sharex="col", sharey="row", layout="constrained")
     for column, (changed, label) in enumerate(names.items()):
         for row, (measure, axis) in enumerate(rows.items()):
             panel = panels[row, column]
             panel.axvline(usual[changed], color="0.8", zorder=0)
             for shift, (colour, peak) in enumerate(zip(COLOURS, PEAKS)):
-                some = results[(results.changed == changed) & (results.peak == peak)]
-                values = some[measure] * (100 if measure == "last" else 1)
+                some = results[(results.changed == changed) & (results.push == peak)]
+                values = some[measure] * units.get(measure, 1)
                 # Counts that are equal lie beside each other.
                 values = values + (0.05 * (shift - 1) if measure == "reach" else 0)
                 panel.plot(some.value, values, "o-", color=colour, markersize=4, linewidth=1.5, label=f"{peak:.0f} N")
@@ -102,11 +107,11 @@ def plot(path, results, usual):
                 panel.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
             if column == 0:
                 panel.set_ylabel(axis)
-            if row == 2:
+            if row == 3:
                 panel.set_xlabel(label)
             panel.grid(alpha=0.25)
             panel.spines[["top", "right"]].set_visible(False)
-    for row in (0, 2):
+    for row in (0, 2, 3):
         panels[row, 0].set_ylim(bottom=0)
     panels[1, 0].set_ylim(0, 5.4)
     panels[1, 0].set_yticks(range(6))
@@ -133,6 +138,8 @@ def main():
         points, usual = table(fmu, arguments.values)
     except (FmuError, KeyError) as error:
         raise SystemExit(f"{arguments.fmu}: {error}; a Trial like resources/Trial_push is needed")
+    if not fmu.has_means:
+        raise SystemExit(f"{arguments.fmu}: an earlier version packed it, without mean and peak squeeze; pack its Trial again")
 
     parameters = points.drop(columns=["changed", "value"])
     parts = []
@@ -147,10 +154,10 @@ def main():
                 raise SystemExit(str(error))
             for message in result.error.dropna().unique():
                 print(f"failed: {message}")
-            parts.append(points[["changed", "value"]].join(result[["speed", "reach", "last"]]).assign(peak=peak))
+            parts.append(points[["changed", "value"]].join(result[MEASURES]).assign(push=peak))
     results = pd.concat(parts, ignore_index=True)
     for changed in ("stiffness", "friction", "mass"):
-        some = results[results.changed == changed].pivot(index="value", columns="peak", values=["speed", "reach", "last"])
+        some = results[results.changed == changed].pivot(index="value", columns="push", values=MEASURES)
         print(f"\n{changed}\n{some.to_string(float_format='{:.3g}'.format)}")
     plot(arguments.plot, results, usual)
     print(f"\n{arguments.plot} written")

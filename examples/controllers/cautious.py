@@ -6,6 +6,10 @@
 
 makes Cautious.fmu for the five people of that Agents.xml, which is packed with it. Its inputs are named like the
 crowd's outputs and its outputs like the crowd's inputs: a master connects `crowd.NAME` with `controller.NAME`.
+
+Squeeze is the mean over the last communication step. Its value at the communication point, NormalForce, hangs on which
+instant of a collision, which lasts milliseconds, that happens to be. (A crowd.fmu of the first versions has no
+MeanNormalForce: pack its Trial again.)
 """
 
 from math import atan2, hypot, pi, remainder
@@ -17,7 +21,7 @@ from pythonfmu import Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability, Re
 TURNING = 2.0  # 1/s: somebody who faces away by an angle turns towards the target at TURNING * angle
 ARRIVING = 1.0  # 1/s: at a distance d the speed is at most ARRIVING * d, so that nobody runs past the target
 
-STATE = ["Position.x", "Position.y", "Theta", "NormalForce"]  # m, m, rad, N
+STATE = ["Position.x", "Position.y", "Theta", "MeanNormalForce"]  # m, m, rad, N
 DRIVE = ["Fp.x", "Fp.y", "Mp"]  # N, N, N.m
 BODY = ["Mass", "MomentOfInertia", "FloorDamping", "AngularDamping"]  # kg, kg.m2, 1/s, 1/s
 
@@ -65,7 +69,7 @@ class Cautious(Fmi2Slave):
                 continue
             speed = min(self.parameters["WalkingSpeed"], ARRIVING * distance)
             # Half as fast at the tolerated force, a third at twice as much.
-            speed /= 1.0 + person["NormalForce"] / self.parameters["ToleratedForce"]
+            speed /= 1.0 + person["MeanNormalForce"] / self.parameters["ToleratedForce"]
             # Alone somebody gets to the velocity Fp / (m * FloorDamping), and turns at Mp / (I * AngularDamping).
             force = body["Mass"] * body["FloorDamping"] * speed
             person["Fp.x"], person["Fp.y"] = force * x / distance, force * y / distance

@@ -205,18 +205,23 @@ def bits(seen):
 
 
 def read_table(text, ids):
-    """trajectories.csv as `Crowd.run` returns it, with the start."""
+    """trajectories.csv as `Crowd.run` returns it, with the start. Names may have units, as before, or not."""
     rows = list(csv.reader(text.splitlines()))
-    assert rows.pop(0) == [name if unit is None else f"{name} [{unit}]" for name, unit in COLUMNS.items()]
+    header = [name.split(" [")[0] for name in rows.pop(0)]
+    assert [name for name in header if name in COLUMNS] == list(COLUMNS)
+    places = {name: header.index(name) for name in COLUMNS}
+    whole = {name for name in COLUMNS if name.endswith(("_contacts", "_agents"))}
+    wanted = ["x", "y", "vx", "vy", "theta", "omega", "agent_contacts", "wall_contacts", "contacting_agents", "normal_force"]
     seen = []
     for k in range(0, len(rows), len(ids)):
         block = rows[k : k + len(ids)]
-        assert [row[1] for row in block] == ids
-        assert len({row[0] for row in block}) == 1
-        touching, walls = (sum(int(row[place]) for row in block) for place in (8, 9))
-        assert all([int(row[12]), int(row[13])] == [touching / 2, walls] for row in block), "totals"
-        numbers = [[*map(float, row[2:8]), *map(int, row[8:11]), float(row[11])] for row in block]
-        seen.append((float(block[0][0]), numbers))
+        assert [row[places["id"]] for row in block] == ids
+        assert len({row[places["t"]] for row in block}) == 1
+        touching, walls = (sum(int(row[places[name]]) for row in block) for name in ("agent_contacts", "wall_contacts"))
+        totals = places["total_agent_contacts"], places["total_wall_contacts"]
+        assert all([int(row[place]) for place in totals] == [touching / 2, walls] for row in block), "totals"
+        numbers = [[(int if name in whole else float)(row[places[name]]) for name in wanted] for row in block]
+        seen.append((float(block[0][places["t"]]), numbers))
     return seen
 
 

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -164,6 +165,46 @@ def test_as_many_steps_as_lemons_run_makes(lemons, fmu, tmp_path, step, until, w
     assert subprocess.run(command, capture_output=True).returncode in (1, 2)
     with Crowd(fmu, start=1e17) as crowd, pytest.raises(ValueError, match="lost in rounding"):
         crowd.run(until=1e17 + 64, step=1.0)
+
+
+def test_mean_and_peak_squeeze_do_not_hang_on_the_step(fmu, drive):
+    """The impulse over two steps is that over the two halves; the peak is one of theirs. The sample is neither."""
+    fine, coarse = (run_of(fmu, drive, step) for step in (0.01, 0.05))
+    means = fine.mean_squeeze[1:].reshape(-1, 5, 5).mean(axis=1)
+    assert np.allclose(means, coarse.mean_squeeze[1:], rtol=1e-6, atol=1e-6 * means.max())
+    for one, other in (fine.peak_squeeze, coarse.peak_squeeze), (fine.peak_overlap, coarse.peak_overlap):
+        assert (one[1:].reshape(-1, 5, 5).max(axis=1) == other[1:]).all() and one.max() > 0
+    assert (coarse.mean_squeeze <= coarse.peak_squeeze).all() and (coarse.squeeze <= coarse.peak_squeeze).all()
+    assert coarse.squeeze.max() < 0.5 * fine.squeeze.max(), "else this shows nothing"
+    with Crowd(fmu) as crowd:
+        crowd.run(drive, until=0.4)
+        seen = np.column_stack([crowd.mean_squeeze(), crowd.peak_squeeze(), crowd.peak_overlap()])
+        assert (seen == coarse.reals[8, :, 7:]).all() and seen.max() > 100.0
+        assert crowd["LargestOverlap"] == seen[:, 2].max()
+
+
+def run_of(fmu, drive, step):
+    with Crowd(fmu) as crowd:
+        return crowd.run(drive, until=1.0, step=step)
+
+
+def test_an_fmu_without_mean_and_peak_goes_on_and_says_so(fmu, push_fmu, drive, tmp_path):
+    """As one that an earlier version packed."""
+    old = tmp_path / "old.fmu"
+    with zipfile.ZipFile(push_fmu) as archive, zipfile.ZipFile(old, "w") as written:
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "modelDescription.xml":
+                content = re.sub(rb"\.(Mean|Peak)(NormalForce|Overlap)\b", rb".Without\1\2", content)
+            written.writestr(name, content)
+    with Crowd(old) as crowd:
+        run = crowd.run(drive, until=0.4)
+        for ask in crowd.mean_squeeze, crowd.peak_squeeze, crowd.peak_overlap, lambda: run.mean_squeeze, lambda: run.peak_overlap:
+            with pytest.raises(FmuError, match=r"no output agent\[i\].*: an earlier version packed it; pack its Trial again"):
+                ask()
+    wanted = simulate(fmu, drive, until=0.4)
+    three = ["mean_normal_force", "peak_normal_force", "peak_overlap"]
+    pd.testing.assert_frame_equal(run.frame(), wanted.drop(columns=three), check_exact=True)
 
 
 def test_ids_of_agents_are_those_of_the_trial(pack, tmp_path):

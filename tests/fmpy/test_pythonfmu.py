@@ -7,7 +7,7 @@ from math import hypot
 from pathlib import Path
 
 import pytest
-from crowd import INPUTS, REPOSITORY, TRIAL_PUSH, bits, outputs
+from crowd import CONTACTS, INPUTS, MOTION, REPOSITORY, TRIAL_PUSH, bits
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 from masters import Job, run
@@ -16,6 +16,7 @@ AGENTS = TRIAL_PUSH / "static" / "Agents.xml"
 SPEED = 1.2  # m/s: the start value of WalkingSpeed
 TOLERATED = 200.0  # N: the start value of ToleratedForce
 STEPS = 96  # 6 s
+WATCHED = [*MOTION, *CONTACTS, "MeanNormalForce"]
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +46,7 @@ def job(push_fmu, controller):
     inputs = sorted(names["crowd", "input"]) + sorted(names["controller", "input"])
     assert len(inputs) == 5 * (3 + 4)
     assert sorted(sink[1] for _, sink in connections) == sorted(inputs), "every input is connected"
-    watch = [["crowd", name] for name in outputs(5)]
+    watch = [["crowd", f"agent[{i}].{name}"] for i in range(5) for name in WATCHED]
     watch += [["controller", f"agent[{i}].{name}"] for i in range(5) for name in INPUTS]
     return Job(fmus=fmus, steps=STEPS, watch=watch, connections=connections)
 
