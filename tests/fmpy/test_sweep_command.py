@@ -22,7 +22,8 @@ squeeze = {{ of = "squeeze", take = "max" }}
 
 
 def measure(run):
-    return {"moved": run.poses[-1, 4, 0] - run.poses[0, 4, 0], "squeeze": run.squeeze.max()}
+    squeeze = {"squeeze": run.squeeze.max(), "mean": run.mean_squeeze.max(), "peak": run.peak_squeeze.max()}
+    return {"moved": run.poses[-1, 4, 0] - run.poses[0, 4, 0], **squeeze, "overlap": run.peak_overlap.max()}
 
 
 @pytest.mark.parametrize("choice, drive", [("", None), ("drive = 'given.csv'", "given.csv"), ("drive = false", False)], ids=str)
@@ -39,7 +40,7 @@ def test_both_give_one_table(lemons, tmp_path, choice, drive):
         there = sweep(fmu, grid, drive, measure, until=0.7, client=client, out=tmp_path / "there", progress=False)
     here = pd.read_parquet(tmp_path / "push" / "table.parquet")
     pd.testing.assert_frame_equal(here, there, check_exact=True)
-    assert (here["squeeze"].max() > 100.0) == (drive is not False)
+    assert (here["peak"].max() > 100.0) == (drive is not False)
     ours, theirs = (json.loads((tmp_path / name / "sweep.json").read_text()) for name in ("push", "there"))
     assert ours.pop("measure") != theirs.pop("measure")
     assert ours == theirs  # the FMU, the points, the drive: the hashes are of the same bytes

@@ -310,7 +310,7 @@ class Run:
         return self.counts
 
     def frame(self) -> pd.DataFrame:
-        """The table that `lemons run` writes, names without units: a row for each agent at each communication point."""
+        """The table that `lemons run` writes: a row for each agent at each communication point."""
         points, agents = self.squeeze.shape
         ids: list[int] | list[str] = list(self.ids)
         if all(each.isascii() and each.isdigit() and str(int(each)) == each for each in self.ids):
