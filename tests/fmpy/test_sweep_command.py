@@ -18,6 +18,9 @@ until = 0.7
 [measures]
 moved = {{ of = "x", take = "change", agents = ["4"] }}
 squeeze = {{ of = "squeeze", take = "max" }}
+mean = {{ of = "mean_squeeze", take = "max" }}
+peak = {{ of = "peak_squeeze", take = "max" }}
+overlap = {{ of = "peak_overlap", take = "max" }}
 """
 
 
