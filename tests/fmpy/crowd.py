@@ -34,7 +34,8 @@ CONTACTS = ["AgentContacts", "WallContacts", "ContactingAgents"]
 # Of the table of `lemons run`, with their units.
 COLUMNS = {"t": "s", "id": None, "x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "theta": "rad", "omega": "rad/s"}
 COLUMNS |= {"agent_contacts": None, "wall_contacts": None, "contacting_agents": None, "normal_force": "N"}
-COLUMNS |= {"mean_normal_force": "N", "peak_normal_force": "N", "peak_overlap": "m"}
+OF_STEP = {"mean_normal_force": "N", "peak_normal_force": "N", "peak_overlap": "m"}
+COLUMNS |= OF_STEP
 COLUMNS |= {"total_agent_contacts": None, "total_wall_contacts": None}
 OUTPUTS = [*MOTION, *CONTACTS, "NormalForce"]
 
@@ -209,8 +210,9 @@ def read_table(text, ids):
     """trajectories.csv as `Crowd.run` returns it, with the start. Tables of earlier versions have units in their header."""
     rows = list(csv.reader(text.splitlines()))
     header = [name.split(" [")[0] for name in rows.pop(0)]
-    assert header == list(COLUMNS)
-    places = {name: header.index(name) for name in COLUMNS}
+    # FMUs of earlier versions have no mean and peak of a step.
+    assert header in (list(COLUMNS), [name for name in COLUMNS if name not in OF_STEP])
+    places = {name: place for place, name in enumerate(header)}
     whole = {name for name in COLUMNS if name.endswith(("_contacts", "_agents"))}
     wanted = ["x", "y", "vx", "vy", "theta", "omega", "agent_contacts", "wall_contacts", "contacting_agents", "normal_force"]
     seen = []
