@@ -25,8 +25,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut world = trial.world()?;
     println!(
-        "t [s],id,x [m],y [m],vx [m/s],vy [m/s],theta [rad],omega [rad/s],agent_contacts,wall_contacts,\
-         contacting_agents,normal_force [N],total_agent_contacts,total_wall_contacts"
+        "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force,\
+         mean_normal_force,peak_normal_force,peak_overlap,total_agent_contacts,total_wall_contacts"
     );
     print(&trial, &world, 0.0);
     let mut time = 0.0;
@@ -46,9 +46,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn print(trial: &Trial, world: &World, time: f64) {
     let (state, all) = (world.state(), world.contacts());
     for (i, agent) in trial.agents.iter().enumerate() {
-        let (pose, twist, contacts) = (&state.poses[i], &state.twists[i], &all.bodies[i]);
+        let (pose, twist) = (&state.poses[i], &state.twists[i]);
+        let (contacts, step) = (&all.bodies[i], &world.exposures()[i]);
         println!(
-            "{time:?},{},{:?},{:?},{:?},{:?},{:?},{:?},{},{},{},{:?},{},{}",
+            "{time:?},{},{:?},{:?},{:?},{:?},{:?},{:?},{},{},{},{:?},{:?},{:?},{:?},{},{}",
             agent.id,
             pose.position.x,
             pose.position.y,
@@ -60,6 +61,9 @@ fn print(trial: &Trial, world: &World, time: f64) {
             contacts.wall_contacts,
             contacts.touching_bodies,
             contacts.squeeze,
+            step.mean_force,
+            step.peak_force,
+            step.peak_overlap,
             all.agent_contacts,
             all.wall_contacts,
         );

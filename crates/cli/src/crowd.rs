@@ -1,11 +1,10 @@
 //! A crowd among the components of a run: its trajectories and extremes, from the outputs of its FMU.
 
-use crate::extremes::{Extremes, Squeezed};
+use crate::extremes::{Extremes, Greatest};
 use crate::recording::Recording;
 use crate::results::{Cell, Column, Content, Extent, Kind, Place, Table};
 use crate::saved::CrowdRecord;
 use anyhow::{Result, bail};
-use crowd_mechanics::engine::{Pose, State, Twist, World, vec2};
 use crowd_mechanics::trial::Trial;
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription, VariableType};
 use lemons_master::{Component, System};
@@ -27,8 +26,28 @@ const CONTACT_COLUMNS: [Row; 3] = [
     ("wall_contacts", "WallContacts", None, "contacts of the agent's disks with faces of walls"),
     ("contacting_agents", "ContactingAgents", None, "how many other agents touch the agent"),
 ];
-const SQUEEZE_COLUMN: Row =
-    ("normal_force", SQUEEZE, Some("N"), "squeeze: sum of the normal forces |F_n| of the agent's contacts");
+const SQUEEZE_COLUMN: Row = (
+    "normal_force",
+    SQUEEZE,
+    Some("N"),
+    "squeeze at this time: sum of the normal forces |F_n| of the agent's contacts",
+);
+/// Of the step that ends at the time, not of the time itself; FMUs of earlier versions have none of them.
+const STEP_COLUMNS: [Row; 3] = [
+    ("mean_normal_force", "MeanNormalForce", Some("N"), "mean squeeze over the step that ends at this time"),
+    (
+        "peak_normal_force",
+        "PeakNormalForce",
+        Some("N"),
+        "largest squeeze within the step that ends at this time",
+    ),
+    (
+        "peak_overlap",
+        "PeakOverlap",
+        Some("m"),
+        "deepest overlap of a contact within the step that ends at this time",
+    ),
+];
 /// Of the whole crowd, in each row; without agent.
 const TOTAL_COLUMNS: [Row; 2] = [
     ("total_agent_contacts", "AgentContacts", None, "contacts between disks of the crowd, each pair once"),
@@ -39,12 +58,12 @@ const TOTAL_COLUMNS: [Row; 2] = [
 pub struct Crowd {
     /// Among the components.
     place: usize,
-    /// For overlaps, which are no variables of the FMU; only from an FMU that holds a Trial.
-    shadow: Option<World>,
     ids: Vec<String>,
     motions: Vec<u32>,
     contacts: Vec<u32>,
     squeezes: Vec<u32>,
+    /// Empty if the FMU has none.
+    steps: Vec<u32>,
     /// Empty if the FMU has none.
     totals: Vec<u32>,
     trajectories: Table,
@@ -85,8 +104,18 @@ fn totals_of(component: &Component) -> Vec<u32> {
     totals.collect::<Option<_>>().unwrap_or_default()
 }
 
+/// Whether all these agents have the outputs of [`STEP_COLUMNS`].
+fn has_steps(description: &ModelDescription, agents: usize) -> bool {
+    let names = |i: usize| STEP_COLUMNS.iter().map(move |row| format!("agent[{i}].{}", row.1));
+    let has = |name: String| {
+        let found = description.variable_by_name(&name);
+        found.is_ok_and(|v| matches!(v.variableType, VariableType::Real { .. }))
+    };
+    (0..agents).flat_map(names).all(has)
+}
+
 /// The columns after the time.
-fn columns(description: &ModelDescription, totals: bool) -> Vec<Column> {
+fn columns(description: &ModelDescription, steps: bool, totals: bool) -> Vec<Column> {
     let id = Column {
         name: "id".into(),
         kind: Kind::Text,
@@ -110,6 +139,9 @@ fn columns(description: &ModelDescription, totals: bool) -> Vec<Column> {
     columns.extend(MOTION_COLUMNS.iter().map(|row| column(row, "agent[i].", Kind::Real)));
     columns.extend(CONTACT_COLUMNS.iter().map(|row| column(row, "agent[i].", Kind::Integer)));
     columns.push(column(&SQUEEZE_COLUMN, "agent[i].", Kind::Real));
+    if steps {
+        columns.extend(STEP_COLUMNS.iter().map(|row| column(row, "agent[i].", Kind::Real)));
+    }
     if totals {
         columns.extend(TOTAL_COLUMNS.iter().map(|row| column(row, "", Kind::Integer)));
     }
@@ -138,7 +170,9 @@ impl Crowd {
         };
         let totals = totals_of(component);
         let description = &component.fmu.description;
-        let columns = std::iter::once(Column::time()).chain(columns(description, !totals.is_empty()));
+        let steps = if has_steps(description, agents) { references(&STEP_COLUMNS)? } else { Vec::new() };
+        let columns = columns(description, !steps.is_empty(), !totals.is_empty());
+        let columns = std::iter::once(Column::time()).chain(columns);
         let mut about = recording.about.clone();
         about.extend(trial.as_ref().map(|trial| ("trial", trial.name.clone())));
         about.push(("component", component.name.clone()));
@@ -146,7 +180,7 @@ impl Crowd {
         let content = Content { columns: columns.collect(), about };
         let before = recording.before_of(&component.name)?;
         let extremes = before.map(|before| before.extremes).unwrap_or_default();
-        if extremes.most_squeezed.is_some_and(|most| most.agent >= agents) {
+        if [extremes.mean_squeeze, extremes.peak_squeeze].iter().any(|most| most.agent >= agents) {
             bail!(
                 "the saved run is damaged: it speaks of an agent that component {:?} has not",
                 component.name
@@ -156,8 +190,8 @@ impl Crowd {
             motions: references(&MOTION_COLUMNS)?,
             contacts: references(&CONTACT_COLUMNS)?,
             squeezes: references(&[SQUEEZE_COLUMN])?,
+            steps,
             totals,
-            shadow: trial.as_ref().map(Trial::world).transpose()?,
             place,
             ids,
             trajectories: recording.tables.create(to, &content, before.map(|before| before.extent()))?,
@@ -173,23 +207,17 @@ impl Crowd {
         instance.get_real(&self.motions, &mut motions)?;
         instance.get_real(&self.squeezes, &mut squeezes)?;
         let (motions, _) = motions.as_chunks::<6>();
-        for (i, &squeeze) in squeezes.iter().enumerate() {
-            if squeeze > self.extremes.greatest_squeeze {
-                self.extremes.greatest_squeeze = squeeze;
-                self.extremes.most_squeezed = Some(Squeezed { agent: i, time });
-            }
+        let mut steps = vec![0.0; self.steps.len()];
+        if self.steps.is_empty() {
+            self.extremes.mean_squeeze.see(squeezes.iter().copied(), time);
+        } else {
+            instance.get_real(&self.steps, &mut steps)?;
         }
-        if let Some(shadow) = &mut self.shadow {
-            let poses =
-                motions.iter().map(|m| Pose { position: vec2(m[0], m[1]), orientation: m[4] }).collect();
-            let twists = motions
-                .iter()
-                .map(|m| Twist { velocity: vec2(m[2], m[3]), angular_velocity: m[5] })
-                .collect();
-            shadow.restore(State::new(poses, twists))?;
-            let overlap = shadow.contacts().largest_overlap;
-            self.extremes.largest_overlap = self.extremes.largest_overlap.max(overlap);
-        }
+        let (steps, _) = steps.as_chunks::<3>();
+        self.extremes.mean_squeeze.see(steps.iter().map(|step| step[0]), time);
+        self.extremes.peak_squeeze.see(steps.iter().map(|step| step[1]), time);
+        let deepest = steps.iter().map(|step| step[2]);
+        self.extremes.largest_overlap = deepest.fold(self.extremes.largest_overlap, f64::max);
         if !wanted {
             return Ok(());
         }
@@ -203,6 +231,7 @@ impl Crowd {
                 .chain(motions[i].iter().map(|value| Cell::Real(*value)))
                 .chain(contacts[i].iter().map(|count| Cell::Integer(*count)))
                 .chain([Cell::Real(squeezes[i])])
+                .chain(steps.get(i).into_iter().flatten().map(|value| Cell::Real(*value)))
                 .chain(totals.iter().map(|count| Cell::Integer(*count)));
             self.trajectories.write(time, row)?;
         }
@@ -222,19 +251,23 @@ impl Crowd {
 
     /// Puts the trajectories in their place; answers the lines of the summary.
     pub fn finish(self) -> Result<Vec<String>> {
-        let Extremes { largest_overlap, greatest_squeeze, most_squeezed } = self.extremes;
-        let mut lines = Vec::new();
-        if self.shadow.is_some() {
-            let overlap = 1e3 * largest_overlap;
-            lines.push(format!("largest overlap    {overlap:>10.3} mm   (at communication points)"));
-        }
-        let squeeze = format!("greatest squeeze   {greatest_squeeze:>10.1} N");
-        lines.push(match most_squeezed {
-            Some(Squeezed { agent, time }) => {
-                format!("{squeeze}   (agent {} at t = {time:.3} s)", self.ids[agent])
+        let Extremes { largest_overlap, mean_squeeze, peak_squeeze } = self.extremes;
+        let squeeze = |what: &str, Greatest { force, agent, time }: Greatest, when: &str| {
+            let line = format!("{what:<18} {force:>10.1} N");
+            if force > 0.0 {
+                format!("{line}   (agent {}, {when} {time:.3} s)", self.ids[agent])
+            } else {
+                line
             }
-            None => squeeze,
-        });
+        };
+        let mut lines = Vec::new();
+        if self.steps.is_empty() {
+            lines.push(squeeze("greatest squeeze", mean_squeeze, "at the communication point"));
+        } else {
+            lines.push(format!("largest overlap    {:>10.3} mm", 1e3 * largest_overlap));
+            lines.push(squeeze("mean squeeze, max", mean_squeeze, "over the step to"));
+            lines.push(squeeze("peak squeeze, max", peak_squeeze, "in the step to"));
+        }
         lines.push(format!("trajectories       {}", self.trajectories.said()));
         self.trajectories.finish()?;
         Ok(lines)

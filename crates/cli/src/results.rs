@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// What a file of results is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// Text: units in the header, numbers that read back to the same doubles
+    /// Text: SI units, numbers that read back to the same doubles
     Csv,
     /// Columns, compressed: some times smaller; units in the file's metadata
     Parquet,
@@ -59,13 +59,14 @@ impl Column {
         }
     }
 
-    /// `x [m]`
-    fn heading(&self) -> String {
-        heading(&self.name, self.unit.as_deref())
+    /// In the metadata of Parquet, where a table of other units is another one.
+    fn with_unit(&self) -> String {
+        with_unit(&self.name, self.unit.as_deref())
     }
 }
 
-fn heading(name: &str, unit: Option<&str>) -> String {
+/// `x [m]`
+fn with_unit(name: &str, unit: Option<&str>) -> String {
     unit.map_or(name.into(), |unit| format!("{name} [{unit}]"))
 }
 
@@ -226,9 +227,8 @@ fn check_kept(kept: Extent, rows: u64, last: Option<f64>) -> Result<()> {
     Ok(())
 }
 
-fn check_headings(there: impl Iterator<Item = String>, columns: &[Column]) -> Result<()> {
-    let there: Vec<String> = there.collect();
-    let here: Vec<String> = columns.iter().map(Column::heading).collect();
+fn check_headings(there: impl Iterator<Item = String>, here: impl Iterator<Item = String>) -> Result<()> {
+    let (there, here): (Vec<String>, Vec<String>) = (there.collect(), here.collect());
     if let Some(k) = (0..there.len().max(here.len())).find(|&k| there.get(k) != here.get(k)) {
         let said = |list: &[String]| list.get(k).map_or("missing".into(), |name| format!("{name:?}"));
         bail!("column {} is {}, not {}", k + 1, said(&there), said(&here));

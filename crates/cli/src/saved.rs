@@ -1,6 +1,6 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
-use crate::extremes::{Extremes, Squeezed};
+use crate::extremes::{Extremes, Greatest};
 use crate::results::Extent;
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::files::Staged;
@@ -16,7 +16,7 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 const RUN: &str = "run.toml";
 /// Of `run.toml`; raised when its meaning changes.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// \[byte\] of `run.toml`: thousands of components.
 const LARGEST_RUN: u64 = 4_000_000;
 
@@ -197,17 +197,18 @@ impl Saved {
             }
         }
         for CrowdRecord { extremes, .. } in &self.crowd {
-            let Extremes { largest_overlap, greatest_squeeze, most_squeezed } = *extremes;
-            for (key, value) in [("largest_overlap", largest_overlap), ("greatest_squeeze", greatest_squeeze)]
-            {
-                if !(value >= 0.0 && value.is_finite()) {
-                    return wrong(key, value, "finite and not negative");
-                }
+            let Extremes { largest_overlap, mean_squeeze, peak_squeeze } = *extremes;
+            let positive = |value: f64| value >= 0.0 && value.is_finite();
+            if !positive(largest_overlap) {
+                return wrong("largest_overlap", largest_overlap, "finite and not negative");
             }
-            if let Some(Squeezed { time: when, .. }) = most_squeezed
-                && !(start..=time).contains(&when)
-            {
-                return wrong("most_squeezed.time", when, &format!("from {start:?} to {time:?}"));
+            for Greatest { force, time: when, .. } in [mean_squeeze, peak_squeeze] {
+                if !positive(force) {
+                    return wrong("force", force, "finite and not negative");
+                }
+                if force > 0.0 && !(start..=time).contains(&when) {
+                    return wrong("extremes: time", when, &format!("from {start:?} to {time:?}"));
+                }
             }
         }
         Ok(())

@@ -48,12 +48,15 @@ const EXAMPLE: &str = r#"An example:
 
   [measures]
   reach = { of = "x", take = "reach", agents = ["4"] }
-  squeeze = { of = "squeeze", take = "max" }
+  squeeze = { of = "peak_squeeze", take = "max" }
   arrival = { of = "speed", take = "first_above", level = 0.05, agents = ["4"] }
 
-of: x, y, theta, speed, omega, squeeze, agent_contacts, wall_contacts,
-contacting_agents. take: max, min, mean, last, change, reach, first_above. Of
-several agents: across = "max", "min" or "mean". All at communication points."#;
+of: x, y, theta, speed, omega, agent_contacts, wall_contacts,
+contacting_agents, squeeze (the sum of normal forces): at communication points;
+mean_squeeze (over a step), peak_squeeze, peak_overlap (largest within a step):
+of the whole step that ends there, so that no collision is missed.
+take: max, min, mean, last, change, reach, first_above.
+Of several agents: across = "max", "min" or "mean"."#;
 
 /// Messages of failed points that are shown.
 const SHOWN: usize = 3;

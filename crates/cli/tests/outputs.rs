@@ -248,7 +248,7 @@ fn what_is_no_regular_file_is_written_not_replaced() {
         (vec!["decide", trial, "--plan", "wishes.toml", "-o", "pipe.ssp"], b"PK\x03\x04"),
         (vec!["connect", "decision.fmu", "crowd.fmu", "-o", "pipe.ssp"], b"PK\x03\x04"),
         (vec!["run", trial, "--until", "0.1", "--state", "pipe.ssp"], b"PK\x03\x04"),
-        (vec!["run", trial, "--until", "0.1", "--format", "csv", "-o", "pipe.ssp"], b"t [s],id,"),
+        (vec!["run", trial, "--until", "0.1", "--format", "csv", "-o", "pipe.ssp"], b"t,id,"),
         (vec!["run", trial, "--until", "0.1", "--format", "parquet", "-o", "pipe.ssp"], b"PAR1"),
     ] {
         let reader = std::thread::spawn({

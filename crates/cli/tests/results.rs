@@ -243,7 +243,7 @@ fn saved_runs_are_hostile_until_checked() {
         push(at, "--resume forged.run --until 1", 1)
     };
     for (from, to, words) in [
-        ("format = 1", "format = 2", "run.toml: format = 2: this program knows format 1 only"),
+        ("format = 2", "format = 1", "run.toml: format = 1: this program knows format 2 only"),
         ("step = 0.05", "step = nan", "run.toml: step: NaN: must be positive and finite"),
         ("step = 0.05", "step = -1.0", "step: -1.0"),
         ("start = 0.0", "start = inf", "start: inf"),
@@ -322,7 +322,7 @@ fn a_run_goes_on_as_it_went_or_not_at_all() {
     }
     // Other results under the name.
     for (text, words) in [
-        ("t [s],id\n", "column 3 is missing, not \"x [m]\""),
+        ("t,id\n", "column 3 is missing, not \"x\""),
         ("", "column 1 is "),
         (&String::from_utf8_lossy(&before).replace("\n0.5,4,", "\n0.45,4,"), "its last row is of t = 0.45 s"),
         (String::from_utf8_lossy(&before).trim_end(), "does not end with its line"),

@@ -18,6 +18,9 @@ const PARAMETERS: &str = r#"
 const MEASURES: &str = r#"
 moved = { of = "x", take = "change", agents = ["4"] }
 squeeze = { of = "squeeze", take = "max" }
+mean_squeeze = { of = "mean_squeeze", take = "max" }
+peak_squeeze = { of = "peak_squeeze", take = "max" }
+overlap = { of = "peak_overlap", take = "max" }
 contacts = { of = "agent_contacts", take = "max" }
 fast = { of = "speed", take = "first_above", level = 0.5, agents = ["0"] }
 never = { of = "speed", take = "first_above", level = 100, agents = ["0"] }
@@ -64,13 +67,16 @@ fn a_point_is_what_a_run_with_its_parameters_is() {
             let own = table.iter().filter(|row| row["id"] == id);
             own.map(|row| row[name].parse().unwrap()).collect()
         };
-        let x = of("4", "x [m]");
-        let (vx, vy, t) = (of("0", "vx [m/s]"), of("0", "vy [m/s]"), of("0", "t [s]"));
+        let x = of("4", "x");
+        let (vx, vy, t) = (of("0", "vx"), of("0", "vy"), of("0", "t"));
         let fast = (0..t.len()).find(|&k| (vx[k] * vx[k] + vy[k] * vy[k]).sqrt() > 0.5).unwrap();
         let most = |name: &str| table.iter().map(|row| row[name].parse::<f64>().unwrap()).fold(0.0, f64::max);
         for (name, expected) in [
             ("moved", x[x.len() - 1] - x[0]),
-            ("squeeze", most("normal_force [N]")),
+            ("squeeze", most("normal_force")),
+            ("mean_squeeze", most("mean_normal_force")),
+            ("peak_squeeze", most("peak_normal_force")),
+            ("overlap", most("peak_overlap")),
             ("contacts", most("agent_contacts")),
             ("fast", t[fast]),
         ] {

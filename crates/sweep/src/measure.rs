@@ -16,8 +16,14 @@ pub enum Of {
     Speed,
     /// \[rad/s\]
     Omega,
-    /// \[N\] sum of |F_n| over its contacts.
+    /// \[N\] sum of |F_n| over its contacts at a communication point, which may miss a collision.
     Squeeze,
+    /// \[N\] its time average over a communication step.
+    MeanSqueeze,
+    /// \[N\] its largest value within a communication step.
+    PeakSqueeze,
+    /// \[m\] deepest overlap of its contacts within a communication step.
+    PeakOverlap,
     /// With other agents' disks.
     AgentContacts,
     /// With walls.
@@ -36,6 +42,9 @@ impl Of {
             Of::Speed => (&["Velocity.x", "Velocity.y"], &[]),
             Of::Omega => (&["Omega"], &[]),
             Of::Squeeze => (&["NormalForce"], &[]),
+            Of::MeanSqueeze => (&["MeanNormalForce"], &[]),
+            Of::PeakSqueeze => (&["PeakNormalForce"], &[]),
+            Of::PeakOverlap => (&["PeakOverlap"], &[]),
             Of::AgentContacts => (&[], &["AgentContacts"]),
             Of::WallContacts => (&[], &["WallContacts"]),
             Of::ContactingAgents => (&[], &["ContactingAgents"]),

@@ -22,7 +22,7 @@ impl Table {
             return Ok(Table { out: csv::Writer::from_writer(out), text: String::new() });
         }
         let mut out = csv::Writer::from_writer(out);
-        out.write_record(content.columns.iter().map(Column::heading))?;
+        out.write_record(content.columns.iter().map(|column| &column.name))?;
         Ok(Table { out, text: String::new() })
     }
 
@@ -53,7 +53,10 @@ impl Table {
 fn copy(path: &Path, columns: &[Column], kept: Extent, to: &mut impl Write) -> Result<()> {
     let mut file = File::open(path)?;
     let mut reader = csv::Reader::from_reader(BufReader::new(&file));
-    check_headings(reader.headers()?.iter().map(str::to_owned), columns)?;
+    check_headings(
+        reader.headers()?.iter().map(str::to_owned),
+        columns.iter().map(|column| column.name.clone()),
+    )?;
     let (mut row, mut rows, mut last) = (csv::ByteRecord::new(), 0, None);
     while reader.read_byte_record(&mut row)? {
         rows += 1;

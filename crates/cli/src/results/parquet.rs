@@ -1,6 +1,6 @@
 //! A table as Parquet, with units, variables and descriptions.
 
-use super::{Cell, Content, Extent, Kind, check_headings, check_kept, heading};
+use super::{Cell, Content, Extent, Kind, check_headings, check_kept, with_unit};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
 use lemons_columns::{Column, Reader, Writer};
@@ -53,8 +53,8 @@ fn copy(
     to: &mut Writer<Staged>,
 ) -> Result<()> {
     let reader = Reader::open(File::open(path)?)?;
-    let headings = reader.columns().iter().map(|column| heading(&column.name, column.about("unit")));
-    check_headings(headings, &content.columns)?;
+    let headings = reader.columns().iter().map(|column| with_unit(&column.name, column.about("unit")));
+    check_headings(headings, content.columns.iter().map(|column| column.with_unit()))?;
     for (there, here) in reader.columns().iter().zip(columns) {
         if there.kind != Some(here.kind) {
             bail!("column {:?} is of another type", here.name);
