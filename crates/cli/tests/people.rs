@@ -90,7 +90,7 @@ fn a_made_crowd_passes_check_packs_and_runs_without_a_warning() {
         let run = lemons(at, &["run", input, "--until", "0.5"]);
         assert_code(&run, 0);
         assert_eq!(err(&run), "");
-        assert!(figure(&out(&run), "greatest squeeze") > 1.0, "they press against the wall: {}", out(&run));
+        assert!(figure(&out(&run), "peak squeeze, max") > 1.0, "they press against the wall: {}", out(&run));
     }
 }
 

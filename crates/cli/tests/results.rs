@@ -96,7 +96,7 @@ fn ctrl_c_leaves_valid_results_and_the_run_goes_on_bit_for_bit() {
     let next = format!("--resume push.run --until {:?} -o rest.csv", (last + 21) as f64 * 0.05);
     let summary = push(at, &next, 0);
     assert!(summary.contains("rest.csv   (what came after the saved run)"), "{summary}");
-    for name in ["largest overlap", "greatest squeeze"] {
+    for name in ["largest overlap", "mean squeeze, max", "peak squeeze, max"] {
         assert_eq!(line(&summary, name), line(&whole, name));
     }
     assert_eq!(String::from_utf8(read(at, "rest.csv")).unwrap().lines().count(), 1 + 5);
@@ -198,7 +198,7 @@ fn every_nth_point_is_written_and_all_are_looked_at() {
     let wanted: Vec<&str> = lines[1..].chunks(5).step_by(3).flatten().copied().collect();
     assert_eq!(third.lines().skip(1).collect::<Vec<_>>(), wanted);
     assert_eq!(third.lines().next(), Some(lines[0]));
-    for name in ["largest overlap", "greatest squeeze"] {
+    for name in ["largest overlap", "mean squeeze, max", "peak squeeze, max"] {
         let line = |text: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
         assert_eq!(line(&all), line(&some));
     }

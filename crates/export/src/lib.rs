@@ -19,6 +19,6 @@ pub use area::{Area, MARGIN, walkable_area};
 pub use error::ExportError;
 pub use jupedsim::jupedsim;
 pub use record::{Positions, Record};
-pub use run::{Frame, Names, Observed, Run};
+pub use run::{Frame, Names, Observed, OfStep, Run};
 pub use series::{series, trial_at_end};
 pub use text::{chaos, pedpy};

@@ -1,8 +1,8 @@
 //! The table that `lemons run --format parquet` writes.
 
 use crate::record::Each;
-use crate::rows::{Builder, COLUMNS, OBSERVED, Stop, check_unit};
-use crate::run::Observed;
+use crate::rows::{Builder, COLUMNS, OBSERVED, OF_STEP, Stop, check_unit};
+use crate::run::{Observed, OfStep};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::trial::AgentDynamics;
 use lemons_columns::{Batch, Cell, Kind, Reader};
@@ -18,6 +18,10 @@ pub(crate) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop>
     let observed = OBSERVED.iter().all(|(name, _)| has(name));
     if observed {
         wanted.extend(OBSERVED);
+    }
+    let of_step = observed && OF_STEP.iter().all(|(name, _)| has(name));
+    if of_step {
+        wanted.extend(OF_STEP);
     }
     let places =
         wanted.iter().map(|column| place(&reader, *column)).collect::<Result<Vec<usize>, String>>()?;
@@ -37,7 +41,7 @@ pub(crate) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop>
                 fp: Vec2::ZERO,
                 mp: 0.0,
             };
-            let seen = if observed { Some(row.observed()?) } else { None };
+            let seen = if observed { Some(row.observed(of_step)?) } else { None };
             if let Some(frame) = builder.add(n, real(0)?, &row.id()?, (agent, seen))? {
                 each(frame)?;
             }
@@ -123,16 +127,26 @@ impl Row<'_> {
         u32::try_from(value).or_else(|_| self.wrong(k, format!("{value} is no number of contacts")))
     }
 
-    fn observed(&self) -> Result<Observed, String> {
-        let normal_force = self.real(11)?;
-        if normal_force < 0.0 {
-            return self.wrong(11, format!("{normal_force:?} is no squeeze in newtons"));
-        }
+    /// A number that is not negative.
+    fn size(&self, k: usize, what: &str) -> Result<f64, String> {
+        let value = self.real(k)?;
+        if value < 0.0 { self.wrong(k, format!("{value:?} is no {what}")) } else { Ok(value) }
+    }
+
+    fn observed(&self, of_step: bool) -> Result<Observed, String> {
+        let step = || -> Result<OfStep, String> {
+            Ok(OfStep {
+                mean_normal_force: self.size(12, "squeeze in newtons")?,
+                peak_normal_force: self.size(13, "squeeze in newtons")?,
+                peak_overlap: self.size(14, "overlap in metres")?,
+            })
+        };
         Ok(Observed {
             agent_contacts: self.count(8)?,
             wall_contacts: self.count(9)?,
             contacting_agents: self.count(10)?,
-            normal_force,
+            normal_force: self.size(11, "squeeze in newtons")?,
+            of_step: of_step.then(step).transpose()?,
         })
     }
 }

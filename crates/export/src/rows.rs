@@ -24,6 +24,10 @@ pub(crate) const OBSERVED: [(&str, Option<&str>); 4] = [
     ("normal_force", Some("N")),
 ];
 
+/// Read where these, too, are all there: tables of earlier versions have none of them.
+pub(crate) const OF_STEP: [(&str, Option<&str>); 3] =
+    [("mean_normal_force", Some("N")), ("peak_normal_force", Some("N")), ("peak_overlap", Some("m"))];
+
 /// A column without unit is in ours.
 pub(crate) fn check_unit(name: &str, there: Option<&str>, ours: Option<&str>) -> Result<(), String> {
     match there {

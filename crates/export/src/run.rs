@@ -40,8 +40,21 @@ pub struct Observed {
     pub wall_contacts: u32,
     /// Different agents that touch this one.
     pub contacting_agents: u32,
-    /// \[N\] squeeze: sum of |F_n| over its contacts.
+    /// \[N\] squeeze at the time: sum of |F_n| over its contacts.
     pub normal_force: f64,
+    /// What they did during the communication step that ends at the time, if that was recorded.
+    pub of_step: Option<OfStep>,
+}
+
+/// What the contacts did to an agent during a communication step: the FMU's outputs.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OfStep {
+    /// \[N\] time average of the squeeze.
+    pub mean_normal_force: f64,
+    /// \[N\] its largest value.
+    pub peak_normal_force: f64,
+    /// \[m\] the deepest overlap of a contact.
+    pub peak_overlap: f64,
 }
 
 /// Agents as tools want them that know only numbers.

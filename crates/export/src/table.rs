@@ -3,8 +3,8 @@
 use crate::error::ExportError;
 use crate::parquet;
 use crate::record::{Each, Record};
-use crate::rows::{Builder, COLUMNS, OBSERVED, Stop, check_unit};
-use crate::run::{Observed, Run};
+use crate::rows::{Builder, COLUMNS, OBSERVED, OF_STEP, Stop, check_unit};
+use crate::run::{Observed, OfStep, Run};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::trial::AgentDynamics;
 use std::fs::File;
@@ -31,7 +31,7 @@ impl Run {
 
 impl Record {
     /// Of `trajectories.csv` or, whatever it is called, a table in Parquet: the columns t, id, x, y, vx, vy,
-    /// theta, omega in any order, with their units or without (in Parquet, as
+    /// theta, omega in any order, with units (`x [m]`) or without (in Parquet, as
     /// `lemons run` says them in the metadata), the contact counts and the squeeze where they are
     /// there, further ones do not matter; all agents at one time, then all at the next.
     ///
@@ -110,10 +110,13 @@ fn read(file: impl Read, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
         *place = column(&header, name)?;
     }
     let there = |name: &str| header.iter().any(|head| name_and_unit(head).0 == name);
-    let observed: Option<Vec<usize>> = match OBSERVED.iter().all(|(name, _)| there(name)) {
-        true => Some(OBSERVED.iter().map(|name| column(&header, *name)).collect::<Result<_, _>>()?),
-        false => None,
+    let all_of = |names: &[(&'static str, Option<&str>)]| -> Result<Option<Vec<usize>>, String> {
+        if !names.iter().all(|(name, _)| there(name)) {
+            return Ok(None);
+        }
+        names.iter().map(|name| column(&header, *name)).collect::<Result<_, _>>().map(Some)
     };
+    let (observed, of_step) = (all_of(&OBSERVED)?, all_of(&OF_STEP)?);
     let mut builder = Builder::new("line");
     let mut row = csv::StringRecord::new();
     while reader.read_record(&mut row).map_err(broken)? {
@@ -131,18 +134,33 @@ fn read(file: impl Read, each: &mut Each<'_>) -> Result<Vec<String>, Stop> {
             fp: Vec2::ZERO,
             mp: 0.0,
         };
-        let wrong = |k: usize, what: &str| {
-            let place = observed.as_ref().map_or(0, |places| places[k]);
-            format!("line {line}: column {}: {:?} is no {what}", OBSERVED[k].0, &row[place])
+        let wrong = |name: &str, place: usize, what: &str| {
+            format!("line {line}: column {name}: {:?} is no {what}", &row[place])
         };
+        let size = |name: &str, place: usize, what: &str| {
+            let value = row[place].parse::<f64>().ok().filter(|value| *value >= 0.0 && value.is_finite());
+            value.ok_or_else(|| wrong(name, place, what))
+        };
+        let of_step = of_step.as_ref().map(|places| {
+            let size = |k: usize, what| size(OF_STEP[k].0, places[k], what);
+            Ok::<_, String>(OfStep {
+                mean_normal_force: size(0, "squeeze in newtons")?,
+                peak_normal_force: size(1, "squeeze in newtons")?,
+                peak_overlap: size(2, "overlap in metres")?,
+            })
+        });
+        let of_step = of_step.transpose()?;
         let seen = observed.as_ref().map(|places| {
-            let count = |k: usize| row[places[k]].parse::<u32>().map_err(|_| wrong(k, "number of contacts"));
-            let force = row[places[3]].parse::<f64>().ok().filter(|force| *force >= 0.0 && force.is_finite());
+            let count = |k: usize| {
+                let count = row[places[k]].parse::<u32>();
+                count.map_err(|_| wrong(OBSERVED[k].0, places[k], "number of contacts"))
+            };
             Ok::<_, String>(Observed {
                 agent_contacts: count(0)?,
                 wall_contacts: count(1)?,
                 contacting_agents: count(2)?,
-                normal_force: force.ok_or_else(|| wrong(3, "squeeze in newtons"))?,
+                normal_force: size(OBSERVED[3].0, places[3], "squeeze in newtons")?,
+                of_step,
             })
         });
         if let Some(frame) = builder.add(line, number(0)?, &row[columns[1]], (agent, seen.transpose()?))? {

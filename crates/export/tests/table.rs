@@ -1,7 +1,7 @@
 //! Tables of runs: what is read, what is refused, what is written of them.
 
 use crowd_mechanics::trial::Trial;
-use lemons_export::{Observed, Record, Run, chaos, jupedsim, pedpy};
+use lemons_export::{Observed, OfStep, Record, Run, chaos, jupedsim, pedpy};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -31,11 +31,33 @@ fn contacts_and_squeeze_are_read_where_all_are_there() {
         format!("{HEADER},wall_contacts,contacting_agents,normal_force\n0.0,a,1,2,0,0,0,0,{row}\n")
     };
     let run = Run::read_table(&table(&directory, &text("3,1,2,125.5"))).unwrap();
-    let seen = Observed { agent_contacts: 3, wall_contacts: 1, contacting_agents: 2, normal_force: 125.5 };
+    let (agent_contacts, wall_contacts, contacting_agents, normal_force) = (3, 1, 2, 125.5);
+    let seen = Observed { agent_contacts, wall_contacts, contacting_agents, normal_force, of_step: None };
     assert_eq!(run.frames[0].observed, Some(vec![seen]));
     for (row, expected) in [
         ("3,-1,2,0.0", "line 2: column wall_contacts: \"-1\" is no number of contacts"),
         ("3,1,2,-1.0", "line 2: column normal_force: \"-1.0\" is no squeeze in newtons"),
+    ] {
+        let message = Run::read_table(&table(&directory, &text(row))).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn mean_and_peak_of_a_step_are_read_where_all_are_there() {
+    let directory = TempDir::new().unwrap();
+    let text = |row: &str| {
+        let step = "mean_normal_force,peak_normal_force,peak_overlap [m]";
+        format!(
+            "{HEADER},wall_contacts,contacting_agents,normal_force,{step}\n0.0,a,1,2,0,0,0,0,3,1,2,0.0,{row}\n"
+        )
+    };
+    let run = Run::read_table(&table(&directory, &text("80.5,1e3,0.002"))).unwrap();
+    let of_step = OfStep { mean_normal_force: 80.5, peak_normal_force: 1000.0, peak_overlap: 0.002 };
+    assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(of_step));
+    for (row, expected) in [
+        ("80.5,inf,0.002", "line 2: column peak_normal_force: \"inf\" is no squeeze in newtons"),
+        ("80.5,1e3,-1.0", "line 2: column peak_overlap: \"-1.0\" is no overlap in metres"),
     ] {
         let message = Run::read_table(&table(&directory, &text(row))).unwrap_err().to_string();
         assert!(message.contains(expected), "{message}");

@@ -47,6 +47,7 @@ impl Footage {
                 wall_contacts: body.wall_contacts,
                 contacting_agents: body.touching_bodies,
                 normal_force: body.squeeze,
+                of_step: None,
             });
             frame.observed = Some(seen.collect());
         }
