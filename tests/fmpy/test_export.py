@@ -85,6 +85,41 @@ def test_walkable_area_in_pedpy(pedpy, call, tmp_path):
     assert area.area == 59.0 and len(area.polygon.interiors) == 1
 
 
+def test_the_area_of_a_room_with_an_opening_ends_at_its_walls(pedpy, call, tmp_path):
+    """Somebody who left by the corridor does not make the bounding box the area: what lies behind walls is not in it."""
+    from shapely import Point
+
+    call("run", TRIAL_DOOR, "--until", 0.2, "--step", 0.05)
+    lines = (tmp_path / "trajectories.csv").read_text().splitlines()
+    # The first agent walks on beyond the end of the corridor, x = 14 m.
+    first = lines[1].split(",")[1]
+    moved = [lines[0]]
+    for line in lines[1:]:
+        cells = line.split(",")
+        if cells[1] == first and float(cells[0]) > 0.1:
+            cells[2:4] = ["14.8", "2.4"]
+        moved.append(",".join(cells))
+    for name, table in ("in", lines), ("out", moved):
+        (tmp_path / f"{name}.csv").write_text("\n".join(table) + "\n")
+        said = call("export", f"{name}.csv", f"{name}.sqlite", "--to", "jupedsim", "--trial", TRIAL_DOOR)
+        assert "its opening of 2 m closed by a straight line" in said
+        assert ("beyond the opening" in said) == (name == "out")
+        area = pedpy.load_walkable_area_from_jupedsim_sqlite(trajectory_file=tmp_path / f"{name}.sqlite")
+        data = pedpy.load_trajectory_from_jupedsim_sqlite(trajectory_file=tmp_path / f"{name}.sqlite")
+        assert pedpy.is_trajectory_valid(traj_data=data, walkable_area=area)
+        for x, y, inside in [(1, 1, True), (5.1, 2.5, True), (10, 2, True), (10, 1, False), (10, 4, False), (-0.1, 2, False)]:
+            assert area.polygon.contains(Point(x, y)) == inside, (name, x, y)
+        room, corridor = 25.0, 0.2 * 0.9 + 8.8 * 2.0
+        assert area.area == pytest.approx(room + corridor, rel=0.08 if name == "out" else 1e-12)
+        cells = pedpy.compute_individual_voronoi_polygons(traj_data=data, walkable_area=area)
+        assert cells.polygon.area.groupby(cells.frame).sum().max() <= area.area * (1 + 1e-9)
+    (tmp_path / "own.wkt").write_text("POLYGON ((0 0, 20 0, 20 5, 0 5, 0 0))\n")
+    said = call("export", "out.csv", "own.sqlite", "--to", "jupedsim", "--trial", TRIAL_DOOR, "--area", "own.wkt")
+    assert "the polygon given" in said
+    area = pedpy.load_walkable_area_from_jupedsim_sqlite(trajectory_file=tmp_path / "own.sqlite")
+    assert area.area == 100.0
+
+
 def test_text_and_chaos(pedpy, call, tmp_path):
     call("run", TRIAL_PUSH, "--until", 0.5)
     call("export", "trajectories.csv", "run.txt", "--to", "pedpy", "--every", 2)

@@ -1,9 +1,11 @@
 //! `lemons export`: a run for the field's tools, and a Trial that goes on where it ended.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use crowd_mechanics::trial::Trial;
-use lemons_export::{Record, chaos, jupedsim, pedpy, series, trial_at_end};
+use lemons_export::{
+    Area, Positions, Record, chaos, given_area, jupedsim, pedpy, series, trial_at_end, walkable_area,
+};
 use lemons_master::{Fmu, Kind};
 use std::path::{Path, PathBuf};
 
@@ -22,6 +24,10 @@ pub struct Arguments {
     /// for its walls (jupedsim), for a series, and for a Trial
     #[arg(long, value_name = "TRIAL or FILE.fmu")]
     trial: Option<PathBuf>,
+    /// For jupedsim: the walkable area, in place of that which the walls enclose: a file with
+    /// POLYGON ((x y, …), (hole), …) in metres (well-known text)
+    #[arg(long, value_name = "FILE.wkt")]
+    area: Option<PathBuf>,
     /// Take each N-th frame, the first one included
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
@@ -47,9 +53,16 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         bail!("--every is not for --to trial, which takes the last frame");
     }
     expect_table(source)?;
+    if *to != Format::Jupedsim && arguments.area.is_some() {
+        bail!("--area is for --to jupedsim: the other formats have no walkable area");
+    }
     let trial = trial_of(source, arguments.trial.as_deref())?;
-    let reads =
-        [Some(source.as_path()), arguments.trial.as_deref(), trial.as_ref().map(|t| t.directory.as_path())];
+    let reads = [
+        Some(source.as_path()),
+        arguments.area.as_deref(),
+        arguments.trial.as_deref(),
+        trial.as_ref().map(|t| t.directory.as_path()),
+    ];
     if reads.into_iter().flatten().any(|read| same(read, out)) {
         bail!("cannot write {}: the export reads it", out.display());
     }
@@ -69,11 +82,9 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     let mut said = Vec::new();
     match to {
         Format::Jupedsim => {
-            if trial.is_none() {
-                said.push("walls unknown: give the Trial or FMU that ran (--trial)".to_owned());
-            }
-            let walls = trial.as_ref().map_or(&[][..], |trial| &trial.geometry.walls);
-            said.extend(jupedsim(&run, walls, out)?);
+            let area = area(&run, arguments.area.as_deref(), trial.as_ref())?;
+            jupedsim(&run, &area, out)?;
+            said.extend(area.said);
         }
         Format::Pedpy => pedpy(&run, out)?,
         Format::Chaos => chaos(&run, out)?,
@@ -115,6 +126,34 @@ pub fn export(arguments: &Arguments) -> Result<()> {
 pub fn expect_table(path: &Path) -> Result<()> {
     let tables = [Kind::Text, Kind::Binary, Kind::Parquet, Kind::Stream, Kind::Trial, Kind::Directory];
     Kind::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")
+}
+
+/// \[bytes\] A polygon of more is a mistake.
+const LARGEST_AREA: u64 = 16 << 20;
+
+/// Given, or from the walls.
+fn area(run: &Record, given: Option<&Path>, trial: Option<&Trial>) -> Result<Area> {
+    let positions = run.positions()?;
+    let area = area_of(&positions, given, trial)?;
+    positions.check().with_context(|| "positions in a temporary file")?;
+    Ok(area)
+}
+
+fn area_of(positions: &Positions, given: Option<&Path>, trial: Option<&Trial>) -> Result<Area> {
+    if let Some(path) = given {
+        let named = || format!("--area {}", path.display());
+        let file = std::fs::metadata(path).with_context(named)?;
+        if !file.is_file() || file.len() > LARGEST_AREA {
+            bail!("{}: must be a file of at most {LARGEST_AREA} bytes", named());
+        }
+        let text = std::fs::read_to_string(path).with_context(named)?;
+        return given_area(&text, positions.iter()).map_err(|wrong| anyhow!("{}: {wrong}", named()));
+    }
+    let mut area = walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions.iter());
+    if trial.is_none() {
+        area.said.insert(0, "walls unknown: give the Trial or FMU that ran (--trial)".to_owned());
+    }
+    Ok(area)
 }
 
 /// The Trial or FMU that was given with the record of a run, else the Trial directory that a series lies in.

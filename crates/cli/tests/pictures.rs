@@ -128,7 +128,11 @@ fn time_series_and_maps() {
     assert!(all == svg(at, &["push", "--series", "x,speed,squeeze,contacts", "--until", "1"]));
     let one = svg(at, &["trajectories.csv", "--series", "speed", "--agents", "3", "--from", "0.5"]);
     assert!(one.contains("<title>3</title>") && !one.contains("<title>2</title>"));
-    let map = svg(at, &["trajectories.csv", "--trial", "push", "--density"]);
+    let said = done(at, &["plot", "trajectories.csv", "--trial", "push", "--density", "-o", "map.svg"]);
+    assert!(err(&said).contains("Gaussian of standard deviation 0.3 m"), "{}", err(&said));
+    assert!(err(&said).contains("nothing of it behind a wall"), "{}", err(&said));
+    let map = fs::read_to_string(at.join("map.svg")).unwrap();
+    assert!(map.contains("<desc>each person is a Gaussian"));
     assert!(map.contains("class=\"density\"") && places(&map).is_empty());
     assert!(labels(&map).iter().any(|label| label.contains("density")), "{:?}", labels(&map));
 }

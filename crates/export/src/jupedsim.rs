@@ -1,11 +1,10 @@
 //! JuPedSim's trajectories: an SQLite database of version 2.
 
-use crate::area::{Area, walkable_area};
+use crate::area::Area;
 use crate::error::ExportError;
 use crate::record::Record;
 use crate::run::Frame;
 use crowd_mechanics::files::{Staged, WriteError};
-use crowd_mechanics::trial::Wall;
 use rusqlite::{Connection, params};
 use std::io;
 use std::path::Path;
@@ -21,19 +20,16 @@ const TABLES: &str = "
     CREATE INDEX frame_id_idx ON trajectory_data (frame, id);";
 
 /// Writes a database that JuPedSim's viewer and PedPy read: positions \[m\], the direction of the gaze, the walkable
-/// area from the walls. Answers what is to be said of that area.
+/// area; the metadata tell what that was made of.
 ///
 /// # Errors
 /// No constant frame rate, or the file cannot be written.
-pub fn jupedsim(record: &Record, walls: &[Wall], path: &Path) -> Result<Vec<String>, ExportError> {
+pub fn jupedsim(record: &Record, area: &Area, path: &Path) -> Result<(), ExportError> {
     let rate = record.frame_rate()?;
-    let positions = record.positions()?;
-    let area = walkable_area(walls, positions.iter());
-    positions.check().map_err(WriteError::at(path))?;
     let mut staged = Staged::beside(path).map_err(WriteError::at(path))?;
     // What is wrong with the record has another message than what is wrong with the file.
     let mut wrong = None;
-    let filled = staged.fill(|file| match fill(file, record, &area, rate) {
+    let filled = staged.fill(|file| match fill(file, record, area, rate) {
         Ok(()) => Ok(()),
         Err(Fault::Database(error)) => Err(io::Error::other(error)),
         Err(Fault::Record(error)) => {
@@ -42,8 +38,7 @@ pub fn jupedsim(record: &Record, walls: &[Wall], path: &Path) -> Result<Vec<Stri
         }
     });
     wrong.map_or(Ok(()), Err)?;
-    filled.and_then(|()| staged.persist()).map_err(WriteError::at(path))?;
-    Ok(area.said)
+    Ok(filled.and_then(|()| staged.persist()).map_err(WriteError::at(path))?)
 }
 
 /// Why a database is not complete.
@@ -101,6 +96,7 @@ fn head(database: &Connection, area: &Area, hash: i64, rate: f64) -> rusqlite::R
     for (key, value) in limits {
         metadata.execute([key, &format!("{value:?}")])?;
     }
+    metadata.execute(["walkable_area", &area.said.join("; ")])?;
     database.execute("INSERT INTO geometry VALUES (?, ?)", params![hash, area.wkt])?;
     Ok(())
 }

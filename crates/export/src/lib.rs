@@ -15,7 +15,7 @@ mod series;
 mod table;
 mod text;
 
-pub use area::{Area, MARGIN, walkable_area};
+pub use area::{Area, MARGIN, THICKNESS, given_area, walkable_area};
 pub use error::ExportError;
 pub use jupedsim::jupedsim;
 pub use record::{Positions, Record};

@@ -1,7 +1,8 @@
 //! Tables of runs: what is read, what is refused, what is written of them.
 
+use crowd_mechanics::engine::Vec2;
 use crowd_mechanics::trial::Trial;
-use lemons_export::{Observed, OfStep, Record, Run, chaos, jupedsim, pedpy};
+use lemons_export::{Observed, OfStep, Record, Run, chaos, jupedsim, pedpy, walkable_area};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -116,10 +117,11 @@ fn times_must_be_even() {
     let slow: Vec<f64> = (0..8).map(|k| 0.3 + f64::from(k) * 1.6).collect();
     assert_eq!(run(&slow).frame_rate().unwrap(), 0.625);
     let uneven = [0.0, 0.1, 0.2, 0.25];
+    let nowhere = walkable_area(&[], std::iter::once(Vec2::ZERO));
     let path = directory.path().join("out");
     for said in [
         pedpy(&run(&uneven), &path).unwrap_err().to_string(),
-        jupedsim(&run(&uneven), &[], &path).unwrap_err().to_string(),
+        jupedsim(&run(&uneven), &nowhere, &path).unwrap_err().to_string(),
     ] {
         assert!(said.contains("run.csv: line 5: column t: t = 0.25 s comes 0.050000 s after"), "{said}");
         assert!(!path.exists());
@@ -150,13 +152,14 @@ fn formats_are_as_their_readers_want_them() {
     assert!(said.contains("traj002.csv: is of another run"), "{said}");
 
     fs::write(at("t.sqlite"), "what was there before").unwrap();
-    let said = jupedsim(&run, &[], &at("t.sqlite")).unwrap();
-    assert!(said[0].contains("bounding box"), "{said:?}");
+    let positions = run.positions().unwrap();
+    jupedsim(&run, &walkable_area(&[], positions.iter()), &at("t.sqlite")).unwrap();
     let database = rusqlite::Connection::open(at("t.sqlite")).unwrap();
     let one = |query: &str| database.query_row(query, [], |row| row.get::<_, String>(0)).unwrap();
     assert_eq!(one("SELECT value FROM metadata WHERE key = 'version'"), "2");
     assert_eq!(one("SELECT value FROM metadata WHERE key = 'fps'"), "10.0");
     assert_eq!(one("SELECT value FROM metadata WHERE key = 'xmin'"), "-0.5");
+    assert!(one("SELECT value FROM metadata WHERE key = 'walkable_area'").contains("bounding box"));
     assert_eq!(one("SELECT count(*) || '' FROM trajectory_data"), "6");
     assert_eq!(one("SELECT count(*) || '' FROM frame_data, geometry WHERE geometry_hash = hash"), "3");
     let query = "SELECT pos_x, ori_x, ori_y FROM trajectory_data WHERE frame = 2 AND id = 3";

@@ -4,7 +4,7 @@ use crate::body::TENTH_OF_MM;
 use crate::colouring::Scale;
 use crate::page::Frame;
 use crate::scene::Scene;
-use crate::text::{pair, text_of};
+use crate::text::{escaped, pair, text_of};
 use contour::ContourBuilder;
 
 /// Shades of a map of density.
@@ -18,6 +18,7 @@ pub(crate) fn isobands(out: &mut String, scene: &Scene, frame: &Frame, scale: &S
     let between = |part: f64| scale.low * (1.0 - part) + scale.high * part;
     let [x, y, w, h] = [view.low.x, view.low.y, view.high.x - view.low.x, view.high.y - view.low.y]
         .map(|v| text_of(v, TENTH_OF_MM));
+    *out += &format!("<desc>{}</desc>\n", escaped(&map.described()));
     *out += "<g class=\"density\" stroke=\"none\">\n";
     *out += &format!(
         "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"{}\"/>\n",

@@ -280,7 +280,7 @@ fn charts_of_many() {
 fn density() {
     let Some(t) = shared("crowds/dense_100") else { return };
     let mut scene = Scene::at_start(&t);
-    let mut map = DensityMap::new(scene.extent(), DENSITY_KERNEL);
+    let mut map = DensityMap::new(scene.extent(), DENSITY_KERNEL, &t.geometry.walls);
     map.add(t.dynamics.iter().map(|d| d.position));
     scene.density = Some(map);
     let text = svg(&scene, &Style { time: Some(0.0), ..Style::default() });

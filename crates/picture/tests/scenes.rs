@@ -194,7 +194,7 @@ fn the_integral_of_density_is_the_number_of_people() {
     let view = View { low: vec2(-4.0, -3.0), high: vec2(9.0, 5.0) };
     let frames = [vec![vec2(0.0, 0.0), vec2(0.3, 1.0), vec2(5.123, 2.0)], vec![vec2(1.0, 1.0)], vec![]];
     for kernel in [0.05, DENSITY_KERNEL, 0.37] {
-        let mut map = DensityMap::new(view, kernel);
+        let mut map = DensityMap::new(view, kernel, &[]);
         assert!(map.values().iter().all(|v| *v == 0.0));
         for frame in &frames {
             map.add(frame.iter().copied().chain([vec2(f64::NAN, 0.0)]));
@@ -203,16 +203,55 @@ fn the_integral_of_density_is_the_number_of_people() {
         assert!((people - 4.0 / 3.0).abs() < 1e-6, "{kernel}: {people}");
     }
     // A person alone: the Gaussian's own peak, and half a person where the map ends at them.
-    let mut map = DensityMap::new(View { low: vec2(-3.0, -3.0), high: vec2(3.0, 3.0) }, 0.5);
+    let mut map = DensityMap::new(View { low: vec2(-3.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
     map.add([Vec2::ZERO]);
     let peak = map.values().into_iter().fold(0.0, f64::max);
     let expected = 1.0 / (std::f64::consts::TAU * 0.25);
     // A corner of four cells stands at the peak itself.
     assert!((peak / expected - 1.0).abs() < 0.03, "{peak}");
-    let mut map = DensityMap::new(View { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5);
+    let mut map = DensityMap::new(View { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
     map.add([Vec2::ZERO]);
     let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
     assert!((people - 0.5).abs() < 1e-6, "{people}");
+}
+
+/// Two rooms beside each other, people in the left one only, some of them at the wall between.
+#[test]
+fn density_does_not_go_through_walls() {
+    let rooms = [
+        vec![vec2(0.0, 0.0), vec2(8.0, 0.0), vec2(8.0, 3.0), vec2(0.0, 3.0), vec2(0.0, 0.0)],
+        vec![vec2(4.0, 3.0), vec2(4.0, 1.5), vec2(4.0, 0.0)],
+    ];
+    let t = trial(vec![], rooms.to_vec());
+    let people = [vec2(3.9, 1.5), vec2(3.8, 2.9), vec2(0.15, 0.15), vec2(2.0, 1.0), vec2(3.85, 0.7)];
+    let view = View { low: vec2(-2.0, -2.0), high: vec2(10.0, 5.0) };
+    for kernel in [0.1, DENSITY_KERNEL, 1.0] {
+        let mut map = DensityMap::new(view, kernel, &t.geometry.walls);
+        map.add(people);
+        let (cell, (columns, _)) = (map.cell(), map.cells());
+        let mut all = 0.0;
+        for (k, value) in map.values().into_iter().enumerate() {
+            let x = view.low.x + ((k % columns) as f64 + 0.5) * cell.x;
+            let y = view.low.y + ((k / columns) as f64 + 0.5) * cell.y;
+            let inside = x > 0.0 && x < 4.0 && y > 0.0 && y < 3.0;
+            assert!(inside || value == 0.0, "{kernel}: {value} at {x}, {y}");
+            all += value * cell.x * cell.y;
+        }
+        assert!((all - 5.0).abs() < 1e-6, "{kernel}: {all}");
+    }
+    // A door in it: something comes through, and only where it can be seen from the person.
+    let door =
+        trial(vec![], vec![vec![vec2(4.0, -9.0), vec2(4.0, 1.0)], vec![vec2(4.0, 2.0), vec2(4.0, 9.0)]]);
+    let mut map = DensityMap::new(view, 0.5, &door.geometry.walls);
+    map.add([vec2(3.5, 1.5)]);
+    let (cell, (columns, _)) = (map.cell(), map.cells());
+    let at = |x: f64, y: f64| {
+        let (column, row) = ((x - view.low.x) / cell.x, (y - view.low.y) / cell.y);
+        map.values()[row as usize * columns + column as usize]
+    };
+    assert!(at(4.2, 1.5) > 0.1 && at(4.2, 2.0) > 0.0 && at(4.2, 2.4) == 0.0 && at(4.05, 0.9) == 0.0);
+    let all: f64 = map.values().iter().sum::<f64>() * cell.x * cell.y;
+    assert!((all - 1.0).abs() < 1e-6, "{all}");
 }
 
 #[test]
@@ -220,7 +259,7 @@ fn the_map_is_below_the_outlines() {
     let t = row(3);
     let mut scene = Scene::at_start(&t);
     scene.view = Some(View { low: vec2(-2.0, -2.0), high: vec2(4.0, 2.0) });
-    let mut map = DensityMap::new(scene.view.unwrap(), 0.3);
+    let mut map = DensityMap::new(scene.view.unwrap(), 0.3, &[]);
     map.add(t.dynamics.iter().map(|d| d.position));
     scene.density = Some(map);
     let text = svg(&scene, &Style::default());
@@ -323,7 +362,7 @@ fn densities(t: &Trial, v: f64) {
     let mut scene = Scene::at_start(t);
     let view = View { low: vec2(v, -1.0), high: vec2(1.0, v) };
     for view in [view, scene.extent(), View { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }] {
-        let mut map = DensityMap::new(view, v);
+        let mut map = DensityMap::new(view, v, &t.geometry.walls);
         map.add([vec2(0.5, v), Vec2::ZERO]);
         map.range = Some((v, 1.0));
         scene.density = Some(map);

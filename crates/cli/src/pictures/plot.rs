@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Only these agents' time series, by Id; default: all
     #[arg(long, value_name = "ID,…", value_delimiter = ',', requires = "series")]
     agents: Vec<String>,
-    /// Instead of scenes: people per square metre, the mean of all frames; walls do not hold it back
+    /// Instead of scenes: people per square metre, the mean of all frames; walls hold it back
     #[arg(long)]
     density: bool,
     /// Of the map of density: standard deviation of everybody's Gaussian, in metres
@@ -175,11 +175,12 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
         // They are of one time.
         (scene.forces, scene.trails) = (Vec::new(), Vec::new());
     }
-    let mut map = DensityMap::new(view, arguments.kernel);
+    let mut map = DensityMap::new(view, arguments.kernel, &footage.trial.geometry.walls);
     for place in &places {
         map.add(footage.run.frames[*place].agents.iter().map(|agent| agent.position));
     }
     map.range = look.range();
+    note!("density: {}", map.described());
     scene.density = Some(map);
     let bodies = if one { Visibility::Shown } else { Visibility::Hidden };
     let time = one.then_some(moment.time);
