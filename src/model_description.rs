@@ -11,6 +11,10 @@ pub const MODEL_IDENTIFIER: &str = "CrowdMechanics";
 /// \[s\] `DefaultExperiment.stopTime`
 pub const DEFAULT_STOP_TIME: f64 = 5.0;
 
+/// \[byte\] Larger descriptions are not read by this program's master, nor written: it holds them in memory, several times
+/// over. That of 10 000 agents has 70 MB.
+pub const LARGEST_DESCRIPTION: u64 = 256_000_000;
+
 /// The model description of a Trial's FMU.
 pub fn model_description(trial: &Trial, naming: Naming) -> String {
     let table = table(trial);

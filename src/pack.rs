@@ -3,8 +3,8 @@
 //! The same Trials and binaries give the same bytes: a packaged FMU can serve as a regression artifact.
 
 use crate::files::Staged;
-use crate::model_description::{MODEL_IDENTIFIER, model_description};
-use crate::resources::TRIALS_FILE;
+use crate::model_description::{LARGEST_DESCRIPTION, MODEL_IDENTIFIER, model_description};
+use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::trial::{Problems, Trial};
 use crate::variables::{guid, table};
 use lemons_fmi2::archive::{Archive, ArchiveError, read};
@@ -25,8 +25,16 @@ pub enum PackError {
     NoTrial,
     #[error("the Trial {path} has errors:\n{problems}")]
     Broken { path: PathBuf, problems: Problems },
-    #[error("{path} has no name that could be a directory's")]
-    Name { path: PathBuf },
+    #[error(
+        "the Trial {path:?} is called {name:?}, which cannot be a directory's name in an FMU: it must be on one line, \
+         without control characters, '/', '\\' and ':', and not {TRIALS_FILE:?}; rename the directory"
+    )]
+    Name { path: PathBuf, name: String },
+    #[error(
+        "{agents} agents are too many for an FMU: FMI 2.0 describes each variable of each of them, in {} MB, and at most \
+         {} MB can be read", size / 1_000_000, LARGEST_DESCRIPTION / 1_000_000
+    )]
+    TooLarge { agents: usize, size: u64 },
     #[error("two Trials are called {name:?}: the parameter Trial could not tell them apart")]
     SameName { name: String },
     #[error(
@@ -51,8 +59,8 @@ pub struct Package {
     pub trials: Vec<PathBuf>,
     /// At least one.
     pub binaries: Vec<Binary>,
-    /// `model.png`
-    pub picture: Option<Vec<u8>>,
+    /// Draws `model.png`, of the first Trial.
+    pub picture: Option<fn(&Trial) -> Option<Vec<u8>>>,
     /// Of the variables.
     pub naming: Naming,
 }
@@ -67,22 +75,24 @@ impl Package {
         if trials.is_empty() {
             return Err(PackError::NoTrial);
         }
+        check_size(&trials[0], least_size(&trials[0], self.naming))?;
         let write_error = |error| PackError::Write { path: output.to_owned(), error };
+        let description = model_description(&trials[0], self.naming);
+        check_size(&trials[0], description.len() as u64)?;
         let mut file = Staged::beside(output).map_err(write_error)?;
-        self.fill(&trials, &mut file)
+        self.fill(&trials, &description, &mut file)
             .map_err(|error| PackError::Archive { path: output.to_owned(), error })?;
         file.persist().map_err(write_error)?;
         Ok(warnings)
     }
 
     /// Writes the archive's content.
-    fn fill(&self, trials: &[Trial], file: impl Write + Seek) -> Result<(), ArchiveError> {
-        let (description, documentation) =
-            (model_description(&trials[0], self.naming), documentation(&trials[0]));
+    fn fill(&self, trials: &[Trial], description: &str, file: impl Write + Seek) -> Result<(), ArchiveError> {
+        let documentation = documentation(&trials[0]);
         let mut archive =
-            Archive::begin(file, MODEL_IDENTIFIER, &description, &documentation, &self.binaries)?;
-        if let Some(picture) = &self.picture {
-            archive.add("model.png", picture)?;
+            Archive::begin(file, MODEL_IDENTIFIER, description, &documentation, &self.binaries)?;
+        if let Some(picture) = self.picture.and_then(|draw| draw(&trials[0])) {
+            archive.add("model.png", &picture)?;
         }
         let names: String = trials.iter().map(|trial| format!("{}\n", trial.name)).collect();
         archive.add(&format!("resources/{TRIALS_FILE}"), names.as_bytes())?;
@@ -101,8 +111,8 @@ impl Package {
             let (trial, found) =
                 read.map_err(|problems| PackError::Broken { path: path.clone(), problems })?;
             warnings.extend(found.iter().map(ToString::to_string));
-            if trial.name.lines().count() != 1 || trial.name.contains(['/', '\\']) {
-                return Err(PackError::Name { path: path.clone() });
+            if !can_be_packed(&trial.name) {
+                return Err(PackError::Name { path: path.clone(), name: trial.name });
             }
             if trials.iter().any(|other| other.name == trial.name) {
                 return Err(PackError::SameName { name: trial.name });
@@ -128,6 +138,29 @@ impl Package {
         }
         Ok((trials, warnings))
     }
+}
+
+fn check_size(trial: &Trial, size: u64) -> Result<(), PackError> {
+    let agents = trial.agents.len();
+    if size > LARGEST_DESCRIPTION { Err(PackError::TooLarge { agents, size }) } else { Ok(()) }
+}
+
+/// \[byte\] The model description has so many or some percent more, by that of a few agents: that of all takes long and
+/// much memory.
+fn least_size(trial: &Trial, naming: Naming) -> u64 {
+    const SAMPLE: usize = 50;
+    let agents = trial.agents.len();
+    if agents <= SAMPLE {
+        return 0;
+    }
+    let mut few = trial.clone();
+    few.agents.truncate(SAMPLE);
+    few.dynamics.truncate(SAMPLE);
+    let many = model_description(&few, naming).len();
+    few.agents.truncate(1);
+    few.dynamics.truncate(1);
+    let one = model_description(&few, naming).len();
+    (one + (many - one) / (SAMPLE - 1) * (agents - 1)) as u64
 }
 
 /// Why two Trials do not have the same variables and Ids; `None` if they do.

@@ -8,6 +8,16 @@ use thiserror::Error;
 /// Names the packed Trials in their order, one in each line; the first is the default.
 pub const TRIALS_FILE: &str = "trials.txt";
 
+/// Whether a Trial of this name can be packed, and chosen when it is unpacked: a plain directory name on every
+/// platform, on one line, that is not the name of [`TRIALS_FILE`].
+pub fn can_be_packed(name: &str) -> bool {
+    !name.trim().is_empty()
+        && name != "."
+        && name != ".."
+        && !name.contains(|c: char| c.is_control() || ['/', '\\', ':'].contains(&c))
+        && !name.eq_ignore_ascii_case(TRIALS_FILE)
+}
+
 /// Why resources cannot be used.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
@@ -78,7 +88,7 @@ fn names_in(directory: &Path) -> Result<Vec<String>, ResourcesError> {
             let lines = text.lines().enumerate().filter(|(_, name)| !name.trim().is_empty());
             return lines
                 .map(|(line, name)| {
-                    if name.contains(['/', '\\']) || name == ".." || name == "." {
+                    if !can_be_packed(name) {
                         return Err(ResourcesError::Name {
                             path: list.clone(),
                             line: line + 1,

@@ -79,12 +79,7 @@ pub fn write_fmu(
     output: &Path,
 ) -> Result<Vec<String>> {
     trials.iter().try_for_each(|trial| Kind::expect(trial, &[Kind::Trial], TRIAL))?;
-    let package = Package {
-        trials: trials.to_vec(),
-        binaries,
-        picture: trials.first().and_then(|t| picture(t)),
-        naming,
-    };
+    let package = Package { trials: trials.to_vec(), binaries, picture: Some(picture), naming };
     match package.write(output) {
         Ok(warnings) => Ok(warnings),
         Err(PackError::Broken { path, problems }) => {
@@ -96,9 +91,8 @@ pub fn write_fmu(
     }
 }
 
-/// `model.png`; a Trial that cannot be read or drawn has none.
-fn picture(trial: &Path) -> Option<Vec<u8>> {
-    let (trial, _) = Trial::read(trial).ok()?;
+/// `model.png`; a Trial that cannot be drawn has none.
+fn picture(trial: &Trial) -> Option<Vec<u8>> {
     let style = Style { width: 640.0, fill: Fill::BodyArea, ..Style::default() };
-    png(&svg(&Scene::at_start(&trial), &style), 640).ok()
+    png(&svg(&Scene::at_start(trial), &style), 640).ok()
 }

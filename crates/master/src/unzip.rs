@@ -3,6 +3,7 @@
 //! Not `fmi_rs::zip`, which unpacks without a bound and leaves out, without a word, what leads outside.
 
 use anyhow::{Context, Result, anyhow, bail};
+use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use lemons_ssp::{Allowance, STRUCTURE_FILE, leads_outside};
 use std::fs::{File, create_dir_all};
 use std::io::BufReader;
@@ -11,9 +12,6 @@ use zip::ZipArchive;
 
 /// What makes an archive an FMU.
 pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
-
-/// \[byte\] The largest model description, which is held in memory: four times that of 10 000 agents.
-const DESCRIPTION: u64 = 256_000_000;
 
 /// Unpacks an FMU into a directory.
 ///
@@ -44,8 +42,8 @@ pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) ->
         create_dir_all(to.parent().unwrap_or(directory)).with_context(unwritable)?;
         let mut file = File::create(&to).with_context(unwritable)?;
         allowance.copy(&name, entry, &mut file)?;
-        if name == DESCRIPTION_FILE && file.metadata()?.len() > DESCRIPTION {
-            bail!("{name}: is refused: more than {} MB", DESCRIPTION / 1_000_000);
+        if name == DESCRIPTION_FILE && file.metadata()?.len() > LARGEST_DESCRIPTION {
+            bail!("{name}: is refused: more than {} MB", LARGEST_DESCRIPTION / 1_000_000);
         }
     }
     Ok(())
