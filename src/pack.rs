@@ -52,6 +52,9 @@ pub enum PackError {
     Write { path: PathBuf, error: std::io::Error },
 }
 
+/// Draws a Trial as a PNG; `None` if it cannot be drawn.
+pub type Draw = fn(&Trial) -> Option<Vec<u8>>;
+
 /// What goes into an FMU.
 #[derive(Debug, Clone, Default)]
 pub struct Package {
@@ -60,7 +63,7 @@ pub struct Package {
     /// At least one.
     pub binaries: Vec<Binary>,
     /// Draws `model.png`, of the first Trial.
-    pub picture: Option<fn(&Trial) -> Option<Vec<u8>>>,
+    pub picture: Option<Draw>,
     /// Of the variables.
     pub naming: Naming,
 }

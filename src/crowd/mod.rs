@@ -267,16 +267,7 @@ impl Crowd {
             return;
         }
         self.said_coincident = first;
-        let Some(first) = first else { return };
-        let (whose, count) = (self.trial.name_pair(world.scene(), first), coincident.len());
-        let others = match count {
-            1 => String::new(),
-            2 => ", and one more pair".to_owned(),
-            count => format!(", and {} more pairs", count - 1),
-        };
-        self.warnings.push(format!(
-            "{whose} have their centres at one place{others}: no force acts between them as long as this is so"
-        ));
+        self.warnings.extend(self.trial.name_coincident(world.scene(), coincident));
     }
 
     fn advance_world(&mut self, step: f64) -> Result<(), AdvanceError> {

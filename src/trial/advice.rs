@@ -1,17 +1,12 @@
 //! What may be a mistake in a Trial that is otherwise in order.
 
+use super::plausible::Doubt;
 use super::problem::{Problem, Severity, quoted};
 use super::{Trial, WorldError};
-use crate::engine::{BodyId, ContactReport, Corner, Disk, DiskId, Pair, Rotation, Scene, Vec2};
-use std::collections::{HashMap, HashSet};
+use crate::engine::{ContactReport, DiskId, Pair, Scene};
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
-
-/// \[m\] Centres nearer than this are at the same place, for the engine too.
-const SAME_PLACE: f64 = 1e-9;
-
-/// Of so many disks on corners it is looked whether another face of the corner pushes them.
-const MOST_LOOKED_AT: usize = 100;
 
 /// A mechanical step longer than this share of the shortest contact period is warned of. Without damping bodies may
 /// part 1 % faster than they met.
@@ -36,10 +31,19 @@ const PROPOSED_SHARE_OF_RADIUS: f64 = 1.0 / 10.0;
 /// \[s\] A drive without relaxation is taken to act for so long.
 const DRIVEN_FOR: f64 = 10.0;
 
+/// What warnings are about.
+pub(super) struct Files<'a> {
+    pub parameters: &'a Path,
+    pub agents: &'a Path,
+    pub geometry: &'a Path,
+    pub dynamics: &'a Path,
+}
+
 impl Trial {
     /// Warnings: overlaps at the start that no spring of an earlier step explains, and a mechanical step
     /// that does not resolve the shortest contact.
-    pub(super) fn advice(&self, parameters: &Path, dynamics: &Path) -> Vec<Problem> {
+    pub(super) fn advice(&self, files: &Files) -> Vec<Problem> {
+        let Files { parameters, agents, geometry, dynamics } = *files;
         let world = match self.world() {
             Ok(world) => world,
             Err(crowded @ WorldError::Crowded { .. }) => {
@@ -53,16 +57,30 @@ impl Trial {
         };
         let scene = world.scene();
         let mut advice = self.overlaps(scene, world.contacts(), dynamics);
-        advice.extend(self.coincident(scene, world.contacts(), dynamics));
+        let coincident = self.name_coincident(scene, &world.contacts().coincident);
+        advice.extend(coincident.map(|message| warning(dynamics, None, message)));
         advice.extend(self.coarse_step(scene, parameters));
         advice.extend(self.stepping_over(scene, parameters));
+        advice.extend(self.doubts(scene).into_iter().map(|doubt| match doubt {
+            Doubt::Parameters(attribute, value, message) => {
+                warning(parameters, Some(("Times", attribute, value)), message)
+            }
+            Doubt::Agents(message) => warning(agents, None, message),
+            Doubt::Geometry(message) => warning(geometry, None, message),
+            Doubt::Dynamics(message) => warning(dynamics, None, message),
+        }));
         advice
     }
 
     /// The same of a Trial whose numbers were edited since it was read, as lines.
     pub fn advice_as_edited(&self) -> Vec<String> {
         let of = |name: &str| PathBuf::from(format!("{} ({name}, with the parameters as set)", self.name));
-        let advice = self.advice(&of("Parameters.xml"), &of("AgentDynamics.xml"));
+        let advice = self.advice(&Files {
+            parameters: &of("Parameters.xml"),
+            agents: &of("Agents.xml"),
+            geometry: &of("Geometry.xml"),
+            dynamics: &of("AgentDynamics.xml"),
+        });
         advice.iter().map(ToString::to_string).collect()
     }
 
@@ -90,52 +108,6 @@ impl Trial {
             }
         }
         let said = [among_agents.says("disks of different agents"), with_walls.says("disks and walls")];
-        said.into_iter().flatten().map(|message| warning(file, None, message)).collect()
-    }
-
-    /// Disks whose centres are at one place, with each other or with a corner of a wall: they have no direction to
-    /// push in, so no force acts.
-    fn coincident(&self, scene: &Scene, contacts: &ContactReport, file: &Path) -> Vec<Problem> {
-        let state = self.state(scene);
-        let place_of = |disk: usize| {
-            let Disk { body, offset, .. } = &scene.disks[disk];
-            let pose = &state.poses[body.index()];
-            pose.position + offset.rotated(Rotation::by(pose.orientation))
-        };
-        let whose = |disk: usize| quoted(&self.agents[scene.body_of(DiskId::from(disk)).index()].id);
-        let places: Vec<Vec2> = (0..scene.disks.len()).map(place_of).collect();
-        let disks = Places::new(&places, |disk| scene.disks[disk].body);
-        let (mut among_agents, mut with_corners) = (Seen::default(), Seen::default());
-        for (first, place) in places.iter().enumerate() {
-            disks.for_each_at(*place, |second| {
-                if second > first && scene.disks[first].body != scene.disks[second].body {
-                    among_agents.see(|| format!("agents {} and {}", whose(first), whose(second)));
-                }
-            });
-        }
-        // A disk that does touch one of the corner's faces is pushed.
-        let touches = |disk: usize, corner: &Corner| {
-            contacts.contacts.iter().any(|contact| match contact.pair {
-                Pair::Face { disk: own, face, .. } => own.index() == disk && corner.faces.contains(&face),
-                Pair::Disks { .. } => false,
-            })
-        };
-        for corner in &scene.corners {
-            disks.for_each_at(corner.position, |disk| {
-                if with_corners.count < MOST_LOOKED_AT && touches(disk, corner) {
-                    return;
-                }
-                let wall = &self.geometry.walls[scene.faces[corner.faces[0].index()].wall.index()];
-                with_corners.see(|| format!("agent {} and wall {}", whose(disk), quoted(&wall.id)));
-            });
-        }
-        let what = "at the same place: no force acts between them";
-        let said = [
-            among_agents
-                .says(|pairs| format!("{pairs} of disks of different agents have their centres {what}")),
-            with_corners
-                .says(|pairs| format!("{pairs} of disks and corners of walls have their centres {what}")),
-        ];
         said.into_iter().flatten().map(|message| warning(file, None, message)).collect()
     }
 
@@ -367,72 +339,6 @@ impl FastestContacts {
     }
 }
 
-/// Points of the plane, to be asked who is at a place.
-struct Places<'a> {
-    points: &'a [Vec2],
-    /// By square cells.
-    cells: HashMap<[i64; 2], Vec<usize>>,
-}
-
-impl Places<'_> {
-    /// \[m\] of a cell.
-    const CELL: f64 = 1e-6;
-
-    /// Of several of one body in a cell the first is enough, as they are no pairs; those of a body follow each other.
-    fn new(points: &[Vec2], body_of: impl Fn(usize) -> BodyId) -> Places<'_> {
-        let mut cells: HashMap<_, Vec<usize>> = HashMap::with_capacity(points.len());
-        for (k, point) in points.iter().enumerate() {
-            let there = cells.entry([point.x, point.y].map(Places::cell)).or_default();
-            if there.last().is_none_or(|last| body_of(*last) != body_of(k)) {
-                there.push(k);
-            }
-        }
-        Places { points, cells }
-    }
-
-    /// `as` saturates.
-    fn cell(coordinate: f64) -> i64 {
-        (coordinate / Places::CELL).floor() as i64
-    }
-
-    /// Calls `meet` for each that is at the place.
-    fn for_each_at(&self, place: Vec2, mut meet: impl FnMut(usize)) {
-        let around =
-            |coordinate: f64| Places::cell(coordinate - SAME_PLACE)..=Places::cell(coordinate + SAME_PLACE);
-        for x in around(place.x) {
-            for y in around(place.y) {
-                let there = self.cells.get(&[x, y]).into_iter().flatten();
-                there.filter(|k| (self.points[**k] - place).norm() <= SAME_PLACE).for_each(|k| meet(*k));
-            }
-        }
-    }
-}
-
-/// How many pairs there are, and the first.
-#[derive(Default)]
-struct Seen {
-    count: usize,
-    first: String,
-}
-
-impl Seen {
-    fn see(&mut self, whose: impl FnOnce() -> String) {
-        if self.count == 0 {
-            self.first = whose();
-        }
-        self.count += 1;
-    }
-
-    fn says(&self, what: impl FnOnce(&str) -> String) -> Option<String> {
-        let (pairs, first) = match self.count {
-            0 => return None,
-            1 => ("a pair".to_owned(), ""),
-            n => (format!("{n} pairs"), "first "),
-        };
-        Some(format!("{} ({first}{})", what(&pairs), self.first))
-    }
-}
-
 /// How many overlaps there are, and the deepest.
 #[derive(Default)]
 struct Deepest {
@@ -482,6 +388,7 @@ fn warning(file: &Path, subject: Option<(&str, &str, f64)>, message: String) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::Vec2;
 
     fn push() -> Trial {
         let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources/Trial_push");
@@ -489,7 +396,9 @@ mod tests {
     }
 
     fn said(trial: &Trial) -> Vec<String> {
-        let advice = trial.advice(Path::new("Parameters.xml"), Path::new("AgentDynamics.xml"));
+        let [parameters, agents, geometry, dynamics] =
+            ["Parameters.xml", "Agents.xml", "Geometry.xml", "AgentDynamics.xml"].map(Path::new);
+        let advice = trial.advice(&Files { parameters, agents, geometry, dynamics });
         advice.iter().map(ToString::to_string).collect()
     }
 
@@ -523,21 +432,12 @@ mod tests {
         trial.dynamics[3].position = Vec2 { x: 0.5 - 4e-10, y: 0.5 };
         trial.dynamics[1].position = Vec2 { x: 0.5 + 4e-10, y: 0.5 };
         let said_of_two = said(&trial).join("\n");
-        let words = "a pair of disks of different agents have their centres at the same place: no force acts between \
-                     them (agents \"1\" and \"3\")";
+        let words = "agents \"1\" and \"3\" have their centres at one place: no force acts between them";
         assert!(said_of_two.contains(words), "{said_of_two}");
         trial.dynamics[4].position = trial.dynamics[1].position;
-        assert!(
-            said(&trial).join("\n").contains("3 pairs of disks of different agents have their centres at"),
-            "{:?}",
-            said(&trial)
-        );
+        assert!(said(&trial).join("\n").contains("at one place, and 2 more pairs: no"), "{:?}", said(&trial));
         trial.dynamics[4].position.x += 1e-6;
-        assert!(
-            said(&trial).join("\n").contains("a pair of disks of different agents have their centres at"),
-            "{:?}",
-            said(&trial)
-        );
+        assert!(said(&trial).join("\n").contains("at one place: no"), "{:?}", said(&trial));
     }
 
     #[test]
@@ -547,8 +447,7 @@ mod tests {
         trial.agents[2].shapes[0].position = Vec2::ZERO;
         trial.dynamics[2].position = trial.geometry.walls[0].corners[0];
         let said = said(&trial).join("\n");
-        let words = "a pair of disks and corners of walls have their centres at the same place: no force acts between \
-                     them (agent \"2\" and wall \"0\")";
+        let words = "agent \"2\" and a corner of wall \"0\" have their centres at one place: no force acts between them";
         assert!(said.contains(words), "{said}");
     }
 

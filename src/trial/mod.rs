@@ -10,6 +10,7 @@ mod geometry;
 mod interactions;
 mod materials;
 mod parameters;
+mod plausible;
 mod problem;
 mod world;
 mod xml;
@@ -22,6 +23,7 @@ pub use world::{WorldError, dynamics_of, interactions_of};
 
 use crate::engine::Vec2;
 use crate::files::{WriteError, write_atomically};
+use advice::Files;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
@@ -286,8 +288,15 @@ impl Trial {
         match Trial::read_checked(directory, names, &mut problems) {
             Some(trial) if !problems.has_errors() => {
                 let parameters = tidy(&directory.join(&names.parameters));
+                let fixed = directory.join(trial.parameters.static_path());
+                let (agents, geometry) = (fixed.join(&names.agents), fixed.join(&names.geometry));
                 let dynamics = directory.join(trial.parameters.dynamic_path()).join(&names.dynamics);
-                for problem in trial.advice(&parameters, &tidy(&dynamics)) {
+                for problem in trial.advice(&Files {
+                    parameters: &parameters,
+                    agents: &tidy(&agents),
+                    geometry: &tidy(&geometry),
+                    dynamics: &tidy(&dynamics),
+                }) {
                     problems.push(problem);
                 }
                 if problems.has_errors() { Err(problems) } else { Ok((trial, problems)) }

@@ -205,6 +205,19 @@ impl Trial {
         }
     }
 
+    /// Says of pairs whose centres coincide how many there are, and who the first is; nothing of none.
+    pub fn name_coincident(&self, scene: &Scene, pairs: &[Pair]) -> Option<String> {
+        let whose = self.name_pair(scene, *pairs.first()?);
+        let others = match pairs.len() {
+            1 => String::new(),
+            2 => ", and one more pair".to_owned(),
+            count => format!(", and {} more pairs", count - 1),
+        };
+        Some(format!(
+            "{whose} have their centres at one place{others}: no force acts between them as long as this is so"
+        ))
+    }
+
     /// Tells one Trial from another by its content: what a saved state is checked against.
     pub fn fingerprint(&self) -> Uuid {
         let content = (&self.parameters, &self.materials, &self.geometry);

@@ -1,17 +1,17 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
+use crate::decide::{WISHES_FILE, plan_of};
 use crate::error::TrialHasErrors;
-use crate::pack::TRIAL;
+use crate::given::Given;
 use crate::tell;
 use anyhow::Result;
-use crowd_mechanics::trial::{Problems, Trial};
-use lemons_master::Kind;
+use crowd_mechanics::trial::Problems;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Trial directories
+    /// Trial directories, or zips of them
     #[arg(required = true, value_name = "TRIAL")]
     trials: Vec<PathBuf>,
 }
@@ -20,14 +20,26 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     let mut out = tell::out();
     let mut broken = false;
     for path in &arguments.trials {
-        if let Err(other) = Kind::expect(path, &[Kind::Trial], TRIAL) {
-            broken = true;
-            writeln!(out, "{other}")?;
-            continue;
-        }
-        match Trial::read(path) {
+        let given = match Given::open(path) {
+            Ok(given) => given,
+            Err(error) => {
+                broken = true;
+                writeln!(out, "{error:#}")?;
+                continue;
+            }
+        };
+        match given.read() {
             Ok((trial, warnings)) => {
                 print(&mut out, &warnings)?;
+                let wishes = given.directory().join(WISHES_FILE);
+                if wishes.exists()
+                    && let Err(error) = plan_of(&trial, &wishes)
+                {
+                    broken = true;
+                    writeln!(out, "{}: {error:#}", path.join(WISHES_FILE).display())?;
+                    writeln!(out, "{}: 1 error", path.display())?;
+                    continue;
+                }
                 let parameters = &trial.parameters;
                 writeln!(
                     out,

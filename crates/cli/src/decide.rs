@@ -1,15 +1,14 @@
 //! `lemons decide`: a Trial and its people's wishes -> a Decision FMU.
 
 use crate::binary::DECISION;
-use crate::error::TrialHasErrors;
-use crate::pack::{FmuArguments, TRIAL, say_size};
+use crate::given::Given;
+use crate::pack::{FmuArguments, say_size};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
 use crowd_mechanics::trial::Trial;
 use lemons_decision::rule::Pose;
 use lemons_decision::{Person, Plan, Wishes};
-use lemons_master::Kind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// In a Trial's directory.
 pub const WISHES_FILE: &str = "decision.toml";
@@ -35,7 +34,7 @@ walks to its way-points one after the other; each is reached within its radius.
 #[derive(clap::Args)]
 #[command(after_help = WISHES)]
 pub struct Arguments {
-    /// The Trial whose people decide
+    /// The Trial whose people decide: its directory, or a zip of it
     #[arg(value_name = "TRIAL")]
     trial: PathBuf,
     /// Way-points and desired speeds; default: decision.toml in the Trial's directory
@@ -49,29 +48,23 @@ pub struct Arguments {
 }
 
 pub fn decide(arguments: &Arguments) -> Result<()> {
-    Kind::expect(&arguments.trial, &[Kind::Trial], TRIAL)?;
-    let (trial, warnings) = match Trial::read(&arguments.trial) {
-        Ok(read) => read,
-        Err(problems) => {
-            note!("{problems}");
-            note!("lemons: {} has errors", arguments.trial.display());
-            return Err(TrialHasErrors.into());
-        }
-    };
+    let given = Given::open(&arguments.trial)?;
+    let (trial, warnings) = given.read_or_say()?;
     for warning in warnings.iter() {
         note!("{warning}");
     }
-    let path = arguments.plan.clone().unwrap_or_else(|| arguments.trial.join(WISHES_FILE));
+    let own = given.directory().join(WISHES_FILE);
+    let (path, named) = match &arguments.plan {
+        Some(plan) => (plan, plan.clone()),
+        None => (&own, arguments.trial.join(WISHES_FILE)),
+    };
     if arguments.plan.is_none() && !path.exists() {
         bail!(
             "there is no {}; --plan FILE.toml names another. For everybody it says:\n{SHORTEST}",
-            path.display()
+            named.display()
         );
     }
-    let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    let plan = Wishes::from_toml(&text)
-        .and_then(|wishes| Plan::new(&people(&trial), &wishes, trial.parameters.time_step))
-        .with_context(|| path.display().to_string())?;
+    let plan = plan_of(&trial, path).with_context(|| named.display().to_string())?;
     let binaries = arguments.fmu.binaries(&DECISION)?;
     let unwritten = || format!("cannot write {}", arguments.output.display());
     let mut file = Staged::beside(&arguments.output).with_context(unwritten)?;
@@ -79,6 +72,13 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
         .with_context(|| arguments.output.display().to_string())?;
     file.persist().with_context(unwritten)?;
     say_size(&arguments.output)
+}
+
+/// What the people of a Trial do by the wishes in a file.
+pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
+    let text = std::fs::read_to_string(path).context("cannot be read")?;
+    let wishes = Wishes::from_toml(&text)?;
+    Ok(Plan::new(&people(trial), &wishes, trial.parameters.time_step)?)
 }
 
 /// What a decision needs to know of a Trial's agents.

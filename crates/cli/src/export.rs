@@ -1,5 +1,6 @@
 //! `lemons export`: a run for the field's tools, and a Trial that goes on where it ended.
 
+use crate::given::Given;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use crowd_mechanics::trial::Trial;
@@ -164,8 +165,8 @@ pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
         let found = around.map(Path::to_owned).find(|path| path.join("Parameters.xml").is_file());
         return found.map(|path| Ok(Trial::read(&path)?.0)).transpose();
     };
-    if path.is_dir() {
-        return Ok(Some(Trial::read(path)?.0));
+    if let Some(given) = Given::find(path)? {
+        return Ok(Some(given.read()?.0));
     }
     let fmu = Fmu::open(path)?;
     let resources = fmu.resources().with_context(|| path.display().to_string())?;

@@ -19,6 +19,7 @@ mod describe;
 mod error;
 mod export;
 mod extremes;
+mod given;
 mod info;
 mod interrupt;
 mod output;

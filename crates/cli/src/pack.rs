@@ -1,17 +1,17 @@
 //! `lemons pack`: Trials -> FMU.
 
 use crate::binary::{CROWD, Library};
-use crate::error::TrialHasErrors;
+use crate::given::Given;
 use anyhow::Result;
 use crowd_mechanics::pack::{Binary, Naming, PackError, Package};
 use crowd_mechanics::trial::Trial;
-use lemons_master::{Kind, binary_beside};
+use lemons_master::binary_beside;
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Trial directories; the first is the default of the parameter Trial. All share the FMU's variables
+    /// Trial directories, or zips of them; the first is the default of the parameter Trial. All share the FMU's variables
     /// (agent[0].Mass, …): they need the same number of agents with the same Ids, and the same materials
     #[arg(required = true, value_name = "TRIAL")]
     trials: Vec<PathBuf>,
@@ -55,7 +55,8 @@ fn parse_binary(text: &str) -> Result<Binary, String> {
 
 pub fn pack(arguments: &Arguments) -> Result<()> {
     let binaries = arguments.fmu.binaries(&CROWD)?;
-    let warnings = write_fmu(&arguments.trials, binaries, arguments.fmu.naming(), &arguments.output)?;
+    let trials = arguments.trials.iter().map(|path| Given::open(path)).collect::<Result<Vec<_>>>()?;
+    let warnings = write_fmu(&trials, binaries, arguments.fmu.naming(), &arguments.output)?;
     for warning in warnings {
         note!("{warning}");
     }
@@ -68,24 +69,29 @@ pub fn say_size(output: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What is taken for a Trial.
-pub const TRIAL: &str = "a Trial directory";
-
 /// Packs Trials; errors of a Trial are printed, one line each.
 pub fn write_fmu(
-    trials: &[PathBuf],
+    trials: &[Given],
     binaries: Vec<Binary>,
     naming: Naming,
     output: &Path,
 ) -> Result<Vec<String>> {
-    trials.iter().try_for_each(|trial| Kind::expect(trial, &[Kind::Trial], TRIAL))?;
-    let package = Package { trials: trials.to_vec(), binaries, picture: Some(picture), naming };
+    let package = Package {
+        trials: trials.iter().map(|trial| trial.directory().to_owned()).collect(),
+        binaries,
+        picture: Some(picture),
+        naming,
+    };
     match package.write(output) {
-        Ok(warnings) => Ok(warnings),
+        Ok(warnings) => {
+            let known = |text: String| trials.iter().fold(text, |text, trial| trial.under_its_name(&text));
+            Ok(warnings.into_iter().map(known).collect())
+        }
         Err(PackError::Broken { path, problems }) => {
-            note!("{problems}");
-            note!("lemons: {} has errors", path.display());
-            Err(TrialHasErrors.into())
+            match trials.iter().find(|trial| trial.directory() == path) {
+                Some(trial) => Err(trial.say(&trial.renamed(&problems))),
+                None => Err(PackError::Broken { path, problems }.into()),
+            }
         }
         Err(error) => Err(error.into()),
     }

@@ -1,6 +1,7 @@
 //! `lemons sweep`: many runs with other parameters.
 
 use crate::error::Misused;
+use crate::given::Given;
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::pack::write_fmu;
 use anyhow::{Context, Result, bail};
@@ -77,9 +78,9 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         }
     }
     let packed = Scratch::new().context("cannot make a temporary directory")?;
-    let fmu = if spec.model.is_dir() {
+    let fmu = if let Some(trial) = Given::find(&spec.model)? {
         let path = packed.path().join("crowd.fmu");
-        write_fmu(std::slice::from_ref(&spec.model), vec![own_binary()?], Naming::Structured, &path)?;
+        write_fmu(&[trial], vec![own_binary()?], Naming::Structured, &path)?;
         path
     } else {
         spec.model.clone()

@@ -70,7 +70,23 @@ impl Wishes {
     /// # Errors
     /// No TOML, unknown words, numbers of another type; with line and column.
     pub fn from_toml(text: &str) -> Result<Wishes, PlanError> {
-        toml::from_str(text).map_err(|error| PlanError::Toml(error.to_string()))
+        toml::from_str(text).map_err(|error| PlanError::Toml(explained(&error)))
+    }
+}
+
+/// What is wrong, and of a word that nobody knows the one that was meant perhaps.
+fn explained(error: &toml::de::Error) -> String {
+    // The words stand between backticks: first the unknown one, then those that are expected.
+    let said = error.to_string();
+    let mut words = error.message().split('`').skip(1).step_by(2);
+    let unknown = words.next().filter(|_| error.message().starts_with("unknown field"));
+    let meant = unknown.and_then(|unknown| {
+        let near = words.map(|word| (strsim::damerau_levenshtein(unknown, word), word));
+        near.filter(|(apart, word)| 3 * apart <= word.len().max(6)).min().map(|(_, word)| word)
+    });
+    match meant {
+        Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
+        None => said,
     }
 }
 

@@ -16,6 +16,7 @@ pub use fmu::{Fmu, Instance, named};
 pub use kind::Kind;
 pub use state::{LARGEST_STATE, State};
 pub use system::{Algorithm, Component, System};
+pub use unzip::unzip_trial;
 
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::{Binary, host_platform};

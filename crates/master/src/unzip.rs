@@ -1,13 +1,14 @@
-//! An `.fmu` -> its files in a directory.
+//! An `.fmu`, or a zip of a Trial -> its files in a directory.
 //!
 //! Not `fmi_rs::zip`, which unpacks without a bound and leaves out, without a word, what leads outside.
 
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use lemons_ssp::{Allowance, STRUCTURE_FILE, leads_outside};
+use std::ffi::OsStr;
 use std::fs::{File, create_dir_all};
 use std::io::BufReader;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zip::ZipArchive;
 
 /// What makes an archive an FMU.
@@ -25,6 +26,78 @@ pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) ->
         }
         bail!("there is no {DESCRIPTION_FILE} in it: no FMU");
     }
+    extract(&mut zip, directory, allowance, |_| true)?;
+    let size = directory.join(DESCRIPTION_FILE).metadata()?.len();
+    if size > LARGEST_DESCRIPTION {
+        bail!("{DESCRIPTION_FILE}: is refused: more than {} MB", LARGEST_DESCRIPTION / 1_000_000);
+    }
+    Ok(())
+}
+
+/// The file that makes a directory a Trial.
+const PARAMETERS: &str = "Parameters.xml";
+
+/// \[byte\] What a zip of a Trial may unpack to: ten times a Trial of 50 000 agents.
+const TRIAL: u64 = 1_000_000_000;
+
+/// Entries of a zip of a Trial: it has seven files.
+const TRIAL_ENTRIES: usize = 1000;
+
+/// Unpacks the zip of a Trial into a directory, and answers where the Trial is; `None` where the file is no such zip: no
+/// zip, an FMU, an SSP.
+///
+/// # Errors
+/// None or several Trials in it, or it is broken, leads outside of the directory or is too large.
+pub fn unzip_trial(path: &Path, directory: &Path) -> Result<Option<PathBuf>> {
+    unzip_trial_within(path, directory, &mut Allowance::new(TRIAL))
+}
+
+fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) -> Result<Option<PathBuf>> {
+    // Opening a FIFO would block.
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let Ok(mut zip) = ZipArchive::new(BufReader::new(File::open(path)?)) else { return Ok(None) };
+    if [DESCRIPTION_FILE, STRUCTURE_FILE].iter().any(|file| zip.index_for_name(file).is_some()) {
+        return Ok(None);
+    }
+    if zip.len() > TRIAL_ENTRIES {
+        bail!("{} files are in it: no zip of a Trial", zip.len());
+    }
+    let names = zip.file_names().map(|name| Ok(name?.into_owned()));
+    let mut trials = names.collect::<Result<Vec<String>>>()?;
+    trials.retain(|name| name.rsplit(['/', '\\']).next() == Some(PARAMETERS));
+    trials.sort();
+    let parameters = match &trials[..] {
+        [] => bail!("there is no {PARAMETERS} in it: no zip of a Trial"),
+        [one] => one,
+        [first, second, ..] => {
+            bail!("several Trials are in it ({first:?}, {second:?}, …): unpack it and name one of them")
+        }
+    };
+    // What an archiver adds beside the Trial is no part of it.
+    let root = parameters.strip_suffix(PARAMETERS).unwrap_or_default().to_owned();
+    extract(&mut zip, directory, allowance, |name| name.starts_with(&root))?;
+    if root.is_empty() {
+        // It has the archive's name then.
+        let named = directory.join(path.file_stem().unwrap_or(OsStr::new("Trial")));
+        let entries: Vec<_> = directory.read_dir()?.collect::<Result<_, _>>()?;
+        std::fs::create_dir(&named)?;
+        for entry in entries {
+            std::fs::rename(entry.path(), named.join(entry.file_name()))?;
+        }
+        return Ok(Some(named));
+    }
+    Ok(Some(directory.join(root)))
+}
+
+/// Unpacks the files that are wanted, by their names; looks at all of them.
+fn extract(
+    zip: &mut ZipArchive<BufReader<File>>,
+    directory: &Path,
+    allowance: &mut Allowance,
+    wanted: impl Fn(&str) -> bool,
+) -> Result<()> {
     for place in 0..zip.len() {
         let entry = zip.by_index(place).with_context(|| format!("entry {place}"))?;
         let name = entry.name()?.into_owned();
@@ -34,6 +107,9 @@ pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) ->
         if entry.is_symlink() {
             bail!("the entry {name:?} is a link, which is not served");
         }
+        if !wanted(&name) {
+            continue;
+        }
         let unwritable = || format!("the entry {name:?} cannot be unpacked");
         if entry.is_dir() {
             create_dir_all(&to).with_context(unwritable)?;
@@ -42,9 +118,6 @@ pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) ->
         create_dir_all(to.parent().unwrap_or(directory)).with_context(unwritable)?;
         let mut file = File::create(&to).with_context(unwritable)?;
         allowance.copy(&name, entry, &mut file)?;
-        if name == DESCRIPTION_FILE && file.metadata()?.len() > LARGEST_DESCRIPTION {
-            bail!("{name}: is refused: more than {} MB", LARGEST_DESCRIPTION / 1_000_000);
-        }
     }
     Ok(())
 }
@@ -130,6 +203,67 @@ mod tests {
             100,
         );
         assert_eq!(said, "the entry \"resources\" is a link, which is not served");
+    }
+
+    /// What unpacking the zip of a Trial says, or the Trial's directory and its file.
+    fn said_of_trial(fill: impl FnOnce(&mut ZipWriter<File>)) -> String {
+        let directory = TempDir::new().unwrap();
+        let path = directory.path().join("box.zip");
+        let mut zip = ZipWriter::new(File::create(&path).unwrap());
+        fill(&mut zip);
+        zip.finish().unwrap();
+        let inside = directory.path().join("inside");
+        std::fs::create_dir(&inside).unwrap();
+        let found = unzip_trial_within(&path, &inside, &mut Allowance::new(1_000_000));
+        assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 2, "nothing beside the directory");
+        match found {
+            Ok(None) => "no Trial".to_owned(),
+            Ok(Some(trial)) => {
+                let name = trial.file_name().unwrap().to_str().unwrap();
+                format!("{name}: {}", std::fs::read_to_string(trial.join(PARAMETERS)).unwrap())
+            }
+            Err(error) => format!("{error:#}"),
+        }
+    }
+
+    #[test]
+    fn a_zip_of_a_trial_holds_one() {
+        let of = |files: &[&str]| said_of_trial(|zip| files.iter().for_each(|file| add(zip, file, b"text")));
+        assert_eq!(of(&["T/Parameters.xml", "T/static/Agents.xml", "__MACOSX/T/._Agents.xml"]), "T: text");
+        assert_eq!(of(&["a/T/Parameters.xml"]), "T: text");
+        assert_eq!(of(&["Parameters.xml", "static/Agents.xml"]), "box: text");
+        assert_eq!(of(&["x", "y/z"]), "there is no Parameters.xml in it: no zip of a Trial");
+        let two = "several Trials are in it (\"T/Parameters.xml\", \"U/Parameters.xml\", …): unpack it and name one of them";
+        assert_eq!(of(&["T/Parameters.xml", "U/Parameters.xml"]), two);
+        assert_eq!(of(&["T/Parameters.xml", DESCRIPTION_FILE]), "no Trial");
+    }
+
+    #[test]
+    fn hostile_zips_of_trials_are_refused() {
+        for name in ["../a", "T/../../a", "/a", "C:/a", "T\\..\\..\\a", "../Parameters.xml"] {
+            let said = said_of_trial(|zip| {
+                if name != "../Parameters.xml" {
+                    add(zip, "T/Parameters.xml", b"");
+                }
+                add(zip, name, b"text");
+            });
+            assert_eq!(said, format!("the entry {name:?} leads outside of the archive"));
+        }
+        let said = said_of_trial(|zip| {
+            add(zip, "T/Parameters.xml", b"");
+            zip.add_symlink("T/static", "/", OPTIONS()).unwrap();
+        });
+        assert_eq!(said, "the entry \"T/static\" is a link, which is not served");
+        let said = said_of_trial(|zip| (0..1001).for_each(|k| add(zip, &k.to_string(), b"")));
+        assert_eq!(said, "1001 files are in it: no zip of a Trial");
+        // A small archive of a lot.
+        let zeros = vec![0; 1 << 20];
+        let said = said_of_trial(|zip| {
+            add(zip, "T/Parameters.xml", b"");
+            zip.start_file("T/static/Agents.xml", OPTIONS()).unwrap();
+            zip.write_all(&zeros).unwrap();
+        });
+        assert_eq!(said, "T/static/Agents.xml: is refused: more than 1 MB to unpack in all");
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::{line, refuse_same, within};
 use crate::binary::CROWD;
 use crate::decide::WISHES_FILE;
 use crate::error::{Misused, TrialHasErrors};
+use crate::given::Given;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::pack::{FmuArguments, write_fmu};
@@ -358,7 +359,7 @@ impl TrialArguments {
         interrupt.check()?;
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
             // Its warnings are those printed already.
-            write_fmu(&[directory], binaries, self.packing.naming(), file)?;
+            write_fmu(&[Given::open(&directory)?], binaries, self.packing.naming(), file)?;
             say(out, "FMU", file)?;
         }
         if let Some(file) = &self.zip {

@@ -130,8 +130,8 @@ impl Source {
 
     /// Whether it is something to run.
     pub fn runs(&self) -> bool {
-        let fmu = self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
-        fmu || self.path.join("Parameters.xml").is_file()
+        let ends = |with: &str| self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case(with));
+        ends("fmu") || ends("zip") || self.path.join("Parameters.xml").is_file()
     }
 
     /// As `lemons run` does it.

@@ -4,6 +4,7 @@ use super::Arguments;
 use super::progress::Progress;
 use crate::crowd::trial_of;
 use crate::error::Misused;
+use crate::given::Given;
 use crate::pack::write_fmu;
 use crate::saved::Saved;
 use anyhow::{Context, Result, bail};
@@ -102,9 +103,9 @@ type Opened = (System, f64, Option<f64>);
 /// A Trial is packed first: it runs as everybody's FMU of it would.
 fn open_fmu(arguments: &Arguments) -> Result<Opened> {
     let packed = Scratch::new().context("cannot make a temporary directory")?;
-    let fmu = if arguments.input.is_dir() {
+    let fmu = if let Some(trial) = Given::find(&arguments.input)? {
         let path = packed.path().join("crowd.fmu");
-        write_fmu(std::slice::from_ref(&arguments.input), vec![own_binary()?], Naming::Structured, &path)?;
+        write_fmu(&[trial], vec![own_binary()?], Naming::Structured, &path)?;
         Fmu::open(&path)?.of_trial(&arguments.input)
     } else {
         Fmu::open(&arguments.input)?
