@@ -112,7 +112,7 @@ def test_the_area_of_a_room_with_an_opening_ends_at_its_walls(pedpy, call, tmp_p
         room, corridor = 25.0, 0.2 * 0.9 + 8.8 * 2.0
         assert area.area == pytest.approx(room + corridor, rel=0.08 if name == "out" else 1e-12)
         cells = pedpy.compute_individual_voronoi_polygons(traj_data=data, walkable_area=area)
-        assert cells.polygon.area.groupby(cells.frame).sum().max() <= area.area * (1 + 1e-9)
+        assert cells.polygon.map(lambda cell: cell.area).groupby(cells.frame).sum().max() <= area.area * (1 + 1e-9)
     (tmp_path / "own.wkt").write_text("POLYGON ((0 0, 20 0, 20 5, 0 5, 0 0))\n")
     said = call("export", "out.csv", "own.sqlite", "--to", "jupedsim", "--trial", TRIAL_DOOR, "--area", "own.wkt")
     assert "the polygon given" in said
