@@ -7,10 +7,10 @@ lemons=${LEMONS:-$PWD/target/release/lemons}
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
-"$lemons" plot resources/Trial_push --step 0.001 --at 0.15,0.38,0.54,0.73 --columns 2 --fill squeeze -o docs/push.png
+"$lemons" plot resources/Trial_push --step 0.001 --at 0.15,0.38,0.54,0.73 --columns 2 --fill squeeze -o docs/push.png --force
 
 "$lemons" crowd --number 150 --box 4.56x4.56 --speed 0.5 -o "$scratch/Trial_box" >/dev/null
-"$lemons" plot "$scratch/Trial_box" --at 2 --fill squeeze --forces --width 600 -o docs/crowd.png
+"$lemons" plot "$scratch/Trial_box" --at 2 --fill squeeze --forces --width 600 -o docs/crowd.png --force
 
 push=../shared/data/push_wed
 if [[ -d $push ]]; then
@@ -19,5 +19,5 @@ if [[ -d $push ]]; then
     awk -v mass="$mass" 'BEGIN { print "t,agent,Fp.x,Fp.y,Mp" } NR > 1 { printf "%s,0,%.9g,0,0\n", $1, mass * $2 }' \
         "$push/external_force_per_mass.txt" >"$scratch/push.csv"
     "$lemons" plot "$push/Trial" --drive "$scratch/push.csv" --step 0.01 --at 2.5,2.7,2.9,3.3 --columns 2 --fill '#8cb4de' \
-        --measured "$push/measured_head_trajectories.csv" --measured-from start -o docs/measured.png
+        --measured "$push/measured_head_trajectories.csv" --measured-from start -o docs/measured.png --force
 fi

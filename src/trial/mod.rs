@@ -273,6 +273,14 @@ impl Default for FileNames {
     }
 }
 
+impl FileNames {
+    fn places(&self, directory: &Path, fixed: &Path, moving: &Path) -> Vec<PathBuf> {
+        let fixed = [&self.materials, &self.geometry, &self.agents].map(|name| fixed.join(name));
+        let moving = [&self.dynamics, Path::new(INTERACTIONS)].map(|name| moving.join(name));
+        std::iter::once(directory.join(&self.parameters)).chain(fixed).chain(moving).collect()
+    }
+}
+
 /// The contacts' file in the Dynamic directory; there only if there are contacts.
 pub const INTERACTIONS: &str = "AgentInteractions.xml";
 
@@ -280,6 +288,18 @@ impl Trial {
     /// Reads and checks a Trial directory: the Trial with the warnings, or all that is wrong with it.
     pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
         Trial::read_named(directory, &FileNames::default())
+    }
+
+    /// The files of which [`Trial::read`] reads a directory, whether they are there or not.
+    pub fn files_read(directory: &Path) -> Vec<PathBuf> {
+        let names = FileNames::default();
+        let first = directory.join(&names.parameters);
+        // What is wrong with it those say who read the Trial.
+        let parameters = xml::read_file(&first, "Parameters", &mut Problems::default(), parameters::read);
+        let Some(parameters) = parameters else { return vec![first] };
+        let fixed = directory.join(parameters.static_path());
+        let moving = directory.join(parameters.dynamic_path());
+        names.places(directory, &fixed, &moving)
     }
 
     /// As [`Trial::read`], with other file names.
@@ -394,11 +414,8 @@ impl Trial {
         xml::Ids::of(self.agents.iter().map(|agent| agent.id.as_str()))
     }
 
-    /// Writes a complete Trial directory, each file whole or not at all.
-    ///
-    /// Static and Dynamic directories that lie outside the Trial directory become `./static/` and `./dynamic/`
-    /// in it: a copy neither overwrites the original's files nor depends on them.
-    pub fn write(&self, directory: &Path) -> Result<(), WriteError> {
+    /// The parameters of a copy in this directory, and its Static and Dynamic directories.
+    fn places_in(&self, directory: &Path) -> (Parameters, PathBuf, PathBuf) {
         let mut parameters = self.parameters.clone();
         for (named, own) in [
             (&mut parameters.static_directory, "./static/"),
@@ -410,6 +427,21 @@ impl Trial {
         }
         let fixed = tidy(&directory.join(parameters.static_directory.trim()));
         let moving = tidy(&directory.join(parameters.dynamic_directory.trim()));
+        (parameters, fixed, moving)
+    }
+
+    /// The files that [`Trial::write`] writes into a directory; the last one, the contacts, perhaps goes.
+    pub fn files_written(&self, directory: &Path) -> Vec<PathBuf> {
+        let (_, fixed, moving) = self.places_in(directory);
+        FileNames::default().places(directory, &fixed, &moving)
+    }
+
+    /// Writes a complete Trial directory, each file whole or not at all.
+    ///
+    /// Static and Dynamic directories that lie outside the Trial directory become `./static/` and `./dynamic/`
+    /// in it: a copy neither overwrites the original's files nor depends on them.
+    pub fn write(&self, directory: &Path) -> Result<(), WriteError> {
+        let (parameters, fixed, moving) = self.places_in(directory);
         for path in [directory, &fixed, &moving] {
             std::fs::create_dir_all(path).map_err(|error| WriteError { path: path.to_owned(), error })?;
         }

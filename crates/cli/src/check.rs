@@ -1,7 +1,8 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
-use crate::decide::{WISHES_FILE, plan_of};
-use crate::error::TrialHasErrors;
+use crate::decide::plan_of;
+use crate::files::WISHES_FILE;
+use crate::files::WISHES_FILE;
 use crate::given::Given;
 use crate::tell;
 use anyhow::Result;

@@ -1,5 +1,6 @@
 //! `lemons connect`: FMUs -> an SSP.
 
+use crate::files::{self, Force};
 use crate::pack::say_size;
 use anyhow::{Context, Result, bail};
 use lemons_master::Fmu;
@@ -15,6 +16,8 @@ pub struct Arguments {
     /// The SSP to write
     #[arg(short, long, value_name = "FILE.ssp")]
     output: PathBuf,
+    #[command(flatten)]
+    _force: Force,
 }
 
 pub fn connect(arguments: &Arguments) -> Result<()> {
@@ -68,17 +71,12 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
     say_size(&arguments.output)
 }
 
-/// Whether the output can be an SSP, and no FMU is lost to it.
-fn check_output(Arguments { fmus, output }: &Arguments) -> Result<()> {
+/// Whether the output can be an SSP, and nothing is lost to it.
+fn check_output(Arguments { output, .. }: &Arguments) -> Result<()> {
     if !output.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
         bail!("{}: the name of an SSP ends in .ssp", output.display());
     }
-    // What is not there yet is no input.
-    let Ok(there) = output.canonicalize() else { return Ok(()) };
-    if fmus.iter().any(|path| path.canonicalize().is_ok_and(|path| path == there)) {
-        bail!("{}: is one of the FMUs to connect, it would be overwritten", output.display());
-    }
-    Ok(())
+    files::claim_and_try(output)
 }
 
 /// Who, how many, what, and by name those that fit on a line.

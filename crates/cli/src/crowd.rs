@@ -194,7 +194,7 @@ impl Crowd {
             totals,
             place,
             ids,
-            trajectories: recording.tables.create(to, &content, before.map(|before| before.extent()))?,
+            trajectories: Table::create(to, &content, before.map(|before| before.extent()))?,
             extremes,
         })
     }

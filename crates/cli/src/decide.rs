@@ -1,17 +1,14 @@
 //! `lemons decide`: a Trial and its people's wishes -> a Decision FMU.
 
 use crate::binary::DECISION;
+use crate::files::{self, Force, WISHES_FILE};
 use crate::given::Given;
 use crate::pack::{FmuArguments, say_size};
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::files::Staged;
 use crowd_mechanics::trial::Trial;
 use lemons_decision::rule::Pose;
 use lemons_decision::{Person, Plan, Wishes};
 use std::path::{Path, PathBuf};
-
-/// In a Trial's directory.
-pub const WISHES_FILE: &str = "decision.toml";
 
 /// Wishes of everybody, as short as they can be.
 const SHORTEST: &str = "  desired_speed = 1.34
@@ -45,9 +42,12 @@ pub struct Arguments {
     output: PathBuf,
     #[command(flatten)]
     fmu: FmuArguments,
+    #[command(flatten)]
+    _force: Force,
 }
 
 pub fn decide(arguments: &Arguments) -> Result<()> {
+    let mut file = files::stage(&arguments.output)?;
     let given = Given::open(&arguments.trial)?;
     let (trial, warnings) = given.read_or_say()?;
     for warning in warnings.iter() {
@@ -67,7 +67,6 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     let plan = plan_of(&trial, path).with_context(|| named.display().to_string())?;
     let binaries = arguments.fmu.binaries(&DECISION)?;
     let unwritten = || format!("cannot write {}", arguments.output.display());
-    let mut file = Staged::beside(&arguments.output).with_context(unwritten)?;
     lemons_decision::pack::write_fmu(&plan, arguments.fmu.naming(), &binaries, &mut file)
         .with_context(|| arguments.output.display().to_string())?;
     file.persist().with_context(unwritten)?;

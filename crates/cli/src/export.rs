@@ -1,11 +1,13 @@
 //! `lemons export`: a run for the field's tools, and a Trial that goes on where it ended.
 
+use crate::files::{self, Force};
 use crate::given::Given;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use crowd_mechanics::trial::Trial;
 use lemons_export::{
-    Area, Positions, Record, chaos, given_area, jupedsim, pedpy, series, trial_at_end, walkable_area,
+    Area, Positions, Record, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files,
+    trial_at_end, walkable_area,
 };
 use lemons_master::{Fmu, Kind};
 use std::path::{Path, PathBuf};
@@ -32,6 +34,8 @@ pub struct Arguments {
     /// Take each N-th frame, the first one included
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
+    #[command(flatten)]
+    _force: Force,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -58,14 +62,10 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         bail!("--area is for --to jupedsim: the other formats have no walkable area");
     }
     let trial = trial_of(source, arguments.trial.as_deref())?;
-    let reads = [
-        Some(source.as_path()),
-        arguments.area.as_deref(),
-        arguments.trial.as_deref(),
-        trial.as_ref().map(|t| t.directory.as_path()),
-    ];
-    if reads.into_iter().flatten().any(|read| same(read, out)) {
-        bail!("cannot write {}: the export reads it", out.display());
+    if matches!(to, Format::Jupedsim | Format::Pedpy) {
+        files::claim_and_try(out)?;
+    } else {
+        files::claim_directory(out)?;
     }
     let need =
         || trial.as_ref().with_context(|| format!("{}: give its Trial or FMU: --trial", source.display()));
@@ -88,9 +88,19 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             said.extend(area.said);
         }
         Format::Pedpy => pedpy(&run, out)?,
-        Format::Chaos => chaos(&run, out)?,
-        Format::Series => series(&run, need()?, out)?,
-        Format::Trial => trial_at_end(&run.read(|k| k == last)?, need()?)?.write(out)?,
+        Format::Chaos => {
+            claim_all(chaos_files(&run).iter().map(|name| out.join(name)))?;
+            chaos(&run, out)?;
+        }
+        Format::Series => {
+            claim_all(series_files(&run).iter().map(|name| out.join(name)))?;
+            series(&run, need()?, out)?;
+        }
+        Format::Trial => {
+            let trial = trial_at_end(&run.read(|k| k == last)?, need()?)?;
+            claim_all(trial.files_written(out).into_iter())?;
+            trial.write(out)?;
+        }
     }
     if matches!(to, Format::Jupedsim | Format::Pedpy) && !run.names().are_ids {
         said.push("Ids are no whole numbers: agents are numbered in the order of the source, from 0".into());
@@ -157,13 +167,23 @@ fn area_of(positions: &Positions, given: Option<&Path>, trial: Option<&Trial>) -
     Ok(area)
 }
 
+/// Before one of them is written.
+fn claim_all(mut paths: impl Iterator<Item = PathBuf>) -> Result<()> {
+    paths.try_for_each(|path| files::claim(&path))
+}
+
 /// The Trial or FMU that was given with the record of a run, else the Trial directory that a series lies in.
 pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
     let Some(path) = given else {
         let own = source.canonicalize().ok().filter(|source| source.is_dir());
         let around = own.iter().flat_map(|own| own.ancestors().take(2));
         let found = around.map(Path::to_owned).find(|path| path.join("Parameters.xml").is_file());
-        return found.map(|path| Ok(Trial::read(&path)?.0)).transpose();
+        return found
+            .map(|path| {
+                files::reads(&path, &source.display().to_string());
+                Ok(Trial::read(&path)?.0)
+            })
+            .transpose();
     };
     if let Some(given) = Given::find(path)? {
         return Ok(Some(given.read()?.0));
@@ -174,9 +194,4 @@ pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
         note!("warning: {} holds several Trials: {:?} is taken", path.display(), resources.first());
     }
     fmu.trial(None).map(Some)
-}
-
-fn same(read: &Path, written: &Path) -> bool {
-    let only = |path: &Path| path.canonicalize().ok();
-    only(read).is_some_and(|read| only(written) == Some(read))
 }

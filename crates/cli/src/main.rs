@@ -19,6 +19,7 @@ mod describe;
 mod error;
 mod export;
 mod extremes;
+mod files;
 mod given;
 mod info;
 mod interrupt;
@@ -36,7 +37,7 @@ mod verify;
 mod watch;
 
 use anyhow::Result;
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use crowd_mechanics::files::give_up;
 use error::{Misused, TrialHasErrors, said};
 use interrupt::{EXIT_CODE, Interrupted};
@@ -89,18 +90,20 @@ enum Command {
 }
 
 /// A negative number is a value, though it begins like an option: the option it is for says what is wrong with it.
-fn arguments() -> Result<Arguments, clap::Error> {
+fn arguments() -> Result<(Arguments, ArgMatches), clap::Error> {
     let command = Arguments::command().mut_subcommands(|command| {
         command.mut_args(|argument| {
             let number = argument.get_action().takes_values();
             argument.allow_negative_numbers(number)
         })
     });
-    Arguments::from_arg_matches(&command.try_get_matches()?)
+    let matches = command.try_get_matches()?;
+    Ok((Arguments::from_arg_matches(&matches)?, matches))
 }
 
 fn main() -> ExitCode {
     let done = interrupt::prepare().and_then(|()| command()).and_then(|()| Ok(tell::out().flush()?));
+    files::remember();
     // What could not be removed while files were open.
     give_up();
     match done {
@@ -121,12 +124,13 @@ fn main() -> ExitCode {
 }
 
 fn command() -> Result<()> {
-    let arguments = match arguments() {
-        Ok(arguments) => arguments,
+    let (arguments, matches) = match arguments() {
+        Ok(read) => read,
         // Where it was asked for, help goes where everything goes.
         Err(asked) if std::io::stdout().is_terminal() || asked.use_stderr() => asked.exit(),
         Err(asked) => return Ok(write!(tell::out(), "{}", asked.render())?),
     };
+    matches.subcommand().map_or(Ok(()), |(name, matches)| files::begin(name, matches))?;
     match arguments.command {
         Command::Crowd(arguments) => people::crowd::crowd(*arguments),
         Command::Person(arguments) => people::person::person(&arguments),
@@ -143,5 +147,41 @@ fn command() -> Result<()> {
         Command::Describe(arguments) => describe::describe(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Arg;
+    use crowd_mechanics::pack::Binary;
+    use std::any::TypeId;
+    use std::path::PathBuf;
+
+    /// By its type, or by what its help calls its value.
+    fn names_a_file(argument: &Arg) -> bool {
+        let kind = argument.get_value_parser().type_id();
+        let called = argument.get_value_names().unwrap_or_default().join(" ");
+        let words = ["FILE", "TRIAL", "DIRECTORY", "TABLE", "SERIES", "OUT", "PATH"];
+        let typed = kind == TypeId::of::<PathBuf>() || kind == TypeId::of::<Binary>();
+        typed || words.iter().any(|word| called.split(|c: char| !c.is_alphabetic()).any(|part| part == *word))
+    }
+
+    #[test]
+    fn every_argument_that_names_a_file_has_a_role() {
+        for command in Arguments::command().get_subcommands() {
+            let arguments = command.get_arguments().filter(|argument| names_a_file(argument));
+            let spelled =
+                |argument: &Arg| argument.get_long().map_or(String::new(), |long| format!("--{long}"));
+            let mut there: Vec<(String, String)> =
+                arguments.map(|argument| (argument.get_id().to_string(), spelled(argument))).collect();
+            let mut known: Vec<(String, String)> = files::roles_of(command.get_name())
+                .iter()
+                .map(|(id, spelled, _)| ((*id).to_owned(), (*spelled).to_owned()))
+                .collect();
+            there.sort();
+            known.sort();
+            assert_eq!(there, known, "{}: give it a role in files/roles.rs", command.get_name());
+        }
     }
 }

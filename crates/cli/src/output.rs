@@ -1,5 +1,6 @@
 //! A file that a command makes.
 
+use crate::files;
 use anyhow::{Context, Result};
 use crowd_mechanics::files::Staged;
 use std::io::{BufWriter, Write};
@@ -14,7 +15,7 @@ pub struct Output {
 
 impl Output {
     pub fn open(path: &Path) -> Result<Output> {
-        let file = Staged::beside(path).with_context(|| format!("cannot write {}", path.display()))?;
+        let file = files::stage(path)?;
         Ok(Output { path: path.to_owned(), file: BufWriter::new(file) })
     }
 

@@ -77,7 +77,7 @@ impl Outputs {
             return Ok(None);
         }
         let content = Content { columns: header, about: recording.about.clone() };
-        let table = recording.tables.create(to, &content, recording.before_of_outputs())?;
+        let table = Table::create(to, &content, recording.before_of_outputs())?;
         Ok(Some(Outputs { components: all, table, count }))
     }
 

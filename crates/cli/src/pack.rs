@@ -1,6 +1,7 @@
 //! `lemons pack`: Trials -> FMU.
 
 use crate::binary::{CROWD, Library};
+use crate::files::{self, Force};
 use crate::given::Given;
 use anyhow::Result;
 use crowd_mechanics::pack::{Binary, Naming, PackError, Package};
@@ -20,6 +21,8 @@ pub struct Arguments {
     output: PathBuf,
     #[command(flatten)]
     fmu: FmuArguments,
+    #[command(flatten)]
+    _force: Force,
 }
 
 /// What every FMU that is made here can be told.
@@ -41,7 +44,9 @@ impl FmuArguments {
     /// Those that were given, checked, else the library built with this program.
     pub fn binaries(&self, library: &Library) -> Result<Vec<Binary>> {
         if self.binaries.is_empty() {
-            return Ok(vec![binary_beside(library.name)?]);
+            let binary = binary_beside(library.name)?;
+            files::reads(&binary.path, library.name);
+            return Ok(vec![binary]);
         }
         self.binaries.iter().try_for_each(|binary| library.check(binary))?;
         Ok(self.binaries.clone())
@@ -55,6 +60,7 @@ fn parse_binary(text: &str) -> Result<Binary, String> {
 
 pub fn pack(arguments: &Arguments) -> Result<()> {
     let binaries = arguments.fmu.binaries(&CROWD)?;
+    files::claim_and_try(&arguments.output)?;
     let trials = arguments.trials.iter().map(|path| Given::open(path)).collect::<Result<Vec<_>>>()?;
     let warnings = write_fmu(&trials, binaries, arguments.fmu.naming(), &arguments.output)?;
     for warning in warnings {

@@ -1,12 +1,11 @@
 //! How a run is recorded.
 
-use crate::results::{Extent, Tables};
+use crate::results::Extent;
 use crate::saved::{CrowdRecord, Saved};
 use anyhow::{Context, Result};
 
-/// The tables of a run, and what it goes on from.
+/// What is said of a run, and what it goes on from.
 pub struct Recording<'a> {
-    pub tables: &'a mut Tables,
     /// What the tables say of the run.
     pub about: Vec<(&'static str, String)>,
     /// The run that this one goes on from.

@@ -3,13 +3,11 @@
 mod csv;
 mod parquet;
 
+use crate::files;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
-use crowd_mechanics::files::Staged;
 pub use lemons_columns::{Cell, Kind};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
-use std::io;
 use std::path::{Path, PathBuf};
 
 /// What a file of results is.
@@ -92,34 +90,35 @@ pub struct Place {
     pub format: Format,
 }
 
-/// The files of a run: no two go into one, none into a file that the run reads.
-pub struct Tables {
-    /// Why files cannot be written, by the one path of each.
-    taken: HashMap<PathBuf, &'static str>,
+/// Whether the rows of a run before are in a table.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Started {
+    /// There was none.
+    Anew,
+    Continued,
+    /// They are elsewhere.
+    Later,
 }
 
-impl Tables {
-    /// Of a run that reads these files.
-    pub fn beside<'a>(inputs: impl IntoIterator<Item = &'a Path>) -> Tables {
-        let inputs = inputs.into_iter().filter_map(|path| path.canonicalize().ok());
-        Tables { taken: inputs.map(|path| (path, "the run reads it")).collect() }
-    }
+/// A file of rows that appears under its name only when it is complete.
+pub struct Table {
+    writer: Writer,
+    path: PathBuf,
+    extent: Extent,
+    started: Started,
+}
 
-    /// A file that appears under its name only when it is complete.
-    pub fn stage(&mut self, path: &Path) -> Result<Staged> {
-        let cannot = || format!("cannot write {}", path.display());
-        if let Some(why) = self.taken.insert(only_path(path).with_context(cannot)?, "other results go there")
-        {
-            bail!("{}: {why}", cannot());
-        }
-        Staged::beside(path).with_context(cannot)
-    }
+enum Writer {
+    Csv(Box<csv::Table>),
+    Parquet(Box<parquet::Table>),
+}
 
-    /// A table; if a run before has written some rows of it, and they are there, they are kept.
-    pub fn create(&mut self, place: &Place, content: &Content, before: Option<Extent>) -> Result<Table> {
-        let file = self.stage(&place.path)?;
+impl Table {
+    /// If a run before has written some rows of it, and they are there, they are kept.
+    pub fn create(place: &Place, content: &Content, before: Option<Extent>) -> Result<Table> {
         let path = place.path.clone();
         let kept = before.filter(|before| before.rows > 0 && path.is_file());
+        let file = if kept.is_some() { files::stage_to_go_on(&path)? } else { files::stage(&path)? };
         let made = match place.format {
             Format::Csv => {
                 csv::Table::create(file, content, &path, kept).map(|table| Writer::Csv(Box::new(table)))
@@ -142,42 +141,7 @@ impl Tables {
         };
         Ok(Table { writer, path, extent: kept.unwrap_or_default(), started })
     }
-}
 
-/// Whether the rows of a run before are in a table.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Started {
-    /// There was none.
-    Anew,
-    Continued,
-    /// They are elsewhere.
-    Later,
-}
-
-/// The one path of a file, which need not be there: absolute and without links.
-fn only_path(path: &Path) -> io::Result<PathBuf> {
-    if let Ok(there) = path.canonicalize() {
-        return Ok(there);
-    }
-    let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
-    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    Ok(directory.canonicalize()?.join(name))
-}
-
-/// A file of rows that appears under its name only when it is complete.
-pub struct Table {
-    writer: Writer,
-    path: PathBuf,
-    extent: Extent,
-    started: Started,
-}
-
-enum Writer {
-    Csv(Box<csv::Table>),
-    Parquet(Box<parquet::Table>),
-}
-
-impl Table {
     /// Writes a row: the time \[s\], and the other columns.
     pub fn write<'a>(&mut self, time: f64, cells: impl IntoIterator<Item = Cell<'a>>) -> Result<()> {
         let cells = std::iter::once(Cell::Real(time)).chain(cells);

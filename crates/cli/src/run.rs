@@ -5,9 +5,10 @@ mod progress;
 mod underway;
 
 use crate::error::Misused;
+use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::recording::Recording;
-use crate::results::{Format, Place, Tables};
+use crate::results::{Format, Place};
 use crate::saved::{Saved, wiring_of};
 use crate::watch::{Records, Watch};
 use anyhow::{Context, Result, bail};
@@ -16,7 +17,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lemons_master::{Algorithm, Clock, PATIENCE, Pushes, State, System};
 use prepare::Prepared;
 use progress::{Kept, Progress};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 use underway::{AtHand, Shared, Underway};
@@ -70,6 +71,8 @@ pub struct Arguments {
     /// Go on from a saved run of the same TRIAL or file, in the results that it has written (-o)
     #[arg(long, value_name = "FILE.run")]
     resume: Option<PathBuf>,
+    #[command(flatten)]
+    _force: Force,
 }
 
 const FORMAT_HELP: &str = "csv or, for long runs, parquet: some times smaller, units in the file's metadata. \
@@ -173,21 +176,15 @@ fn step_and_record(arguments: &Arguments, interrupt: &Interrupt, shared: &Shared
     let Prepared { mut system, trials, pushes, driven, mut progress, before, coupled } =
         Prepared::of(arguments)?;
     let first = system.time();
-    // A run may be saved over the one that it goes on from.
-    let resumed = arguments.resume.as_ref().filter(|resumed| arguments.state.as_ref() != Some(*resumed));
-    let given = [Some(&arguments.input), arguments.drive.as_ref(), resumed];
-    let mut inputs: Vec<PathBuf> = given.into_iter().flatten().cloned().collect();
-    inputs.extend(trials.iter().flatten().flat_map(|_| files_of(&arguments.input)));
-    let mut tables = Tables::beside(inputs.iter().map(PathBuf::as_path));
     let about = vec![
         ("lemons_version", env!("CARGO_PKG_VERSION").to_owned()),
         ("communication_step", format!("{:?}", progress.clock.step)),
         ("every", progress.every.to_string()),
     ];
-    let recording = Recording { tables: &mut tables, about, before: before.as_ref() };
+    let recording = Recording { about, before: before.as_ref() };
     let watch = Watch::create(&system, trials, &trajectories, &outputs, recording)?;
     let state = arguments.state.clone();
-    let file = state.map(|path| Ok::<_, anyhow::Error>((tables.stage(&path)?, path))).transpose()?;
+    let file = state.map(|path| Ok::<_, anyhow::Error>((files::stage(&path)?, path))).transpose()?;
     let coupling = coupled.then(|| {
         let (components, connections) = (system.components().len(), system.connections());
         let algorithm = arguments.algorithm;
@@ -248,17 +245,6 @@ fn step_and_record(arguments: &Arguments, interrupt: &Interrupt, shared: &Shared
         seen,
         saved: saved?,
     })
-}
-
-/// The files of a Trial directory and of the directories in it; none of a file.
-fn files_of(directory: &Path) -> Vec<PathBuf> {
-    let entries = |directory: &Path| -> Vec<PathBuf> {
-        let read = std::fs::read_dir(directory).into_iter().flatten();
-        read.filter_map(|entry| Some(entry.ok()?.path())).collect()
-    };
-    let own = entries(directory);
-    let inner = own.iter().flat_map(|path| entries(path)).collect::<Vec<_>>();
-    own.into_iter().chain(inner).filter(|path| path.is_file()).collect()
 }
 
 impl Ended {

@@ -1,6 +1,7 @@
 //! `lemons sweep`: many runs with other parameters.
 
 use crate::error::Misused;
+use crate::files::{self, Force};
 use crate::given::Given;
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::pack::write_fmu;
@@ -11,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lemons_master::own_binary;
 use lemons_sweep::{Directory, Finished, Progress, Spec, sweep as run};
 use std::cell::Cell;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(clap::Args)]
@@ -33,6 +34,8 @@ pub struct Arguments {
     /// The table as CSV, too
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
+    #[command(flatten)]
+    _force: Force,
 }
 
 const EXAMPLE: &str = r#"An example:
@@ -71,12 +74,10 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     if output == arguments.spec {
         bail!(Misused(format!("{}: give a directory: -o", output.display())));
     }
-    let same = |a: &Path, b: &Path| a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
-    for path in std::iter::once(&output).chain(&arguments.csv) {
-        if let Some(read) = spec.inputs.iter().chain([&arguments.spec]).find(|read| same(read, path)) {
-            bail!("cannot write {}: the sweep reads {}", path.display(), read.display());
-        }
-    }
+    let who = arguments.spec.display().to_string();
+    spec.inputs.iter().for_each(|path| files::reads(path, &who));
+    files::claim_directory(&output)?;
+    arguments.csv.as_deref().map(files::claim_and_try).transpose()?;
     let packed = Scratch::new().context("cannot make a temporary directory")?;
     let fmu = if let Some(trial) = Given::find(&spec.model)? {
         let path = packed.path().join("crowd.fmu");

@@ -316,12 +316,12 @@ fn export_writes_what_was_run_and_says_what_it_lacks() {
         (&["trajectories.csv", "x", "--to", "series"], "trajectories.csv: give its Trial or FMU: --trial"),
         (&["trajectories.csv", "x", "--to", "chaos", "--trial", "none"], "none"),
         (&["own/static", "x", "--to", "chaos"], "own/static: holds no series"),
-        (&["trajectories.csv", "trajectories.csv", "--to", "pedpy"], "the export reads it"),
-        (&["own/out", "own", "--to", "trial", "--trial", "own"], "the export reads it"),
-        (&["own/out", "own", "--to", "trial"], "the export reads it"),
+        (&["trajectories.csv", "trajectories.csv", "--to", "pedpy"], "lemons export reads it"),
+        (&["own/out", "own", "--to", "trial", "--trial", "own"], "lemons export reads it"),
+        (&["own/out", "own", "--to", "trial"], "lemons export reads it"),
         (&["own/out", "x", "--to", "trial", "--every", "2"], "--every is not for --to trial"),
         (&["trajectories.csv", "no/such/x.sqlite", "--to", "jupedsim", "--every", "2"], "no/such/x.sqlite"),
-        (&["trajectories.csv", "own", "--to", "jupedsim", "--every", "2"], "own: cannot be written"),
+        (&["trajectories.csv", "own", "--to", "jupedsim", "--every", "2"], "cannot write own: "),
     ] {
         let output = lemons(at, &[&["export"], arguments].concat());
         assert_code(&output, 1);

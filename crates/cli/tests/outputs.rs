@@ -2,8 +2,11 @@
 #![cfg(unix)]
 
 mod common;
+#[path = "../src/files/roles.rs"]
+mod roles;
 
 use common::{assert_code, command, default_trial, done, err, lemons, out};
+use roles::{ROLES, Role};
 use std::fs::File;
 use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
@@ -248,6 +251,7 @@ fn what_is_no_regular_file_is_written_not_replaced() {
         (vec!["decide", trial, "--plan", "wishes.toml", "-o", "pipe.ssp"], b"PK\x03\x04"),
         (vec!["connect", "decision.fmu", "crowd.fmu", "-o", "pipe.ssp"], b"PK\x03\x04"),
         (vec!["run", trial, "--until", "0.1", "--state", "pipe.ssp"], b"PK\x03\x04"),
+        (vec!["crowd", "--number", "3", "--zip", "pipe.ssp"], b"PK\x03\x04"),
         (vec!["run", trial, "--until", "0.1", "--format", "csv", "-o", "pipe.ssp"], b"t,id,"),
         (vec!["run", trial, "--until", "0.1", "--format", "parquet", "-o", "pipe.ssp"], b"PAR1"),
     ] {
@@ -267,4 +271,270 @@ fn what_is_no_regular_file_is_written_not_replaced() {
     let mut pack = pack.unwrap();
     std::io::copy(&mut pack.stdout.take().unwrap(), &mut &packed).unwrap();
     assert!(pack.wait().unwrap().success());
+}
+
+/// What clap wants of a command beside two of its arguments.
+fn needed(command: &str) -> (&'static [&'static str], &'static [&'static str]) {
+    match command {
+        "crowd" => (&["--number", "2", "--sections", "1"], &[]),
+        "person" => (&["--breadth", "49", "--depth", "25", "--stature", "1.75", "--mass", "70"], &[]),
+        "pack" => (&[], &["trials", "output"]),
+        "decide" => (&[], &["trial", "output"]),
+        "connect" => (&["another.fmu"], &["fmus", "output"]),
+        "run" => (&[], &["input"]),
+        "sweep" => (&[], &["spec"]),
+        "plot" | "movie" => (&[], &["path"]),
+        "export" => (&["--to", "pedpy"], &["source", "out"]),
+        _ => (&[], &[]),
+    }
+}
+
+/// A command with these values for two of its arguments, and `--force`.
+fn pair(command: &'static str, given: [(&str, &str); 2]) -> Vec<String> {
+    let (words, required) = needed(command);
+    let mut line = vec![command.to_owned(), "--force".to_owned()];
+    line.extend(words.iter().map(|word| (*word).to_owned()));
+    let (_, arguments) = ROLES.iter().find(|(name, _)| *name == command).unwrap();
+    for (id, spelled, role) in *arguments {
+        let place = format!("some_{id}");
+        let value = given.iter().find(|(name, _)| name == id).map(|(_, value)| *value);
+        let Some(value) = value.or(required.contains(id).then_some(&*place)) else { continue };
+        line.extend(Some(spelled).filter(|spelled| !spelled.is_empty()).map(|&spelled| spelled.to_owned()));
+        line.push(if *role == Role::ReadsAfterEquals {
+            format!("linux64={value}")
+        } else {
+            value.to_owned()
+        });
+    }
+    line
+}
+
+fn run_line(place: &Path, line: &[String]) -> Output {
+    lemons(place, &line.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+#[test]
+fn no_output_of_any_command_overwrites_an_input() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    std::os::unix::fs::symlink(place, place.join("alias")).unwrap();
+    std::fs::write(place.join("input"), "precious").unwrap();
+    std::fs::hard_link(place.join("input"), place.join("same_file")).unwrap();
+    let mut tried = 0;
+    for (command, arguments) in ROLES {
+        let inputs = || {
+            arguments
+                .iter()
+                .filter(|argument| matches!(argument.2, Role::Reads | Role::ReadsAfterEquals | Role::GoesOn))
+        };
+        let outputs =
+            arguments.iter().filter(|argument| matches!(argument.2, Role::Writes | Role::WritesInto));
+        for (output, input) in outputs.flat_map(|output| inputs().map(move |input| (output, input))) {
+            // A run may be saved over the one that it goes on from.
+            if (input.2, output.0) == (Role::GoesOn, "state") {
+                continue;
+            }
+            for written in ["input", "./alias/input", "same_file"] {
+                let line = pair(command, [(input.0, "input"), (output.0, written)]);
+                let done = run_line(place, &line);
+                assert_code(&done, 1);
+                let said = err(&done);
+                let expected = format!("lemons: cannot write {written}: lemons {command} reads it (");
+                assert!(said.starts_with(&expected), "{line:?}: {said}");
+                assert_eq!(std::fs::read_to_string(place.join("input")).unwrap(), "precious", "{line:?}");
+                tried += 1;
+            }
+        }
+    }
+    assert!(tried > 3 * 80, "{tried}");
+}
+
+#[test]
+fn no_two_outputs_of_a_command_go_into_one_file() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    std::os::unix::fs::symlink(place, place.join("alias")).unwrap();
+    let trial = default_trial();
+    let trial = trial.to_str().unwrap();
+    for command in ["crowd", "person", "run"] {
+        let (_, arguments) = ROLES.iter().find(|(name, _)| *name == command).unwrap();
+        let outputs: Vec<&str> = arguments
+            .iter()
+            .filter(|argument| argument.2 == Role::Writes)
+            .map(|argument| argument.0)
+            .collect();
+        for (k, one) in outputs.iter().enumerate() {
+            for other in &outputs[..k] {
+                let mut line = pair(command, [(one, "made.csv"), (other, "alias/made.csv")]);
+                line.iter_mut()
+                    .filter(|word| *word == "some_input")
+                    .for_each(|word| *word = trial.to_owned());
+                // Trials have no other outputs: there they are not opened.
+                if command == "run" && [one, other].contains(&&"outputs") {
+                    continue;
+                }
+                let done = run_line(place, &line);
+                assert_code(&done, 1);
+                assert!(err(&done).contains("made.csv: other results go there"), "{line:?}: {}", err(&done));
+                assert!(!place.join("made.csv").exists());
+            }
+        }
+    }
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let (path, to) = (entry.as_ref().unwrap().path(), to.join(entry.unwrap().file_name()));
+        if path.is_dir() {
+            copy(&path, &to);
+        } else {
+            std::fs::copy(&path, &to).unwrap();
+        }
+    }
+}
+
+/// All files below a directory, and what is in them.
+fn content(directory: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(directory).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            all.extend(content(&path));
+        } else {
+            all.push((path.display().to_string(), std::fs::read(&path).unwrap()));
+        }
+    }
+    all.sort();
+    all
+}
+
+#[test]
+fn no_output_overwrites_a_file_of_a_trial_that_is_read() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    copy(&default_trial(), &place.join("T"));
+    done(place, &["run", "T", "--until", "0.1", "-o", "run.csv"]);
+    let before = content(&place.join("T"));
+    let files = [
+        "T/Parameters.xml",
+        "T/static/Materials.xml",
+        "T/static/Geometry.xml",
+        "T/static/Agents.xml",
+        "T/dynamic/AgentDynamics.xml",
+        "T/drive.csv",
+        // Not there: with them it would be another Trial.
+        "T/dynamic/AgentInteractions.xml",
+        "T/decision.toml",
+    ];
+    for file in files {
+        for arguments in [
+            &["pack", "T", "-o", file][..],
+            &["decide", "T", "-o", file],
+            &["run", "T", "--format", "csv", "-o", file],
+            &["run", "T", "--state", file],
+            &["export", "run.csv", file, "--to", "pedpy", "--trial", "T"],
+        ] {
+            let done = lemons(place, &[arguments, &["--force"]].concat());
+            assert_code(&done, 1);
+            assert!(err(&done).contains("reads it"), "{arguments:?}: {}", err(&done));
+            assert!(content(&place.join("T")) == before, "{arguments:?}");
+        }
+    }
+    for arguments in [
+        &["crowd", "--number", "1", "--geometry", "T/static/Geometry.xml", "-o", "T", "--force"][..],
+        &["export", "run.csv", "T", "--to", "trial", "--trial", "T", "--force"],
+    ] {
+        let done = lemons(place, arguments);
+        assert_code(&done, 1);
+        assert!(err(&done).contains("reads it") && content(&place.join("T")) == before, "{}", err(&done));
+    }
+}
+
+#[test]
+fn results_of_another_trial_or_changed_ones_are_not_replaced() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    copy(&default_trial(), &place.join("first"));
+    copy(&default_trial(), &place.join("second"));
+    let run = |trial: &'static str| ["run", trial, "--until", "0.1"];
+    let table = || std::fs::read_to_string(place.join("trajectories.csv")).unwrap();
+    done(place, &run("first"));
+    let written = table();
+    // Again and again, however it is called, and with other options.
+    done(place, &run("first"));
+    done(place, &run("second/../first"));
+    done(place, &["run", "first", "--until", "0.2"]);
+    assert!(table().starts_with(&written) && table() != written);
+    done(place, &run("first"));
+    let refused = |trial: &'static str, why: &str| {
+        let before = table();
+        let said = lemons(place, &run(trial));
+        assert_code(&said, 1);
+        let expected = format!("lemons: cannot write trajectories.csv: {why}; --force replaces it\n");
+        assert_eq!(err(&said), expected);
+        assert_eq!(table(), before);
+    };
+    refused("second", "it is of something else, `lemons run first --until 0.1` wrote it");
+    done(place, &["run", "second", "--until", "0.1", "--force"]);
+    // Now it is the second one's.
+    done(place, &run("second"));
+    refused("first", "it is of something else, `lemons run second --until 0.1` wrote it");
+    std::fs::write(place.join("trajectories.csv"), "my notes").unwrap();
+    refused("second", "it was changed after `lemons run second --until 0.1` wrote it");
+    std::fs::remove_file(place.join("trajectories.csv")).unwrap();
+    done(place, &run("first"));
+    assert_eq!(table(), written);
+    // A stranger's; an empty one holds nothing.
+    for output in ["table.parquet", "plot.png", "made.fmu"] {
+        let command = match output {
+            "table.parquet" => vec!["run", "first", "--until", "0.1", "-o", output],
+            "plot.png" => vec!["plot", "first", "--at", "0"],
+            _ => vec!["pack", "first", "-o", output],
+        };
+        std::fs::write(place.join(output), "not ours").unwrap();
+        let said = lemons(place, &command);
+        assert_code(&said, 1);
+        let expected = format!("cannot write {output}: it is there already, and lemons does not know it");
+        assert!(err(&said).contains(&expected), "{}", err(&said));
+        assert_eq!(std::fs::read_to_string(place.join(output)).unwrap(), "not ours");
+        std::fs::write(place.join(output), "").unwrap();
+        done(place, &command);
+        done(place, &command);
+    }
+    // What a copy holds is nobody's.
+    std::fs::rename(place.join("plot.png"), place.join("kept.png")).unwrap();
+    assert_code(&lemons(place, &["plot", "first", "--at", "0", "-o", "kept.png"]), 1);
+    done(place, &["plot", "first", "--at", "0"]);
+}
+
+#[test]
+fn a_trial_that_was_edited_by_hand_is_not_replaced() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    let crowd = ["crowd", "--number", "3", "--box", "3x3", "-o", "T"];
+    done(place, &crowd);
+    done(place, &crowd);
+    let untouched = content(&place.join("T"));
+    for file in ["Parameters.xml", "static/Geometry.xml", "dynamic/AgentDynamics.xml"] {
+        let path = place.join("T").join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, format!("{text}<!-- mine -->\n")).unwrap();
+        let edited = content(&place.join("T"));
+        let said = lemons(place, &crowd);
+        assert_code(&said, 1);
+        let expected =
+            format!("lemons: cannot write T/{file}: it was changed after `lemons crowd --number 3");
+        assert!(err(&said).starts_with(&expected), "{}", err(&said));
+        assert!(content(&place.join("T")) == edited, "decided before any file is written");
+        done(place, &[&crowd[..], &["--force"]].concat());
+        assert!(content(&place.join("T")) == untouched);
+    }
+    // Springs of somebody's would go.
+    std::fs::write(place.join("T/dynamic/AgentInteractions.xml"), "mine").unwrap();
+    let said = lemons(place, &crowd);
+    assert_code(&said, 1);
+    assert!(err(&said).contains("AgentInteractions.xml"), "{}", err(&said));
+    std::fs::remove_file(place.join("T/dynamic/AgentInteractions.xml")).unwrap();
+    done(place, &["crowd", "--number", "4", "--box", "3x3", "-o", "T"]);
 }

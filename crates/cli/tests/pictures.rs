@@ -18,7 +18,7 @@ fn push() -> TempDir {
 }
 
 fn svg(at: &Path, arguments: &[&str]) -> String {
-    let output = done(at, &[&["plot"], arguments, &["-o", "plot.svg"]].concat());
+    let output = done(at, &[&["plot"], arguments, &["-o", "plot.svg", "--force"]].concat());
     assert!(output.stderr.is_empty(), "{}", err(&output));
     fs::read_to_string(at.join("plot.svg")).unwrap()
 }

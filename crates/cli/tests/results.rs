@@ -120,7 +120,7 @@ fn a_killed_run_leaves_nothing_under_its_names() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     fs::write(at.join("trajectories.csv"), "of before").unwrap();
-    assert_eq!(signalled(at, "-KILL", "--state push.run").status.code(), None);
+    assert_eq!(signalled(at, "-KILL", "--state push.run --force").status.code(), None);
     assert_eq!(read(at, "trajectories.csv"), b"of before");
     assert!(!at.join("push.run").exists());
 }

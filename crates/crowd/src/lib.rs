@@ -44,7 +44,7 @@ pub use shape::{Shape, ShapeError};
 pub use survey::{BadCell, BadCells, Survey, SurveyError};
 pub use table::{CrowdStatistics, Kind, KindStatistics, Summary, crowd_csv};
 pub use trial::{
-    Overwrite, TrialError, TrialSettings, crowd_trial, may_write, paper_materials, walls, write_trial,
-    write_trial_zip,
+    Overwrite, TRIAL_FILES, TrialError, TrialSettings, crowd_trial, may_write, paper_materials, walls,
+    write_trial, write_trial_zip,
 };
 pub use union::{Moments, union};

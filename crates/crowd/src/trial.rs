@@ -283,7 +283,7 @@ pub fn write_trial(trial: &Trial, directory: &Path, overwrite: Overwrite) -> Res
         return Ok(stage.persist(directory).map_err(WriteError::at(directory))?);
     }
     let mut changes = Vec::new();
-    for part in PARTS {
+    for &part in PARTS {
         let text = std::fs::read_to_string(stage.path().join(part)).map_err(WriteError::at(directory))?;
         let place = directory.join(part);
         if let Some(parent) = place.parent() {
@@ -295,14 +295,18 @@ pub fn write_trial(trial: &Trial, directory: &Path, overwrite: Overwrite) -> Res
     Ok(change_all(&changes)?)
 }
 
-/// The files of a Trial that [`crowd_trial`] makes.
-const PARTS: [&str; 5] = [
+/// The files of a Trial that [`crowd_trial`] makes, and the one that [`write_trial`] removes.
+pub const TRIAL_FILES: [&str; 6] = [
     "Parameters.xml",
     "static/Materials.xml",
     "static/Geometry.xml",
     "static/Agents.xml",
     "dynamic/AgentDynamics.xml",
+    "dynamic/AgentInteractions.xml",
 ];
+
+/// Those that it makes.
+const PARTS: &[&str] = TRIAL_FILES.split_at(5).0;
 
 /// A Trial as a zip archive: its directory, under its name. The same Trial gives the same bytes.
 ///
@@ -319,7 +323,7 @@ pub fn write_trial_zip(trial: &Trial, file: &Path) -> Result<(), TrialError> {
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
     let mut fill = || -> io::Result<()> {
-        for part in PARTS {
+        for &part in PARTS {
             archive.start_file(format!("{}/{part}", trial.name), options)?;
             archive.write_all(&std::fs::read(stage.path().join(part))?)?;
         }

@@ -20,5 +20,5 @@ pub use error::ExportError;
 pub use jupedsim::jupedsim;
 pub use record::{Positions, Record};
 pub use run::{Frame, Names, Observed, OfStep, Run};
-pub use series::{series, trial_at_end};
-pub use text::{chaos, pedpy};
+pub use series::{series, series_files, trial_at_end};
+pub use text::{chaos, chaos_files, pedpy};

@@ -128,6 +128,11 @@ fn observed(agents: usize, interactions: &Interactions) -> Vec<Observed> {
     all
 }
 
+/// The files that [`series`] writes; those of frames without interactions go.
+pub fn series_files(record: &Record) -> BTreeSet<String> {
+    record.times().flat_map(output_names).collect()
+}
+
 /// Writes a run of a Trial as such a series; interactions where they were recorded.
 ///
 /// # Errors

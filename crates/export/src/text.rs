@@ -29,12 +29,17 @@ pub fn pedpy(record: &Record, path: &Path) -> Result<(), ExportError> {
 /// Files that are written at once.
 const TOGETHER: usize = 64;
 
+/// The files that [`chaos`] writes.
+pub fn chaos_files(record: &Record) -> Vec<String> {
+    (0..record.ids().len()).map(|place| format!("traj{place:03}.csv")).collect()
+}
+
 /// Writes `trajNNN.csv` for each agent, NNN its place among the agents: `t,x,y,0.0` in s and m, no header.
 ///
 /// # Errors
 /// The directory holds trajectories of more agents, or a file cannot be written.
 pub fn chaos(record: &Record, directory: &Path) -> Result<(), ExportError> {
-    let names: Vec<String> = (0..record.ids().len()).map(|place| format!("traj{place:03}.csv")).collect();
+    let names = chaos_files(record);
     own(directory, &names, |name| name.starts_with("traj") && name.ends_with(".csv"))?;
     let paths: Vec<PathBuf> = names.iter().map(|name| directory.join(name)).collect();
     let positions = record.positions()?;

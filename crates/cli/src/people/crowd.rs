@@ -3,10 +3,10 @@
 use super::crowd_files::{Bodies, light};
 use super::placing::PlacingArguments;
 use super::source::{CUSTOM_HELP, Mixed, SourceArguments};
-use super::{line, refuse_same, within};
+use super::{line, within};
 use crate::binary::CROWD;
-use crate::decide::WISHES_FILE;
 use crate::error::{Misused, TrialHasErrors};
+use crate::files::{self, WISHES_FILE};
 use crate::given::Given;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
@@ -19,8 +19,8 @@ use crowd_mechanics::files::Scratch;
 use crowd_mechanics::pack::{Binary, DRIVE_FILE};
 use crowd_mechanics::trial::Trial;
 use lemons_crowd::{
-    Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TrialSettings, crowd_csv,
-    crowd_trial, light_xml, may_write, write_geojson, write_trial, write_trial_zip, write_wkt,
+    Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
+    crowd_csv, crowd_trial, light_xml, may_write, write_geojson, write_trial, write_trial_zip, write_wkt,
 };
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::io::{self, Write};
@@ -64,7 +64,8 @@ struct TrialArguments {
     fmu: Option<PathBuf>,
     #[command(flatten)]
     packing: FmuArguments,
-    /// Also write the Trial into a directory with other things in it, which stay
+    /// Replace files that are there although they are of something else, or somebody changed them;
+    /// also write a Trial into a directory with other things in it, which stay
     #[arg(long)]
     force: bool,
     /// What people are made of
@@ -411,23 +412,14 @@ impl Arguments {
         let OtherArguments { population, light_xml, sections_geojson, sections_wkt, .. } = &self.others;
         let OtherArguments { obj, stl, svg, png, .. } = &self.others;
         let TrialArguments { output, zip, fmu, .. } = &self.trial;
-        refuse_same(&[
-            ("-o", output.as_ref()),
-            ("--zip", zip.as_ref()),
-            ("--fmu", fmu.as_ref()),
-            ("--population", population.as_ref()),
-            ("--light-xml", light_xml.as_ref()),
-            ("--sections-geojson", sections_geojson.as_ref()),
-            ("--sections-wkt", sections_wkt.as_ref()),
-            ("--obj", obj.as_ref()),
-            ("--stl", stl.as_ref()),
-            ("--svg", svg.as_ref()),
-            ("--png", png.as_ref()),
-        ])?;
         let open = |path: &Option<PathBuf>| path.as_deref().map(Output::open).transpose();
-        // Opened and given up at once: whether they can be written is better known before a long packing.
-        for path in [zip, fmu] {
-            open(path)?;
+        // Whether they can be written is better known before a long packing.
+        for path in [zip, fmu].into_iter().flatten() {
+            files::claim_and_try(path)?;
+        }
+        if let Some(directory) = output {
+            files::claim_directory(directory)?;
+            TRIAL_FILES.iter().try_for_each(|file| files::claim(&directory.join(file)))?;
         }
         Ok(Outputs {
             population: open(population)?,

@@ -6,11 +6,8 @@ pub mod person;
 mod placing;
 mod source;
 
-use crate::error::Misused;
-use anyhow::Result;
 use clap::ValueEnum;
 use lemons_crowd::{Person, Sex};
-use std::path::PathBuf;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum SexArgument {
@@ -60,17 +57,6 @@ fn person(sex: Sex, [breadth, depth, stature, mass]: [f64; 4]) -> Result<Person,
     }
     let person = Person::from_measures(sex, [breadth / 100.0, depth / 100.0, stature, mass]);
     person.check().map_err(|error| error.to_string()).map(|()| person)
-}
-
-/// No two options may write one file.
-fn refuse_same(paths: &[(&'static str, Option<&PathBuf>)]) -> Result<()> {
-    let given: Vec<_> = paths.iter().filter_map(|(option, path)| Some((*option, (*path)?))).collect();
-    for (place, (option, path)) in given.iter().enumerate() {
-        if let Some((other, _)) = given[..place].iter().find(|(_, other)| other == path) {
-            return Err(Misused(format!("{other} and {option} both name {}", path.display())).into());
-        }
-    }
-    Ok(())
 }
 
 /// A line of a summary: what, a number with three digits after the point, and its unit.

@@ -1,7 +1,8 @@
 //! `lemons person`: one person's shape, and the files of the body.
 
-use super::{SexArgument, breadth, depth, line, mass, refuse_same, stature};
+use super::{SexArgument, breadth, depth, line, mass, stature};
 use crate::error::Misused;
+use crate::files::Force;
 use crate::output::Output;
 use crate::tell;
 use anyhow::Result;
@@ -51,6 +52,8 @@ pub struct Arguments {
     /// The shape from above as a picture
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
+    #[command(flatten)]
+    _force: Force,
 }
 
 fn slice_height(text: &str) -> Result<f64, String> {
@@ -62,15 +65,6 @@ pub fn person(arguments: &Arguments) -> Result<()> {
     let person = super::person(arguments.sex.into(), [breadth, depth, stature, mass])
         .map_err(|fault| Misused(format!("--depth {depth} --breadth {breadth}: {fault}")))?;
     let Arguments { obj, stl, geojson, wkt, svg: picture, .. } = arguments;
-    let paths = [
-        ("--obj", obj.as_ref()),
-        ("--stl", stl.as_ref()),
-        ("--geojson", geojson.as_ref()),
-        ("--wkt", wkt.as_ref()),
-        ("--svg", picture.as_ref()),
-    ];
-    refuse_same(&paths)?;
-
     let shape = Shape::of(&person)?;
     let moments = shape.moments();
     // Printed when all is written: who closes the pipe early has the files nevertheless.

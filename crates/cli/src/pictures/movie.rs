@@ -4,6 +4,7 @@ use super::look::{Look, Looks, positive, seconds};
 use super::plot::OTHER_PARAMETERS;
 use super::source::{Source, Wanted};
 use crate::error::Misused;
+use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::{Context, Result, bail};
@@ -42,6 +43,8 @@ pub struct Arguments {
     /// Where it ends; default: a record's end, 5 s of a run that is made now
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     until: Option<f64>,
+    #[command(flatten)]
+    _force: Force,
     #[command(flatten)]
     look: Look,
 }

@@ -5,6 +5,7 @@ use super::moment::{Footage, Moment};
 use super::series::{Selection, chart};
 use super::source::{Source, Wanted};
 use crate::error::Misused;
+use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::{Result, bail};
@@ -48,6 +49,8 @@ pub struct Arguments {
     /// Time series and map end here; default: a record's end, 5 s of a run that is made now
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     until: Option<f64>,
+    #[command(flatten)]
+    _force: Force,
     #[command(flatten)]
     look: Look,
 }

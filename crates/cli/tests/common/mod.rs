@@ -15,6 +15,8 @@ pub fn default_trial() -> PathBuf {
 pub fn command(directory: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lemons"));
     command.args(arguments).current_dir(directory);
+    // What it remembers of files, not what the user's own commands remember.
+    command.env("XDG_STATE_HOME", Path::new(env!("CARGO_TARGET_TMPDIR")).join("state"));
     command
 }
 

@@ -1,0 +1,109 @@
+//! Which arguments of which command name files, and what becomes of those.
+
+/// What a command does with a file or directory that an argument names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    Reads,
+    /// As in `PLATFORM=FILE`
+    ReadsAfterEquals,
+    /// Reads, and may write over what it goes on from.
+    GoesOn,
+    Writes,
+    /// Puts files into a directory.
+    WritesInto,
+}
+
+use Role::{GoesOn, Reads, ReadsAfterEquals, Writes, WritesInto};
+
+/// An argument: its field, how it is spelled (an operand is not), its role.
+pub type Argument = (&'static str, &'static str, Role);
+
+/// Every argument that names a file, of every command. A test compares it with the commands.
+pub const ROLES: [(&str, &[Argument]); 15] = [
+    (
+        "crowd",
+        &[
+            ("geometry", "--geometry", Reads),
+            ("custom", "--custom", Reads),
+            ("ansur_male", "--ansur-male", Reads),
+            ("ansur_female", "--ansur-female", Reads),
+            ("binaries", "--binary", ReadsAfterEquals),
+            ("output", "--output", WritesInto),
+            ("zip", "--zip", Writes),
+            ("fmu", "--fmu", Writes),
+            ("population", "--population", Writes),
+            ("light_xml", "--light-xml", Writes),
+            ("sections_geojson", "--sections-geojson", Writes),
+            ("sections_wkt", "--sections-wkt", Writes),
+            ("obj", "--obj", Writes),
+            ("stl", "--stl", Writes),
+            ("svg", "--svg", Writes),
+            ("png", "--png", Writes),
+        ],
+    ),
+    (
+        "person",
+        &[
+            ("obj", "--obj", Writes),
+            ("stl", "--stl", Writes),
+            ("geojson", "--geojson", Writes),
+            ("wkt", "--wkt", Writes),
+            ("svg", "--svg", Writes),
+        ],
+    ),
+    (
+        "pack",
+        &[("trials", "", Reads), ("binaries", "--binary", ReadsAfterEquals), ("output", "--output", Writes)],
+    ),
+    (
+        "decide",
+        &[
+            ("trial", "", Reads),
+            ("plan", "--plan", Reads),
+            ("binaries", "--binary", ReadsAfterEquals),
+            ("output", "--output", Writes),
+        ],
+    ),
+    ("connect", &[("fmus", "", Reads), ("output", "--output", Writes)]),
+    (
+        "run",
+        &[
+            ("input", "", Reads),
+            ("drive", "--drive", Reads),
+            ("resume", "--resume", GoesOn),
+            ("output", "--output", Writes),
+            ("outputs", "--outputs", Writes),
+            ("state", "--state", Writes),
+        ],
+    ),
+    ("sweep", &[("spec", "", Reads), ("output", "--output", WritesInto), ("csv", "--csv", Writes)]),
+    (
+        "plot",
+        &[
+            ("path", "", Reads),
+            ("trial", "--trial", Reads),
+            ("drive", "--drive", Reads),
+            ("measured", "--measured", Reads),
+            ("output", "--output", Writes),
+        ],
+    ),
+    (
+        "movie",
+        &[
+            ("path", "", Reads),
+            ("trial", "--trial", Reads),
+            ("drive", "--drive", Reads),
+            ("measured", "--measured", Reads),
+            ("output", "--output", Writes),
+        ],
+    ),
+    (
+        "export",
+        &[("source", "", Reads), ("trial", "--trial", Reads), ("area", "--area", Reads), ("out", "", Writes)],
+    ),
+    ("info", &[("fmu", "", Reads)]),
+    ("check", &[("trials", "", Reads)]),
+    ("describe", &[("trial", "", Reads)]),
+    ("verify", &[]),
+    ("bench", &[]),
+];
