@@ -1,7 +1,7 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
 use crate::decide::plan_of;
-use crate::files::WISHES_FILE;
+use crate::error::TrialHasErrors;
 use crate::files::WISHES_FILE;
 use crate::given::Given;
 use crate::tell;
