@@ -30,6 +30,12 @@ fn rows_at(at: &Path, time: f64) -> Vec<Vec<f64>> {
     rows.filter(|row: &Vec<f64>| (row[0] - time).abs() < 1e-9).collect()
 }
 
+/// The place of a column of the table.
+fn column(at: &Path, name: &str) -> usize {
+    let table = fs::read_to_string(at.join("trajectories.csv")).unwrap();
+    table.lines().next().unwrap().split(',').position(|column| column == name).unwrap()
+}
+
 /// The labels of everything that is lettered.
 fn labels(svg: &str) -> Vec<&str> {
     svg.split("aria-label=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
@@ -58,11 +64,12 @@ fn a_scene_is_where_the_run_was() {
     for (row, place) in rows.iter().zip(drawn) {
         assert!((row[2] - place.0).abs() < 6e-5 && (row[3] - place.1).abs() < 6e-5, "{row:?} {place:?}");
     }
-    let greatest = rows.iter().map(|row| row[11]).fold(0.0, f64::max);
+    let greatest = rows.iter().map(|row| row[column(at, "mean_normal_force")]).fold(0.0, f64::max);
     let labels = labels(&text);
     assert!(greatest > 10.0);
-    assert!(labels.contains(&"t = 0.40 s") && labels.contains(&"squeeze (N)"), "{labels:?}");
-    let high: f64 = labels[labels.iter().position(|l| *l == "squeeze (N)").unwrap() - 1].parse().unwrap();
+    assert!(labels.contains(&"t = 0.40 s") && labels.contains(&"mean squeeze (N)"), "{labels:?}");
+    let high = labels[labels.iter().position(|l| *l == "mean squeeze (N)").unwrap() - 1];
+    let high: f64 = high.parse().unwrap();
     assert!((high / greatest - 1.0).abs() < 0.01, "{labels:?}, {greatest} N");
 }
 
@@ -70,7 +77,7 @@ fn a_scene_is_where_the_run_was() {
 fn a_trial_its_table_and_its_series_give_one_picture() {
     let directory = push();
     let at = directory.path();
-    for look in [&["--fill", "squeeze", "--forces", "--trails"][..], &["--fill", "contacts", "--ids"]] {
+    for look in [&["--fill", "speed", "--forces", "--trails"][..], &["--fill", "contacts", "--ids"]] {
         let times = ["--at", "0.2,0.4,1"];
         let of_table = svg(at, &[&["trajectories.csv", "--trial", "push"], &times[..], look].concat());
         assert_eq!(labels(&of_table).iter().filter(|label| label.contains("t = ")).count(), 3);
@@ -107,7 +114,7 @@ fn measured_beside_simulated() {
     let text = svg(at, &[&["push", "--at", "0.5"], &look[..]].concat());
     let labels = labels(&text);
     assert!(labels.contains(&"measured") && labels.contains(&"simulated"), "{labels:?}");
-    assert_eq!(text.matches("stroke-dasharray").count(), 2, "one line, one legend");
+    assert_eq!(text.matches("stroke-dasharray").count(), 3, "one line and its casing, one legend");
     let start = &rows_at(at, 0.0)[0];
     let line = text.lines().find(|line| line.contains("class=\"measured\"")).unwrap();
     let d = line.split(" d=\"M").nth(1).unwrap();
@@ -123,11 +130,15 @@ fn measured_beside_simulated() {
 fn time_series_and_maps() {
     let directory = push();
     let at = directory.path();
-    let all = svg(at, &["trajectories.csv", "--series", "x,speed,squeeze,contacts"]);
-    assert_eq!(all.matches("class=\"chart-panel\"").count(), 4);
-    assert!(all == svg(at, &["push", "--series", "x,speed,squeeze,contacts", "--until", "1"]));
+    let all = svg(at, &["trajectories.csv", "--series", "x,speed,squeeze,peak-squeeze,contacts"]);
+    assert_eq!(all.matches("class=\"chart-panel\"").count(), 5);
+    let shown = labels(&all);
+    for label in ["mean squeeze (N)", "peak squeeze (N)", "agent 4"] {
+        assert!(shown.contains(&label), "{shown:?}");
+    }
+    assert!(all == svg(at, &["push", "--series", "x,speed,squeeze,peak-squeeze,contacts", "--until", "1"]));
     let one = svg(at, &["trajectories.csv", "--series", "speed", "--agents", "3", "--from", "0.5"]);
-    assert!(one.contains("<title>3</title>") && !one.contains("<title>2</title>"));
+    assert!(one.contains("<title>agent 3</title>") && !one.contains("<title>agent 2</title>"));
     let said = done(at, &["plot", "trajectories.csv", "--trial", "push", "--density", "-o", "map.svg"]);
     assert!(err(&said).contains("Gaussian of standard deviation 0.3 m"), "{}", err(&said));
     assert!(err(&said).contains("nothing of it behind a wall"), "{}", err(&said));
@@ -135,6 +146,77 @@ fn time_series_and_maps() {
     assert!(map.contains("<desc>each person is a Gaussian"));
     assert!(map.contains("class=\"density\"") && places(&map).is_empty());
     assert!(labels(&map).iter().any(|label| label.contains("density")), "{:?}", labels(&map));
+}
+
+/// The greatest squeeze of a step hung on the step: a sample at its end, where the peak was long over.
+#[test]
+fn squeeze_is_the_mean_of_a_step_and_peak_its_largest() {
+    let directory = push();
+    let at = directory.path();
+    let high = |text: &str, title: &str| -> f64 {
+        let labels = labels(text);
+        let place = labels.iter().position(|label| *label == title);
+        let place = place.unwrap_or_else(|| panic!("no {title} in {labels:?}"));
+        labels[place - 1].parse().unwrap()
+    };
+    let rows = rows_at(at, 0.4);
+    let greatest = |name: &str| rows.iter().map(|row| row[column(at, name)]).fold(0.0, f64::max);
+    let table = |fill: &str| svg(at, &["trajectories.csv", "--trial", "push", "--at", "0.4", "--fill", fill]);
+    let mean = high(&table("squeeze"), "mean squeeze (N)");
+    let peak = high(&table("peak-squeeze"), "peak squeeze (N)");
+    assert!((mean / greatest("mean_normal_force") - 1.0).abs() < 0.01, "{mean}");
+    assert!((peak / greatest("peak_normal_force") - 1.0).abs() < 0.01 && peak > mean, "{peak}, {mean}");
+    // A series does not say them.
+    for fill in ["squeeze", "peak-squeeze"] {
+        let plot =
+            ["plot", "series", "--trial", "push", "--at", "0.4", "--fill", fill, "-o", "a.svg", "--force"];
+        let told = done(at, &plot);
+        assert!(err(&told).contains("shown is the squeeze at the time"), "{}", err(&told));
+        let text = fs::read_to_string(at.join("a.svg")).unwrap();
+        let sample = high(&text, "squeeze at the time (N)");
+        assert!((sample / greatest("normal_force") - 1.0).abs() < 0.01, "{sample}");
+    }
+    let plot =
+        ["plot", "series", "--trial", "push", "--series", "squeeze,peak-squeeze", "-o", "a.svg", "--force"];
+    let told = done(at, &plot);
+    assert!(err(&told).contains("peak squeeze over communication steps"), "{}", err(&told));
+    let text = fs::read_to_string(at.join("a.svg")).unwrap();
+    assert_eq!(text.matches("class=\"chart-panel\"").count(), 1, "the same is shown once");
+    assert!(labels(&text).contains(&"squeeze at the time (N)"), "{:?}", labels(&text));
+}
+
+/// One step in two hundred is a spike: all others had the colour of nothing.
+#[test]
+fn a_spike_does_not_set_the_scale() {
+    let directory = push();
+    let at = directory.path();
+    let (place, table) =
+        (column(at, "mean_normal_force"), fs::read_to_string(at.join("trajectories.csv")).unwrap());
+    let rows: Vec<String> = table
+        .lines()
+        .enumerate()
+        .map(|(k, row)| {
+            let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+            if k > 0 {
+                cells[place] = if k == 40 { "90000".into() } else { format!("{}", 100 + k) };
+            }
+            cells.join(",")
+        })
+        .collect();
+    fs::write(at.join("spike.csv"), rows.join("\n") + "\n").unwrap();
+    let count = rows.len() - 1;
+    assert!(count > 100, "{count} rows");
+    let times: Vec<String> = (0..=20).map(|k| format!("{}", f64::from(k) * 0.05)).collect();
+    let text = svg(at, &["spike.csv", "--trial", "push", "--at", &times.join(","), "--fill", "squeeze"]);
+    let labels = labels(&text);
+    assert!(labels.contains(&"mean squeeze (N), to the 98 % quantile"), "{labels:?}");
+    let high = labels.iter().find_map(|label| label.strip_prefix("≥ ")).unwrap().parse::<f64>().unwrap();
+    // The spike is the last of them; the others are 101, 102, ….
+    let rank = (0.98 * count as f64).ceil();
+    assert!((high - (100.0 + rank)).abs() <= 2.0, "{high} N of {count} rows");
+    let asked =
+        svg(at, &["spike.csv", "--trial", "push", "--at", "0,1", "--fill", "squeeze", "--range", "0,50"]);
+    assert!(!asked.contains('≥') && !asked.contains("quantile"));
 }
 
 #[test]
@@ -155,14 +237,14 @@ fn mistakes_have_clear_messages() {
             "t = 2.0 s is not in it: it goes from 0.0 to 1.0 s",
         ),
         (&["plot", "push", "--at", "-1"], 2, "--at"),
-        (&["plot", "push", "--fill", "mood"], 2, "area, speed, squeeze, contacts"),
+        (&["plot", "push", "--fill", "mood"], 2, "area, speed, contacts, squeeze, peak-squeeze"),
         (&["plot", "push", "--view", "1,1,0,0"], 2, "lower left"),
         (&["plot", "push", "--series", "x", "--density"], 2, "cannot be used"),
         (&["plot", "push", "--set", "agent[0].Mass=-3"], 1, "must be positive"),
         (&["plot", "push", "--set", "agent[0].Speed=3"], 1, "no variable \"agent[0].Speed\""),
         (&["plot", "trajectories.csv", "--trial", "push", "--step", "0.1"], 2, "--step"),
         (&["plot", "push", "--measured", "strangers.csv"], 1, "there is no agent \"nobody\""),
-        (&["plot", "bare.csv", "--series", "squeeze"], 1, "does not say the squeeze"),
+        (&["plot", "bare.csv", "--series", "squeeze"], 1, "does not say the mean squeeze"),
         (&["plot", "trajectories.csv", "--series", "x", "--agents", "9"], 1, "no agent \"9\""),
         (
             &["plot", "trajectories.csv", "--trial", "push", "--density", "--from", "3"],

@@ -3,7 +3,7 @@
 //! Of each frame only the rectangle in which something changed is written, and in it what did not change is
 //! transparent. Two frames are held, whatever the number.
 
-use crate::colour::viridis;
+use crate::colour::Ramp;
 use crate::raster::{PictureError, Pixels};
 use std::collections::HashMap;
 use std::io::Write;
@@ -267,7 +267,7 @@ struct Palette {
 }
 
 impl Palette {
-    /// The colour map, then the commonest colours that differ from all before by as much as fills the
+    /// The colour map that is shown, then the commonest colours that differ from all before by as much as fills the
     /// palette: flat areas and lines keep their colours, their soft edges share the rest.
     fn of(pixels: &[[u8; 4]]) -> Palette {
         let mut counts: HashMap<[u8; 3], usize> = HashMap::new();
@@ -280,12 +280,22 @@ impl Palette {
         // What covers more than a thousandth is exact.
         let large = pixels.len() / 1000;
         colours.extend(common.iter().take(48).filter(|(_, n)| *n > large).map(|(c, _)| *c));
-        for k in 0..RAMP {
-            let shade = viridis(k as f64 / (RAMP - 1) as f64);
-            let shade = [shade.0, shade.1, shade.2];
-            if !colours.contains(&shade) {
-                colours.push(shade);
+        for (map, theme) in Ramp::ALL {
+            let ramp = Ramp::new(map, theme);
+            let shades = (0..RAMP).map(|k| ramp.at(k as f64 / (RAMP - 1) as f64)).map(|c| [c.0, c.1, c.2]);
+            // A colour bar has nearly all of them.
+            let seen =
+                |shade: &[u8; 3]| common.iter().any(|(colour, _)| distance(*colour, *shade) <= 3 * 3 * 3);
+            if 2 * shades.clone().filter(seen).count() < RAMP {
+                continue;
             }
+            for shade in shades {
+                if !colours.contains(&shade) {
+                    colours.push(shade);
+                }
+            }
+            // The same colours from dark to light are the same.
+            break;
         }
         for apart in [40, 28, 20, 14, 10, 7, 5, 3, 1] {
             for (colour, _) in &common {

@@ -5,14 +5,15 @@
 
 use crate::colour::{Colour, Palette, Theme};
 use crate::colouring::titled;
-use crate::curve::{apart, extremes, thinned};
+use crate::curve::{Piece, apart, extremes, listed, shared, thinned};
 use crate::draw::begin;
 use crate::furniture::{Entry, Header, lettered, small};
 use crate::lettering::{self, Anchor, Place};
+use crate::look::{CASING, DASH, dashes};
 use crate::page::{CAP_HEIGHT, MARGIN, NOMINAL_WIDTH, Page, page_width};
 use crate::range::Range;
 use crate::text::{PX, escaped, pair, text_of};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Part of the lettering of a scene's page.
 const FINER: f64 = 0.85;
@@ -23,8 +24,8 @@ const STROKE: f64 = 1.6;
 const THIN: f64 = 0.7;
 /// \[px\] from one line in steps to the next where they are equal.
 const ASIDE: f64 = 1.7;
-/// \[px\] dash and gap.
-const DASH: (f64, f64) = (4.2, 2.6);
+/// \[px\] of each colour in turn where curves are equal.
+const TURN: f64 = 7.0;
 /// \[px\] between two panels, below the names of the ticks of the upper one.
 const PANEL_GAP: f64 = 13.0;
 /// \[px\] from an axis to its numbers.
@@ -37,12 +38,14 @@ const TOLERANCE: f64 = 0.12;
 const SAMPLES: usize = 300;
 
 /// Panels above each other that share the x axis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Chart {
     /// Below all panels.
     pub x: Axis,
     /// From the top down.
     pub panels: Vec<ChartPanel>,
+    /// What each line is of, as in "agent": stands before its name, with an s before the names of several.
+    pub noun: String,
 }
 
 /// What an axis shows.
@@ -68,7 +71,7 @@ pub struct ChartPanel {
 /// One curve.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Line {
-    /// Written at its end, such as an agent's id.
+    /// Written at its end, after the chart's noun, such as an agent's id.
     pub name: String,
     /// x and y, x growing. What is not finite interrupts the curve.
     pub points: Vec<(f64, f64)>,
@@ -98,8 +101,9 @@ impl Default for ChartStyle {
 /// The chart as SVG: a group `chart-panel` per panel with its `grid` and `lines`, then `legend`.
 ///
 /// Up to eight lines have their colour, and their name at the end. More are a crowd: thin grey lines, with
-/// the median of all and the one that gets highest on top of them. Lines in steps, which would hide each
-/// other where counts are equal, stand a little above each other. Curves of more points than can be seen
+/// the median of all and the one that gets highest on top of them. Where curves are equal, they are drawn in
+/// dashes of all their colours, and those that are equal everywhere have one name. Lines in steps stand a
+/// little above each other instead. What is measured is drawn last, on a casing of paper. Curves of more points than can be seen
 /// lose none of their extremes.
 pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let palette = Palette::of(style.theme);
@@ -128,7 +132,8 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
 
     let aspect = style.aspect.filter(|a| a.is_finite() && *a > 0.0).map(|a| a.clamp(0.02, 10.0));
     let tall = aspect.unwrap_or(if chart.panels.len() > 1 { 0.25 } else { 0.5 }) * width;
-    let panels: Vec<Ready> = chart.panels.iter().map(|p| Ready::new(p, x, tall, unit, &palette)).collect();
+    let panels: Vec<Ready> =
+        chart.panels.iter().map(|p| Ready::new(p, &chart.noun, x, tall, unit, &palette)).collect();
     let numbers = panels.iter().flat_map(|p| &p.ticks).map(|(_, text)| lettering::width(text, cap));
     let left = margin + numbers.fold(0.0, f64::max) + TICK_GAP * unit;
     let names = panels.iter().flat_map(|p| &p.strokes).filter_map(|s| s.name.as_ref());
@@ -181,7 +186,7 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
         fitting(&mut out, "label", &title, place, width - 2.0 * margin, palette.ink);
         out += "<g class=\"lines\" fill=\"none\" stroke-linejoin=\"round\">\n";
         for stroke in &ready.strokes {
-            stroke.draw(&mut out, panel.steps, unit, across, |v| up(v) - stroke.aside);
+            stroke.draw(&mut out, panel.steps, unit, palette.paper, across, |v| up(v) - stroke.aside);
         }
         out += "</g>\n";
         ready.names(&mut out, (above, bottom), right, (width - margin - right).max(unit), unit, up);
@@ -216,7 +221,11 @@ fn fitting(out: &mut String, class: &str, text: &str, place: Place, room: f64, c
 struct Stroke {
     class: &'static str,
     points: Vec<(f64, f64)>,
+    /// What is drawn in turns with others, and what alone; all of it alone if empty.
+    pieces: Vec<Piece>,
     colour: Colour,
+    /// Of its name.
+    lettering: Colour,
     /// \[px\]
     width: f64,
     /// \[px\] drawn so far above its place.
@@ -236,7 +245,7 @@ struct Ready {
 }
 
 impl Ready {
-    fn new(panel: &ChartPanel, x: Range, tall: f64, unit: f64, palette: &Palette) -> Ready {
+    fn new(panel: &ChartPanel, noun: &str, x: Range, tall: f64, unit: f64, palette: &Palette) -> Ready {
         let lines: Vec<&Line> =
             panel.lines.iter().filter(|l| l.points.iter().any(|p| drawable(&p))).collect();
         let values = lines.iter().flat_map(|l| &l.points).filter(drawable).map(|p| p.1);
@@ -244,12 +253,20 @@ impl Ready {
         let ticks = y.ticks((tall / (GRID.1 * unit)).max(1.0), panel.steps);
         let groups: BTreeSet<usize> = lines.iter().map(|l| l.group).collect();
         let mut strokes = if groups.len() <= MOST_NAMED {
-            named(&lines, unit, palette)
+            named(&lines, noun, unit, palette)
         } else {
-            crowd(panel, &lines, x, unit, palette)
+            crowd(panel, noun, &lines, x, unit, palette)
         };
         if panel.steps {
             step_aside(&mut strokes, &lines, &groups, tall / (y.high - y.low), unit);
+        } else if groups.len() <= MOST_NAMED {
+            // Nearer than half a line's width is equal.
+            let near = 0.5 * STROKE * unit * (y.high - y.low) / tall;
+            take_turns(&mut strokes, &lines, noun, near, palette);
+        }
+        if groups.len() <= MOST_NAMED {
+            // Solid lines hide none that is dashed.
+            strokes.sort_by_key(|stroke| stroke.dashed);
         }
         Ready { y, ticks, strokes }
     }
@@ -270,7 +287,7 @@ impl Ready {
             .iter()
             .filter_map(|s| {
                 let (_, y) = s.points.iter().rev().find(drawable)?;
-                Some((up(*y) - s.aside, s.name.as_deref().filter(|n| !n.is_empty())?, s.colour))
+                Some((up(*y) - s.aside, s.name.as_deref().filter(|n| !n.is_empty())?, s.lettering))
             })
             .collect();
         names.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -296,8 +313,34 @@ fn step_aside(strokes: &mut [Stroke], lines: &[&Line], groups: &BTreeSet<usize>,
     }
 }
 
+/// Where solid lines are equal, each has a turn with its colour; those that are equal all along have one name.
+fn take_turns(strokes: &mut [Stroke], lines: &[&Line], noun: &str, near: f64, palette: &Palette) {
+    let solid: Vec<usize> = (0..strokes.len()).filter(|k| !strokes[*k].dashed).collect();
+    let points: Vec<&[(f64, f64)]> = solid.iter().map(|k| strokes[*k].points.as_slice()).collect();
+    let (pieces, equal) = shared(&points, near);
+    for (k, pieces) in solid.iter().zip(pieces) {
+        strokes[*k].pieces = pieces;
+    }
+    for together in equal {
+        let names: Vec<&str> = together.iter().map(|k| lines[solid[*k]].name.as_str()).collect();
+        let name = called(noun, &names);
+        let (first, rest) = (solid[together[0]], &together[1..]);
+        (strokes[first].name, strokes[first].lettering) = (Some(name), palette.ink);
+        rest.iter().for_each(|k| strokes[solid[*k]].name = None);
+    }
+}
+
+/// As in "agent 3", "agents 1, 2".
+fn called(noun: &str, names: &[&str]) -> String {
+    match (noun, names) {
+        ("", _) => listed(names),
+        (_, [name]) => format!("{noun} {name}"),
+        _ => format!("{noun}s {}", listed(names)),
+    }
+}
+
 /// A few lines, each with its colour and one name per group.
-fn named(lines: &[&Line], unit: f64, palette: &Palette) -> Vec<Stroke> {
+fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
     let speaker = |line: &Line| {
         let of_group = || lines.iter().filter(|l| l.group == line.group);
         of_group().find(|l| !l.dashed).or_else(|| of_group().next()).copied()
@@ -305,30 +348,41 @@ fn named(lines: &[&Line], unit: f64, palette: &Palette) -> Vec<Stroke> {
     let stroke = |line: &&Line| Stroke {
         class: if line.dashed { "measured" } else { "simulated" },
         points: line.points.clone(),
+        pieces: Vec::new(),
         colour: palette.series(line.group),
+        lettering: palette.series(line.group),
         width: STROKE * unit,
         aside: 0.0,
         opacity: 1.0,
         dashed: line.dashed,
-        name: speaker(line).is_some_and(|s| std::ptr::eq(s, *line)).then(|| line.name.clone()),
-        title: line.name.clone(),
+        name: speaker(line).is_some_and(|s| std::ptr::eq(s, *line)).then(|| called(noun, &[&line.name])),
+        title: called(noun, &[&line.name]),
     };
     lines.iter().map(stroke).collect()
 }
 
 /// Many lines: all of them pale, their median, and the one that gets highest.
-fn crowd(panel: &ChartPanel, lines: &[&Line], x: Range, unit: f64, palette: &Palette) -> Vec<Stroke> {
+fn crowd(
+    panel: &ChartPanel,
+    noun: &str,
+    lines: &[&Line],
+    x: Range,
+    unit: f64,
+    palette: &Palette,
+) -> Vec<Stroke> {
     let opacity = (14.0 / lines.len() as f64).clamp(0.1, 0.5);
     let pale = |line: &&Line| Stroke {
         class: if line.dashed { "measured" } else { "simulated" },
         points: line.points.clone(),
+        pieces: Vec::new(),
         colour: palette.ink,
+        lettering: palette.ink,
         width: THIN * unit,
         aside: 0.0,
         opacity,
         dashed: line.dashed,
         name: None,
-        title: line.name.clone(),
+        title: called(noun, &[&line.name]),
     };
     let mut strokes: Vec<Stroke> = lines.iter().map(pale).collect();
     let solid: Vec<&&Line> = if lines.iter().any(|l| !l.dashed) {
@@ -340,7 +394,9 @@ fn crowd(panel: &ChartPanel, lines: &[&Line], x: Range, unit: f64, palette: &Pal
     let strong = |class, points, colour, name: String| Stroke {
         class,
         points,
+        pieces: Vec::new(),
         colour,
+        lettering: colour,
         width: STROKE * unit,
         aside: 0.0,
         opacity: 1.0,
@@ -351,7 +407,7 @@ fn crowd(panel: &ChartPanel, lines: &[&Line], x: Range, unit: f64, palette: &Pal
     // The first of those that get equally high.
     let highest = solid.iter().copied().reduce(|a, b| if top(b) > top(a) { b } else { a });
     if let Some(line) = highest {
-        let name = format!("{} (max)", line.name);
+        let name = format!("{} (max)", called(noun, &[&line.name]));
         strokes.push(strong("highest", line.points.clone(), palette.series(1), name));
     }
     let mut each: Vec<_> = solid.iter().map(|l| Reader { points: &l.points, next: 0 }).collect();
@@ -399,47 +455,68 @@ impl Stroke {
         out: &mut String,
         steps: bool,
         unit: f64,
+        paper: Colour,
         across: impl Fn(f64) -> f64,
         up: impl Fn(f64) -> f64,
     ) {
-        let mut d = String::new();
-        for piece in self.points.split(|p| !drawable(&p)) {
-            let mut on_page: Vec<(f64, f64)> = Vec::with_capacity(piece.len());
-            for p in piece {
-                let (x, y) = (across(p.0), up(p.1));
-                if steps && let Some(last) = on_page.last() {
-                    on_page.push((x, last.1));
+        let path = |d: &mut String, points: &[(f64, f64)]| {
+            for piece in points.split(|p| !drawable(&p)) {
+                let mut on_page: Vec<(f64, f64)> = Vec::with_capacity(piece.len());
+                for p in piece {
+                    let (x, y) = (across(p.0), up(p.1));
+                    if steps && let Some(last) = on_page.last() {
+                        on_page.push((x, last.1));
+                    }
+                    on_page.push((x, y));
                 }
-                on_page.push((x, y));
+                for (k, p) in thinned(&extremes(&on_page, 0.5 * unit), TOLERANCE * unit).iter().enumerate() {
+                    d.push(if k == 0 { 'M' } else { 'L' });
+                    pair(d, *p, PX);
+                }
+                if let [only] = on_page[..] {
+                    // A lone point between gaps is a dot.
+                    d.push('L');
+                    pair(d, only, PX);
+                }
             }
-            for (k, p) in thinned(&extremes(&on_page, 0.5 * unit), TOLERANCE * unit).iter().enumerate() {
-                d.push(if k == 0 { 'M' } else { 'L' });
-                pair(&mut d, *p, PX);
-            }
-            if let [only] = on_page[..] {
-                // A lone point between gaps is a dot.
-                d.push('L');
-                pair(&mut d, only, PX);
-            }
-        }
-        if d.is_empty() {
-            return;
-        }
-        let mut more = String::new();
-        if self.opacity < 1.0 {
-            more += &format!(" stroke-opacity=\"{}\"", text_of(self.opacity, 2));
-        }
-        more += &if self.dashed {
-            format!(" stroke-dasharray=\"{} {}\"", text_of(DASH.0 * unit, PX), text_of(DASH.1 * unit, PX))
-        } else {
-            " stroke-linecap=\"round\"".to_owned()
         };
-        *out += &format!(
-            "<path class=\"{}\" stroke=\"{}\" stroke-width=\"{}\"{more} d=\"{d}\"><title>{}</title></path>\n",
-            self.class,
-            self.colour,
-            text_of(self.width, PX),
-            escaped(&self.title)
-        );
+        // Pieces with the same turn are one path.
+        let mut paths: BTreeMap<(usize, usize), String> = BTreeMap::new();
+        if self.pieces.is_empty() {
+            path(paths.entry((0, 1)).or_default(), &self.points);
+        }
+        for piece in &self.pieces {
+            path(paths.entry(piece.turn).or_default(), &piece.points);
+        }
+        for ((turn, of), d) in paths.iter().filter(|(_, d)| !d.is_empty()) {
+            let mut more = String::new();
+            if self.opacity < 1.0 {
+                more += &format!(" stroke-opacity=\"{}\"", text_of(self.opacity, 2));
+            }
+            if self.dashed {
+                let [casing, dash] = dashes(unit);
+                if self.opacity >= 1.0 {
+                    let width = text_of(self.width + 2.0 * CASING * unit, PX);
+                    *out += &format!(
+                        "<path class=\"casing\" stroke=\"{paper}\" stroke-width=\"{width}\"{casing} d=\"{d}\"/>\n"
+                    );
+                }
+                more += &dash;
+            } else if *of > 1 {
+                let length = TURN * unit;
+                let [length, rest, offset] =
+                    [length, length * (of - 1) as f64, length * (of - turn) as f64].map(|v| text_of(v, PX));
+                more += &format!(" stroke-dasharray=\"{length} {rest}\" stroke-dashoffset=\"{offset}\"");
+            } else {
+                more += " stroke-linecap=\"round\"";
+            }
+            *out += &format!(
+                "<path class=\"{}\" stroke=\"{}\" stroke-width=\"{}\"{more} d=\"{d}\"><title>{}</title></path>\n",
+                self.class,
+                self.colour,
+                text_of(self.width, PX),
+                escaped(&self.title)
+            );
+        }
     }
 }

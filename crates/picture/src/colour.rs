@@ -42,9 +42,12 @@ pub enum Theme {
     Dark,
 }
 
+/// Of a colour map.
+const SHADES: usize = 16;
+
 /// *viridis* (S. van der Walt, N. Smith, public domain) at 16 equidistant places: even steps of
 /// lightness, told apart by colour-blind readers and in grey print.
-pub(crate) const VIRIDIS: [Colour; 16] = [
+const VIRIDIS: [Colour; SHADES] = [
     Colour(0x44, 0x01, 0x54),
     Colour(0x48, 0x1a, 0x6c),
     Colour(0x47, 0x2f, 0x7d),
@@ -63,14 +66,78 @@ pub(crate) const VIRIDIS: [Colour; 16] = [
     Colour(0xfd, 0xe7, 0x25),
 ];
 
+/// *magma* of the same authors, from its bright end, without what is nearly black.
+const MAGMA: [Colour; SHADES] = [
+    Colour(0xfc, 0xfd, 0xbf),
+    Colour(0xfd, 0xe2, 0xa3),
+    Colour(0xfe, 0xc6, 0x8a),
+    Colour(0xfe, 0xaa, 0x74),
+    Colour(0xfc, 0x8e, 0x64),
+    Colour(0xf7, 0x72, 0x5c),
+    Colour(0xec, 0x58, 0x60),
+    Colour(0xd9, 0x46, 0x6b),
+    Colour(0xc2, 0x3b, 0x75),
+    Colour(0xaa, 0x33, 0x7d),
+    Colour(0x91, 0x2b, 0x81),
+    Colour(0x79, 0x22, 0x82),
+    Colour(0x62, 0x19, 0x80),
+    Colour(0x4a, 0x10, 0x79),
+    Colour(0x31, 0x11, 0x65),
+    Colour(0x1a, 0x10, 0x42),
+];
+
+/// Which colours stand for the numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ColourMap {
+    /// From dark violet to yellow: for numbers of which none is nothing.
+    #[default]
+    Viridis,
+    /// From nearly the colour of paper, for what is nothing at zero: on white pale yellow to dark violet, on
+    /// near-black the other way round.
+    FromPaper,
+}
+
+/// The colours of a map on one paper, from its low end, at equal distances.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ramp([Colour; SHADES]);
+
+impl Ramp {
+    /// All that pictures have.
+    pub const ALL: [(ColourMap, Theme); 3] = [
+        (ColourMap::Viridis, Theme::Light),
+        (ColourMap::FromPaper, Theme::Light),
+        (ColourMap::FromPaper, Theme::Dark),
+    ];
+
+    pub fn new(map: ColourMap, theme: Theme) -> Ramp {
+        let mut colours = match map {
+            ColourMap::Viridis => VIRIDIS,
+            ColourMap::FromPaper => MAGMA,
+        };
+        if (map, theme) == (ColourMap::FromPaper, Theme::Dark) {
+            colours.reverse();
+        }
+        Ramp(colours)
+    }
+
+    pub fn colours(&self) -> &[Colour] {
+        &self.0
+    }
+
+    /// From 0 to 1; beyond them their colour, grey for NaN.
+    pub fn at(&self, fraction: f64) -> Colour {
+        if fraction.is_nan() {
+            return Colour::MISSING;
+        }
+        let place = fraction.clamp(0.0, 1.0) * (SHADES - 1) as f64;
+        let below = (place as usize).min(SHADES - 2);
+        self.0[below].mixed(self.0[below + 1], place - below as f64)
+    }
+}
+
 /// The colour map: 0 is dark violet, 1 is yellow; beyond them their colour, grey for NaN.
 pub fn viridis(fraction: f64) -> Colour {
-    if fraction.is_nan() {
-        return Colour::MISSING;
-    }
-    let place = fraction.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
-    let below = (place as usize).min(VIRIDIS.len() - 2);
-    VIRIDIS[below].mixed(VIRIDIS[below + 1], place - below as f64)
+    Ramp(VIRIDIS).at(fraction)
 }
 
 /// Colours that are not the bodies'.
@@ -124,6 +191,35 @@ impl Palette {
             4 => Colour(0xe6, 0x9f, 0x00),
             5 => Colour(0x56, 0xb4, 0xe9),
             _ => self.ink,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lightness L* of CIELAB, from 0 to 100.
+    fn lightness(colour: Colour) -> f64 {
+        let linear = |part: u8| {
+            let part = f64::from(part) / 255.0;
+            if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
+        };
+        let y = 0.2126 * linear(colour.0) + 0.7152 * linear(colour.1) + 0.0722 * linear(colour.2);
+        if y > 0.008856 { 116.0 * y.cbrt() - 16.0 } else { 903.3 * y }
+    }
+
+    #[test]
+    fn maps_have_even_steps_of_lightness_and_nothing_is_as_the_paper() {
+        for (map, theme) in Ramp::ALL {
+            let lights: Vec<f64> = Ramp::new(map, theme).colours().iter().map(|c| lightness(*c)).collect();
+            let mean = (lights[SHADES - 1] - lights[0]) / (SHADES - 1) as f64;
+            let even = lights.windows(2).all(|two| ((two[1] - two[0]) / mean - 1.0).abs() < 0.3);
+            assert!(even && mean.abs() > 4.5, "{map:?} {theme:?}: {lights:?}");
+            if map == ColourMap::FromPaper {
+                let paper = lightness(Palette::of(theme).paper);
+                assert!((lights[0] - paper).abs() < 4.0, "{theme:?}: {} on {paper}", lights[0]);
+            }
         }
     }
 }

@@ -87,3 +87,83 @@ pub(crate) fn apart(mut y: Vec<f64>, step: f64, low: f64, high: f64) -> Vec<f64>
     }
     placed
 }
+
+/// A part of a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Piece {
+    pub points: Vec<(f64, f64)>,
+    /// Which of so many curves that are equal here.
+    pub turn: (usize, usize),
+}
+
+/// Curves in pieces that are equal to others (to `near`) or not, and which curves are equal all along.
+/// Only those can be equal that have the first one's x. Equal pieces have the points of one curve: dashes of
+/// one are exactly in the gaps of the other.
+pub(crate) fn shared(curves: &[&[(f64, f64)]], near: f64) -> (Vec<Vec<Piece>>, Vec<Vec<usize>>) {
+    let Some(first) = curves.first() else { return (Vec::new(), Vec::new()) };
+    let same_x = |curve: &[(f64, f64)]| {
+        curve.len() == first.len() && curve.iter().zip(*first).all(|(a, b)| a.0.to_bits() == b.0.to_bits())
+    };
+    let comparable: Vec<bool> = curves.iter().map(|curve| same_x(curve)).collect();
+    let known = |p: (f64, f64)| p.0.is_finite() && p.1.is_finite();
+    let equal = |a: usize, b: usize, at: usize| {
+        let (p, q) = (curves[a][at], curves[b][at]);
+        a == b || comparable[a] && comparable[b] && known(p) && known(q) && (p.1 - q.1).abs() <= near
+    };
+    // The first curve that is equal from one point to the next.
+    let leader = |k: usize, from: usize| {
+        (0..k).find(|&other| equal(k, other, from) && equal(k, other, from + 1)).unwrap_or(k)
+    };
+    let mut pieces = vec![Vec::new(); curves.len()];
+    let (mut leaders, mut mates) = (vec![0; curves.len()], Vec::new());
+    // Of each curve: with whom it is equal, from where.
+    let mut open: Vec<Option<(Vec<usize>, usize)>> = vec![None; curves.len()];
+    let longest = curves.iter().map(|curve| curve.len()).max().unwrap_or(0);
+    for from in 0..longest {
+        let goes_on = |k: usize| from + 1 < curves[k].len();
+        for k in (0..curves.len()).filter(|&k| goes_on(k)) {
+            leaders[k] = leader(k, from);
+        }
+        for k in 0..curves.len() {
+            mates.clear();
+            if goes_on(k) {
+                let with = |o: &usize| goes_on(*o) && leaders[*o] == leaders[k];
+                mates.extend((0..curves.len()).filter(with));
+            }
+            if open[k].as_ref().is_some_and(|(last, _)| *last == mates) {
+                continue;
+            }
+            if let Some((last, begun)) = open[k].take() {
+                let turn = (last.iter().position(|mate| *mate == k).unwrap_or(0), last.len());
+                pieces[k].push(Piece { points: curves[last[0]][begun..=from].to_vec(), turn });
+            }
+            open[k] = (!mates.is_empty()).then(|| (mates.clone(), from));
+        }
+    }
+    let both_unknown = |a: usize, b: usize, at: usize| !known(curves[a][at]) && !known(curves[b][at]);
+    let all_along = |a: usize, b: usize| {
+        a == b
+            || comparable[a]
+                && comparable[b]
+                && (0..first.len()).all(|at| equal(a, b, at) || both_unknown(a, b, at))
+    };
+    let mut together: Vec<Vec<usize>> = Vec::new();
+    for k in 0..curves.len() {
+        match together.iter_mut().find(|group| all_along(group[0], k)) {
+            Some(group) => group.push(k),
+            None => together.push(vec![k]),
+        }
+    }
+    together.retain(|group| group.len() > 1);
+    (pieces, together)
+}
+
+/// Names in a row; whole numbers that follow each other are a range.
+pub(crate) fn listed(names: &[&str]) -> String {
+    let follows = |a: &str, b: &str| matches!((a.parse::<u64>(), b.parse::<u64>()), (Ok(a), Ok(b)) if a.checked_add(1) == Some(b));
+    let runs = names.chunk_by(|a, b| follows(a, b)).flat_map(|run| match run {
+        [first, .., last] if run.len() > 2 => vec![format!("{first}–{last}")],
+        few => few.iter().map(|name| (*name).to_owned()).collect(),
+    });
+    runs.collect::<Vec<_>>().join(", ")
+}

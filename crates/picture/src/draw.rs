@@ -20,7 +20,7 @@ pub fn svg(scene: &Scene, style: &Style) -> String {
     let width = page_width(style.width);
     let unit = width / NOMINAL_WIDTH;
     let margin = MARGIN * unit;
-    let colouring = Colouring::new(scene, &style.fill);
+    let colouring = Colouring::new(scene, &style.fill, style.theme);
     let bar = colouring.scale.as_ref().filter(|_| style.colour_bar.shown());
     let time = style.time.filter(|t| t.is_finite()).map(|t| stamp(t, style.time_decimals));
 

@@ -1,6 +1,6 @@
 //! What stands beside a scene: time, legend, scale bar, colour bar.
 
-use crate::colour::{Colour, Palette, VIRIDIS, viridis};
+use crate::colour::{Colour, Palette};
 use crate::colouring::Scale;
 use crate::lettering::{self, Anchor, PEN, Place, Up};
 use crate::page::{BAND_GAP, CAP_HEIGHT, MARGIN, Page};
@@ -156,24 +156,24 @@ pub(crate) fn scale_bar(out: &mut String, page: &Page, palette: &Palette, scale:
 
 /// The colour map with its ends and what it means, at the lower right.
 pub(crate) fn colour_bar(out: &mut String, page: &Page, palette: &Palette, scale: &Scale) {
-    let Scale { title, low, high } = scale;
+    let Scale { title, low, high, ramp, .. } = scale;
     let (cap, right) = (CAP_HEIGHT * page.unit, page.width - MARGIN * page.unit);
     let y = page.height - MARGIN * page.unit;
     let numbers =
-        if low == high { [None, Some(short(*high))] } else { [Some(short(*low)), Some(short(*high))] };
+        if low == high { [None, Some(short(*high))] } else { [Some(short(*low)), Some(scale.high_label())] };
     let space = 0.8 * cap;
     let length_of = |t: &Option<String>| t.as_ref().map_or(0.0, |t| lettering::width(t, cap) + space);
     let bar = 120.0 * page.unit;
     let x1 = right - length_of(&numbers[1]);
     let x0 = x1 - bar;
 
-    *out += "<g class=\"colour-bar\">\n<linearGradient id=\"viridis\">";
-    for (k, colour) in VIRIDIS.iter().enumerate() {
-        let offset = text_of(k as f64 / (VIRIDIS.len() - 1) as f64, 4);
+    *out += "<g class=\"colour-bar\">\n<linearGradient id=\"colours\">";
+    for (k, colour) in ramp.colours().iter().enumerate() {
+        let offset = text_of(k as f64 / (ramp.colours().len() - 1) as f64, 4);
         *out += &format!("<stop offset=\"{offset}\" stop-color=\"{colour}\"/>");
     }
     *out += "</linearGradient>\n";
-    let fill = if low == high { viridis(0.5).to_string() } else { "url(#viridis)".to_owned() };
+    let fill = if low == high { ramp.at(0.5).to_string() } else { "url(#colours)".to_owned() };
     let [x, top, w, h, r] = [x0, y - cap, bar, cap, 0.2 * cap].map(|v| text_of(v, PX));
     *out +=
         &format!("<rect x=\"{x}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" rx=\"{r}\" fill=\"{fill}\"/>\n");

@@ -65,6 +65,7 @@ fn glyph(c: char) -> &'static str {
         '+' => "0a8a,4e46",
         '=' => "0888,0c8c",
         '_' => "0383",
+        '≥' => "0g8c8c08,0484",
         '/' => "036h",
         '(' | '[' => "3h0e0633",
         ')' | ']' => "0h3e3603",
@@ -221,7 +222,7 @@ mod tests {
 
     #[test]
     fn every_glyph_is_whole_points() {
-        for c in (' '..='~').chain("²³°µμθω·−".chars()) {
+        for c in (' '..='~').chain("²³°µμθω·−≥".chars()) {
             for stroke in glyph(c).split(',').map(|s| s.trim_start_matches('@')) {
                 assert!(
                     stroke.len().is_multiple_of(2)

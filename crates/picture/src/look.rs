@@ -6,7 +6,7 @@ use crate::page::Frame;
 use crate::plane::near;
 use crate::scene::{Force, Scene, TrailKind};
 use crate::style::Style;
-use crate::text::round_below;
+use crate::text::{round_below, text_of};
 
 /// \[px\] at most: the greatest force, or a part of a small body's size.
 const FORCE_STROKE: f64 = 6.0;
@@ -17,7 +17,19 @@ pub(crate) const FORCE_HALO: f64 = 0.8;
 /// \[px\]
 pub(crate) const TRAIL_STROKE: f64 = 1.5;
 /// \[px\] dash and gap of what is measured.
-pub(crate) const DASH: (f64, f64) = (4.2, 2.6);
+pub(crate) const DASH: (f64, f64) = (4.2, 3.4);
+/// \[px\] of paper around each dash, so that it is seen on a solid line of its colour, which is seen between
+/// the dashes.
+pub(crate) const CASING: f64 = 0.9;
+
+/// As SVG: the dashes of the casing, and those of what is measured; `px` is one pixel.
+pub(crate) fn dashes(px: f64) -> [String; 2] {
+    let pattern = |dash: f64, gap: f64, begun: f64| {
+        let [dash, gap, begun] = [dash, gap, begun].map(|v| text_of(v * px, 6));
+        format!(" stroke-linecap=\"butt\" stroke-dasharray=\"{dash} {gap}\" stroke-dashoffset=\"{begun}\"")
+    };
+    [pattern(DASH.0 + 2.0 * CASING, DASH.1 - 2.0 * CASING, CASING), pattern(DASH.0, DASH.1, 0.0)]
+}
 
 /// What is drawn the same in every scene of a page.
 pub(crate) struct Look<'a> {

@@ -2,7 +2,7 @@
 
 use crate::body::point;
 use crate::colour::{Colour, Palette};
-use crate::look::{DASH, FORCE_HALO, Look, TRAIL_STROKE, drawable_forces, measured};
+use crate::look::{CASING, FORCE_HALO, Look, TRAIL_STROKE, dashes, drawable_forces, measured};
 use crate::page::Frame;
 use crate::plane::near;
 use crate::scene::{Force, Scene, TrailKind};
@@ -49,8 +49,8 @@ pub(crate) fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: 
         return;
     }
     let px = frame.unit / frame.scale;
-    let [core, cased, dash, gap] =
-        [TRAIL_STROKE, TRAIL_STROKE + 2.0 * TRAIL_HALO, DASH.0, DASH.1].map(|v| text_of(v * px, 6));
+    let [core, cased, casing] =
+        [0.0, TRAIL_HALO, CASING].map(|around| text_of((TRAIL_STROKE + 2.0 * around) * px, 6));
     let step = TRAIL_STEP * px;
     if !measured(&[scene]) {
         // Whose trail it is, the body at its end says. Pieces of one age are one path.
@@ -77,7 +77,7 @@ pub(crate) fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: 
         *out += "</g>\n";
         return;
     }
-    let lines: Vec<_> = scene
+    let mut lines: Vec<_> = scene
         .trails
         .iter()
         .enumerate()
@@ -88,21 +88,28 @@ pub(crate) fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: 
         })
         .filter(|(_, _, d)| !d.is_empty())
         .collect();
+    // Solid lines hide none that is dashed.
+    lines.sort_by_key(|(kind, _, _)| *kind == TrailKind::Measured);
     let all: String = lines.iter().map(|(_, _, d)| d.as_str()).collect();
     *out += &format!(
         "<g class=\"trails\" fill=\"none\">\n\
          <path class=\"halo\" stroke=\"{}\" stroke-width=\"{cased}\" stroke-opacity=\".85\" d=\"{all}\"/>\n",
         palette.paper
     );
+    let [around, dashed] = dashes(px);
     for (kind, colour, d) in &lines {
-        let (class, dashes) = match kind {
-            TrailKind::Simulated => ("simulated", String::new()),
-            TrailKind::Measured => {
-                ("measured", format!(" stroke-linecap=\"butt\" stroke-dasharray=\"{dash} {gap}\""))
-            }
+        let (class, dashed) = match kind {
+            TrailKind::Simulated => ("simulated", ""),
+            TrailKind::Measured => ("measured", dashed.as_str()),
         };
+        if *kind == TrailKind::Measured {
+            let paper = palette.paper;
+            *out += &format!(
+                "<path class=\"casing\" stroke=\"{paper}\" stroke-width=\"{casing}\"{around} d=\"{d}\"/>\n"
+            );
+        }
         *out += &format!(
-            "<path class=\"{class}\" stroke=\"{colour}\" stroke-width=\"{core}\"{dashes} d=\"{d}\"/>\n"
+            "<path class=\"{class}\" stroke=\"{colour}\" stroke-width=\"{core}\"{dashed} d=\"{d}\"/>\n"
         );
     }
     *out += "</g>\n";

@@ -9,7 +9,7 @@ use crate::page::{BAND_GAP, CAP_HEIGHT, Frame, MARGIN, NOMINAL_WIDTH, Page, page
 use crate::plane::View;
 use crate::scene::Scene;
 use crate::style::{Fill, Style, Visibility};
-use crate::world::world;
+use crate::world::{CUT_BORDER, is_cut, world};
 use crowd_mechanics::engine::vec2;
 
 /// \[px\] between two panels.
@@ -54,8 +54,10 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
     let rows = panels.len().div_ceil(columns);
     let scenes: Vec<&Scene> = panels.iter().map(|p| p.scene).collect();
     let width = page_width(style.width);
-    let mut colourings: Vec<_> =
-        panels.iter().map(|p| Colouring::new(p.scene, p.fill.as_ref().unwrap_or(&style.fill))).collect();
+    let mut colourings: Vec<_> = panels
+        .iter()
+        .map(|p| Colouring::new(p.scene, p.fill.as_ref().unwrap_or(&style.fill), style.theme))
+        .collect();
     let scale = shared(&mut colourings);
     let bar = scale.as_ref().filter(|_| style.colour_bar.shown());
 
@@ -74,23 +76,31 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
         .collect();
     // As on a lone scene's page where the headings leave room for it.
     let mut unit = width / NOMINAL_WIDTH * if columns > 1 { FINER } else { 1.0 };
+    let view = scenes.iter().map(|s| view_of(s)).reduce(around);
+    let view = view.unwrap_or(View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) });
+    // What is cut goes on beyond its panel, and would meet that of the next.
+    let cut = {
+        let anywhere = Frame::fit(view, unit, 0.0, width, 0.0);
+        panels.iter().any(|p| is_cut(&Scene { view: Some(view), ..p.scene.clone() }, style, &anywhere))
+    };
+    let more = if cut { 2.0 * CUT_BORDER } else { 0.0 };
+    let gutter = GUTTER + more;
     let cell_at =
-        |unit: f64| (width - 2.0 * MARGIN * unit - (columns - 1) as f64 * GUTTER * unit) / columns as f64;
+        |unit: f64| (width - 2.0 * MARGIN * unit - (columns - 1) as f64 * gutter * unit) / columns as f64;
     let widest = headings.iter().map(|h| lettering::width(h, CAP_HEIGHT)).fold(0.0, f64::max);
-    let needed = columns as f64 * widest + 2.0 * MARGIN + (columns - 1) as f64 * GUTTER;
+    let needed = columns as f64 * widest + 2.0 * MARGIN + (columns - 1) as f64 * gutter;
     unit = unit.min(width / needed);
     let (margin, cell) = (MARGIN * unit, cell_at(unit));
 
-    let view = scenes.iter().map(|s| view_of(s)).reduce(around);
-    let view = view.unwrap_or(View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) });
     let frame = Frame::fit(view, unit, margin, cell, margin);
     let look = Look::new(style, &scenes, &frame);
     let header = Header::new(None, look.legend(&scenes, unit), unit, width);
     let heading = if headings.iter().all(String::is_empty) { 0.0 } else { (CAP_HEIGHT + 7.0) * unit };
-    let pitch = heading + frame.drawn.y + 1.3 * BAND_GAP * unit;
+    let gap = (1.3 * BAND_GAP + more) * unit;
+    let pitch = heading + frame.drawn.y + gap;
     let top = margin + header.height;
     let footer = footer_height(bar.is_some(), style.scale_bar.shown()) * unit;
-    let gaps = if rows > 0 { 1.3 * BAND_GAP * unit } else { 0.0 };
+    let gaps = if rows > 0 { gap } else { 0.0 };
     let height = (top + rows as f64 * pitch - gaps + footer + margin - 1e-6).ceil();
     let page = Page { unit, width, height };
 
@@ -98,7 +108,7 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
     begin(&mut out, &page, scenes.first().map_or("", |s| &s.trial.name), look.palette.paper);
     for (k, (panel, colouring)) in panels.iter().zip(&colourings).enumerate() {
         let (column, row) = (k % columns, k / columns);
-        let left = margin + column as f64 * (cell + GUTTER * unit);
+        let left = margin + column as f64 * (cell + gutter * unit);
         let above = top + row as f64 * pitch;
         let frame = Frame::fit(view, unit, left, cell, above + heading);
         out += "<g class=\"panel\">\n";
@@ -140,10 +150,12 @@ fn lettered_place(mut k: usize) -> String {
 /// One scale for all: from the lowest to the highest of all, the name of the first.
 fn shared(colourings: &mut [Colouring]) -> Option<Scale> {
     let scales = || colourings.iter().filter_map(|c| c.scale.as_ref());
-    let title = scales().next()?.title.clone();
+    let first = scales().next()?.clone();
     let low = scales().map(|s| s.low).fold(f64::INFINITY, f64::min);
     let high = scales().map(|s| s.high).fold(f64::NEG_INFINITY, f64::max);
-    let scale = Scale { title, low, high };
+    // Nothing is clipped where the highest of the panels is.
+    let clipped = scales().any(|s| s.clipped && s.high == high);
+    let scale = Scale { low, high, clipped, ..first };
     colourings.iter_mut().filter(|c| c.scale.is_some()).for_each(|c| c.scale = Some(scale.clone()));
     Some(scale)
 }

@@ -1,6 +1,6 @@
 //! How it is drawn.
 
-use crate::colour::{Colour, Theme};
+use crate::colour::{Colour, ColourMap, Theme};
 
 /// How a scene is drawn. Lines and lettering grow with the width.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +60,7 @@ pub enum Fill {
 }
 
 /// A number per agent, shown as a colour.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Values {
     /// In the order of the agents; grey where missing or not finite.
     pub values: Vec<f64>,
@@ -70,6 +70,11 @@ pub struct Values {
     pub unit: String,
     /// Values of the two ends of the colour map; lowest and highest value when `None`.
     pub range: Option<(f64, f64)>,
+    /// The upper end of `range` is this quantile (0 to 1) of all that is shown, and some of it is beyond: the
+    /// colour bar says so.
+    pub quantile: Option<f64>,
+    /// Its colours.
+    pub map: ColourMap,
 }
 
 /// Whether something is drawn.

@@ -3,6 +3,7 @@
 use crate::body::{Body, point};
 use crate::colour::{Colour, Palette};
 use crate::colouring::Colouring;
+use crate::ids;
 use crate::isobands::isobands;
 use crate::lettering::{self, Anchor, PEN, Place, Up};
 use crate::look::{Look, drawable_forces, measured};
@@ -22,6 +23,32 @@ const BODY_STROKE: f64 = 1.1;
 /// Outline of a body, as a part of the square root of its area.
 const BODY_STROKE_PART: f64 = 0.05;
 
+/// \[px\] What is cut goes on so far beyond the view.
+pub(crate) const CUT_BORDER: f64 = 0.4 * MARGIN;
+
+/// The bodies that are drawn, with their places among the agents.
+fn seen<'a>(scene: &'a Scene, style: &Style, frame: &Frame) -> Vec<(usize, &'a Pose, &'a Body)> {
+    let seen = |(_, pose, body): &(usize, &Pose, &Body)| {
+        style.bodies.shown() && !frame.misses(pose.position, body.reach)
+    };
+    scene.drawn().filter(seen).collect()
+}
+
+fn walls_of(scene: &Scene) -> Vec<Vec<Vec2>> {
+    let finite = |corners: &[Vec2]| corners.iter().copied().filter(|c| near(*c)).collect();
+    scene.trial.geometry.walls.iter().map(|wall| finite(&wall.corners)).collect()
+}
+
+/// Whether the view cuts anything. Only one of the caller's choice can; a clip costs the rasteriser dear.
+pub(crate) fn is_cut(scene: &Scene, style: &Style, frame: &Frame) -> bool {
+    let trails = scene.trails.iter().flat_map(|t| t.points.iter().copied());
+    let mut lines = trails.chain(drawable_forces(scene).flat_map(|f| [f.from, f.to])).filter(|p| near(*p));
+    scene.view.is_some()
+        && (seen(scene, style, frame).iter().any(|(_, pose, body)| frame.cuts(pose.position, body.reach))
+            || walls_of(scene).iter().flatten().any(|c| frame.cuts(*c, 0.0))
+            || lines.any(|p| frame.cuts(p, 0.0)))
+}
+
 /// Draws the scene where the frame has it.
 pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame, colouring: &Colouring) {
     let Look { style, palette, .. } = look;
@@ -34,26 +61,11 @@ pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame,
     } else {
         colouring
     };
-    let drawn: Vec<_> = scene
-        .drawn()
-        .filter(|(_, pose, body)| style.bodies.shown() && !frame.misses(pose.position, body.reach))
-        .collect();
-    let walls: Vec<Vec<Vec2>> = {
-        let finite = |corners: &[Vec2]| corners.iter().copied().filter(|c| near(*c)).collect::<Vec<_>>();
-        scene.trial.geometry.walls.iter().map(|w| finite(&w.corners)).collect()
-    };
-    let lines = || {
-        let trails = scene.trails.iter().flat_map(|t| t.points.iter().copied());
-        trails.chain(drawable_forces(scene).flat_map(|f| [f.from, f.to])).filter(|p| near(*p))
-    };
-    // Only a view of the caller's choice can cut anything; a clip costs the rasteriser dear.
-    let cut = scene.view.is_some()
-        && (drawn.iter().any(|(_, pose, body)| frame.cuts(pose.position, body.reach))
-            || walls.iter().flatten().any(|c| frame.cuts(*c, 0.0))
-            || lines().any(|p| frame.cuts(p, 0.0)));
+    let (drawn, walls) = (seen(scene, style, frame), walls_of(scene));
+    let cut = is_cut(scene, style, frame);
     let (mut left, mut top) = (frame.left, frame.top);
     if cut {
-        let border = 0.4 * MARGIN * frame.unit;
+        let border = CUT_BORDER * frame.unit;
         let [x, y, w, h] =
             [left - border, top - border, frame.drawn.x + 2.0 * border, frame.drawn.y + 2.0 * border]
                 .map(|v| text_of(v, PX));
@@ -82,9 +94,10 @@ pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame,
         let crossed = !scene.trails.is_empty() || !scene.forces.is_empty();
         let pen = text_of(PEN * lettering::CAP, PX);
         *out += &format!("<g class=\"ids\" fill=\"none\" stroke-width=\"{pen}\">\n");
+        let height = ids::height(scene);
         for (agent, pose, body) in &drawn {
-            if let Some(a) = scene.trial.agents.get(*agent) {
-                id_on(out, &a.id, pose, body, colouring.of(*agent), crossed);
+            if let Some(a) = scene.trial.agents.get(*agent).filter(|a| ids::fits(&a.id, body, height)) {
+                id_on(out, &a.id, height, pose, body, colouring.of(*agent), crossed);
             }
         }
         *out += "</g>\n";
@@ -182,11 +195,10 @@ fn mark(out: &mut String, body: &Body, fill: Colour) {
     *out += "Z\"/>";
 }
 
-/// The id upright in the middle of the body, as large as there is room; with a halo where lines cross it.
-fn id_on(out: &mut String, id: &str, pose: &Pose, body: &Body, fill: Colour, crossed: bool) {
+/// The id upright in the middle of the body; with a halo where lines cross it.
+fn id_on(out: &mut String, id: &str, height: f64, pose: &Pose, body: &Body, fill: Colour, crossed: bool) {
     let turn = Rotation::by(pose.theta);
     let middle = pose.position + (body.middle - vec2(0.18 * body.front, 0.0)).rotated(turn);
-    let height = (body.front / lettering::width(id, 1.0).max(0.1)).min(0.56 * body.front);
     // In the letters' own grid: whole and half numbers are short and exact.
     let grid = lettering::CAP;
     let (x, y) = (-(0.5 * lettering::width(id, grid)).round(), -0.5 * grid);

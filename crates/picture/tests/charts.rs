@@ -8,11 +8,15 @@ fn axis(label: &str, unit: &str) -> Axis {
 }
 
 fn line(group: usize, dashed: bool, points: Vec<(f64, f64)>) -> Line {
-    Line { name: format!("agent {group}"), points, group, dashed }
+    Line { name: group.to_string(), points, group, dashed }
 }
 
 fn one_panel(lines: Vec<Line>, steps: bool) -> Chart {
-    Chart { x: axis("time", "s"), panels: vec![ChartPanel { y: axis("speed", "m/s"), lines, steps }] }
+    Chart {
+        x: axis("time", "s"),
+        panels: vec![ChartPanel { y: axis("speed", "m/s"), lines, steps }],
+        noun: "agent".into(),
+    }
 }
 
 fn drawn(chart: &Chart) -> String {
@@ -152,6 +156,66 @@ fn names_stand_apart() {
 }
 
 #[test]
+fn equal_curves_have_one_name_and_show_all_their_colours() {
+    let ramp = |k: f64| (0..=100).map(|t| (f64::from(t), k * f64::from(t))).collect::<Vec<_>>();
+    // 1 and 2 are equal, 4 is until half of the time.
+    let half = |t: f64| if t <= 50.0 { t } else { 150.0 - t };
+    let lines = vec![
+        line(0, false, ramp(0.5)),
+        line(1, false, ramp(1.0)),
+        line(2, false, ramp(1.0)),
+        line(4, false, (0..=100).map(|t| (f64::from(t), half(f64::from(t)))).collect()),
+    ];
+    let text = drawn(&one_panel(lines.clone(), false));
+    let document = Document::parse(&text).unwrap();
+    let mut names = labels(&document, "name");
+    names.sort_unstable();
+    assert_eq!(names, ["agent 0", "agent 4", "agents 1, 2"], "equal in part is not equal");
+    let lines = lines[..3].to_vec();
+    let text = drawn(&one_panel(lines, false));
+    let document = Document::parse(&text).unwrap();
+    assert_eq!(labels(&document, "name"), ["agents 1, 2", "agent 0"]);
+    let turns: Vec<_> = paths(&document, "simulated");
+    let dashes = |n: &Node| {
+        let number = |name| n.attribute(name).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
+        (number("stroke-dasharray"), number("stroke-dashoffset"))
+    };
+    let [one, two] = [dashes(&turns[1]), dashes(&turns[2])];
+    assert!(turns[0].attribute("stroke-dasharray").is_none());
+    assert!(one.0 == two.0 && (one.1 - two.1 - one.0).abs() < 1e-6, "{one:?} {two:?}");
+    assert_eq!(turns[1].attribute("d"), turns[2].attribute("d"));
+    assert_ne!(turns[1].attribute("stroke"), turns[2].attribute("stroke"));
+    // Many are a range.
+    let all = (0..6).map(|k| line(k, false, ramp(1.0))).collect();
+    let text = drawn(&one_panel(all, false));
+    assert_eq!(labels(&Document::parse(&text).unwrap(), "name"), ["agents 0–5"]);
+}
+
+#[test]
+fn what_is_measured_is_seen_on_an_equal_simulated_curve() {
+    let ramp: Vec<_> = (0..=10).map(|t| (f64::from(t), f64::from(t))).collect();
+    let lines = vec![line(0, true, ramp.clone()), line(0, false, ramp.clone()), line(1, false, ramp)];
+    let text = drawn(&one_panel(lines, false));
+    let at = |what: &str| text.rfind(what).unwrap_or_else(|| panic!("no {what}"));
+    let group = text.find("class=\"lines\"").unwrap();
+    let measured = group + text[group..].find("class=\"measured\"").unwrap();
+    assert!(
+        at("class=\"casing\"") < measured
+            && at("<path class=\"simulated\" stroke=\"#d5") < at("class=\"casing\"")
+    );
+    // Beside the dashes there is paper, and the solid line between.
+    let casing = &text[at("class=\"casing\"")..];
+    assert!(casing.starts_with("class=\"casing\" stroke=\"#ffffff\""));
+    let dashes = |text: &str| -> (f64, f64) {
+        let dashes = text.split("stroke-dasharray=\"").nth(1).unwrap().split('"').next().unwrap();
+        let (dash, gap) = dashes.split_once(' ').unwrap();
+        (dash.parse().unwrap(), gap.parse().unwrap())
+    };
+    let (around, own) = (dashes(casing), dashes(&text[measured..]));
+    assert!(around.0 > own.0 + 1.0 && around.1 > 1.0 && (around.0 + around.1 - own.0 - own.1).abs() < 0.02);
+}
+
+#[test]
 fn nothing_panics() {
     let odd =
         [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -1e308, 1e-308, 0.0, 1e16, 1e16 + 2.0, -1.5];
@@ -177,5 +241,5 @@ fn nothing_panics() {
             }
         }
     }
-    png(&drawn(&Chart { x: Axis::default(), panels: vec![] }), 64).unwrap();
+    png(&drawn(&Chart::default()), 64).unwrap();
 }

@@ -27,7 +27,7 @@ fn dark() -> Style {
 
 fn speeds(t: &Trial, phase: f64) -> Values {
     let values = (0..t.agents.len()).map(|k| (k as f64 * 0.7 + phase).sin().abs()).collect();
-    Values { values, label: "speed".into(), unit: "m/s".into(), range: None }
+    Values { values, label: "speed".into(), unit: "m/s".into(), range: None, ..Values::default() }
 }
 
 /// Bodies whose disks nearly touch push each other, the harder the nearer.
@@ -56,8 +56,13 @@ fn box_of(low: Vec2, high: Vec2) -> Vec<Vec2> {
 fn scenes() {
     let alphabet = " AaBbCcDdEeFfGgHhIiJjKkLlMm NnOoPpQqRrSsTtUuVvWwXxYyZz 0123456789 .,:·-+=_/()%°²³µθω é";
     let t = trial(vec![(pedestrian("17"), Vec2::ZERO, 0.9)], vec![]);
-    let values =
-        Values { values: vec![1.0], label: alphabet.into(), unit: "N/m".into(), range: Some((0.0, 2.5)) };
+    let values = Values {
+        values: vec![1.0],
+        label: alphabet.into(),
+        unit: "N/m".into(),
+        range: Some((0.0, 2.5)),
+        ..Values::default()
+    };
     let ids = Style { ids: Visibility::Shown, ..Style::default() };
     show("single", &Scene::at_start(&t), &Style { fill: Fill::Values(values), ..ids.clone() }, 1200);
     // All that there is, on a narrow page.
@@ -66,6 +71,7 @@ fn scenes() {
         label: "number of contacts".into(),
         unit: "N".into(),
         range: None,
+        ..Values::default()
     };
     for (name, walls, width) in [
         ("narrow-row", box_of(vec2(-0.3, -0.3), vec2(2.7, 0.3)), 400),
@@ -182,7 +188,13 @@ fn measured_beside_simulated() {
     show("measured", &scene, &full, 400);
     show("measured-dark", &scene, &Style { theme: Theme::Dark, ..full.clone() }, 1600);
     let values = |v: Vec<f64>| {
-        Some(Fill::Values(Values { values: v, label: "squeeze".into(), unit: "N".into(), range: None }))
+        Some(Fill::Values(Values {
+            values: v,
+            label: "squeeze".into(),
+            unit: "N".into(),
+            range: None,
+            ..Values::default()
+        }))
     };
     let scenes: Vec<Scene> = [0.0, 0.5, 1.0, 2.0, 4.0, 6.0].map(scene_at).into();
     let panels: Vec<Panel> = scenes
@@ -224,6 +236,7 @@ fn measured_beside_simulated() {
     let mut both = x(&simulated, false);
     both.extend(x(&measured, true));
     let chart = Chart {
+        noun: "agent".into(),
         x: axis("time", "s"),
         panels: vec![
             ChartPanel { y: axis("x", "m"), lines: both, steps: false },
@@ -256,6 +269,7 @@ fn charts_of_many() {
     let x = of(&|t, r| 4.0 * r + t * (0.2 + 0.5 * (r * 37.0 % 1.0)));
     let contacts = of(&|t, r| (2.0 + 2.0 * r + 2.0 * (t + 20.0 * r).sin()).floor().max(0.0));
     let chart = Chart {
+        noun: "agent".into(),
         x: axis("time", "s"),
         panels: vec![
             ChartPanel { y: axis("x", "m"), lines: x, steps: false },
@@ -272,7 +286,7 @@ fn charts_of_many() {
         &chart_svg(&chart, &ChartStyle { theme: Theme::Dark, ..ChartStyle::default() }),
         800,
     );
-    let alone = Chart { x: axis("time", "s"), panels: chart.panels[..1].to_vec() };
+    let alone = Chart { panels: chart.panels[..1].to_vec(), ..chart.clone() };
     keep("chart-alone", &chart_svg(&alone, &ChartStyle::default()), 400);
 }
 

@@ -126,6 +126,7 @@ fn values_and_their_colours() {
         label: "speed".into(),
         unit: "m/s".into(),
         range: Some((0.0, 10.0)),
+        ..Values::default()
     };
     let picture = Pixels::of(
         &svg(&Scene::at_start(&t), &Style { width: 428.0, fill: Fill::Values(values), ..plain() }),
@@ -162,7 +163,13 @@ fn nothing_panics() {
         );
         render(&t, vec![], &full, Some(View { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }));
         for range in [None, Some((v, 1.0)), Some((-1e308, 1e308)), Some((2.0, 1.0))] {
-            let values = Values { values: vec![v, 1.0], label: "é\u{0}".into(), unit: "<".into(), range };
+            let values = Values {
+                values: vec![v, 1.0],
+                label: "é\u{0}".into(),
+                unit: "<".into(),
+                range,
+                ..Values::default()
+            };
             let scene = Scene::at_start(&t);
             png(&svg(&scene, &Style { fill: Fill::Values(values), ..full.clone() }), 64).unwrap();
         }

@@ -80,6 +80,7 @@ fn forces_are_seen_on_every_fill() {
                 label: String::new(),
                 unit: String::new(),
                 range: Some((0.0, 1.0)),
+                ..Values::default()
             };
             let mut scene = Scene::at_start(&t);
             scene.forces = vec![force(0.0, 1.0, 100.0)];
@@ -299,7 +300,13 @@ fn a_sheet_has_one_of_everything() {
         .enumerate()
         .map(|(k, scene)| {
             let values = vec![k as f64, 1.0, 2.0];
-            let fill = Values { values, label: "speed".into(), unit: "m/s".into(), range: None };
+            let fill = Values {
+                values,
+                label: "speed".into(),
+                unit: "m/s".into(),
+                range: None,
+                ..Values::default()
+            };
             Panel { scene, time: Some(0.5 * k as f64), fill: Some(Fill::Values(fill)) }
         })
         .collect();
@@ -328,6 +335,81 @@ fn a_sheet_has_one_of_everything() {
     let bare = sheet(&panels[1..2], 7, &bare);
     assert_eq!(labels(&Document::parse(&bare).unwrap(), "time"), ["t = 0.50 s"]);
     png(&sheet(&[], 0, &SheetStyle::default()), 100).unwrap();
+}
+
+#[test]
+fn cut_panels_stand_apart() {
+    let t = row(6);
+    let view = View { low: vec2(0.5, -0.5), high: vec2(2.5, 0.5) };
+    let mut scene = Scene::at_start(&t);
+    scene.view = Some(view);
+    let scenes = vec![scene; 4];
+    let panels: Vec<Panel> = scenes.iter().map(|scene| Panel { scene, time: None, fill: None }).collect();
+    let style = SheetStyle { letters: Visibility::Hidden, ..SheetStyle::default() };
+    let text = sheet(&panels, 2, &style);
+    let document = Document::parse(&text).unwrap();
+    // Where each panel's clip is on the page.
+    let clips: Vec<[f64; 4]> = document
+        .descendants()
+        .filter(|n| n.has_tag_name("svg") && n.attribute("x").is_some())
+        .map(|n| ["x", "y", "width", "height"].map(|name| number(n, name)))
+        .collect();
+    assert_eq!(clips.len(), 4);
+    let beside = clips[1][0] - (clips[0][0] + clips[0][2]);
+    let below = clips[2][1] - (clips[0][1] + clips[0][3]);
+    assert!(beside > 9.0 && below > 9.0, "{beside} px, {below} px");
+}
+
+#[test]
+fn ids_are_of_one_size() {
+    // Of one digit, of three, and one that no body has room for.
+    let ids = ["1", "23", "456", "7", "the-last-one-of-the-row"];
+    let people = ids.iter().enumerate().map(|(k, id)| (pedestrian(id), vec2(k as f64, 0.0), 0.0)).collect();
+    let t = trial(people, vec![]);
+    let mut scene = Scene::at_start(&t);
+    let style = Style { ids: Visibility::Shown, ..Style::default() };
+    let sizes = |text: &str| -> Vec<String> {
+        let document = Document::parse(text).unwrap();
+        let [group] = class(&document, "ids")[..] else { panic!("one group") };
+        let transforms = group.children().filter_map(|n| n.attribute("transform"));
+        transforms.map(|t| t.split("scale(").nth(1).unwrap().to_owned()).collect()
+    };
+    let drawn = sizes(&svg(&scene, &style));
+    assert_eq!(drawn.len(), 4);
+    assert!(drawn.iter().all(|size| *size == drawn[0]), "{drawn:?}");
+    assert_eq!(ids_without_room(&scene), [ids[4]]);
+    // A frame of a movie in which the one that decides is not seen.
+    scene.poses[2].position = vec2(f64::NAN, 0.0);
+    assert_eq!(sizes(&svg(&scene, &style)), drawn[1..]);
+}
+
+#[test]
+fn nothing_is_pale_and_a_clipped_scale_says_so() {
+    let t = row(3);
+    let scene = Scene::at_start(&t);
+    let of = |values: Vec<f64>, range, quantile, theme| {
+        let (label, unit, map) = ("mean squeeze".to_owned(), "N".to_owned(), ColourMap::FromPaper);
+        let fill = Fill::Values(Values { values, label, unit, range, quantile, map });
+        svg(&scene, &Style { fill, theme, ..Style::default() })
+    };
+    let ends = |text: &str| {
+        let document = Document::parse(text).unwrap();
+        ["low", "high", "label"].map(|name| labels(&document, name).concat())
+    };
+    let fills = |text: &str| -> Vec<String> {
+        let document = Document::parse(text).unwrap();
+        let bodies = class(&document, "bodies")[0].children().filter(|n| n.is_element());
+        bodies.map(|n| n.attribute("fill").unwrap().to_owned()).collect()
+    };
+    let clipped = of(vec![0.0, 3200.0, 90_000.0], Some((0.0, 3200.0)), Some(0.98), Theme::Light);
+    assert_eq!(ends(&clipped), ["0", "≥ 3200", "mean squeeze (N), to the 98 % quantile"]);
+    assert_eq!(fills(&clipped), ["#fcfdbf", "#1a1042", "#1a1042"]);
+    let whole = of(vec![0.0, 3200.0, 10.0], Some((0.0, 3200.0)), None, Theme::Dark);
+    assert_eq!(ends(&whole), ["0", "3200", "mean squeeze (N)"]);
+    assert_eq!(fills(&whole)[..2], ["#1a1042", "#fcfdbf"]);
+    let nobody = of(vec![0.0; 3], None, None, Theme::Light);
+    assert_eq!(ends(&nobody), ["0", "1", "mean squeeze (N)"]);
+    assert!(fills(&nobody).iter().all(|fill| fill == "#fcfdbf"));
 }
 
 #[test]

@@ -2,26 +2,33 @@
 
 use super::measured::{Measured, Origin};
 use super::moment::{Footage, Moment, Shadow};
+use super::spread::Spread;
 use crate::interrupt::Interrupt;
 use anyhow::Result;
 use clap::ValueEnum;
 use crowd_mechanics::engine::{Vec2, vec2};
-use lemons_export::Run;
+use crowd_mechanics::trial::AgentDynamics;
+use lemons_export::{Observed, OfStep, Run};
 use lemons_picture::{
-    Colour, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, View, Visibility, body_area,
+    Colour, ColourMap, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, View, Visibility,
+    body_area, ids_without_room,
 };
 use std::path::PathBuf;
 
 /// \[m\] A trail's points are not nearer than this to each other.
 const TRAIL_STEP: f64 = 0.005;
+/// The colour bar ends at this quantile of the values that are not zero.
+const CLIP: f64 = 0.98;
 
 #[derive(clap::Args)]
 #[command(next_help_heading = "Look")]
 pub struct Look {
-    /// Colour of the bodies: area, speed, squeeze, contacts, or one colour as in #8cb4de
+    /// Colour of the bodies: area, speed, contacts, squeeze (the mean over the communication step that ends
+    /// at the time), peak-squeeze (the largest within that step), or one colour as in #8cb4de
     #[arg(long, value_name = "FILL", default_value = "area", value_parser = filling)]
     pub fill: Filling,
-    /// What the two ends of the colour bar are; default: 0, of areas the least, and the greatest shown
+    /// What the two ends of the colour bar are; default: 0, of areas the least, and the value below which
+    /// 98 % lie of those that are shown and not 0 (the bar says ≥ where any is beyond), of areas the greatest
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     range: Option<(f64, f64)>,
     /// Contacts as lines, as wide as their normal force
@@ -39,7 +46,7 @@ pub struct Look {
     /// What the x and y of the measured trajectories are
     #[arg(long, value_name = "ORIGIN", default_value = "plane", requires = "measured")]
     measured_from: Origin,
-    /// The agents' Ids, on the bodies
+    /// The agents' Ids, on the bodies, all of one size
     #[arg(long)]
     ids: bool,
     /// No mark where each body faces
@@ -72,8 +79,13 @@ pub enum Quantity {
     /// Of the centre of mass
     Y,
     Speed,
-    /// Sum of |F_n| over the contacts
+    /// Sum of |F_n| over the contacts: its mean over the communication step that ends at the time
     Squeeze,
+    /// Its largest value within that step
+    PeakSqueeze,
+    /// Its value at the time: of runs that do not say the others.
+    #[value(skip)]
+    SqueezeAtTheTime,
     /// With other people's disks and with walls
     Contacts,
 }
@@ -85,23 +97,58 @@ impl Quantity {
             Quantity::X => ("x", "m"),
             Quantity::Y => ("y", "m"),
             Quantity::Speed => ("speed", "m/s"),
-            Quantity::Squeeze => ("squeeze", "N"),
+            Quantity::Squeeze => ("mean squeeze", "N"),
+            Quantity::PeakSqueeze => ("peak squeeze", "N"),
+            Quantity::SqueezeAtTheTime => ("squeeze at the time", "N"),
             Quantity::Contacts => ("contacts", ""),
         }
     }
 
-    fn of(self, moment: &Moment) -> Vec<f64> {
-        let agents = moment.agents.iter();
-        let observed = moment.observed.iter();
-        match self {
-            Quantity::X => agents.map(|agent| agent.position.x).collect(),
-            Quantity::Y => agents.map(|agent| agent.position.y).collect(),
-            Quantity::Speed => agents.map(|agent| agent.velocity.norm()).collect(),
-            Quantity::Squeeze => observed.map(|seen| seen.normal_force).collect(),
-            Quantity::Contacts => {
-                observed.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts)).collect()
-            }
+    /// What contacts do; else it is known of every run.
+    pub fn is_of_contacts(self) -> bool {
+        !matches!(self, Quantity::X | Quantity::Y | Quantity::Speed)
+    }
+
+    /// What can be shown of it: of a run that does not say what contacts did during its steps, the squeeze at
+    /// the times, which is told.
+    pub fn known_of(self, run: &Run) -> Quantity {
+        let mut observed = run.frames.iter().flat_map(|frame| frame.observed.iter().flatten());
+        let of_steps = !matches!(self, Quantity::Squeeze | Quantity::PeakSqueeze);
+        if of_steps || observed.all(|seen| seen.of_step.is_some()) {
+            return self;
         }
+        let (label, _) = self.label();
+        let source = run.source.display();
+        note!(
+            "{source}: does not say the {label} over communication steps: shown is the squeeze at the time"
+        );
+        Quantity::SqueezeAtTheTime
+    }
+
+    /// Of an agent; NaN where it is not known.
+    pub fn of(self, agent: &AgentDynamics, seen: Option<&Observed>) -> f64 {
+        let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
+        let known = match self {
+            Quantity::X => Some(agent.position.x),
+            Quantity::Y => Some(agent.position.y),
+            Quantity::Speed => Some(agent.velocity.norm()),
+            Quantity::Squeeze => of_step(|step| step.mean_normal_force),
+            Quantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
+            Quantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
+            Quantity::Contacts => {
+                seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
+            }
+        };
+        known.unwrap_or(f64::NAN)
+    }
+
+    fn of_all(self, moment: &Moment) -> Vec<f64> {
+        let of = |(k, agent)| self.of(agent, moment.observed.get(k));
+        moment.agents.iter().enumerate().map(of).collect()
+    }
+
+    fn map(self) -> ColourMap {
+        if self.is_of_contacts() { ColourMap::FromPaper } else { ColourMap::Viridis }
     }
 }
 
@@ -114,7 +161,7 @@ fn filling(text: &str) -> Result<Filling, String> {
     }
     match Quantity::from_str(text, false) {
         Ok(quantity) if !matches!(quantity, Quantity::X | Quantity::Y) => Ok(Filling::Of(quantity)),
-        _ => Err("must be area, speed, squeeze, contacts or a colour as in #8cb4de".into()),
+        _ => Err("must be area, speed, contacts, squeeze, peak-squeeze or a colour as in #8cb4de".into()),
     }
 }
 
@@ -173,7 +220,10 @@ pub struct Looks<'f> {
     measured: Option<Measured>,
     shadow: Option<Shadow>,
     scene: Scene<'f>,
+    fill: Filling,
     range: Option<(f64, f64)>,
+    /// Of the values shown, where some are beyond the range for it.
+    quantile: Option<f64>,
     widest: Option<f64>,
     /// Of the time stamp.
     decimals: usize,
@@ -225,18 +275,23 @@ impl<'f> Looks<'f> {
             measured: look.measured(&footage.run)?,
             shadow: look.forces.then(|| Shadow::new(&footage.trial)).transpose()?,
             scene: Scene::new(&footage.trial, footage.frame(0).poses()),
+            fill: match look.fill {
+                Filling::Of(quantity) => Filling::Of(quantity.known_of(&footage.run)),
+                fill => fill,
+            },
             range: look.range,
+            quantile: None,
             widest: look.widest,
             decimals: decimals(times),
             other_parameters: false,
         };
         // One moment after the other: those of a long movie would not go into memory together.
-        let (mut greatest, mut widest, mut extent) = (0.0, None, None::<View>);
+        let (mut spread, mut widest, mut extent) = (Spread::default(), None, None::<View>);
         for time in times {
             interrupt.check()?;
             let moment = footage.at(*time);
-            if let Filling::Of(quantity) = look.fill {
-                greatest = quantity.of(&moment).into_iter().fold(greatest, f64::max);
+            if let (Filling::Of(quantity), None) = (looks.fill, look.range) {
+                quantity.of_all(&moment).into_iter().for_each(|value| spread.add(value));
             }
             if look.widest.is_none() {
                 let forces = looks.forces(&moment).into_iter().map(|force| force.normal_force);
@@ -247,7 +302,9 @@ impl<'f> Looks<'f> {
             extent = Some(extent.map_or(own, |all| around(all, own)));
         }
         if let (Filling::Of(_), None) = (look.fill, look.range) {
-            looks.range = Some((0.0, if greatest > 0.0 { greatest } else { 1.0 }));
+            // A spike of a millisecond would leave all others at the low end.
+            let (high, beyond) = spread.quantile(CLIP).unwrap_or((1.0, false));
+            (looks.range, looks.quantile) = (Some((0.0, high)), beyond.then_some(CLIP));
         }
         looks.widest = look.widest.or(widest);
         if let Some(last) = times.last().filter(|_| look.shows_trails()) {
@@ -256,6 +313,10 @@ impl<'f> Looks<'f> {
             extent = extent.map(|all| around(all, looks.scene.extent()));
         }
         looks.scene.view = look.view.or(extent);
+        let without = if look.ids { ids_without_room(&looks.scene) } else { Vec::new() };
+        if !without.is_empty() {
+            note!("--ids: left out, as their bodies have no room for them: {}", without.join(", "));
+        }
         Ok(looks)
     }
 
@@ -271,20 +332,20 @@ impl<'f> Looks<'f> {
 
     /// How.
     pub fn style(&self, moment: &Moment) -> Style {
-        let values = |values, (label, unit): (&str, &str)| {
+        let values = |values, (label, unit): (&str, &str), map| {
             let (label, unit, range) = (label.to_owned(), unit.to_owned(), self.range);
-            Fill::Values(Values { values, label, unit, range })
+            Fill::Values(Values { values, label, unit, range, quantile: self.quantile, map })
         };
         let shown = |shown: bool| if shown { Visibility::Shown } else { Visibility::Hidden };
         Style {
             width: f64::from(self.look.width),
-            fill: match self.look.fill {
+            fill: match self.fill {
                 Filling::Single(colour) => Fill::Single(colour),
-                Filling::Of(quantity) => values(quantity.of(moment), quantity.label()),
+                Filling::Of(quantity) => values(quantity.of_all(moment), quantity.label(), quantity.map()),
                 Filling::Area if self.range.is_none() => Fill::BodyArea,
                 Filling::Area => {
                     let areas = self.footage.trial.agents.iter().map(body_area);
-                    values(areas.collect(), ("body area", "m²"))
+                    values(areas.collect(), ("body area", "m²"), ColourMap::Viridis)
                 }
             },
             theme: self.look.theme(),

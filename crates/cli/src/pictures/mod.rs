@@ -7,3 +7,4 @@ pub mod movie;
 pub mod plot;
 mod series;
 mod source;
+mod spread;

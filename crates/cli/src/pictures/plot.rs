@@ -30,8 +30,9 @@ pub struct Arguments {
     /// Scenes beside each other; default: by their shape
     #[arg(long, value_name = "N", requires = "at", value_parser = clap::value_parser!(u32).range(1..))]
     columns: Option<u32>,
-    /// Instead of scenes: these over time, for each agent; counts of different agents are drawn
-    /// slightly apart, so that all are seen
+    /// Instead of scenes: these over time, for each agent: squeeze is the mean over the communication step
+    /// that ends at each time, peak-squeeze the largest within it. Counts of different agents are drawn
+    /// slightly apart, equal curves in dashes of all their colours
     #[arg(long, value_name = "QUANTITY,…", value_delimiter = ',', conflicts_with = "density")]
     series: Vec<Quantity>,
     /// Only these agents' time series, by Id; default: all

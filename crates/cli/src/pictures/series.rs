@@ -27,9 +27,9 @@ pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart
         Some(trial) => super::moment::Footage::new(trial, run)?.run,
         None => run,
     };
-    let contacts = |quantity: &&Quantity| matches!(quantity, Quantity::Squeeze | Quantity::Contacts);
     let recorded = run.frames.iter().all(|frame| frame.observed.is_some());
-    if let Some(quantity) = selection.quantities.iter().find(contacts).filter(|_| !recorded) {
+    let mut of_contacts = selection.quantities.iter().filter(|quantity| quantity.is_of_contacts());
+    if let Some(quantity) = of_contacts.next().filter(|_| !recorded) {
         let (name, _) = quantity.label();
         bail!("{}: does not say the {name}: give the Trial or FMU that ran: --trial", run.source.display());
     }
@@ -39,11 +39,22 @@ pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart
         bail!("{}: no frame between --from and --until", run.source.display());
     }
     let measured = look.measured(&run)?;
-    let panels = selection.quantities.iter().map(|&quantity| {
+    let mut quantities: Vec<Quantity> = Vec::new();
+    for quantity in selection.quantities.iter().map(|quantity| quantity.known_of(&run)) {
+        // Mean and peak may have become the same.
+        if !quantities.contains(&quantity) {
+            quantities.push(quantity);
+        }
+    }
+    let panels = quantities.into_iter().map(|quantity| {
         let (label, unit) = quantity.label();
         let simulated = places.iter().map(|&place| {
             let frames = run.frames.iter().filter(|frame| within(frame.time));
-            let points = frames.map(|frame| (frame.time, value(quantity, frame, place))).collect();
+            let value = |frame: &Frame| {
+                let seen = frame.observed.as_ref().and_then(|all| all.get(place));
+                quantity.of(&frame.agents[place], seen)
+            };
+            let points = frames.map(|frame| (frame.time, value(frame))).collect();
             Line { name: run.ids[place].clone(), points, group: place, dashed: false }
         });
         let seen = places.iter().filter_map(|&place| {
@@ -57,7 +68,8 @@ pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart
             steps: quantity == Quantity::Contacts,
         }
     });
-    Ok(Chart { x: Axis { label: "time".to_owned(), unit: "s".to_owned() }, panels: panels.collect() })
+    let x = Axis { label: "time".to_owned(), unit: "s".to_owned() };
+    Ok(Chart { x, panels: panels.collect(), noun: "agent".to_owned() })
 }
 
 fn places(run: &Run, agents: &[String]) -> Result<Vec<usize>> {
@@ -69,20 +81,6 @@ fn places(run: &Run, agents: &[String]) -> Result<Vec<usize>> {
         None => bail!("{}: there is no agent {id:?}", run.source.display()),
     };
     agents.iter().map(place).collect()
-}
-
-fn value(quantity: Quantity, frame: &Frame, place: usize) -> f64 {
-    let agent = &frame.agents[place];
-    let observed = frame.observed.as_ref().map(|all| all[place]);
-    match quantity {
-        Quantity::X => agent.position.x,
-        Quantity::Y => agent.position.y,
-        Quantity::Speed => agent.velocity.norm(),
-        Quantity::Squeeze => observed.map_or(f64::NAN, |seen| seen.normal_force),
-        Quantity::Contacts => {
-            observed.map_or(f64::NAN, |seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
-        }
-    }
 }
 
 /// Of what was measured: where somebody was.
