@@ -190,7 +190,8 @@ impl Model for Crowd {
         if self.settings.keys().any(|&reference| self.table[reference as usize].role != Role::Input) {
             self.warnings.extend(self.trial.advice_as_edited());
         }
-        self.warn_of_coincidence();
+        // What was read was warned of when it was, what was set just now.
+        self.said_coincident = self.first_coincident();
         Ok(())
     }
 
@@ -260,14 +261,18 @@ impl Crowd {
 
     /// Says who stands in one place, as often as it is somebody else.
     fn warn_of_coincidence(&mut self) {
-        let Some(world) = &self.world else { return };
-        let coincident = &world.contacts().coincident;
-        let first = coincident.first().copied();
-        if first == self.said_coincident {
-            return;
+        let first = self.first_coincident();
+        if first != self.said_coincident
+            && let Some(world) = &self.world
+        {
+            let told = self.trial.name_coincident(world.scene(), &world.contacts().coincident);
+            self.warnings.extend(told);
         }
         self.said_coincident = first;
-        self.warnings.extend(self.trial.name_coincident(world.scene(), coincident));
+    }
+
+    fn first_coincident(&self) -> Option<Pair> {
+        self.world.as_ref().and_then(|world| world.contacts().coincident.first().copied())
     }
 
     fn advance_world(&mut self, step: f64) -> Result<(), AdvanceError> {

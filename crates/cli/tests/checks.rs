@@ -39,7 +39,7 @@ fn trials_that_could_not_be_loaded_from_an_fmu_are_not_packed() {
     }
     for name in ["trials", "my trials.txt", "Größe 1", "box.d"] {
         copy_trial(&at.join(name));
-        done(at, &["pack", name, "-o", "x.fmu"]);
+        done(at, &["pack", name, "-o", "x.fmu", "--force"]);
         let info = out(&done(at, &["info", "x.fmu", "--only", "no such"]));
         assert!(info.contains(&format!("Trials    {name}\n")), "{info}");
     }

@@ -422,7 +422,8 @@ fn wrong_kinds_of_files_are_called_what_they_are() {
         ("damaged.zip", "damaged"),
     ];
     let table = "a table that lemons run wrote";
-    let shown: &[&str] = &["dir", "text.md", "binary", "push.fmu", "t.parquet"];
+    // A zip may be a Trial.
+    let shown: &[&str] = &["dir", "text.md", "binary", "push.fmu", "t.parquet", "damaged.zip"];
     // With what it takes, and what is refused for another reason.
     let commands: [(&[&str], i32, &str, &[&str]); 13] = [
         (&["info", "FILE"], 1, "an FMU", &["push.fmu", "a.run"]),

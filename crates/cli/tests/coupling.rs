@@ -201,7 +201,7 @@ fn what_is_no_fmu_is_called_what_it_is() {
     assert!(said.contains("coupled.ssp: this is an SSP archive: lemons run FILE.ssp"), "{said}");
     write_zip(&at.join("some.zip"), &[("text", b"")]);
     let said = err(&lemons(at, &["run", "some.zip"]));
-    assert!(said.contains("some.zip: there is no modelDescription.xml in it: no FMU"), "{said}");
+    assert!(said.contains("some.zip: there is no Parameters.xml in it: no zip of a Trial"), "{said}");
 }
 
 #[test]

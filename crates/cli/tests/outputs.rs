@@ -5,7 +5,7 @@ mod common;
 #[path = "../src/files/roles.rs"]
 mod roles;
 
-use common::{assert_code, command, default_trial, done, err, lemons, out};
+use common::{assert_code, command, decision_library, default_trial, done, err, lemons, out};
 use roles::{ROLES, Role};
 use std::fs::File;
 use std::os::unix::fs::FileTypeExt;
@@ -19,6 +19,7 @@ fn workshop() -> TempDir {
     let directory = TempDir::new().unwrap();
     let trial = default_trial();
     let trial = trial.to_str().unwrap();
+    decision_library();
     done(directory.path(), &["pack", trial, "-o", "crowd.fmu"]);
     std::fs::write(directory.path().join("wishes.toml"), "waypoints = [{ x = 6.0, y = 2.5 }]\n").unwrap();
     done(directory.path(), &["decide", trial, "--plan", "wishes.toml", "-o", "decision.fmu"]);

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::Once;
 
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -18,6 +19,27 @@ pub fn command(directory: &Path, arguments: &[&str]) -> Command {
     // What it remembers of files, not what the user's own commands remember.
     command.env("XDG_STATE_HOME", Path::new(env!("CARGO_TARGET_TMPDIR")).join("state"));
     command
+}
+
+/// Builds the Decision FMU's library beside the command, where `lemons decide` looks for it: no test links it.
+pub fn decision_library() {
+    static BUILT: Once = Once::new();
+    BUILT.call_once(|| {
+        let beside = Path::new(env!("CARGO_BIN_EXE_lemons")).parent().unwrap();
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.current_dir(root()).args([
+            "build",
+            "--quiet",
+            "--package",
+            "lemons-decision-fmu",
+            "--target-dir",
+        ]);
+        cargo.arg(beside.parent().unwrap());
+        if beside.ends_with("release") {
+            cargo.arg("--release");
+        }
+        assert!(cargo.status().unwrap().success());
+    });
 }
 
 pub fn lemons(directory: &Path, arguments: &[&str]) -> Output {
