@@ -47,6 +47,14 @@ pub fn prepare() -> Result<()> {
     Ok(())
 }
 
+/// Waits for the end of the program if a signal is about to end it: what failed meanwhile failed as its files were
+/// taken away.
+pub fn wait_if_ending() {
+    while PRESSED.load(Ordering::Relaxed) && !WATCHED.load(Ordering::Relaxed) {
+        std::thread::park();
+    }
+}
+
 /// Whether Ctrl-C was pressed. Pressed twice, the program ends at once.
 #[derive(Clone)]
 pub struct Interrupt(());

@@ -103,6 +103,9 @@ fn arguments() -> Result<(Arguments, ArgMatches), clap::Error> {
 
 fn main() -> ExitCode {
     let done = interrupt::prepare().and_then(|()| command()).and_then(|()| Ok(tell::out().flush()?));
+    if done.is_err() {
+        interrupt::wait_if_ending();
+    }
     files::remember();
     // What could not be removed while files were open.
     give_up();
