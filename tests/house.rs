@@ -149,7 +149,7 @@ const CRATES: [(&str, &Rooms); 10] = [
             ("curve", &[]),
             ("raster", &[]),
             ("animation", &["colour", "raster"]),
-            ("isobands", &["text", "body", "scene", "page", "colouring"]),
+            ("isobands", &["text", "body", "density", "scene", "page", "colouring"]),
             ("look", &["text", "colour", "style", "plane", "scene", "page", "furniture"]),
             ("overlay", &["text", "colour", "plane", "body", "scene", "page", "look"]),
             (

@@ -159,6 +159,11 @@ impl DensityMap {
         )
     }
 
+    /// \[m\] sides of walls.
+    pub(crate) fn walls(&self) -> &[[Vec2; 2]] {
+        &self.walls
+    }
+
     /// Cells along x and along y.
     pub fn cells(&self) -> (usize, usize) {
         (self.columns, self.rows)

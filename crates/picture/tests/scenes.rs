@@ -337,6 +337,34 @@ fn a_sheet_has_one_of_everything() {
     png(&sheet(&[], 0, &SheetStyle::default()), 100).unwrap();
 }
 
+/// Contours between the centres of cells on both sides of a wall went through it by up to a cell.
+#[test]
+fn no_colour_of_density_beyond_a_wall() {
+    let wall = 0.013;
+    let people = (0..6).map(|k| (pedestrian(&k.to_string()), vec2(0.1 * f64::from(k) - 0.3, -0.15), 0.0));
+    for upright in [false, true] {
+        let turned = |p: Vec2| if upright { vec2(p.y, p.x) } else { p };
+        let t =
+            trial(people.clone().collect(), vec![vec![turned(vec2(-3.0, wall)), turned(vec2(3.0, wall))]]);
+        let mut scene = Scene::at_start(&t);
+        let view = View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };
+        let mut map = DensityMap::new(view, 0.3, &t.geometry.walls);
+        map.add(scene.poses.iter().map(|pose| turned(pose.position)));
+        (scene.view, scene.density) = (Some(view), Some(map));
+        let text = svg(&scene, &Style::default());
+        let document = Document::parse(&text).unwrap();
+        let contours = class(&document, "density")[0].children().filter_map(|n| n.attribute("d"));
+        let mut furthest = f64::NEG_INFINITY;
+        for d in contours {
+            for corner in d.replace('-', " -").split(['M', 'L', 'Z']).filter(|corner| !corner.is_empty()) {
+                let numbers: Vec<f64> = corner.split_whitespace().map(|n| n.parse().unwrap()).collect();
+                furthest = furthest.max(if upright { numbers[0] } else { numbers[1] });
+            }
+        }
+        assert!((furthest - wall).abs() < 1e-3, "to {furthest} m, the wall is at {wall} m");
+    }
+}
+
 #[test]
 fn cut_panels_stand_apart() {
     let t = row(6);
