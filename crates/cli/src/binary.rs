@@ -1,10 +1,9 @@
 //! Whether a shared library is what an FMU needs: of its platform, and the one of its model.
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::Binary;
 use lemons_decision::decision::PLAN_FILE;
-use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
-use object::{Architecture, BinaryFormat, FileKind, Object};
+use lemons_master::check_library;
 
 /// A shared library of this workspace.
 pub struct Library {
@@ -19,59 +18,19 @@ pub const CROWD: Library = Library { name: "crowd_mechanics", mark: "CrowdMechan
 /// Of the decision; the mark is the file of its resources.
 pub const DECISION: Library = Library { name: "lemons_decision_fmu", mark: PLAN_FILE };
 
-/// The file format and the processors of FMI's platforms.
-const PLATFORMS: [(&str, BinaryFormat, &[Architecture]); 9] = {
-    use Architecture::{Aarch64, I386, X86_64};
-    use BinaryFormat::{Elf, MachO, Pe};
-    [
-        ("linux64", Elf, &[X86_64]),
-        ("linux32", Elf, &[I386]),
-        ("aarch64-linux", Elf, &[Aarch64]),
-        ("x86_64-linux", Elf, &[X86_64]),
-        ("win64", Pe, &[X86_64]),
-        ("win32", Pe, &[I386]),
-        // FMI 2.0 names no other platform for Macs.
-        ("darwin64", MachO, &[X86_64, Aarch64]),
-        ("aarch64-darwin", MachO, &[Aarch64]),
-        ("x86_64-darwin", MachO, &[X86_64]),
-    ]
-};
-
 impl Library {
-    /// Whether a file is this library, for its platform.
+    /// Whether a file is this library, whole and for its platform.
     ///
     /// # Errors
     /// It is not; a platform that FMI does not know is left to those who pack.
-    pub fn check(&self, binary: &Binary) -> Result<()> {
-        let Binary { platform, path } = binary;
-        let known = PLATFORMS.iter().find(|(name, ..)| name == platform);
-        let Some((_, format, processors)) = known else { return Ok(()) };
-        let shown = path.display();
-        let bytes = std::fs::read(path).with_context(|| format!("cannot read {shown}"))?;
-        let wrong = || anyhow!("--binary {platform}={shown}: is no shared library for {platform}");
-        let parts = parts(&bytes).with_context(wrong)?;
-        let fits = |part: &(BinaryFormat, Architecture)| part.0 == *format && processors.contains(&part.1);
-        if !parts.iter().any(fits) {
-            return Err(wrong());
-        }
+    pub fn check(&self, Binary { platform, path }: &Binary) -> Result<()> {
+        let named = || format!("--binary {platform}={}", path.display());
+        check_library(path, platform).with_context(named)?;
+        let bytes = std::fs::read(path).context("cannot be read").with_context(named)?;
         if !bytes.windows(self.mark.len()).any(|text| text == self.mark.as_bytes()) {
-            bail!("--binary {platform}={shown}: is not the library {}", self.name);
+            bail!("{}: is not the library {}", named(), self.name);
         }
         Ok(())
-    }
-}
-
-/// Formats and processors of a shared library; a Mac's may hold several.
-fn parts(bytes: &[u8]) -> object::Result<Vec<(BinaryFormat, Architecture)>> {
-    let one = |bytes: &[u8]| object::File::parse(bytes).map(|file| (file.format(), file.architecture()));
-    match FileKind::parse(bytes)? {
-        FileKind::MachOFat32 => {
-            MachOFatFile32::parse(bytes)?.arches().iter().map(|arch| one(arch.data(bytes)?)).collect()
-        }
-        FileKind::MachOFat64 => {
-            MachOFatFile64::parse(bytes)?.arches().iter().map(|arch| one(arch.data(bytes)?)).collect()
-        }
-        _ => Ok(vec![one(bytes)?]),
     }
 }
 
@@ -125,6 +84,17 @@ mod tests {
         let directory = tempfile::TempDir::new().unwrap();
         let path = directory.path().join("library");
         let (x86, arm) = (7, 12);
+        let platforms = [
+            "linux64",
+            "linux32",
+            "aarch64-linux",
+            "x86_64-linux",
+            "win64",
+            "win32",
+            "darwin64",
+            "aarch64-darwin",
+            "x86_64-darwin",
+        ];
         for (bytes, fits) in [
             (elf(62), &["linux64", "x86_64-linux"][..]),
             (elf(183), &["aarch64-linux"]),
@@ -136,12 +106,12 @@ mod tests {
             (b"MZ".to_vec(), &[]),
             (vec![], &[]),
         ] {
-            for (platform, ..) in PLATFORMS {
+            for platform in platforms {
                 let binary = Binary { platform: platform.into(), path: path.clone() };
                 std::fs::write(&path, [&bytes[..], b"decision.toml"].concat()).unwrap();
-                let done = DECISION.check(&binary).map_err(|error| error.to_string());
+                let done = DECISION.check(&binary).map_err(|error| format!("{error:#}"));
                 assert_eq!(done.is_ok(), fits.contains(&platform), "{platform}: {done:?}");
-                let Err(said) = CROWD.check(&binary).map_err(|error| error.to_string()) else {
+                let Err(said) = CROWD.check(&binary).map_err(|error| format!("{error:#}")) else {
                     panic!("{platform}: no mark of the crowd's")
                 };
                 let why =

@@ -3,10 +3,10 @@
 use crate::binary::{CROWD, Library};
 use crate::files::{self, Force};
 use crate::given::Given;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use crowd_mechanics::pack::{Binary, Naming, PackError, Package};
 use crowd_mechanics::trial::Trial;
-use lemons_master::binary_beside;
+use lemons_master::{binary_beside, check_library};
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::path::{Path, PathBuf};
 
@@ -45,6 +45,8 @@ impl FmuArguments {
     pub fn binaries(&self, library: &Library) -> Result<Vec<Binary>> {
         if self.binaries.is_empty() {
             let binary = binary_beside(library.name)?;
+            check_library(&binary.path, &binary.platform)
+                .with_context(|| binary.path.display().to_string())?;
             files::reads(&binary.path, library.name);
             return Ok(vec![binary]);
         }

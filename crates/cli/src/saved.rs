@@ -6,8 +6,9 @@ use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::files::Staged;
 use lemons_fmi2::fingerprint;
 use lemons_master::{LARGEST_STATE, System};
-use lemons_ssp::Allowance;
+use lemons_ssp::{Allowance, distinct};
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
@@ -120,8 +121,9 @@ impl Saved {
     }
 
     fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
-        let mut zip =
+        let zip =
             ZipArchive::new(BufReader::new(File::open(path)?)).context("is none (--state writes one)")?;
+        let mut zip = distinct(zip)?;
         if zip.index_for_name(RUN).is_none() {
             bail!("there is no {RUN} in it: no saved run (--state writes one)");
         }
@@ -184,6 +186,12 @@ impl Saved {
         }
         if self.component.is_empty() {
             return Err(("component", "there is none".into()));
+        }
+        let mut of = HashMap::new();
+        for ComponentRecord { name, state, .. } in &self.component {
+            if let Some(other) = of.insert(state, name) {
+                return Err(("state", format!("{state:?}: is that of component {other:?} and of {name:?}")));
+            }
         }
         let extents = self.crowd.iter().map(CrowdRecord::extent).chain(self.outputs);
         for Extent { rows, last } in extents {

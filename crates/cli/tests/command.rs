@@ -343,6 +343,51 @@ fn crowd_library(at: &Path) -> Vec<u8> {
     bytes
 }
 
+/// The loader maps what the headers speak of: the program got SIGBUS.
+#[test]
+fn a_library_that_is_cut_off_is_refused_and_not_loaded() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let library = crowd_library(at);
+    let platform = crowd_mechanics::pack::host_platform().unwrap();
+    let trial = default_trial();
+    for part in [1, 25, 50, 90, 100] {
+        let short = &library[..library.len() * part / 100 - 1];
+        let mut from = zip::ZipArchive::new(fs::File::open(at.join("push.fmu")).unwrap()).unwrap();
+        let mut zip = zip::ZipWriter::new(fs::File::create(at.join("short.fmu")).unwrap());
+        for k in 0..from.len() {
+            let entry = from.by_index_raw(k).unwrap();
+            if !entry.name().unwrap().starts_with("binaries/") {
+                zip.raw_copy_file(entry).unwrap();
+                continue;
+            }
+            let name = entry.name().unwrap().into_owned();
+            zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+            std::io::Write::write_all(&mut zip, short).unwrap();
+        }
+        zip.finish().unwrap();
+        for words in [["run", "short.fmu"], ["info", "short.fmu"], ["plot", "short.fmu"]] {
+            let output = lemons(at, &words);
+            assert_code(&output, 1);
+            let place = format!("lemons: short.fmu: binaries/{platform}/CrowdMechanics");
+            let said = err(&output);
+            assert!(said.starts_with(&place), "{part}: {said}");
+            let end = format!("the file at byte {}", short.len());
+            assert!(said.contains(": is cut off: ") && said.contains(&end), "{part}: {said}");
+        }
+        fs::write(at.join("short.library"), short).unwrap();
+        let binary = format!("{platform}=short.library");
+        let output = lemons(at, &["pack", trial.to_str().unwrap(), "-o", "x.fmu", "--binary", &binary]);
+        assert_code(&output, 1);
+        assert!(
+            err(&output).starts_with(&format!("lemons: --binary {binary}: is cut off: ")),
+            "{}",
+            err(&output)
+        );
+        assert!(!at.join("x.fmu").exists());
+    }
+}
+
 #[test]
 fn decide_says_what_it_needs_and_what_it_doubts() {
     let directory = TempDir::new().unwrap();

@@ -262,6 +262,11 @@ fn saved_runs_are_hostile_until_checked() {
         ("every = 1", "every = 1\nevil = 1", "evil"),
         ("guid = \"{", "guid = \"{0", "the saved run is of"),
         ("[[crowd]]", "[[crowd]]\ncomponent = \"x\"", "run.toml: "),
+        (
+            "[[component]]",
+            "[[component]]\nname = \"other\"\nmodel = \"\"\nguid = \"\"\nstate = \"state-0\"\nbytes = 1\n\n[[component]]",
+            "run.toml: state: \"state-0\": is that of component \"other\" and of \"crowd\"",
+        ),
         ("component = \"crowd\"", "component = \"x\"", "it says nothing of the crowd \"crowd\""),
     ] {
         let said = text(from, to);
@@ -277,6 +282,13 @@ fn saved_runs_are_hostile_until_checked() {
     });
     let message = push(at, "--resume forged.run --until 1", 1);
     assert!(message.contains("forged.run: ") && message.contains("the state is damaged"), "{message}");
+    let mut zip = zip::ZipWriter::new(File::create(at.join("forged.run")).unwrap());
+    for name in ["run.toml", "./Run.toml"] {
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+    }
+    zip.finish().unwrap();
+    let message = push(at, "--resume forged.run --until 1", 1);
+    assert!(message.contains("the entries \"run.toml\" and \"./Run.toml\" have one name"), "{message}");
     // A small archive of a lot.
     let mut zip = zip::ZipWriter::new(File::create(at.join("forged.run")).unwrap());
     zip.start_file("run.toml", zip::write::SimpleFileOptions::default()).unwrap();

@@ -1,6 +1,7 @@
 //! An FMU and its instances, by `fmi-rs`.
 
 use crate::kind::Kind;
+use crate::library::check_library;
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::files::Scratch;
@@ -8,7 +9,7 @@ use crowd_mechanics::resources::{Resources, ResourcesError};
 use crowd_mechanics::trial::Trial;
 use fmi_rs::fmi2::log::Logger;
 use fmi_rs::fmi2::types::fmi2Status;
-use fmi_rs::fmi2::{CS, FMU2};
+use fmi_rs::fmi2::{CS, FMU2, PLATFORM};
 use fmi_rs::model_description::fmi2::{ModelDescription, VariableType};
 use lemons_ssp::{Allowance, Interface};
 use std::collections::HashMap;
@@ -89,6 +90,8 @@ impl Fmu {
         unzip(path, directory.path(), allowance)?;
         let description = ModelDescription::from_path(&directory.path().join(DESCRIPTION_FILE))
             .map_err(|error| anyhow!("{DESCRIPTION_FILE}: {error}"))?;
+        check_identifiers(&description).context(DESCRIPTION_FILE)?;
+        check_own_library(&description, directory.path())?;
         let names = description.modelVariables.iter().enumerate();
         let places = names.map(|(place, variable)| (variable.name.clone(), place)).collect();
         Ok(Fmu { directory, description, places, shown: "FMU".into(), trial: None })
@@ -176,6 +179,38 @@ impl Fmu {
     pub fn kind(&self, name: &str) -> Option<&VariableType> {
         self.places.get(name).map(|&place| &self.description.modelVariables[place].variableType)
     }
+}
+
+/// \[byte\] Of a modelIdentifier: with a platform's suffix it is the name of a file.
+const LONGEST_IDENTIFIER: usize = 200;
+
+/// That each modelIdentifier is what FMI wants, an identifier of C: it is a part of the path of a library that is loaded.
+fn check_identifiers(description: &ModelDescription) -> Result<()> {
+    let exchange = description.modelExchange.as_ref().map(|element| &element.modelIdentifier);
+    let simulation = description.coSimulation.as_ref().map(|element| &element.modelIdentifier);
+    for (element, identifier) in [("ModelExchange", exchange), ("CoSimulation", simulation)] {
+        let Some(identifier) = identifier else { continue };
+        if identifier.len() > LONGEST_IDENTIFIER {
+            let length = identifier.len();
+            bail!("<{element}> modelIdentifier: has {length} bytes: must have at most {LONGEST_IDENTIFIER}");
+        }
+        let letters = identifier.bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric());
+        if !letters || identifier.is_empty() || identifier.starts_with(|first: char| first.is_ascii_digit()) {
+            bail!(
+                "<{element}> modelIdentifier={identifier:?}: must be a name in C: letters from A to Z, digits and _, \
+                 without a digit at the beginning"
+            );
+        }
+    }
+    Ok(())
+}
+
+/// That the library for this machine, if there is one, can be loaded.
+fn check_own_library(description: &ModelDescription, directory: &Path) -> Result<()> {
+    let Some(simulation) = &description.coSimulation else { return Ok(()) };
+    let name = format!("binaries/{PLATFORM}/{}{}", simulation.modelIdentifier, std::env::consts::DLL_SUFFIX);
+    let path = directory.join(&name);
+    if path.is_file() { check_library(&path, PLATFORM).context(name) } else { Ok(()) }
 }
 
 fn root_cause(error: &dyn std::error::Error) -> String {
@@ -388,5 +423,61 @@ impl Instance {
         let said =
             self.messages.warnings.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default();
         said.iter().map(|message| self.messages.names.said(message)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each was handed to the loader: `../` led out of the FMU.
+    #[test]
+    fn a_model_identifier_is_a_name_in_c() {
+        let said = |identifier: &str, element: &str| {
+            let directory = tempfile::TempDir::new().unwrap();
+            let path = directory.path().join("x.fmu");
+            let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
+            zip.start_file(DESCRIPTION_FILE, zip::write::SimpleFileOptions::default()).unwrap();
+            let text = format!(
+                "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"x\" guid=\"x\">\
+                 <{element} modelIdentifier=\"{identifier}\"/><ModelVariables/><ModelStructure/>\
+                 </fmiModelDescription>"
+            );
+            std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
+            zip.finish().unwrap();
+            Fmu::open(&path).map_or_else(|error| format!("{error:#}"), |_| "taken".to_owned())
+        };
+        let long = "a".repeat(201);
+        for element in ["CoSimulation", "ModelExchange"] {
+            for good in ["a", "_", "A_b9", &long[..200]] {
+                assert_eq!(said(good, element), "taken");
+            }
+            for bad in [
+                "",
+                "9a",
+                "../a",
+                "a/../../b",
+                "/tmp/a",
+                "a/b",
+                "a\\b",
+                "..",
+                ".",
+                "C:a",
+                "a b",
+                "a.b",
+                "a-b",
+                "\u{e4}",
+                "a\u{202e}b",
+                "a&#10;b",
+            ] {
+                let text = said(bad, element);
+                let place = format!("x.fmu: modelDescription.xml: <{element}> modelIdentifier=\"");
+                assert!(text.contains(&place) && text.contains("must be a name in C"), "{bad}: {text}");
+            }
+            let text = said(&long, element);
+            assert!(text.contains("modelIdentifier: has 201 bytes: must have at most 200"), "{text}");
+            // XML knows no NUL.
+            assert!(said("a&#0;b", element).contains("x.fmu: modelDescription.xml: "));
+        }
     }
 }

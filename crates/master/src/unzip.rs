@@ -4,7 +4,7 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
-use lemons_ssp::{Allowance, STRUCTURE_FILE, leads_outside};
+use lemons_ssp::{Allowance, STRUCTURE_FILE, distinct, leads_outside};
 use std::ffi::OsStr;
 use std::fs::{File, create_dir_all};
 use std::io::BufReader;
@@ -17,15 +17,17 @@ pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
 /// Unpacks an FMU into a directory.
 ///
 /// # Errors
-/// No FMU, a broken one, one that leads outside of the directory, or one larger than the allowance.
+/// No FMU, a broken one, one that leads outside of the directory, holds two files of one name, or is larger than the
+/// allowance.
 pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) -> Result<()> {
-    let mut zip = ZipArchive::new(BufReader::new(File::open(path)?))?;
+    let zip = ZipArchive::new(BufReader::new(File::open(path)?))?;
     if zip.index_for_name(DESCRIPTION_FILE).is_none() {
         if zip.index_for_name(STRUCTURE_FILE).is_some() {
             bail!("this is an SSP archive: lemons run FILE.ssp");
         }
         bail!("there is no {DESCRIPTION_FILE} in it: no FMU");
     }
+    let mut zip = distinct(zip)?;
     extract(&mut zip, directory, allowance, |_| true)?;
     let size = directory.join(DESCRIPTION_FILE).metadata()?.len();
     if size > LARGEST_DESCRIPTION {
@@ -47,7 +49,8 @@ const TRIAL_ENTRIES: usize = 1000;
 /// zip, an FMU, an SSP.
 ///
 /// # Errors
-/// None or several Trials in it, or it is broken, leads outside of the directory or is too large.
+/// None or several Trials in it, or it is broken, leads outside of the directory, holds two files of one name or is too
+/// large.
 pub fn unzip_trial(path: &Path, directory: &Path) -> Result<Option<PathBuf>> {
     unzip_trial_within(path, directory, &mut Allowance::new(TRIAL))
 }
@@ -57,13 +60,14 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
     if !path.is_file() {
         return Ok(None);
     }
-    let Ok(mut zip) = ZipArchive::new(BufReader::new(File::open(path)?)) else { return Ok(None) };
+    let Ok(zip) = ZipArchive::new(BufReader::new(File::open(path)?)) else { return Ok(None) };
     if [DESCRIPTION_FILE, STRUCTURE_FILE].iter().any(|file| zip.index_for_name(file).is_some()) {
         return Ok(None);
     }
     if zip.len() > TRIAL_ENTRIES {
         bail!("{} files are in it: no zip of a Trial", zip.len());
     }
+    let mut zip = distinct(zip)?;
     let names = zip.file_names().map(|name| Ok(name?.into_owned()));
     let mut trials = names.collect::<Result<Vec<String>>>()?;
     trials.retain(|name| name.rsplit(['/', '\\']).next() == Some(PARAMETERS));
@@ -264,6 +268,24 @@ mod tests {
             zip.write_all(&zeros).unwrap();
         });
         assert_eq!(said, "T/static/Agents.xml: is refused: more than 1 MB to unpack in all");
+    }
+
+    #[test]
+    fn two_files_of_one_name_are_refused() {
+        let said = [
+            said(
+                |zip| [DESCRIPTION_FILE, "ModelDescription.xml"].iter().for_each(|name| add(zip, name, b"")),
+                9,
+            ),
+            said_of_trial(|zip| {
+                ["T/Parameters.xml", "T\\parameters.xml"].iter().for_each(|name| add(zip, name, b""));
+            }),
+        ];
+        let expected = [
+            "the entries \"modelDescription.xml\" and \"ModelDescription.xml\" have one name",
+            "the entries \"T/Parameters.xml\" and \"T\\\\parameters.xml\" have one name",
+        ];
+        assert_eq!(said, expected);
     }
 
     #[test]

@@ -6,8 +6,9 @@ use crate::read::read;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
 use percent_encoding::percent_decode_str;
+use std::collections::{HashMap, HashSet};
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Write};
+use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
@@ -21,9 +22,9 @@ impl Archive {
     /// Opens an archive whose entries all lie inside of it.
     ///
     /// # Errors
-    /// No archive there, or one with an entry that leads outside.
+    /// No archive there, or one with an entry that leads outside, or with two of one name.
     pub fn open(path: &Path) -> Result<Archive> {
-        let zip = ZipArchive::new(BufReader::new(File::open(path)?))?;
+        let zip = distinct(ZipArchive::new(BufReader::new(File::open(path)?))?)?;
         for name in zip.file_names() {
             let name = name?;
             if leads_outside(&name) {
@@ -75,6 +76,53 @@ pub fn leads_outside(name: &str) -> bool {
     drive || name.starts_with(['/', '\\']) || name.split(['/', '\\']).any(|part| part == "..")
 }
 
+/// An archive whose entries have different names, on every system: `A` and `./a` are one name. Of two entries with one
+/// name, programs read one or the other.
+///
+/// # Errors
+/// Two entries have one name; the text says which.
+pub fn distinct<R: Read + Seek>(zip: ZipArchive<R>) -> Result<ZipArchive<R>> {
+    let mut seen = HashMap::new();
+    for name in zip.file_names() {
+        let name = name?.into_owned();
+        let plain = plain(&name);
+        if let Some(other) = seen.insert(plain, name.clone()) {
+            bail!("the entries {other:?} and {name:?} have one name");
+        }
+    }
+    // The reader keeps the last entry of a name only.
+    if zip.has_duplicate_names() {
+        let begin = zip.central_directory_start();
+        let name = name_twice(zip.into_inner(), begin).context("the list of its entries cannot be read")?;
+        bail!("two entries have the name {name:?}");
+    }
+    Ok(zip)
+}
+
+/// A name as a system without upper and lower case understands it.
+fn plain(name: &str) -> String {
+    let parts = name.split(['/', '\\']).filter(|part| !matches!(*part, "" | "."));
+    parts.map(str::to_lowercase).collect::<Vec<_>>().join("/")
+}
+
+/// The first name that comes again in the list of the entries, which begins at a byte of the file.
+fn name_twice(mut file: impl Read + Seek, begin: u64) -> std::io::Result<String> {
+    let mut seen = HashSet::new();
+    file.seek(SeekFrom::Start(begin))?;
+    loop {
+        // Its fixed part ends with the lengths of the name and of two more parts, then 14 bytes.
+        let mut header = [0; 46];
+        file.read_exact(&mut header)?;
+        let length = |at: usize| u16::from_le_bytes([header[at], header[at + 1]]);
+        let mut name = vec![0; length(28).into()];
+        file.read_exact(&mut name)?;
+        file.seek_relative(i64::from(length(30)) + i64::from(length(32)))?;
+        if let Some(name) = seen.replace(name) {
+            return Ok(String::from_utf8_lossy(&name).into_owned());
+        }
+    }
+}
+
 /// Writes an archive of a structure and files, each under its name in the archive. The same content gives the
 /// same bytes.
 ///
@@ -100,4 +148,53 @@ pub fn write_archive(path: &Path, structure: &SystemStructure, files: &[(String,
     }
     let file = zip.finish().with_context(cannot)?.into_inner().map_err(|error| error.into_error());
     file.with_context(cannot)?.persist().with_context(cannot)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    fn said(names: &[&str], change: impl Fn(Vec<u8>) -> Vec<u8>) -> String {
+        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        for name in names {
+            zip.start_file(*name, SimpleFileOptions::default()).unwrap();
+            zip.write_all(b"text").unwrap();
+        }
+        let bytes = change(zip.finish().unwrap().into_inner());
+        let done = distinct(ZipArchive::new(Cursor::new(bytes)).unwrap());
+        done.map_or_else(|error| format!("{error:#}"), |zip| zip.len().to_string())
+    }
+
+    /// Of two entries with one name the last was taken, without a word.
+    #[test]
+    fn two_entries_of_one_name_are_refused_by_name() {
+        let twice = |name: &'static str| {
+            let other = name.replace('m', "n");
+            said(&["x", name, &other, "y"], |bytes| {
+                // The writer refuses to write it: it is made of another name.
+                let (from, to) = (other.as_bytes(), name.as_bytes());
+                let mut bytes = bytes;
+                while let Some(at) = bytes.windows(from.len()).position(|text| text == from) {
+                    bytes[at..at + to.len()].copy_from_slice(to);
+                }
+                bytes
+            })
+        };
+        for name in ["modelDescription.xml", "SystemStructure.ssd-m", "T/Parameters.xml"] {
+            assert_eq!(twice(name), format!("two entries have the name {name:?}"));
+        }
+        for (one, other) in [
+            ("modelDescription.xml", "ModelDescription.XML"),
+            ("modelDescription.xml", "./modelDescription.xml"),
+            ("resources/a", "resources\\a"),
+            ("resources/a", "resources//.\\A"),
+            ("T", "T/"),
+            ("\u{c4}", "\u{e4}"),
+        ] {
+            let refused = format!("the entries {one:?} and {other:?} have one name");
+            assert_eq!(said(&[one, other], |bytes| bytes), refused);
+        }
+        assert_eq!(said(&["a", "a/b", "b", "a.b", "..."], |bytes| bytes), "5");
+    }
 }

@@ -22,7 +22,7 @@ mod write;
 mod xml;
 
 pub use allowance::Allowance;
-pub use archive::{Archive, leads_outside, write_archive};
+pub use archive::{Archive, distinct, leads_outside, write_archive};
 pub use connect::{Connected, Participant, connect};
 pub use document::{
     Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure,

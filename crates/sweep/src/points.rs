@@ -23,7 +23,35 @@ pub struct Points {
 }
 
 /// More points than this are a mistake.
-const MOST_POINTS: usize = 10_000_000;
+pub(crate) const MOST_POINTS: usize = 10_000_000;
+/// \[byte\] Of the values of all parameters at all points.
+const LARGEST_POINTS: usize = 1_000_000_000;
+
+/// How much memory the values of points need, refused as soon as it is too much.
+pub(crate) struct Room {
+    left: usize,
+}
+
+impl Room {
+    pub(crate) fn new() -> Room {
+        Room { left: LARGEST_POINTS }
+    }
+
+    /// For so many values of a size \[byte\].
+    pub(crate) fn take(&mut self, values: usize, size: usize) -> Result<(), String> {
+        let left = values.checked_mul(size).and_then(|bytes| self.left.checked_sub(bytes));
+        self.left = left.ok_or_else(|| {
+            let most = LARGEST_POINTS / 1_000_000;
+            format!("the values of all parameters at all points need more than {most} MB: fewer points or parameters")
+        })?;
+        Ok(())
+    }
+
+    /// For a text.
+    pub(crate) fn take_text(&mut self, text: &str, times: usize) -> Result<(), String> {
+        self.take(times, size_of::<String>() + text.len())
+    }
+}
 
 impl Values {
     /// How many.
@@ -73,7 +101,7 @@ impl Points {
     /// All combinations; the last name varies fastest.
     ///
     /// # Errors
-    /// No points, or too many.
+    /// No points, too many, or too many for so many parameters.
     pub fn grid(axes: Vec<(String, Values)>) -> Result<Points, String> {
         let mut count = 1_usize;
         for (name, values) in &axes {
@@ -81,6 +109,16 @@ impl Points {
                 return Err(format!("{name}: no values"));
             }
             count = count.checked_mul(values.len()).filter(|n| *n <= MOST_POINTS).ok_or_else(too_many)?;
+        }
+        let mut room = Room::new();
+        for (name, values) in &axes {
+            let mut take = || match values {
+                Values::Texts(texts) => {
+                    texts.iter().try_for_each(|text| room.take_text(text, count / texts.len()))
+                }
+                Values::Integers(_) | Values::Reals(_) => room.take(count, size_of::<f64>()),
+            };
+            take().map_err(|why| format!("{name}: {why}"))?;
         }
         let mut repeat = count;
         let columns = axes.into_iter().map(|(name, values)| {
@@ -121,7 +159,7 @@ impl Points {
     }
 }
 
-fn too_many() -> String {
+pub(crate) fn too_many() -> String {
     format!("there are more than {MOST_POINTS} points")
 }
 
@@ -149,5 +187,20 @@ mod tests {
         );
         let long = || ("a".to_owned(), Values::Integers((0..5000).collect()));
         assert!(Points::grid(vec![long(), long()]).unwrap_err().contains("more than"));
+    }
+
+    /// They took all the memory that there was.
+    #[test]
+    fn many_parameters_at_many_points_are_refused() {
+        let many = ("a".to_owned(), Values::Integers((0..1_000_000).collect()));
+        let ones = (0..1000).map(|k| (format!("p{k}"), Values::Reals(vec![1.0])));
+        let said = Points::grid(std::iter::once(many.clone()).chain(ones).collect()).unwrap_err();
+        assert!(
+            said.starts_with("p124: the values of all parameters at all points need more than 1000 MB"),
+            "{said}"
+        );
+        let text = ("t".to_owned(), Values::Texts(vec!["x".repeat(10_000)]));
+        let said = Points::grid(vec![many, text]).unwrap_err();
+        assert!(said.starts_with("t: the values"), "{said}");
     }
 }

@@ -1,9 +1,11 @@
 //! One run with the parameters of a point.
 
 use crate::measure::{Measure, Watched};
+use crate::points::Values;
 use crate::spec::Spec;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::trial::Trial;
+use fmi_rs::model_description::fmi2::VariableType;
 use lemons_master::{Clock, Drive, Fmu, Instance, Pushes};
 
 /// What all points have in common.
@@ -41,14 +43,21 @@ impl Job {
     /// That the FMU has what is set and measured.
     pub fn check(&self) -> Result<()> {
         self.clock().context("until")?;
-        for (parameter, _) in &self.spec.points.columns {
+        for (parameter, values) in &self.spec.points.columns {
             if parameter == "Trial" {
                 // Its drive, its TimeStep and its agents would be those of another.
                 bail!("parameters: Trial: each Trial needs a sweep of its own");
             }
             for name in self.fmu.named(parameter) {
-                if self.fmu.kind(&name).is_none() {
+                let Some(kind) = self.fmu.kind(&name) else {
                     bail!("parameters: {parameter}: the FMU has no variable {name:?}; see lemons info");
+                };
+                // A text that is a number is one.
+                if let (VariableType::Real { .. }, Values::Texts(texts)) = (kind, values) {
+                    let endless = |text: &&String| text.parse().is_ok_and(|value: f64| !value.is_finite());
+                    if let Some(text) = texts.iter().find(endless) {
+                        bail!("parameters: {parameter}: {text}: must be a finite number");
+                    }
                 }
             }
         }

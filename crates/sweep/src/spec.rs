@@ -1,10 +1,11 @@
 //! `sweep.toml`.
 
 use crate::measure::Measure;
-use crate::points::{Points, Values};
+use crate::points::{MOST_POINTS, Points, Room, Values, too_many};
 use anyhow::{Context, Result, bail};
 use lemons_master::Kind;
 use serde::Deserialize;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// What is run, with which parameters, and what is measured. Paths are those of the file's directory.
@@ -137,13 +138,12 @@ impl Spec {
         if measures.is_empty() {
             bail!("measures: there are none");
         }
-        let mut names: Vec<&str> = RESERVED.to_vec();
+        let mut names = HashSet::from(RESERVED);
         let given = points.columns.iter().map(|(name, _)| name).chain(measures.iter().map(|(name, _)| name));
         for name in given {
-            if names.contains(&name.as_str()) {
+            if !names.insert(name) {
                 bail!("{name:?}: the table has a column of that name");
             }
-            names.push(name);
         }
         let drive = match document.drive {
             None | Some(DriveText::Switch(true)) => DriveChoice::Own,
@@ -161,7 +161,12 @@ fn axis(value: toml::Value) -> Result<Values> {
     let expected = "expected a list of numbers or of texts, or { from, to, count, spacing }";
     Ok(match value.try_into::<Axis>().ok().context(expected)? {
         Axis::Integers(values) => Values::Integers(values),
-        Axis::Reals(values) => Values::Reals(values),
+        Axis::Reals(values) => {
+            if let Some(value) = values.iter().find(|value| !value.is_finite()) {
+                bail!("{value}: must be a finite number");
+            }
+            Values::Reals(values)
+        }
         Axis::Texts(values) => Values::Texts(values),
         Axis::Range(Range { from, to, count, spacing }) => {
             if !(from.is_finite() && to.is_finite()) {
@@ -174,11 +179,14 @@ fn axis(value: toml::Value) -> Result<Values> {
                 bail!("spacing = \"logarithmic\": from and to must be positive");
             }
             let part = |k: u32| f64::from(k) / f64::from(count - 1);
+            let (difference, ratio) = (to - from, to / from);
             let value = |k: u32| match (k, spacing) {
                 (0, _) => from,
                 (k, _) if k + 1 == count => to,
-                (k, Spacing::Linear) => from + part(k) * (to - from),
-                (k, Spacing::Logarithmic) => from * (to / from).powf(part(k)),
+                (k, Spacing::Linear) if difference.is_finite() => from + part(k) * difference,
+                (k, Spacing::Linear) => (1.0 - part(k)) * from + part(k) * to,
+                (k, Spacing::Logarithmic) if ratio.is_normal() => from * ratio.powf(part(k)),
+                (k, Spacing::Logarithmic) => from.powf(1.0 - part(k)) * to.powf(part(k)),
             };
             Values::Reals((0..count).map(value).collect())
         }
@@ -195,29 +203,42 @@ fn read_table(path: &Path) -> Result<Points> {
         .with_context(wrong)?;
     let header: Vec<String> = reader.headers().with_context(wrong)?.iter().map(str::to_owned).collect();
     let mut cells: Vec<Vec<String>> = vec![Vec::new(); header.len()];
-    for row in reader.records() {
+    let mut room = Room::new();
+    for (count, row) in reader.records().enumerate() {
         let row = row.with_context(wrong)?;
+        if count == MOST_POINTS {
+            return Err(anyhow::Error::msg(too_many())).with_context(wrong);
+        }
         for (column, cell) in cells.iter_mut().zip(&row) {
+            room.take_text(cell, 1).map_err(anyhow::Error::msg).with_context(wrong)?;
             column.push(cell.to_owned());
         }
     }
-    let columns = header.into_iter().zip(cells).map(|(name, cells)| (name, column(cells)));
-    Points::table(columns.collect()).map_err(|message| anyhow::anyhow!("{}: {message}", path.display()))
+    let columns = header.into_iter().zip(cells).map(|(name, cells)| {
+        let values = column(cells).with_context(|| name.clone())?;
+        Ok((name, values))
+    });
+    let columns = columns.collect::<Result<_>>().with_context(wrong)?;
+    Points::table(columns).map_err(anyhow::Error::msg).with_context(wrong)
 }
 
-fn column(cells: Vec<String>) -> Values {
+fn column(cells: Vec<String>) -> Result<Values> {
     // "007" is a text, not the number 7.
     let integer = |cell: &String| cell.parse().ok().filter(|value: &i64| value.to_string() == *cell);
     if let Some(values) = cells.iter().map(integer).collect() {
-        return Values::Integers(values);
+        return Ok(Values::Integers(values));
     }
     let padded = |cell: &String| cell.len() > 1 && cell.starts_with('0') && !cell.starts_with("0.");
     if cells.iter().any(padded) {
-        return Values::Texts(cells);
+        return Ok(Values::Texts(cells));
     }
-    match cells.iter().map(|cell| cell.parse()).collect() {
-        Ok(values) => Values::Reals(values),
-        Err(_) => Values::Texts(cells),
+    let values: Vec<f64> = match cells.iter().map(|cell| cell.parse()).collect() {
+        Ok(values) => values,
+        Err(_) => return Ok(Values::Texts(cells)),
+    };
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(row) => bail!("{}: must be a finite number, at the point {row}", cells[row]),
+        None => Ok(Values::Reals(values)),
     }
 }
 
@@ -264,8 +285,69 @@ mod tests {
             ("from = 50", "from = 0", "must be positive"),
             ("reach = {", "status = {", "\"status\": the table has a column"),
             ("of = \"x\"", "of = \"mood\"", "measures: reach"),
+            ("[0, 0.5]", "[0.5, nan]", "KineticFriction: NaN: must be a finite number"),
+            ("[0, 0.5]", "[0.5, -inf]", "KineticFriction: -inf: must be a finite number"),
+            ("[0, 0.5]", "[1e999]", "KineticFriction"),
+            ("from = 50", "from = -inf", "agent[*].Mass: from and to must be finite"),
         ] {
             assert!(said(from, to).contains(expected), "{}", said(from, to));
         }
+    }
+
+    /// They overflowed to infinities and to NaN, which were simulated.
+    #[test]
+    fn a_wide_range_has_finite_values() {
+        for (from, to, spacing, middle) in [
+            (-1e308, 1.7e308, "linear", 0.35e308),
+            (1.7e308, -1.7e308, "linear", 0.0),
+            (1e-300, 1e300, "logarithmic", 1.0),
+            (1e300, 1e-300, "logarithmic", 1.0),
+            (5e-324, f64::MAX, "logarithmic", 2f64.powi(-25)),
+        ] {
+            let text = format!("{{ from = {from:e}, to = {to:e}, count = 101, spacing = {spacing:?} }}");
+            let text = GOOD.replace("[0, 0.5]", &text);
+            let points = Spec::parse(&text, Path::new("")).unwrap().points;
+            let Values::Reals(values) = &points.columns[1].1 else { panic!("numbers") };
+            let values = &values[..101];
+            let rising = |pair: &[f64]| if from < to { pair[0] < pair[1] } else { pair[0] > pair[1] };
+            assert!(
+                values.iter().all(|value| value.is_finite()) && values.windows(2).all(rising),
+                "{values:?}"
+            );
+            assert_eq!((values[0], values[100]), (from, to));
+            let error = values[50] - middle;
+            assert!(error.abs() <= 1e-2 * f64::abs(middle), "{text}: {}", values[50]);
+        }
+    }
+
+    #[test]
+    fn a_table_with_what_is_no_finite_number_is_refused() {
+        let directory = tempfile::TempDir::new().unwrap();
+        let path = directory.path().join("points.csv");
+        for (cell, refused) in [
+            ("nan", true),
+            ("-NaN", true),
+            ("inf", true),
+            ("+Infinity", true),
+            ("1e999", true),
+            ("1e300", false),
+            ("none", false),
+        ] {
+            std::fs::write(&path, format!("Mass,Other\n70.5,1\n{cell},2\n")).unwrap();
+            let said = read_table(&path).map_or_else(|error| format!("{error:#}"), |_| "taken".into());
+            let expected = format!("points.csv: Mass: {cell}: must be a finite number, at the point 1");
+            assert!(if refused { said.ends_with(&expected) } else { said == "taken" }, "{said}");
+        }
+    }
+
+    /// Each name was compared with all others: a minute for so many.
+    #[test]
+    fn many_names_are_compared_in_short_time() {
+        let parameters: String = (0..100_000).map(|k| format!("p{k} = [1]\n")).collect();
+        let text = GOOD.replace("\"agent[*].Mass\"", &format!("{parameters}\"agent[*].Mass\""));
+        let begin = std::time::Instant::now();
+        let points = Spec::parse(&text, Path::new("")).unwrap().points;
+        assert_eq!((points.columns.len(), points.count), (100_002, 6));
+        assert!(begin.elapsed().as_secs() < 30, "{:?}", begin.elapsed());
     }
 }

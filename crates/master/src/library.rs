@@ -1,0 +1,162 @@
+//! Whether a shared library can be loaded: it is for its platform, and whole.
+//!
+//! A loader maps the parts of a file that its headers speak of. Where the file ends before them, the program gets SIGBUS.
+
+use anyhow::{Context, Result, anyhow, bail};
+use object::elf::{EM_386, EM_AARCH64, EM_X86_64, FileHeader32, FileHeader64};
+use object::read::elf::{FileHeader, ProgramHeader};
+use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
+use object::{Architecture, BinaryFormat, Endianness, FileKind, Object, ObjectSegment, ReadCache, ReadRef};
+use std::fs::File;
+use std::path::Path;
+
+/// The file format and the processors of FMI's platforms.
+const PLATFORMS: [(&str, BinaryFormat, &[Architecture]); 9] = {
+    use Architecture::{Aarch64, I386, X86_64};
+    use BinaryFormat::{Elf, MachO, Pe};
+    [
+        ("linux64", Elf, &[X86_64]),
+        ("linux32", Elf, &[I386]),
+        ("aarch64-linux", Elf, &[Aarch64]),
+        ("x86_64-linux", Elf, &[X86_64]),
+        ("win64", Pe, &[X86_64]),
+        ("win32", Pe, &[I386]),
+        // FMI 2.0 names no other platform for Macs.
+        ("darwin64", MachO, &[X86_64, Aarch64]),
+        ("aarch64-darwin", MachO, &[Aarch64]),
+        ("x86_64-darwin", MachO, &[X86_64]),
+    ]
+};
+
+/// A library; a Mac's file may hold several.
+struct Part {
+    format: BinaryFormat,
+    processor: Architecture,
+    /// What the file lacks.
+    lacks: Option<String>,
+}
+
+/// Whether a file is a whole shared library for a platform of FMI; any platform that FMI does not know is fine.
+///
+/// # Errors
+/// It is not; the text does not name the file.
+pub fn check_library(path: &Path, platform: &str) -> Result<()> {
+    let known = PLATFORMS.iter().find(|(name, ..)| *name == platform);
+    let Some((_, format, processors)) = known else { return Ok(()) };
+    let data = ReadCache::new(File::open(path).context("cannot be read")?);
+    let wrong = || anyhow!("is no shared library for {platform}");
+    let parts = parts(&data).with_context(wrong)?;
+    let fits = |part: &&Part| part.format == *format && processors.contains(&part.processor);
+    match parts.iter().find(fits) {
+        None => Err(wrong()),
+        Some(Part { lacks: Some(what), .. }) => bail!("is cut off: {what}"),
+        Some(_) => Ok(()),
+    }
+}
+
+fn parts<'data>(data: impl ReadRef<'data>) -> object::Result<Vec<Part>> {
+    match FileKind::parse(data)? {
+        FileKind::MachOFat32 => {
+            MachOFatFile32::parse(data)?.arches().iter().map(|arch| part(arch.data(data)?)).collect()
+        }
+        FileKind::MachOFat64 => {
+            MachOFatFile64::parse(data)?.arches().iter().map(|arch| part(arch.data(data)?)).collect()
+        }
+        FileKind::Elf32 => Ok(vec![elf::<FileHeader32<Endianness>>(data)?]),
+        FileKind::Elf64 => Ok(vec![elf::<FileHeader64<Endianness>>(data)?]),
+        _ => Ok(vec![part(data)?]),
+    }
+}
+
+fn part<'data>(data: impl ReadRef<'data>) -> object::Result<Part> {
+    let file = object::File::parse(data)?;
+    let ends = file.segments().enumerate().map(|(k, segment)| {
+        let (begin, size) = segment.file_range();
+        (format!("segment {k}"), begin.saturating_add(size))
+    });
+    Ok(Part { format: file.format(), processor: file.architecture(), lacks: lacks(data, ends) })
+}
+
+/// Not by `object::File`, which does not say what of a file is not there.
+fn elf<'data, Header: FileHeader<Endian = Endianness>>(data: impl ReadRef<'data>) -> object::Result<Part> {
+    let header = Header::parse(data)?;
+    let endian = header.endian()?;
+    let processor = match (header.e_machine(endian), header.is_class_64()) {
+        (EM_X86_64, true) => Architecture::X86_64,
+        (EM_386, false) => Architecture::I386,
+        (EM_AARCH64, true) => Architecture::Aarch64,
+        _ => Architecture::Unknown,
+    };
+    let table = |what: &str, begin: u64, count: u16, size: u16| {
+        (what.to_owned(), begin.saturating_add(u64::from(count) * u64::from(size)))
+    };
+    let (programs, sections) = (header.e_phoff(endian).into(), header.e_shoff(endian).into());
+    let tables = [
+        table("the table of program headers", programs, header.e_phnum(endian), header.e_phentsize(endian)),
+        table("the table of section headers", sections, header.e_shnum(endian), header.e_shentsize(endian)),
+    ];
+    let mut lacks = lacks(data, tables);
+    if lacks.is_none() {
+        let ends = header.program_headers(endian, data)?.iter().enumerate().map(|(k, program)| {
+            let (begin, size): (u64, u64) =
+                (program.p_offset(endian).into(), program.p_filesz(endian).into());
+            (format!("segment {k}"), if size == 0 { 0 } else { begin.saturating_add(size) })
+        });
+        lacks = self::lacks(data, ends);
+    }
+    Ok(Part { format: BinaryFormat::Elf, processor, lacks })
+}
+
+/// The first of a file's parts that ends behind the file.
+fn lacks<'data>(data: impl ReadRef<'data>, ends: impl IntoIterator<Item = (String, u64)>) -> Option<String> {
+    let length = data.len().unwrap_or(0);
+    let mut ends = ends.into_iter();
+    let (what, end) = ends.find(|(_, end)| *end > length)?;
+    Some(format!("{what} ends at byte {end}, the file at byte {length}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::own_binary;
+    use tempfile::TempDir;
+
+    /// A loader that was given such a file got SIGBUS.
+    #[test]
+    fn a_cut_off_library_is_refused_at_every_length() {
+        let binary = own_binary().unwrap();
+        assert!(check_library(&binary.path, &binary.platform).is_ok());
+        let whole = std::fs::read(&binary.path).unwrap();
+        let directory = TempDir::new().unwrap();
+        let path = directory.path().join("library");
+        let lengths = [0, 1, 15, 16, 63, 64, 65, 500, 4096].into_iter();
+        for length in lengths.chain((1..20).map(|k| whole.len() / 20 * k)).chain([whole.len() - 1]) {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            let said = format!("{:#}", check_library(&path, &binary.platform).unwrap_err());
+            let cut_off =
+                said.starts_with("is cut off: ") && said.ends_with(&format!("the file at byte {length}"));
+            let no_header = length <= 64 && said.starts_with("is no shared library for ");
+            assert!(cut_off || no_header, "{length}: {said}");
+        }
+    }
+
+    /// Without a table of sections, which stands at the end, the segments tell.
+    #[test]
+    fn a_segment_that_is_cut_off_is_named() {
+        let binary = own_binary().unwrap();
+        if binary.platform != "linux64" {
+            eprintln!("skipped: looks into a library of linux64");
+            return;
+        }
+        let mut bytes = std::fs::read(&binary.path).unwrap();
+        bytes[40..48].fill(0);
+        bytes[60..64].fill(0);
+        let directory = TempDir::new().unwrap();
+        let path = directory.path().join("library");
+        std::fs::write(&path, &bytes).unwrap();
+        check_library(&path, "linux64").unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() / 100]).unwrap();
+        let said = check_library(&path, "linux64").unwrap_err().to_string();
+        assert!(said.starts_with("is cut off: segment "), "{said}");
+    }
+}
