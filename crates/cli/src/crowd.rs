@@ -68,6 +68,18 @@ pub struct Crowd {
     totals: Vec<u32>,
     trajectories: Table,
     extremes: Extremes,
+    /// At the last look.
+    moves: bool,
+}
+
+/// \[m/s\] Who is not faster stands,
+const STANDING_SPEED: f64 = 0.01;
+/// \[rad/s\] if he does not turn faster than this.
+const STANDING_TURN: f64 = 0.05;
+
+/// Whether somebody with this speed \[m/s\] and turn \[rad/s\] moves, and does not stand.
+pub fn moves(speed: f64, turn: f64) -> bool {
+    speed > STANDING_SPEED || turn.abs() > STANDING_TURN
 }
 
 /// How many agents' outputs an FMU has under the names of our mechanics, from 0 on.
@@ -196,7 +208,13 @@ impl Crowd {
             ids,
             trajectories: Table::create(to, &content, before.map(|before| before.extent()))?,
             extremes,
+            moves: false,
         })
+    }
+
+    /// Whether somebody moved at the last look.
+    pub fn moves(&self) -> bool {
+        self.moves
     }
 
     /// Reads the outputs at a communication point, notes the extremes, writes the rows if they are wanted.
@@ -207,6 +225,7 @@ impl Crowd {
         instance.get_real(&self.motions, &mut motions)?;
         instance.get_real(&self.squeezes, &mut squeezes)?;
         let (motions, _) = motions.as_chunks::<6>();
+        self.moves = motions.iter().any(|[_, _, vx, vy, _, turn]| moves(vx.hypot(*vy), *turn));
         let mut steps = vec![0.0; self.steps.len()];
         if self.steps.is_empty() {
             self.extremes.mean_squeeze.see(squeezes.iter().copied(), time);

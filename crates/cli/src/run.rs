@@ -2,6 +2,7 @@
 
 mod prepare;
 mod progress;
+mod rest;
 mod underway;
 
 use crate::error::Misused;
@@ -17,6 +18,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lemons_master::{Algorithm, Clock, PATIENCE, Pushes, State, System};
 use prepare::Prepared;
 use progress::{Kept, Progress};
+pub use rest::REST;
+use rest::Rest;
 use std::path::PathBuf;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
@@ -73,6 +76,9 @@ pub struct Arguments {
     resume: Option<PathBuf>,
     #[command(flatten)]
     _force: Force,
+    /// For pictures: the run ends when all have come to rest.
+    #[arg(skip)]
+    pub until_still: bool,
 }
 
 const FORMAT_HELP: &str = "csv or, for long runs, parquet: some times smaller, units in the file's metadata. \
@@ -114,7 +120,7 @@ pub struct Ended {
     /// \[s\] simulated now.
     simulated: f64,
     wall: Duration,
-    /// \[s\] where Ctrl-C stopped it.
+    /// \[s\] where Ctrl-C stopped it; not where it ended since all had come to rest.
     pub stopped: Option<f64>,
     /// Lines of the summary: what is coupled, what was seen, what was saved.
     coupling: Vec<String>,
@@ -207,7 +213,8 @@ fn step_and_record(arguments: &Arguments, interrupt: &Interrupt, shared: &Shared
         unzipped: system.components().iter().map(|c| c.fmu.directory().to_owned()).collect(),
     });
     let mut stepping = Stepping { arguments, system: &mut system, pushes: &pushes, driven: &driven, shared };
-    let done = stepping.advance(&mut progress, interrupt, before.is_none(), &mut kept);
+    let mut rest = arguments.until_still.then(|| Rest::after(pushes.end()));
+    let done = stepping.advance(&mut progress, interrupt, before.is_none(), &mut kept, &mut rest);
     // What was simulated before a failure is worth having.
     let Underway { started, coupling, watch, file, .. } = shared.take().context("the run was given up")?;
     let wall = started.elapsed();
@@ -240,7 +247,9 @@ fn step_and_record(arguments: &Arguments, interrupt: &Interrupt, shared: &Shared
     Ok(Ended {
         simulated: system.time() - first,
         wall,
-        stopped: (system.time() < progress.clock.until).then(|| system.time()),
+        stopped: (system.time() < progress.clock.until
+            && !rest.is_some_and(|rest| rest.is_over(system.time())))
+        .then(|| system.time()),
         coupling,
         seen,
         saved: saved?,
@@ -298,13 +307,14 @@ struct Stepping<'a> {
 }
 
 impl Stepping<'_> {
-    /// To the clock's end, or until Ctrl-C; the last step is shortened to end there.
+    /// To the clock's end, or until Ctrl-C, or until all have come to rest; the last step is shortened to end there.
     fn advance(
         &mut self,
         progress: &mut Progress,
         interrupt: &Interrupt,
         from_start: bool,
         kept: &mut Option<Kept>,
+        rest: &mut Option<Rest>,
     ) -> Result<()> {
         let shared = self.shared;
         let bar = shared.with(|underway| {
@@ -316,7 +326,7 @@ impl Stepping<'_> {
         self.put_by(progress, kept.as_ref())?;
         let clock = progress.clock;
         for k in progress.index..clock.steps {
-            if interrupt.pressed() {
+            if interrupt.pressed() || rest.as_ref().is_some_and(|rest| rest.is_over(self.system.time())) {
                 break;
             }
             self.pushes.send(&self.system.components()[0].instance, self.system.time())?;
@@ -332,6 +342,9 @@ impl Stepping<'_> {
                 underway.at_hand = None;
                 underway.watch.look(self.system, (k + 1) % progress.every == 0)?;
                 underway.time = self.system.time();
+                if let Some(rest) = rest {
+                    rest.see(underway.time, underway.watch.moves());
+                }
                 Ok(())
             })?;
             if let Some(mut now) = before {

@@ -62,6 +62,11 @@ impl Watch {
         }
     }
 
+    /// Whether somebody of any crowd moved at the last look.
+    pub fn moves(&self) -> bool {
+        self.crowds.iter().any(|(_, crowd)| crowd.moves())
+    }
+
     /// What a saved run keeps: of each crowd, and of the outputs of the others.
     pub fn records(&self, system: &System) -> Records {
         let crowds = self.crowds.iter().map(|(_, crowd)| {

@@ -224,7 +224,7 @@ fn every_way_to_place_and_to_choose_people() {
 }
 
 #[test]
-fn mixed_crowds_go_into_the_light_file_only() {
+fn mixed_crowds_go_into_the_light_file_and_pictures() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     let mixed = ["crowd", "-n", "9", "--pedestrians", "0.5", "--box", "6x6", "--direction", "90"];
@@ -265,6 +265,42 @@ fn mixed_crowds_go_into_the_light_file_only() {
             }
         }
     }
+    // The picture has both, where the light file has them: a bicycle's wheels lie along its gaze, which is up.
+    done(at, &[&mixed[..], &["--svg", "m.svg", "--png", "m.png", "--pdf", "m.pdf"]].concat());
+    let picture = fs::read_to_string(at.join("m.svg")).unwrap();
+    assert!(picture.contains("aria-label=\"bicycle with rider\""), "a legend");
+    let (bodies, bicycles) = picture.split_once("<g class=\"bicycles\"").unwrap();
+    assert_eq!(bodies.matches("<title>").count() - 1, 9 - rectangles.len());
+    let drawn: Vec<&str> = bicycles.split("<g transform=\"translate(").skip(1).collect();
+    assert_eq!(drawn.len(), rectangles.len());
+    for (text, rectangles) in drawn.iter().zip(&rectangles) {
+        assert!(text.contains(")rotate(90)"), "{text}");
+        for (class, rectangle) in [("wheels", &rectangles[0]), ("rider", &rectangles[1])] {
+            let element = text.split(&format!("class=\"{class}\"")).nth(1).unwrap();
+            let number = |name: &str| -> f64 {
+                element
+                    .split(&format!(" {name}=\""))
+                    .nth(1)
+                    .unwrap()
+                    .split('"')
+                    .next()
+                    .unwrap()
+                    .parse()
+                    .unwrap()
+            };
+            let (length, breadth) = (rectangle.max.y - rectangle.min.y, rectangle.max.x - rectangle.min.x);
+            assert!((number("width") - length).abs() < 2e-4, "{class} {text}");
+            assert!((number("height") - breadth).abs() < 2e-4, "{class} {text}");
+        }
+        let bike = &rectangles[0];
+        let place = text.split(')').next().unwrap();
+        let cut = place.find([' ', '-']).unwrap();
+        let (x, y): (f64, f64) = (place[..cut].parse().unwrap(), place[cut..].trim().parse().unwrap());
+        let (centre_x, centre_y) = (0.5 * (bike.min.x + bike.max.x), 0.5 * (bike.min.y + bike.max.y));
+        assert!((x - centre_x).abs() < 2e-4 && (y - centre_y).abs() < 2e-4, "{text}");
+    }
+    assert!(fs::read(at.join("m.png")).unwrap().starts_with(b"\x89PNG"));
+    assert!(fs::read(at.join("m.pdf")).unwrap().starts_with(b"%PDF-"));
     for (option, file) in [("-o", "T"), ("--zip", "t.zip"), ("--fmu", "t.fmu")] {
         let refused = lemons(at, &[&mixed[..], &[option, file]].concat());
         assert_code(&refused, 2);

@@ -220,6 +220,25 @@ fn a_spike_does_not_set_the_scale() {
 }
 
 #[test]
+fn a_plot_can_be_a_pdf() {
+    let directory = push();
+    let at = directory.path();
+    for more in [
+        &["--at", "0.2,0.4", "--fill", "squeeze", "--forces", "--ids"][..],
+        &["--series", "x,speed"],
+        &["--density"],
+    ] {
+        done(
+            at,
+            &[&["plot", "trajectories.csv", "--trial", "push", "-o", "a.pdf", "--force"], more].concat(),
+        );
+        let made = fs::read(at.join("a.pdf")).unwrap();
+        assert!(made.starts_with(b"%PDF-") && made.ends_with(b"%%EOF"), "{more:?}");
+        assert!(!made.windows(5).any(|part| part == b"/Font"), "{more:?}");
+    }
+}
+
+#[test]
 fn mistakes_have_clear_messages() {
     let directory = push();
     let at = directory.path();
@@ -229,7 +248,7 @@ fn mistakes_have_clear_messages() {
         table.lines().map(|row| row.split(',').take(8).collect::<Vec<_>>().join(",") + "\n").collect();
     fs::write(at.join("bare.csv"), bare).unwrap();
     for (arguments, code, expected) in [
-        (&["plot", "push", "-o", "a.jpg"][..], 2, "a.jpg: pictures are .png or .svg"),
+        (&["plot", "push", "-o", "a.jpg"][..], 2, "a.jpg: pictures are .png, .svg or .pdf"),
         (&["plot", "trajectories.csv"], 1, "give the Trial or FMU that ran"),
         (
             &["plot", "trajectories.csv", "--trial", "push", "--at", "2"],
@@ -356,4 +375,48 @@ fn an_interrupted_movie_leaves_nothing() {
     assert!(signal.unwrap().success());
     assert_eq!(running.wait().unwrap().code(), Some(130));
     assert_eq!(names(), before);
+}
+
+/// One who is pushed for half a second and stands soon after, in a run of 8 s.
+#[test]
+fn a_movie_of_standing_bodies_can_end_where_they_stand() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    done(at, &["crowd", "-n", "1", "--box", "4x4", "-o", "one"]);
+    let still = ["movie", "one", "--step", "0.05", "--width", "64", "--frame-rate", "10"];
+    let nothing = lemons(at, &[&still[..], &["--until", "still", "-o", "0.png"]].concat());
+    assert_code(&nothing, 1);
+    assert!(err(&nothing).contains("nobody moves after t = 0.0 s"), "{}", err(&nothing));
+    fs::write(at.join("one/drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n2,0,0,0,0\n2.1,0,200,0,0\n2.5,0,0,0,0\n")
+        .unwrap();
+    done(at, &["run", "one", "--step", "0.05", "--until", "8"]);
+    // From the frame after the last one that moves.
+    let table = fs::read_to_string(at.join("trajectories.csv")).unwrap();
+    let rows: Vec<Vec<f64>> =
+        table.lines().skip(1).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    let moving = rows.iter().rposition(|row| row[4].hypot(row[5]) > 0.01 || row[7].abs() > 0.05).unwrap();
+    let stands = rows[moving + 1][0];
+    assert!(stands > 2.5 && stands < 6.0, "{stands}");
+    let told =
+        format!("nobody moves after t = {:?} s: --until still ends there", (stands * 1e6).round() / 1e6);
+    let frames = |name: &str| {
+        let reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(at.join(name)).unwrap()));
+        reader.read_info().unwrap().info().animation_control().unwrap().num_frames
+    };
+    let expected = (10.0 * stands + 1e-6).floor() as u32 + 1;
+    let record = ["movie", "trajectories.csv", "--trial", "one", "--width", "64", "--frame-rate", "10"];
+    for source in [&still[..], &record] {
+        let whole = done(at, &[source, &["--until", "8", "-o", "whole.png", "--force"]].concat());
+        assert!(err(&whole).contains(&told), "{}", err(&whole));
+        assert_eq!(frames("whole.png"), 81);
+        let short = done(at, &[source, &["--until", "still", "-o", "short.png", "--force"]].concat());
+        assert!(short.stderr.is_empty(), "{}", err(&short));
+        assert_eq!(frames("short.png"), expected, "{stands}");
+    }
+    // Somebody moves all the time.
+    let moving = done(at, &[&record[..], &["--until", "2.4", "-o", "a.png"]].concat());
+    assert!(moving.stderr.is_empty(), "{}", err(&moving));
+    let wrong = lemons(at, &[&still[..], &["--until", "stil"]].concat());
+    assert_code(&wrong, 2);
+    assert!(err(&wrong).contains("number of seconds, or still"), "{}", err(&wrong));
 }

@@ -95,6 +95,11 @@ impl Drive {
         format!("{:032x}", fingerprint(format!("{sorted:?}").as_bytes()))
     }
 
+    /// \[s\] The last row of all; `None` without rows.
+    pub fn end(&self) -> Option<f64> {
+        self.agents.values().flatten().map(|row| row.0).reduce(f64::max)
+    }
+
     /// What an agent that the file names is driven by at a time \[s\]; `None` for others.
     pub fn at(&self, agent: &str, time: f64) -> Option<Push> {
         let rows = self.agents.get(agent)?;
@@ -143,6 +148,11 @@ impl Pushes {
             ids: driven.iter().map(|(_, agent)| agent.id.clone()).collect(),
             drive,
         })
+    }
+
+    /// \[s\] When the last of them ends; `None` if there is none.
+    pub fn end(&self) -> Option<f64> {
+        self.drive.end()
     }
 
     /// What drives them at a time \[s\].

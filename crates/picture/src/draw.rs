@@ -14,7 +14,7 @@ use crate::world::world;
 /// The scene as SVG.
 ///
 /// Groups, from the lowest: `density`, `walls`, `bodies` (one group per agent, in the order of the agents,
-/// its title the agent's id), `trails` (paths of class `simulated` and `measured`), `forces`, `ids`; and,
+/// its title the agent's id), `bicycles`, `trails` (paths of class `simulated` and `measured`), `forces`, `ids`; and,
 /// outside the metres, `time`, `legend`, `scale-bar`, `colour-bar`.
 pub fn svg(scene: &Scene, style: &Style) -> String {
     let width = page_width(style.width);

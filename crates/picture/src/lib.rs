@@ -1,4 +1,4 @@
-//! Pictures of a scene: SVG, and PNG made from that same SVG.
+//! Pictures of a scene: SVG, and PNG or PDF made from that same SVG.
 //!
 //! ```
 //! # use crowd_mechanics::trial::Trial;
@@ -17,6 +17,7 @@
 //! numbers in the SVG are those of the Trial.
 
 mod animation;
+mod bicycle;
 mod body;
 mod chart;
 mod colour;
@@ -31,6 +32,7 @@ mod lettering;
 mod look;
 mod overlay;
 mod page;
+mod pdf;
 mod plane;
 mod range;
 mod raster;
@@ -41,12 +43,14 @@ mod text;
 mod world;
 
 pub use animation::{Animation, AnimationFormat};
+pub use bicycle::Bicycle;
 pub use body::body_area;
 pub use chart::{Axis, Chart, ChartPanel, ChartStyle, Line, chart_svg};
 pub use colour::{Colour, ColourMap, Theme, viridis};
 pub use density::{DENSITY_KERNEL, DensityMap};
 pub use draw::svg;
 pub use ids::ids_without_room;
+pub use pdf::pdf;
 pub use plane::{Pose, View};
 pub use raster::{PictureError, Pixels, pixels, png};
 pub use scene::{Force, Scene, Trail, TrailKind};

@@ -1,5 +1,6 @@
 //! How wide lines are, and what they mean.
 
+use crate::bicycle::Bicycle;
 use crate::colour::Palette;
 use crate::furniture::Entry;
 use crate::page::Frame;
@@ -16,6 +17,8 @@ const FORCE_PART: f64 = 0.2;
 pub(crate) const FORCE_HALO: f64 = 0.8;
 /// \[px\]
 pub(crate) const TRAIL_STROKE: f64 = 1.5;
+/// \[px\] in the legend.
+const BICYCLE_STROKE: f64 = 5.0;
 /// \[px\] dash and gap of what is measured.
 pub(crate) const DASH: (f64, f64) = (4.2, 3.4);
 /// \[px\] of paper around each dash, so that it is seen on a solid line of its colour, which is seen between
@@ -90,6 +93,16 @@ impl Look<'_> {
                 legend.push(entry("simulated", "simulated", None));
             }
             legend.push(entry("measured", "measured", Some((DASH.0 * unit, DASH.1 * unit))));
+        }
+        if scenes.iter().any(|scene| scene.drawn_bicycles().next().is_some()) {
+            legend.push(Entry {
+                class: "bicycle",
+                label: "bicycle with rider".to_owned(),
+                colour: Bicycle::FILL,
+                width: BICYCLE_STROKE * unit,
+                halo: Some((self.palette.outline, FORCE_HALO * unit)),
+                dash: None,
+            });
         }
         legend
     }

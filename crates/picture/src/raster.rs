@@ -5,7 +5,7 @@ use resvg::{tiny_skia, usvg};
 /// \[px\] Largest picture: 400 MB of pixels.
 const MOST_PIXELS: f64 = 1e8;
 
-/// Why there is no PNG.
+/// Why there is no PNG or PDF.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The text is not SVG.
@@ -19,6 +19,9 @@ pub enum PictureError {
         /// \[px\]
         height: f64,
     },
+    /// The SVG has what no picture of this crate has.
+    #[error("PDF: the SVG has {0}")]
+    Pdf(&'static str),
     /// The encoder failed.
     #[error("PNG: {0}")]
     Png(String),

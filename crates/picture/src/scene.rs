@@ -1,5 +1,6 @@
 //! What is drawn.
 
+use crate::bicycle::Bicycle;
 use crate::body::Body;
 use crate::density::DensityMap;
 use crate::plane::{Pose, View, near};
@@ -46,7 +47,7 @@ pub struct Scene<'a> {
     pub trial: &'a Trial,
     /// One per agent, in the order of the agents. An agent without a finite pose is not drawn.
     pub poses: Vec<Pose>,
-    /// The part of the plane shown; all walls, bodies and trails when `None`.
+    /// The part of the plane shown; all walls, bodies, bicycles and trails when `None`.
     pub view: Option<View>,
     /// Forces between bodies, drawn on top of them.
     pub forces: Vec<Force>,
@@ -55,6 +56,8 @@ pub struct Scene<'a> {
     /// People per area, drawn below everything else. Bodies are then outlines, and the colour bar is the
     /// density's.
     pub density: Option<DensityMap>,
+    /// Drawn beside the agents: a Trial has none.
+    pub bicycles: Vec<Bicycle>,
     pub(crate) bodies: Vec<Body>,
 }
 
@@ -62,7 +65,16 @@ impl<'a> Scene<'a> {
     /// The agents of the Trial at these poses.
     pub fn new(trial: &'a Trial, poses: Vec<Pose>) -> Scene<'a> {
         let bodies = trial.agents.iter().map(Body::new).collect();
-        Scene { trial, poses, view: None, forces: Vec::new(), trails: Vec::new(), density: None, bodies }
+        Scene {
+            trial,
+            poses,
+            view: None,
+            forces: Vec::new(),
+            trails: Vec::new(),
+            density: None,
+            bicycles: Vec::new(),
+            bodies,
+        }
     }
 
     /// The Trial as its files have it.
@@ -71,7 +83,7 @@ impl<'a> Scene<'a> {
         Scene::new(trial, poses)
     }
 
-    /// The smallest rectangle around all walls, bodies and trails; a metre about the origin when there are none.
+    /// The smallest rectangle around all walls, bodies, bicycles and trails; a metre about the origin when there are none.
     pub fn extent(&self) -> View {
         let mut low = vec2(f64::INFINITY, f64::INFINITY);
         let mut high = -low;
@@ -88,10 +100,18 @@ impl<'a> Scene<'a> {
         for (_, pose, body) in self.drawn() {
             body.disks_at(pose).for_each(|(centre, radius)| include(centre, radius));
         }
+        for bicycle in self.drawn_bicycles() {
+            bicycle.corners().for_each(|corner| include(corner, 0.0));
+        }
         if !(low.is_finite() && high.is_finite()) {
             return View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };
         }
         View { low, high }
+    }
+
+    /// The bicycles that can be drawn.
+    pub(crate) fn drawn_bicycles(&self) -> impl Iterator<Item = &Bicycle> {
+        self.bicycles.iter().filter(|bicycle| bicycle.drawable())
     }
 
     /// The agents that can be drawn, with their place among the agents.

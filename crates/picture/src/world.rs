@@ -1,5 +1,6 @@
 //! Everything to scale, in metres.
 
+use crate::bicycle::{Bicycle, bicycles};
 use crate::body::{Body, point};
 use crate::colour::{Colour, Palette};
 use crate::colouring::Colouring;
@@ -34,6 +35,11 @@ fn seen<'a>(scene: &'a Scene, style: &Style, frame: &Frame) -> Vec<(usize, &'a P
     scene.drawn().filter(seen).collect()
 }
 
+fn ridden<'a>(scene: &'a Scene, style: &Style, frame: &Frame) -> Vec<&'a Bicycle> {
+    let seen = |b: &&Bicycle| style.bodies.shown() && !frame.misses(b.pose.position, b.reach());
+    scene.drawn_bicycles().filter(seen).collect()
+}
+
 fn walls_of(scene: &Scene) -> Vec<Vec<Vec2>> {
     let finite = |corners: &[Vec2]| corners.iter().copied().filter(|c| near(*c)).collect();
     scene.trial.geometry.walls.iter().map(|wall| finite(&wall.corners)).collect()
@@ -45,6 +51,7 @@ pub(crate) fn is_cut(scene: &Scene, style: &Style, frame: &Frame) -> bool {
     let mut lines = trails.chain(drawable_forces(scene).flat_map(|f| [f.from, f.to])).filter(|p| near(*p));
     scene.view.is_some()
         && (seen(scene, style, frame).iter().any(|(_, pose, body)| frame.cuts(pose.position, body.reach))
+            || ridden(scene, style, frame).iter().any(|b| frame.cuts(b.pose.position, b.reach()))
             || walls_of(scene).iter().flatten().any(|c| frame.cuts(*c, 0.0))
             || lines.any(|p| frame.cuts(p, 0.0)))
 }
@@ -88,6 +95,9 @@ pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame,
     };
     draw_walls(out, &walls, palette, frame, over_density);
     bodies(out, scene, style, palette, frame, colouring, &drawn);
+    let ridden = ridden(scene, style, frame);
+    let riders = ridden.iter().map(|b| b.rider.0 * b.rider.1).sum::<f64>() / ridden.len().max(1) as f64;
+    bicycles(out, &ridden, palette, outline(frame, riders));
     trails(out, scene, palette, frame);
     forces(out, scene, look, frame);
     if style.ids.shown() {
@@ -127,6 +137,11 @@ fn draw_walls(out: &mut String, walls: &[Vec<Vec2>], palette: &Palette, frame: &
     }
 }
 
+/// \[m\] of the outlines of bodies of a mean area \[m²\].
+fn outline(frame: &Frame, area: f64) -> f64 {
+    (BODY_STROKE * frame.unit / frame.scale).min(BODY_STROKE_PART * area.max(0.0).sqrt())
+}
+
 fn bodies(
     out: &mut String,
     scene: &Scene,
@@ -138,8 +153,7 @@ fn bodies(
 ) {
     let count = drawn.len().max(1) as f64;
     let area = drawn.iter().map(|(_, _, body)| body.area).sum::<f64>() / count;
-    let stroke = (BODY_STROKE * frame.unit / frame.scale).min(BODY_STROKE_PART * area.max(0.0).sqrt());
-    let stroke = text_of(stroke, 6);
+    let stroke = text_of(outline(frame, area), 6);
     let outlined = scene.density.is_some();
     if outlined {
         *out += &format!(

@@ -14,15 +14,15 @@ use crate::pack::{FmuArguments, write_fmu};
 use crate::tell;
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
-use crowd_mechanics::engine::{Rotation, Vec2, vec2};
+use crowd_mechanics::engine::{Pose, Rotation, Vec2, vec2};
 use crowd_mechanics::files::Scratch;
 use crowd_mechanics::pack::{Binary, DRIVE_FILE};
-use crowd_mechanics::trial::Trial;
+use crowd_mechanics::trial::{Geometry, Trial};
 use lemons_crowd::{
     Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
     crowd_csv, crowd_trial, light_xml, may_write, write_geojson, write_trial, write_trial_zip, write_wkt,
 };
-use lemons_picture::{Fill, Scene, Style, png, svg};
+use lemons_picture::{Bicycle as Drawn, Colour, Fill, Pose as DrawnPose, Scene, Style, pdf, png, svg};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -120,9 +120,12 @@ struct OtherArguments {
     /// The same as binary STL: about 1.6 MB each
     #[arg(long, value_name = "FILE.stl")]
     stl: Option<PathBuf>,
-    /// The crowd from above as a picture (pedestrians only)
+    /// The crowd from above as a picture
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
+    /// The same for print
+    #[arg(long, value_name = "FILE.pdf")]
+    pdf: Option<PathBuf>,
     /// The same, 1200 pixels wide
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
@@ -190,7 +193,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let settings = trial.settings(placing.direction());
     // Known before a long packing.
     let makeable = settings.check(&place.geometry);
-    if trial.wanted() || others.svg.is_some() || others.png.is_some() {
+    if trial.wanted() || others.has_pictures() {
         makeable.as_ref().map_err(|error| anyhow!("no Trial of {}: {error}", place.name))?;
     }
     if let Some(directory) = &trial.output {
@@ -274,8 +277,10 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         let step = made.parameters.time_step_mechanical;
         let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
         writeln!(out, "mechanical step    {step:>10} {note}")?;
-        outputs.draw(&made)?;
+        outputs.draw(&Scene::at_start(&made), Fill::BodyArea)?;
         trial.write(&made, binaries, &interrupt, &mut out)?;
+    } else if others.has_pictures() {
+        outputs.draw_mixed(&agents, &shapes, &packing.poses, place.geometry, &settings)?;
     }
     if !trial.wanted() && outputs.is_empty() {
         writeln!(
@@ -379,16 +384,16 @@ fn say(out: &mut impl Write, what: &str, path: &Path) -> io::Result<()> {
     writeln!(out, "{what:<18} {}", path.display())
 }
 
+impl OtherArguments {
+    fn has_pictures(&self) -> bool {
+        [&self.svg, &self.pdf, &self.png].iter().any(|file| file.is_some())
+    }
+}
+
 impl Arguments {
     fn refuse_bicycles(&self) -> Result<()> {
         let TrialArguments { output, zip, fmu, .. } = &self.trial;
-        let asked = [
-            ("-o", output),
-            ("--zip", zip),
-            ("--fmu", fmu),
-            ("--svg", &self.others.svg),
-            ("--png", &self.others.png),
-        ];
+        let asked = [("-o", output), ("--zip", zip), ("--fmu", fmu)];
         if let Some((option, _)) = asked.iter().find(|(_, path)| path.is_some()) {
             let message = format!(
                 "{option}: the mechanics takes pedestrians only, and a part of this crowd rides bicycles \
@@ -410,7 +415,7 @@ impl Arguments {
     /// Opens what is written beside the Trial.
     fn outputs(&self) -> Result<Outputs> {
         let OtherArguments { population, light_xml, sections_geojson, sections_wkt, .. } = &self.others;
-        let OtherArguments { obj, stl, svg, png, .. } = &self.others;
+        let OtherArguments { obj, stl, svg, pdf, png, .. } = &self.others;
         let TrialArguments { output, zip, fmu, .. } = &self.trial;
         let open = |path: &Option<PathBuf>| path.as_deref().map(Output::open).transpose();
         // Whether they can be written is better known before a long packing.
@@ -429,6 +434,7 @@ impl Arguments {
             obj: open(obj)?,
             stl: open(stl)?,
             svg: open(svg)?,
+            pdf: open(pdf)?,
             png: open(png)?,
         })
     }
@@ -446,23 +452,63 @@ struct Outputs {
     obj: Option<Output>,
     stl: Option<Output>,
     svg: Option<Output>,
+    pdf: Option<Output>,
     png: Option<Output>,
 }
 
 impl Outputs {
     fn is_empty(&self) -> bool {
-        let Outputs { population, light_xml, sections, sections_wkt, obj, stl, svg, png } = self;
-        [population, light_xml, sections, sections_wkt, obj, stl, svg, png].iter().all(|file| file.is_none())
+        let Outputs { population, light_xml, sections, sections_wkt, obj, stl, .. } = self;
+        let others = [population, light_xml, sections, sections_wkt, obj, stl];
+        others.iter().all(|file| file.is_none()) && !self.has_pictures()
     }
 
-    fn draw(&mut self, trial: &Trial) -> Result<()> {
-        if self.svg.is_none() && self.png.is_none() {
+    fn has_pictures(&self) -> bool {
+        [&self.svg, &self.pdf, &self.png].iter().any(|file| file.is_some())
+    }
+
+    /// Pedestrians as a Trial has them, bicycles beside them; all under their places in the crowd.
+    fn draw_mixed(
+        &mut self,
+        agents: &[Agent],
+        shapes: &[Shape],
+        poses: &[Pose],
+        geometry: Geometry,
+        settings: &TrialSettings,
+    ) -> Result<()> {
+        let (mut people, mut bicycles) = ((Vec::new(), Vec::new(), Vec::new(), Vec::new()), Vec::new());
+        for (place, ((agent, shape), pose)) in agents.iter().zip(shapes).zip(poses).enumerate() {
+            match agent {
+                Agent::Pedestrian(person) => {
+                    people.extend([(*person, shape.clone(), *pose, place.to_string())]);
+                }
+                Agent::Bicycle(bicycle) => {
+                    let [wheels, rider] = bicycle.rectangles();
+                    let pose = DrawnPose { position: pose.position, theta: pose.orientation };
+                    bicycles.push(Drawn { id: place.to_string(), pose, wheels, rider });
+                }
+            }
+        }
+        let (people, shapes, poses, ids) = people;
+        let mut trial = crowd_trial("crowd", &people, &shapes, &poses, geometry, settings)?;
+        trial.agents.iter_mut().zip(ids).for_each(|(agent, id)| agent.id = id);
+        let fill = if people.is_empty() { Fill::Single(Colour::BODY) } else { Fill::BodyArea };
+        let mut scene = Scene::at_start(&trial);
+        scene.bicycles = bicycles;
+        self.draw(&scene, fill)
+    }
+
+    fn draw(&mut self, scene: &Scene, fill: Fill) -> Result<()> {
+        if !self.has_pictures() {
             return Ok(());
         }
-        let style = Style { width: PICTURE_WIDTH.into(), fill: Fill::BodyArea, ..Style::default() };
-        let text = svg(&Scene::at_start(trial), &style);
+        let text = svg(scene, &Style { width: PICTURE_WIDTH.into(), fill, ..Style::default() });
         if let Some(output) = &mut self.svg {
             output.fill(|file| file.write_all(text.as_bytes()))?;
+        }
+        if let Some(output) = &mut self.pdf {
+            let picture = pdf(&text)?;
+            output.fill(|file| file.write_all(&picture))?;
         }
         if let Some(output) = &mut self.png {
             let picture = png(&text, PICTURE_WIDTH)?;
@@ -480,6 +526,7 @@ impl Outputs {
             ("bodies", self.obj),
             ("bodies", self.stl),
             ("picture", self.svg),
+            ("picture", self.pdf),
             ("picture", self.png),
         ];
         for (what, output) in all {

@@ -12,7 +12,7 @@ use lemons_crowd::{
     Body3d, Placed, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj, write_stl,
     write_wkt,
 };
-use lemons_picture::{Scene, Style, svg};
+use lemons_picture::{Scene, Style, pdf, svg};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -52,6 +52,9 @@ pub struct Arguments {
     /// The shape from above as a picture
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
+    /// The same for print
+    #[arg(long, value_name = "FILE.pdf")]
+    pdf: Option<PathBuf>,
     #[command(flatten)]
     _force: Force,
 }
@@ -64,7 +67,7 @@ pub fn person(arguments: &Arguments) -> Result<()> {
     let Arguments { breadth, depth, stature, mass, .. } = *arguments;
     let person = super::person(arguments.sex.into(), [breadth, depth, stature, mass])
         .map_err(|fault| Misused(format!("--depth {depth} --breadth {breadth}: {fault}")))?;
-    let Arguments { obj, stl, geojson, wkt, svg: picture, .. } = arguments;
+    let Arguments { obj, stl, geojson, wkt, svg: picture, pdf: print, .. } = arguments;
     let shape = Shape::of(&person)?;
     let moments = shape.moments();
     // Printed when all is written: who closes the pipe early has the files nevertheless.
@@ -88,16 +91,16 @@ pub fn person(arguments: &Arguments) -> Result<()> {
     )?;
 
     let mut outputs = Vec::new();
+    let mut add = |path: &Option<PathBuf>, fill: &dyn Fn(&mut Output) -> Result<()>| -> Result<()> {
+        let Some(path) = path else { return Ok(()) };
+        let mut output = Output::open(path)?;
+        fill(&mut output)?;
+        outputs.push(output);
+        Ok(())
+    };
     if [obj, stl, geojson, wkt].into_iter().any(Option::is_some) {
         let body = Body3d::of(&person)?;
         writeln!(out, "{}", line("volume of the body", 1e3 * body.volume(), "l"))?;
-        let mut add = |path: &Option<PathBuf>, fill: &dyn Fn(&mut Output) -> Result<()>| -> Result<()> {
-            let Some(path) = path else { return Ok(()) };
-            let mut output = Output::open(path)?;
-            fill(&mut output)?;
-            outputs.push(output);
-            Ok(())
-        };
         let mesh = body.mesh();
         add(obj, &|output| output.fill(|file| write_obj(&mesh.parts, file)))?;
         add(stl, &|output| output.fill(|file| write_stl(&mesh.parts, file)))?;
@@ -107,14 +110,16 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         add(geojson, &|output| output.fill(|file| write_geojson(&sections, file)))?;
         add(wkt, &|output| output.fill(|file| write_wkt(&sections, file)))?;
     }
-    if let Some(path) = picture {
+    if picture.is_some() || print.is_some() {
         let open = Geometry { dimensions: None, walls: Vec::new() };
         let settings = TrialSettings::default();
         let trial = crowd_trial("person", &[person], &[shape], &[ORIGIN], open, &settings)?;
-        let mut output = Output::open(path)?;
         let text = svg(&Scene::at_start(&trial), &Style::default());
-        output.fill(|file| file.write_all(text.as_bytes()))?;
-        outputs.push(output);
+        add(picture, &|output| output.fill(|file| file.write_all(text.as_bytes())))?;
+        add(print, &|output| {
+            let page = pdf(&text)?;
+            output.fill(|file| file.write_all(&page))
+        })?;
     }
     for output in outputs {
         writeln!(out, "{}", output.path().display())?;

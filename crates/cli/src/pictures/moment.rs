@@ -1,5 +1,6 @@
 //! A run at any time: between its frames everything is linear.
 
+use crate::crowd::moves;
 use crowd_mechanics::engine::{Crowded, Pair, Pose as EnginePose, Rotation, State, Twist, Vec2, World};
 use crowd_mechanics::trial::{AgentDynamics, Trial, WorldError};
 use lemons_export::{Frame, Observed, Run};
@@ -60,6 +61,15 @@ impl Footage {
 
     pub fn last(&self) -> f64 {
         self.run.times().1
+    }
+
+    /// \[s\] The first frame from which on nobody moves; `None` if somebody does in the last.
+    pub fn still_from(&self) -> Option<f64> {
+        let frames = &self.run.frames;
+        let moving =
+            |frame: &Frame| frame.agents.iter().any(|agent| moves(agent.velocity.norm(), agent.omega));
+        let still = frames.iter().rposition(moving).map_or(0, |last| last + 1);
+        frames.get(still).map(|frame| frame.time)
     }
 
     /// At a time \[s\] of the run; its ends for times beyond them.

@@ -1,12 +1,14 @@
 //! `lemons movie`: the scene over time.
 
 use super::look::{Look, Looks, positive, seconds};
+use super::moment::Footage;
 use super::plot::OTHER_PARAMETERS;
-use super::source::{Source, Wanted};
+use super::source::{End, Source, Wanted};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
+use crate::run::REST;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::{Scratch, Staged};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -40,9 +42,11 @@ pub struct Arguments {
     /// Where the movie begins, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
-    /// Where it ends; default: a record's end, 5 s of a run that is made now
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    until: Option<f64>,
+    /// Where it ends; still: when nobody is faster than 1 cm/s and 0.05 rad/s any more; a run that is
+    /// made now ends when that has been so for 1 s, and after 120 s. Default: a record's end, 5 s of a
+    /// run that is made now
+    #[arg(long, value_name = "SECONDS or still", value_parser = end)]
+    until: Option<End>,
     #[command(flatten)]
     _force: Force,
     #[command(flatten)]
@@ -56,6 +60,13 @@ fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
+fn end(text: &str) -> Result<End, String> {
+    match text {
+        "still" => Ok(End::Still),
+        _ => positive(text).map(End::At).map_err(|must| format!("{must} of seconds, or still")),
+    }
+}
+
 pub fn movie(arguments: &Arguments) -> Result<()> {
     let Arguments { source, look, frame_rate, speed_up, .. } = arguments;
     let path = arguments.output.clone().unwrap_or_else(default_output);
@@ -65,7 +76,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
             "--frame-rate {frame_rate}: a GIF shows at most {MOST_OF_GIF} frames per second"
         )));
     }
-    if let (Some(from), Some(until)) = (arguments.from, arguments.until)
+    if let (Some(from), Some(End::At(until))) = (arguments.from, arguments.until)
         && from >= until
     {
         bail!(Misused(format!("--from {from:?} is not before --until {until:?}")));
@@ -73,12 +84,14 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     // Before there is anything that would be left.
     let interrupt = Interrupt::watch();
     let mut file = Output::open(&path)?;
-    let until = arguments.until.unwrap_or(crowd_mechanics::model_description::DEFAULT_STOP_TIME);
+    let until = arguments.until.unwrap_or(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME));
     let footage = source.footage(source.runs().then_some(until), Wanted::All, &interrupt)?;
-    let (first, last) = (
-        arguments.from.unwrap_or_else(|| footage.first()),
-        arguments.until.unwrap_or_else(|| footage.last()),
-    );
+    let first = arguments.from.unwrap_or_else(|| footage.first());
+    let last = match arguments.until {
+        Some(End::At(time)) => time,
+        Some(End::Still) => rest(&footage, first)?,
+        None => footage.last(),
+    };
     [first, last].into_iter().try_for_each(|time| footage.check(time))?;
     let frames = ((last - first) * frame_rate / speed_up + 1e-9).floor() + 1.0;
     if !(2.0..=MOST_FRAMES).contains(&frames) {
@@ -115,9 +128,37 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     if looks.other_parameters() {
         note!("{OTHER_PARAMETERS}");
     }
+    if let Some(still) = footage.still_from().filter(|still| still + REST <= last) {
+        let time = told(still);
+        match still > first {
+            true => note!("nobody moves after t = {time:?} s: --until still ends there"),
+            false => note!("nobody moves in this movie"),
+        }
+    }
     let seconds = frames / frame_rate;
     say!("{}: {frames} frames, {seconds:.2} s", path.display())?;
     Ok(())
+}
+
+/// \[s\] Where a movie from `first` on ends as all have come to rest.
+fn rest(footage: &Footage, first: f64) -> Result<f64> {
+    let source = footage.run.source.display();
+    match footage.still_from() {
+        None => {
+            let last = footage.last();
+            note!("{source}: somebody still moves at t = {:?} s: the movie ends there", told(last));
+            Ok(last)
+        }
+        Some(still) if still <= first => {
+            bail!("--until still: {source}: nobody moves after t = {:?} s: nothing to show", told(first))
+        }
+        Some(still) => Ok(still),
+    }
+}
+
+/// \[s\] A time as it is told: without what rounding has added.
+fn told(time: f64) -> f64 {
+    (time * 1e6).round() / 1e6
 }
 
 #[derive(Clone, Copy, PartialEq)]

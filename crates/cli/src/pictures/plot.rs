@@ -3,14 +3,14 @@
 use super::look::{Look, Looks, Quantity, positive, seconds};
 use super::moment::{Footage, Moment};
 use super::series::{Selection, chart};
-use super::source::{Source, Wanted};
+use super::source::{End, Source, Wanted};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::{Result, bail};
 use lemons_picture::{
-    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, SheetStyle, Style, Visibility, chart_svg, png,
+    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, SheetStyle, Style, Visibility, chart_svg, pdf, png,
     sheet, svg,
 };
 use std::io::Write;
@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// Where the picture goes: SVG or PNG
-    #[arg(short, long, default_value = "plot.png", value_name = "FILE.png or FILE.svg")]
+    /// Where the picture goes: PNG, or SVG or PDF for print (curves, no pixels)
+    #[arg(short, long, default_value = "plot.png", value_name = "FILE.png, .svg or .pdf")]
     output: PathBuf,
     /// Scenes at the communication points nearest to these times, in seconds; default: a Trial's or
     /// FMU's start, the end of a record
@@ -83,6 +83,7 @@ pub fn plot(arguments: &Arguments) -> Result<()> {
     let bytes = match format {
         Format::Svg => text.into_bytes(),
         Format::Png => png(&text, look.width)?,
+        Format::Pdf => pdf(&text)?,
     };
     file.fill(|out| out.write_all(&bytes))?;
     file.persist()?;
@@ -94,6 +95,7 @@ pub fn plot(arguments: &Arguments) -> Result<()> {
 enum Format {
     Svg,
     Png,
+    Pdf,
 }
 
 impl Format {
@@ -101,7 +103,8 @@ impl Format {
         match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Format::Svg),
             Some("png") => Ok(Format::Png),
-            _ => bail!(Misused(format!("{}: pictures are .png or .svg", path.display()))),
+            Some("pdf") => Ok(Format::Pdf),
+            _ => bail!(Misused(format!("{}: pictures are .png, .svg or .pdf", path.display()))),
         }
     }
 }
@@ -110,7 +113,7 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, at, look, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
     let wanted = if look.shows_trails() { Wanted::All } else { Wanted::Around(at) };
-    let footage = source.footage(latest, wanted, interrupt)?;
+    let footage = source.footage(latest.map(End::At), wanted, interrupt)?;
     at.iter().try_for_each(|time| footage.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
     let asked = if at.is_empty() { vec![footage.last()] } else { at.clone() };
@@ -154,7 +157,7 @@ fn columns(panels: usize, aspect: f64) -> usize {
 
 fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let opened = source.open(source.runs().then(|| arguments.end()), Wanted::All, interrupt)?;
+    let opened = source.open(source.runs().then(|| End::At(arguments.end())), Wanted::All, interrupt)?;
     let (from, until) = (arguments.from, arguments.until);
     let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
     let chart = chart(opened, look, &selection)?;
@@ -164,7 +167,7 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
 
 fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let footage = source.footage(source.runs().then(|| arguments.end()), Wanted::All, interrupt)?;
+    let footage = source.footage(source.runs().then(|| End::At(arguments.end())), Wanted::All, interrupt)?;
     let within = |time: f64| within(time, arguments.from, arguments.until);
     let places: Vec<usize> =
         (0..footage.run.frames.len()).filter(|&k| within(footage.run.frames[k].time)).collect();

@@ -68,6 +68,18 @@ impl Wanted<'_> {
     }
 }
 
+/// When a run that is made now ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum End {
+    /// \[s\]
+    At(f64),
+    /// When all have come to rest, and at [`LATEST`].
+    Still,
+}
+
+/// \[s\] Crowds that push for ever never come to rest.
+pub const LATEST: f64 = 120.0;
+
 /// What was found there.
 pub struct Opened {
     /// `None` where a table came without.
@@ -75,9 +87,19 @@ pub struct Opened {
     pub run: Run,
 }
 
+impl End {
+    /// \[s\]
+    fn latest(self) -> f64 {
+        match self {
+            End::At(time) => time,
+            End::Still => LATEST,
+        }
+    }
+}
+
 impl Source {
-    /// A Trial or an FMU is run until a time \[s\]; without one it is shown as it begins.
-    pub fn open(&self, until: Option<f64>, wanted: Wanted<'_>, interrupt: &Interrupt) -> Result<Opened> {
+    /// A Trial or an FMU is run until then; without an end it is shown as it begins.
+    pub fn open(&self, until: Option<End>, wanted: Wanted<'_>, interrupt: &Interrupt) -> Result<Opened> {
         let runs = self.runs();
         if !runs && (self.drive.is_some() || self.no_drive || self.step.is_some()) {
             let path = self.path.display();
@@ -102,7 +124,7 @@ impl Source {
         let run = match (runs, until, &trial) {
             (true, Some(until), Some(trial)) => {
                 let step = self.step.unwrap_or(trial.parameters.time_step);
-                Clock::new(0.0, step, until)
+                Clock::new(0.0, step, until.latest())
                     .and_then(|clock| clock.check_at_most(MOST_STEPS))
                     .with_context(|| self.path.display().to_string())?;
                 self.record(until, wanted, interrupt)?
@@ -120,7 +142,7 @@ impl Source {
     }
 
     /// With shapes and walls.
-    pub fn footage(&self, until: Option<f64>, wanted: Wanted<'_>, interrupt: &Interrupt) -> Result<Footage> {
+    pub fn footage(&self, until: Option<End>, wanted: Wanted<'_>, interrupt: &Interrupt) -> Result<Footage> {
         let Opened { trial, run } = self.open(until, wanted, interrupt)?;
         let need = || {
             format!("{}: give the Trial or FMU that ran, for shapes and walls: --trial", self.path.display())
@@ -135,12 +157,12 @@ impl Source {
     }
 
     /// As `lemons run` does it.
-    fn record(&self, until: f64, wanted: Wanted<'_>, interrupt: &Interrupt) -> Result<Run> {
+    fn record(&self, until: End, wanted: Wanted<'_>, interrupt: &Interrupt) -> Result<Run> {
         let directory = Scratch::new().context("cannot make a temporary directory")?;
         let table = directory.path().join("trajectories.csv");
         let mut words: Vec<OsString> = vec!["run".into()];
         let mut option = |name: &str, value: OsString| words.extend([name.into(), value]);
-        option("--until", until.to_string().into());
+        option("--until", until.latest().to_string().into());
         option("--output", table.clone().into());
         option("--outputs", directory.path().join("outputs.csv").into());
         self.drive.iter().for_each(|drive| option("--drive", drive.into()));
@@ -148,7 +170,9 @@ impl Source {
         self.step.iter().for_each(|step| option("--step", step.to_string().into()));
         words.extend(self.no_drive.then(|| "--no-drive".into()));
         words.extend(["--".into(), self.path.clone().into()]);
-        if simulate(&Running::try_parse_from(words)?.arguments, interrupt)?.stopped.is_some() {
+        let Running { mut arguments } = Running::try_parse_from(words)?;
+        arguments.until_still = until == End::Still;
+        if simulate(&arguments, interrupt)?.stopped.is_some() {
             return Err(Interrupted::nothing_written().into());
         }
         if !table.is_file() {

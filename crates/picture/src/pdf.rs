@@ -1,0 +1,335 @@
+//! SVG to PDF: one page of curves, without fonts.
+
+use crate::raster::PictureError;
+use miniz_oxide::deflate::compress_to_vec_zlib;
+use pdf_writer::types::{FunctionShadingType, LineCapStyle, LineJoinStyle};
+use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
+use resvg::usvg::tiny_skia_path::{Path as Outline, PathSegment, Point};
+use resvg::usvg::{
+    BlendMode, ClipPath, Color, FillRule, Group, LineCap, LineJoin, LinearGradient, Node, Options, Paint,
+    PaintOrder, Path, SpreadMethod, Stop, Stroke, Transform, Tree,
+};
+
+/// \[pt/px\] An inch is 72 points or 96 px.
+const POINTS: f32 = 0.75;
+/// \[pt\] Longer sides take a larger unit than the point.
+const LONGEST_SIDE: f32 = 14_400.0;
+/// Of zlib.
+const COMPRESSION: u8 = 6;
+
+const CATALOG: Ref = Ref::new(1);
+const PAGES: Ref = Ref::new(2);
+const PAGE: Ref = Ref::new(3);
+const CONTENT: Ref = Ref::new(4);
+const INFO: Ref = Ref::new(5);
+const FIRST_FREE: i32 = 6;
+
+/// The SVG as a PDF of one page, which is as large as the SVG: 96 px are an inch. Everything stays a curve.
+///
+/// # Errors
+/// The text is not SVG, or uses more than pictures of this crate do: images, filters, masks, gradients along circles.
+pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
+    let tree = Tree::from_str(svg, &Options::default())?;
+    let (width, height) = (POINTS * tree.size().width(), POINTS * tree.size().height());
+    let unit = (width.max(height) / LONGEST_SIDE).ceil().max(1.0);
+    let mut drawing = Drawing { content: Content::new(), opacities: Vec::new(), shadings: Vec::new() };
+    let scale = POINTS / unit;
+    drawing.content.transform([scale, 0.0, 0.0, -scale, 0.0, height / unit]);
+    drawing.group(tree.root())?;
+    let Drawing { content, opacities, shadings } = drawing;
+
+    let mut pdf = Pdf::new();
+    pdf.catalog(CATALOG).pages(PAGES);
+    pdf.pages(PAGES).kids([PAGE]).count(1);
+    let mut page = pdf.page(PAGE);
+    page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width / unit, height / unit)).contents(CONTENT);
+    if unit > 1.0 {
+        page.user_unit(unit);
+    }
+    page.group().transparency().isolated(true).knockout(false).color_space().device_rgb();
+    let mut resources = page.resources();
+    let mut states = resources.ext_g_states();
+    for (place, (fill, stroke)) in opacities.iter().enumerate() {
+        let mut state = states
+            .insert(Name(state_name(place).as_bytes()))
+            .start::<pdf_writer::writers::ExtGraphicsState>();
+        state.non_stroking_alpha(*fill).stroking_alpha(*stroke);
+    }
+    states.finish();
+    // Each shading is followed by its functions.
+    let mut free = FIRST_FREE;
+    let mut places = resources.shadings();
+    let objects: Vec<(Ref, &Shading)> = shadings
+        .iter()
+        .enumerate()
+        .map(|(place, shading)| {
+            let object = Ref::new(free);
+            free += 1 + shading.stops.len() as i32;
+            places.pair(Name(shading_name(place).as_bytes()), object);
+            (object, shading)
+        })
+        .collect();
+    places.finish();
+    resources.finish();
+    page.finish();
+    objects.into_iter().for_each(|(object, shading)| shading.write(&mut pdf, object));
+    pdf.stream(CONTENT, &compress_to_vec_zlib(&content.finish(), COMPRESSION)).filter(Filter::FlateDecode);
+    // No date: the same picture gives the same bytes.
+    pdf.document_info(INFO).producer(TextStr("LEMONS"));
+    Ok(pdf.finish())
+}
+
+struct Drawing {
+    content: Content,
+    /// Of fill and stroke, each pair once.
+    opacities: Vec<(f32, f32)>,
+    shadings: Vec<Shading>,
+}
+
+/// Colours along a line.
+struct Shading {
+    /// x and y of both ends.
+    line: [f32; 4],
+    /// From 0 to 1 on the line, at least two.
+    stops: Vec<(f32, [f32; 3])>,
+}
+
+fn state_name(place: usize) -> String {
+    format!("O{place}")
+}
+
+fn shading_name(place: usize) -> String {
+    format!("S{place}")
+}
+
+impl Shading {
+    fn of(gradient: &LinearGradient) -> Shading {
+        let colour = |stop: &Stop| (stop.offset().get(), parts(stop.color()));
+        let mut stops: Vec<_> = gradient.stops().iter().map(colour).collect();
+        if let (Some(first), Some(last)) = (stops.first().copied(), stops.last().copied()) {
+            stops.insert(0, (0.0, first.1));
+            stops.push((1.0, last.1));
+        }
+        stops.dedup();
+        Shading { line: [gradient.x1(), gradient.y1(), gradient.x2(), gradient.y2()], stops }
+    }
+
+    /// The shading and, in the objects after it, its functions.
+    fn write(&self, pdf: &mut Pdf, object: Ref) {
+        let after = |k: usize| Ref::new(object.get() + 1 + k as i32);
+        let mut shading = pdf.function_shading(object);
+        shading.shading_type(FunctionShadingType::Axial).color_space().device_rgb();
+        shading.coords(self.line).function(after(0)).extend([true, true]);
+        shading.finish();
+        let pieces = self.stops.len() - 1;
+        let mut all = pdf.stitching_function(after(0));
+        all.domain([0.0, 1.0]).functions((0..pieces).map(|k| after(1 + k)));
+        all.bounds(self.stops[1..pieces].iter().map(|stop| stop.0));
+        all.encode((0..pieces).flat_map(|_| [0.0, 1.0]));
+        all.finish();
+        for (k, ends) in self.stops.windows(2).enumerate() {
+            pdf.exponential_function(after(1 + k)).domain([0.0, 1.0]).c0(ends[0].1).c1(ends[1].1).n(1.0);
+        }
+    }
+}
+
+impl Drawing {
+    fn group(&mut self, group: &Group) -> Result<(), PictureError> {
+        let plain = group.opacity().get() == 1.0
+            && group.blend_mode() == BlendMode::Normal
+            && group.mask().is_none()
+            && group.filters().is_empty();
+        if !plain {
+            return Err(PictureError::Pdf("groups with an opacity, a mask or a filter"));
+        }
+        let own = !group.transform().is_identity() || group.clip_path().is_some();
+        if own {
+            self.content.save_state();
+            self.content.transform(matrix(group.transform()));
+        }
+        if let Some(clip) = group.clip_path() {
+            self.clip(clip)?;
+        }
+        for node in group.children() {
+            match node {
+                Node::Group(group) => self.group(group)?,
+                Node::Path(path) if path.is_visible() => self.path(path)?,
+                Node::Path(_) => {}
+                Node::Image(_) | Node::Text(_) => return Err(PictureError::Pdf("images and text")),
+            }
+        }
+        if own {
+            self.content.restore_state();
+        }
+        Ok(())
+    }
+
+    /// What is drawn from here on is cut.
+    fn clip(&mut self, clip: &ClipPath) -> Result<(), PictureError> {
+        if let Some(outer) = clip.clip_path() {
+            self.clip(outer)?;
+        }
+        let mut outlines = Vec::new();
+        collect(clip.root(), clip.transform(), &mut outlines)?;
+        outlines.iter().for_each(|outline| self.outline(outline));
+        self.content.clip_nonzero().end_path();
+        Ok(())
+    }
+
+    fn path(&mut self, path: &Path) -> Result<(), PictureError> {
+        let mut opacity = (1.0, 1.0);
+        let mut shaded = false;
+        match path.fill().map(|fill| (fill.paint(), fill.opacity().get())) {
+            None => {}
+            Some((Paint::LinearGradient(gradient), 1.0)) => {
+                self.shade(path.data(), gradient)?;
+                shaded = true;
+            }
+            Some((paint, covering)) => {
+                let [r, g, b] = rgb(paint)?;
+                self.content.set_fill_rgb(r, g, b);
+                opacity.0 = covering;
+            }
+        }
+        if let Some(stroke) = path.stroke() {
+            self.pen(stroke)?;
+            opacity.1 = stroke.opacity().get();
+        }
+        let place = self.opacities.iter().position(|known| *known == opacity).unwrap_or_else(|| {
+            self.opacities.push(opacity);
+            self.opacities.len() - 1
+        });
+        self.content.set_parameters(Name(state_name(place).as_bytes()));
+        let even_odd = path.fill().is_some_and(|fill| fill.rule() == FillRule::EvenOdd);
+        let (filled, stroked) = (path.fill().is_some() && !shaded, path.stroke().is_some());
+        let steps: &[Step] = match (filled, stroked) {
+            (true, true) if path.paint_order() == PaintOrder::StrokeAndFill => &[Step::Stroke, Step::Fill],
+            // At once the two are one thing: what is transparent of the stroke would not show the fill.
+            (true, true) if opacity.1 < 1.0 => &[Step::Fill, Step::Stroke],
+            (true, true) => &[Step::Both],
+            (true, false) => &[Step::Fill],
+            (false, true) => &[Step::Stroke],
+            (false, false) => &[],
+        };
+        for step in steps {
+            self.outline(path.data());
+            self.paint(*step, even_odd);
+        }
+        Ok(())
+    }
+
+    /// Fills an outline with the colours of a gradient.
+    fn shade(&mut self, outline: &Outline, gradient: &LinearGradient) -> Result<(), PictureError> {
+        let opaque = gradient.stops().iter().all(|stop| stop.opacity().get() == 1.0);
+        if !opaque || gradient.spread_method() != SpreadMethod::Pad || gradient.stops().len() < 2 {
+            return Err(PictureError::Pdf("gradients that are transparent or repeated"));
+        }
+        let name = shading_name(self.shadings.len());
+        self.shadings.push(Shading::of(gradient));
+        self.content.save_state();
+        self.outline(outline);
+        self.content.clip_nonzero().end_path().transform(matrix(gradient.transform()));
+        self.content.shading(Name(name.as_bytes())).restore_state();
+        Ok(())
+    }
+
+    fn paint(&mut self, step: Step, even_odd: bool) {
+        match (step, even_odd) {
+            (Step::Fill, false) => self.content.fill_nonzero(),
+            (Step::Fill, true) => self.content.fill_even_odd(),
+            (Step::Stroke, _) => self.content.stroke(),
+            (Step::Both, false) => self.content.fill_nonzero_and_stroke(),
+            (Step::Both, true) => self.content.fill_even_odd_and_stroke(),
+        };
+    }
+
+    fn pen(&mut self, stroke: &Stroke) -> Result<(), PictureError> {
+        let [r, g, b] = rgb(stroke.paint())?;
+        let join = match stroke.linejoin() {
+            LineJoin::Round => LineJoinStyle::RoundJoin,
+            LineJoin::Bevel => LineJoinStyle::BevelJoin,
+            LineJoin::Miter | LineJoin::MiterClip => LineJoinStyle::MiterJoin,
+        };
+        let cap = match stroke.linecap() {
+            LineCap::Butt => LineCapStyle::ButtCap,
+            LineCap::Round => LineCapStyle::RoundCap,
+            LineCap::Square => LineCapStyle::ProjectingSquareCap,
+        };
+        let dashes = stroke.dasharray().unwrap_or_default().iter().copied();
+        let content = &mut self.content;
+        content.set_stroke_rgb(r, g, b).set_line_width(stroke.width().get()).set_line_join(join);
+        content.set_line_cap(cap).set_miter_limit(stroke.miterlimit().get());
+        content.set_dash_pattern(dashes, stroke.dashoffset());
+        Ok(())
+    }
+
+    fn outline(&mut self, outline: &Outline) {
+        let mut at = Point::zero();
+        for segment in outline.segments() {
+            match segment {
+                PathSegment::MoveTo(p) => {
+                    self.content.move_to(p.x, p.y);
+                    at = p;
+                }
+                PathSegment::LineTo(p) => {
+                    self.content.line_to(p.x, p.y);
+                    at = p;
+                }
+                PathSegment::QuadTo(c, p) => {
+                    // The same curve as a cubic one.
+                    let towards = |from: Point| Point {
+                        x: from.x + (c.x - from.x) * (2.0 / 3.0),
+                        y: from.y + (c.y - from.y) * (2.0 / 3.0),
+                    };
+                    let (first, second) = (towards(at), towards(p));
+                    self.content.cubic_to(first.x, first.y, second.x, second.y, p.x, p.y);
+                    at = p;
+                }
+                PathSegment::CubicTo(a, b, p) => {
+                    self.content.cubic_to(a.x, a.y, b.x, b.y, p.x, p.y);
+                    at = p;
+                }
+                PathSegment::Close => {
+                    self.content.close_path();
+                }
+            }
+        }
+    }
+}
+
+/// What is painted of an outline.
+#[derive(Clone, Copy)]
+enum Step {
+    Fill,
+    Stroke,
+    Both,
+}
+
+/// The outlines of a clip, in the frame that it cuts.
+fn collect(group: &Group, frame: Transform, outlines: &mut Vec<Outline>) -> Result<(), PictureError> {
+    let frame = frame.pre_concat(group.transform());
+    for node in group.children() {
+        match node {
+            Node::Group(group) => collect(group, frame, outlines)?,
+            Node::Path(path) => outlines.extend(path.data().clone().transform(frame)),
+            Node::Image(_) | Node::Text(_) => return Err(PictureError::Pdf("images and text")),
+        }
+    }
+    Ok(())
+}
+
+fn rgb(paint: &Paint) -> Result<[f32; 3], PictureError> {
+    match paint {
+        Paint::Color(colour) => Ok(parts(*colour)),
+        _ => Err(PictureError::Pdf("gradients and patterns")),
+    }
+}
+
+fn parts(colour: Color) -> [f32; 3] {
+    // Three decimals tell all 256 apart, and are short.
+    [colour.red, colour.green, colour.blue].map(|part| (f32::from(part) / 0.255).round() / 1000.0)
+}
+
+fn matrix(t: Transform) -> [f32; 6] {
+    [t.sx, t.ky, t.kx, t.sy, t.tx, t.ty]
+}
