@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README anew: docs/pictures.sh, after cargo build --release.
-# docs/measured.png needs the measured push (../shared/data/push_wed); it stays as it is without.
+# Makes the pictures of the README anew: docs/pictures.sh, after
+# cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli.
+# docs/measured.png needs the measured push (../shared/data/push_wed), docs/flow.png a Python with FMPy and Matplotlib
+# (PYTHON, else .venv); each stays as it is without. docs/calibration.png is made by what docs/calibration.md says.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 lemons=${LEMONS:-$PWD/target/release/lemons}
@@ -20,4 +22,11 @@ if [[ -d $push ]]; then
         "$push/external_force_per_mass.txt" >"$scratch/push.csv"
     "$lemons" plot "$push/Trial" --drive "$scratch/push.csv" --step 0.01 --at 2.5,2.7,2.9,3.3 --columns 2 --fill '#8cb4de' \
         --measured "$push/measured_head_trajectories.csv" --measured-from start -o docs/measured.png --force
+fi
+
+python=${PYTHON:-$PWD/.venv/bin/python}
+if "$python" -c 'import fmpy, matplotlib' 2>/dev/null; then
+    "$lemons" decide resources/Trial_door -o "$scratch/decision.fmu" >/dev/null
+    "$lemons" pack resources/Trial_door -o "$scratch/crowd.fmu" >/dev/null
+    "$python" examples/coupled_fmpy.py "$scratch/decision.fmu" "$scratch/crowd.fmu" docs/flow.png >/dev/null
 fi

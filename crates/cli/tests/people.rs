@@ -266,7 +266,8 @@ fn mixed_crowds_go_into_the_light_file_and_pictures() {
         }
     }
     // The picture has both, where the light file has them: a bicycle's wheels lie along its gaze, which is up.
-    done(at, &[&mixed[..], &["--svg", "m.svg", "--png", "m.png", "--pdf", "m.pdf"]].concat());
+    let drawn = lemons(at, &[&mixed[..], &["--svg", "m.svg", "--png", "m.png", "--pdf", "m.pdf"]].concat());
+    assert_code(&drawn, 0);
     let picture = fs::read_to_string(at.join("m.svg")).unwrap();
     assert!(picture.contains("aria-label=\"bicycle with rider\""), "a legend");
     let (bodies, bicycles) = picture.split_once("<g class=\"bicycles\"").unwrap();
