@@ -200,7 +200,7 @@ fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result
         moving.join("AgentDynamics.xml"),
     ];
     let if_there = [moving.join("AgentInteractions.xml"), PathBuf::from(DRIVE_FILE)];
-    let if_there = if_there.into_iter().filter(|file| trial.directory.join(file).is_file());
+    let if_there = if_there.into_iter().filter(|file| trial.directory.join(file).symlink_metadata().is_ok());
     for file in needed.into_iter().chain(if_there) {
         let content = read(&trial.directory.join(&file))?;
         // Zip names have forward slashes on every platform.

@@ -1,6 +1,7 @@
 //! The resources of an FMU: packed Trial directories, and the URI that leads there.
 
 use crate::trial::{Problems, Trial};
+use lemons_files::input;
 use lemons_fmi2::location::{LocationError, directories};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -83,7 +84,7 @@ impl Resources {
 /// The Trials in a directory: those that [`TRIALS_FILE`] names, else all, by name.
 fn names_in(directory: &Path) -> Result<Vec<String>, ResourcesError> {
     let list = directory.join(TRIALS_FILE);
-    match std::fs::read_to_string(&list) {
+    match input::read_text(&list, input::LARGEST_SETTINGS) {
         Ok(text) => {
             let lines = text.lines().enumerate().filter(|(_, name)| !name.trim().is_empty());
             return lines
@@ -107,7 +108,7 @@ fn names_in(directory: &Path) -> Result<Vec<String>, ResourcesError> {
     let Ok(entries) = std::fs::read_dir(directory) else { return Ok(Vec::new()) };
     let mut names: Vec<String> = entries
         .filter_map(Result::ok)
-        .filter(|entry| entry.path().join("Parameters.xml").is_file())
+        .filter(|entry| entry.path().join("Parameters.xml").exists())
         .filter_map(|entry| entry.file_name().into_string().ok())
         .collect();
     names.sort();

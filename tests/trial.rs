@@ -595,6 +595,21 @@ fn a_missing_file_is_named_unless_it_is_the_interactions() {
     assert!(nowhere.contains("Parameters.xml: cannot be read"), "{nowhere}");
 }
 
+/// 40 000 took 2 s, 300 000 over a minute.
+#[test]
+fn elements_with_many_attributes_are_refused_before_they_are_parsed() {
+    for prefix in ["", "xmlns:"] {
+        let many: String = (0..300_000).map(|k| format!(" {prefix}a{k}='{k}'")).collect();
+        for (file, _) in good() {
+            let directory = TempDir::new().unwrap();
+            put(directory.path(), &good());
+            fs::write(directory.path().join(file), format!("<!-- <a> -->\n<A{many}/>")).unwrap();
+            let said = Trial::read(directory.path()).unwrap_err().to_string();
+            assert!(said.contains(":2: <A>: has 300000 attributes; the most is 256"), "{said}");
+        }
+    }
+}
+
 #[test]
 fn hostile_files_are_errors() {
     let deep = format!("{}{}", "<a>".repeat(1_000_000), "</a>".repeat(1_000_000));

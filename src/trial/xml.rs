@@ -5,6 +5,7 @@
 
 use super::problem::{Problem, Problems, Severity};
 use crate::engine::{Vec2, vec2};
+use lemons_files::{input, markup};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use roxmltree::{Document, Node};
@@ -47,7 +48,7 @@ pub(super) fn read_file<T>(
     problems: &mut Problems,
     then: impl FnOnce(Element<'_>, &mut Problems) -> T,
 ) -> Option<T> {
-    match std::fs::read(path) {
+    match input::read(path, input::LARGEST_TRIAL_FILE) {
         Ok(bytes) => read_bytes(path, &bytes, root, problems, then),
         Err(error) => {
             problems.push(file_problem(path, None, format!("cannot be read: {error}")));
@@ -73,6 +74,11 @@ pub(super) fn read_bytes<T>(
             return None;
         }
     };
+    if let Err(refused) = markup::check(text) {
+        let element = Some(refused.element);
+        problems.push(Problem { element, ..file_problem(path, Some(refused.line), refused.what) });
+        return None;
+    }
     // Document types stay off, the default: no entities, hence no entity bombs.
     let document = match Document::parse(text) {
         Ok(document) => document,

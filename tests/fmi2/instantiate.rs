@@ -63,6 +63,32 @@ fn resource_locations_that_lead_nowhere() {
     refused(own_guid(), &format!("file://{}", file.display()), &["resource location", "file"]);
 }
 
+/// The host waited for ever, or lost its memory.
+#[test]
+fn pipes_and_devices_in_the_resources_are_refused() {
+    for file in ["Parameters.xml", "static/Agents.xml", "dynamic/AgentDynamics.xml", "../trials.txt"] {
+        let resources = Resources::new();
+        let path = resources.trial().join(file);
+        let _ = fs::remove_file(&path);
+        std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
+        let name = file.trim_start_matches("../");
+        refused_file(&resources, &[name, "it is a device, not a regular file"]);
+        fs::remove_file(&path).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        refused_file(&resources, &[name, "it is a pipe, not a regular file"]);
+    }
+}
+
+/// 40 000 took 2 s, 300 000 over a minute.
+#[test]
+fn an_element_with_many_attributes_is_refused_before_it_is_parsed() {
+    let many: String = (0..300_000).map(|k| format!(" a{k}=''")).collect();
+    let resources = Resources::new();
+    fs::write(resources.trial().join("static/Agents.xml"), format!("<Agents>\n<Agent{many}/></Agents>"))
+        .unwrap();
+    refused_file(&resources, &["static/Agents.xml:2: <Agent>: has 300000 attributes; the most is 256"]);
+}
+
 #[test]
 fn files_that_are_missing_or_no_xml() {
     for file in

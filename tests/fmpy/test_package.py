@@ -17,6 +17,7 @@ import pandas as pd
 import pytest
 from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH, push_drive
 from lemons_fmu import Crowd, Drive, FmuError, load, simulate
+from lemons_fmu import drive as drives
 from lemons_fmu.push import Push
 
 STEP, STEPS = 0.05, 8  # s; at the end agents 0 and 1 are in contact
@@ -267,6 +268,24 @@ def test_a_bad_drive_file_is_refused_as_by_lemons_run(lemons, tmp_path, text, wo
     assert all(word in str(refusal.value) for word in [str(path), *words]), refusal.value
     command = [lemons, "run", TRIAL_PUSH, "--until", "0.05", "--drive", path, "-o", tmp_path / "run.csv"]
     assert subprocess.run(command, capture_output=True).returncode == 1
+
+
+def test_a_drive_that_never_ends_or_never_begins_is_refused(tmp_path, monkeypatch):
+    endless = tmp_path / "endless.csv"
+    endless.symlink_to("/dev/zero")
+    monkeypatch.setattr(drives, "LARGEST", 1_000_000)
+    with pytest.raises(ValueError, match=re.escape(f"{endless}: it is larger than 1 MB, the most that is read")):
+        Drive.read(endless, ["0"])
+    pipe = tmp_path / "pipe.csv"
+    os.mkfifo(pipe)
+    monkeypatch.setattr(drives, "PATIENCE", 0.2)
+    with pytest.raises(TimeoutError, match="pipe.csv"):
+        Drive.read(pipe, ["0"])
+    # One that somebody writes is read.
+    monkeypatch.setattr(drives, "PATIENCE", 30.0)
+    with ThreadPoolExecutor(1) as writer:
+        writer.submit(pipe.write_text, "t,agent,Fp.x,Fp.y,Mp\n0,0,1,2,3\n")
+        assert Drive.read(pipe, ["0"]).tables[0][1].tolist() == [[1.0, 2.0, 3.0]]
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::Binary;
 use lemons_decision::decision::PLAN_FILE;
+use lemons_files::input;
 use lemons_master::check_library;
 
 /// A shared library of this workspace.
@@ -26,7 +27,7 @@ impl Library {
     pub fn check(&self, Binary { platform, path }: &Binary) -> Result<()> {
         let named = || format!("--binary {platform}={}", path.display());
         check_library(path, platform).with_context(named)?;
-        let bytes = std::fs::read(path).context("cannot be read").with_context(named)?;
+        let bytes = input::read(path, input::LARGEST_BINARY).context("cannot be read").with_context(named)?;
         if !bytes.windows(self.mark.len()).any(|text| text == self.mark.as_bytes()) {
             bail!("{}: is not the library {}", named(), self.name);
         }

@@ -5,8 +5,9 @@ use crate::error::TrialHasErrors;
 use crate::files::WISHES_FILE;
 use crate::given::Given;
 use crate::tell;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use crowd_mechanics::trial::Problems;
+use lemons_master::Drive;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
@@ -33,12 +34,18 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             Ok((trial, warnings)) => {
                 print(&mut out, &warnings)?;
                 let wishes = given.directory().join(WISHES_FILE);
-                if wishes.exists()
-                    && let Err(error) = plan_of(&trial, &wishes)
-                {
+                let wished = if wishes.exists() { plan_of(&trial, &wishes).map(drop) } else { Ok(()) };
+                let wished = wished.with_context(|| wishes.display().to_string());
+                if let Err(error) = wished.and_then(|()| Drive::of(Some(&trial), None).map(drop)) {
                     broken = true;
-                    writeln!(out, "{}: {error:#}", path.join(WISHES_FILE).display())?;
-                    writeln!(out, "{}: 1 error", path.display())?;
+                    // A zip is unpacked elsewhere.
+                    let (there, named) = (given.directory().display(), path.display());
+                    writeln!(
+                        out,
+                        "{}",
+                        format!("{error:#}").replace(&there.to_string(), &named.to_string())
+                    )?;
+                    writeln!(out, "{named}: 1 error")?;
                     continue;
                 }
                 let parameters = &trial.parameters;

@@ -8,6 +8,7 @@ use anyhow::{Context, Result, bail};
 use crowd_mechanics::trial::Trial;
 use lemons_decision::rule::Pose;
 use lemons_decision::{Person, Plan, Wishes};
+use lemons_files::input;
 use std::path::{Path, PathBuf};
 
 /// Wishes of everybody, as short as they can be.
@@ -75,7 +76,10 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
 
 /// What the people of a Trial do by the wishes in a file.
 pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
-    let text = std::fs::read_to_string(path).context("cannot be read")?;
+    // What lies in the Trial is not a pipe on purpose.
+    let own = trial.directory.join(WISHES_FILE) == path;
+    let read = if own { input::read_text } else { input::read_given_text };
+    let text = read(path, input::LARGEST_SETTINGS).context("cannot be read")?;
     let wishes = Wishes::from_toml(&text)?;
     Ok(Plan::new(&people(trial), &wishes, trial.parameters.time_step)?)
 }

@@ -9,6 +9,7 @@ use lemons_export::{
     Area, Positions, Record, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files,
     trial_at_end, walkable_area,
 };
+use lemons_files::input;
 use lemons_master::{Fmu, Kind};
 use std::path::{Path, PathBuf};
 
@@ -153,11 +154,7 @@ fn area(run: &Record, given: Option<&Path>, trial: Option<&Trial>) -> Result<Are
 fn area_of(positions: &Positions, given: Option<&Path>, trial: Option<&Trial>) -> Result<Area> {
     if let Some(path) = given {
         let named = || format!("--area {}", path.display());
-        let file = std::fs::metadata(path).with_context(named)?;
-        if !file.is_file() || file.len() > LARGEST_AREA {
-            bail!("{}: must be a file of at most {LARGEST_AREA} bytes", named());
-        }
-        let text = std::fs::read_to_string(path).with_context(named)?;
+        let text = input::read_given_text(path, LARGEST_AREA).with_context(named)?;
         return given_area(&text, positions.iter()).map_err(|wrong| anyhow!("{}: {wrong}", named()));
     }
     let mut area = walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions.iter());

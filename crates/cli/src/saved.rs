@@ -4,12 +4,12 @@ use crate::extremes::{Extremes, Greatest};
 use crate::results::Extent;
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::files::Staged;
+use lemons_files::input;
 use lemons_fmi2::fingerprint;
 use lemons_master::{LARGEST_STATE, System};
 use lemons_ssp::{Allowance, distinct};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
@@ -122,7 +122,7 @@ impl Saved {
 
     fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
         let zip =
-            ZipArchive::new(BufReader::new(File::open(path)?)).context("is none (--state writes one)")?;
+            ZipArchive::new(BufReader::new(input::open(path)?)).context("is none (--state writes one)")?;
         let mut zip = distinct(zip)?;
         if zip.index_for_name(RUN).is_none() {
             bail!("there is no {RUN} in it: no saved run (--state writes one)");

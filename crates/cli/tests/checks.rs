@@ -126,3 +126,87 @@ fn a_misspelt_key_of_decision_toml_is_an_error_with_the_right_one() {
     assert_code(&output, 3);
     assert!(out(&output).contains("there is no agent with this Id"), "{}", out(&output));
 }
+
+/// What a call answers that must not wait for ever, nor read without end.
+#[cfg(unix)]
+#[track_caller]
+fn at_last(directory: &Path, arguments: &[&str]) -> std::process::Output {
+    use std::process::Stdio;
+    let mut command = command(directory, arguments);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let begun = std::time::Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if begun.elapsed().as_secs() > 120 {
+            child.kill().unwrap();
+            panic!("{arguments:?} does not end");
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    child.wait_with_output().unwrap()
+}
+
+/// A FIFO blocked for ever, a link to the endless device took all memory.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_in_the_place_of_files_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let pipe = |path: &Path| {
+        assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+    };
+    let zero = |path: &Path| std::os::unix::fs::symlink("/dev/zero", path).unwrap();
+    for file in ["static/Agents.xml", "static/Materials.xml", "drive.csv", "decision.toml"] {
+        for (what, put) in [("a pipe", &pipe as &dyn Fn(&Path)), ("a device", &zero)] {
+            let trial = at.join("T");
+            copy_trial(&trial);
+            let _ = fs::remove_file(trial.join(file));
+            put(&trial.join(file));
+            let mut calls = vec![vec!["check", "T"]];
+            calls.push(match file {
+                "decision.toml" => vec!["decide", "T", "-o", "x.fmu"],
+                _ => vec!["run", "T", "--until", "0.1", "-o", "x.csv"],
+            });
+            if file != "decision.toml" {
+                calls.push(vec!["pack", "T", "-o", "x.fmu"]);
+            }
+            for call in calls {
+                let output = at_last(at, &call);
+                assert!(matches!(output.status.code(), Some(1 | 3)), "{call:?} {file} {what}: {output:?}");
+                let said = out(&output) + &err(&output);
+                let words = [format!("T/{file}"), format!("it is {what}, not a regular file")];
+                assert!(words.iter().all(|word| said.contains(word)), "{call:?} {file} {what}: {said}");
+            }
+            fs::remove_dir_all(trial).unwrap();
+        }
+    }
+    for name in ["x.fmu", "x.ssp", "x.run"] {
+        pipe(&at.join(name));
+    }
+    zero(&at.join("sweep.toml"));
+    zero(&at.join("zero"));
+    copy_trial(&at.join("T"));
+    for (call, words) in [
+        (vec!["sweep", "sweep.toml", "-o", "out"], ["sweep.toml", "larger than 64 MB"]),
+        (vec!["crowd", "--custom", "zero", "--population", "x.csv"], ["zero", "larger than 64 MB"]),
+        (vec!["run", "T", "--until", "0.1", "--drive", "zero"], ["zero", "larger than 500 MB"]),
+        (vec!["run", "x.fmu", "--until", "0.1"], ["x.fmu", "it is a pipe, not a regular file"]),
+        (vec!["run", "x.ssp", "--until", "0.1"], ["x.ssp", "it is a pipe, not a regular file"]),
+        (
+            vec!["run", "T", "--resume", "x.run", "--until", "1"],
+            ["x.run", "it is a pipe, not a regular file"],
+        ),
+    ] {
+        let output = at_last(at, &call);
+        assert_code(&output, 1);
+        let said = err(&output);
+        assert!(words.iter().all(|word| said.contains(word)), "{call:?}: {said}");
+    }
+    // What a user names may be a pipe.
+    let drive = at.join("drive pipe");
+    pipe(&drive);
+    let content = fs::read(default_trial().join("drive.csv")).unwrap();
+    let writer = std::thread::spawn(move || fs::write(drive, content).unwrap());
+    let run = ["run", "T", "--until", "0.1", "--drive", "drive pipe", "-o", "run.csv"];
+    assert_code(&at_last(at, &run), 0);
+    writer.join().unwrap();
+}

@@ -5,6 +5,7 @@
 
 use crate::person::{Measure, Person, Sex};
 use csv::{ByteRecord, ReaderBuilder};
+use lemons_files::input;
 use std::borrow::Cow;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -119,7 +120,7 @@ impl Survey {
         let mut survey = Survey::default();
         for (sex, file) in [(Sex::Male, men), (Sex::Female, women)] {
             if let Some(file) = file {
-                let bytes = std::fs::read(file)
+                let bytes = input::read_given(file, input::LARGEST_SETTINGS)
                     .map_err(|error| SurveyError::Read { file: file.to_owned(), error })?;
                 survey.add(sex, file, &bytes)?;
             }

@@ -2,6 +2,7 @@
 
 use crate::plan::{Plan, PlanError};
 use crate::rule::{Pose, Walker};
+use lemons_files::input;
 use lemons_fmi2::location::{LocationError, directories};
 use lemons_fmi2::variables::units::*;
 use lemons_fmi2::variables::{Domain, Kind, Role, Unit, Variable};
@@ -281,12 +282,12 @@ impl Model for Decision {
 
     fn load(location: &str) -> Result<Decision, DecisionError> {
         let candidates = directories(location)?;
-        let path = candidates.iter().map(|directory| directory.join(PLAN_FILE)).find(|path| path.is_file());
+        let path = candidates.iter().map(|directory| directory.join(PLAN_FILE)).find(|path| path.exists());
         let path = path.ok_or_else(|| DecisionError::NoPlan {
             location: location.to_owned(),
             path: candidates[0].clone(),
         })?;
-        let text = std::fs::read_to_string(&path)
+        let text = input::read_text(&path, input::LARGEST_SETTINGS)
             .map_err(|error| DecisionError::Read { path: path.clone(), error })?;
         Ok(Decision::new(Plan::from_toml(&text).map_err(|error| DecisionError::Plan { path, error })?))
     }

@@ -7,6 +7,7 @@ use crate::rows::{Builder, COLUMNS, OBSERVED, OF_STEP, Stop, check_unit};
 use crate::run::{Observed, OfStep, Run};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::trial::AgentDynamics;
+use lemons_files::input;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
@@ -53,14 +54,17 @@ struct Table {
 impl Table {
     fn open(path: &Path) -> Result<Table, ExportError> {
         let cannot = |error| ExportError::Read { path: path.to_owned(), error };
-        let mut file = File::open(path).map_err(cannot)?;
-        if !file.metadata().map_err(cannot)?.is_file() {
+        let there = path.metadata().map_err(cannot)?;
+        let mut file = if there.is_file() || there.is_dir() {
+            input::open(path).map_err(cannot)?
+        } else {
             // A pipe cannot go back.
+            let mut given = input::open_given(path, input::LARGEST_PIPED_TABLE).map_err(cannot)?;
             let mut copy = tempfile::tempfile().map_err(cannot)?;
-            io::copy(&mut file, &mut copy).map_err(cannot)?;
+            io::copy(&mut given, &mut copy).map_err(cannot)?;
             copy.rewind().map_err(cannot)?;
-            file = copy;
-        }
+            copy
+        };
         let mut begin = Vec::new();
         file.by_ref().take(PARQUET.len() as u64).read_to_end(&mut begin).map_err(cannot)?;
         Ok(Table { path: path.to_owned(), file, parquet: begin == PARQUET })

@@ -1,5 +1,6 @@
 //! An `.fmu`: the same content gives the same bytes, so a packaged FMU can serve as a regression artifact.
 
+use lemons_files::input;
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -119,7 +120,8 @@ impl<W: Write + Seek> Archive<W> {
 /// # Errors
 /// It cannot be read; the error names it.
 pub fn read(path: &Path) -> Result<Vec<u8>, ArchiveError> {
-    std::fs::read(path).map_err(|error| ArchiveError::Read { path: path.to_owned(), error })
+    input::read(path, input::LARGEST_BINARY)
+        .map_err(|error| ArchiveError::Read { path: path.to_owned(), error })
 }
 
 const LICENSES: [(&str, &str); 2] = [

@@ -4,8 +4,10 @@ use crate::fmu::Instance;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::DRIVE_FILE;
 use crowd_mechanics::trial::{Agent, Trial};
+use lemons_files::input;
 use lemons_fmi2::fingerprint;
 use std::collections::{BTreeMap, HashMap};
+use std::io::Read;
 use std::path::Path;
 
 /// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
@@ -24,9 +26,16 @@ impl Drive {
     /// # Errors
     /// What is wrong with the file; somebody in it is no agent of the Trial.
     pub fn of(trial: Option<&Trial>, given: Option<&Path>) -> Result<Drive> {
-        let own = trial.map(|trial| trial.directory.join(DRIVE_FILE)).filter(|own| own.is_file());
+        let own =
+            trial.map(|trial| trial.directory.join(DRIVE_FILE)).filter(|own| own.symlink_metadata().is_ok());
         let Some(path) = given.or(own.as_deref()) else { return Ok(Drive::default()) };
-        let drive = Drive::read(path)?;
+        // What lies in the Trial is not a pipe on purpose.
+        let opened = match given {
+            Some(path) => input::open_given(path, input::LARGEST_DRIVE),
+            None => input::open_found(path, input::LARGEST_DRIVE),
+        };
+        let said = || format!("drive file {}", path.display());
+        let drive = Drive::parse(opened.with_context(said)?).with_context(said)?;
         let known = |id: &str| trial.is_some_and(|trial| trial.agents.iter().any(|agent| agent.id == id));
         if let Some(unknown) = drive.agents().find(|id| !known(id)) {
             bail!("drive file {}: there is no agent {unknown:?} in Agents.xml", path.display());
@@ -34,17 +43,8 @@ impl Drive {
         Ok(drive)
     }
 
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// What is wrong with it: line, column, value.
-    pub fn read(path: &Path) -> Result<Drive> {
-        Self::parse(path).with_context(|| format!("drive file {}", path.display()))
-    }
-
-    fn parse(path: &Path) -> Result<Drive> {
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_path(path)?;
+    fn parse(file: impl Read) -> Result<Drive> {
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
         let header = reader.headers()?.clone();
         let column = |name: &str| {
             let named = |column: &str| column.trim_start_matches('\u{feff}') == name;
@@ -174,9 +174,7 @@ mod tests {
     use super::*;
 
     fn drive(text: &str) -> Result<Drive> {
-        let file = tempfile::NamedTempFile::new().unwrap();
-        std::fs::write(file.path(), text).unwrap();
-        Drive::read(file.path())
+        Drive::parse(text.as_bytes())
     }
 
     #[test]

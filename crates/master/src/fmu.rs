@@ -5,12 +5,14 @@ use crate::library::check_library;
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::files::Scratch;
+use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use crowd_mechanics::resources::{Resources, ResourcesError};
 use crowd_mechanics::trial::Trial;
 use fmi_rs::fmi2::log::Logger;
 use fmi_rs::fmi2::types::fmi2Status;
 use fmi_rs::fmi2::{CS, FMU2, PLATFORM};
 use fmi_rs::model_description::fmi2::{ModelDescription, VariableType};
+use lemons_files::{input, markup};
 use lemons_ssp::{Allowance, Interface};
 use std::collections::HashMap;
 use std::path::Path;
@@ -88,8 +90,11 @@ impl Fmu {
     pub(crate) fn unzip(path: &Path, allowance: &mut Allowance) -> Result<Fmu> {
         let directory = Scratch::new().context("cannot make a temporary directory")?;
         unzip(path, directory.path(), allowance)?;
-        let description = ModelDescription::from_path(&directory.path().join(DESCRIPTION_FILE))
-            .map_err(|error| anyhow!("{DESCRIPTION_FILE}: {error}"))?;
+        let text = input::read_text(&directory.path().join(DESCRIPTION_FILE), LARGEST_DESCRIPTION)
+            .context(DESCRIPTION_FILE)?;
+        markup::check(&text).map_err(|refused| anyhow!("{DESCRIPTION_FILE}:{}: {refused}", refused.line))?;
+        let description =
+            ModelDescription::from_string(&text).map_err(|error| anyhow!("{DESCRIPTION_FILE}: {error}"))?;
         check_identifiers(&description).context(DESCRIPTION_FILE)?;
         check_own_library(&description, directory.path())?;
         let names = description.modelVariables.iter().enumerate();
@@ -107,7 +112,7 @@ impl Fmu {
     /// # Errors
     /// The model description is broken.
     pub fn interface(&self) -> Result<Interface> {
-        Interface::read(&std::fs::read(self.directory.path().join(DESCRIPTION_FILE))?)
+        Interface::read(&input::read(&self.directory.path().join(DESCRIPTION_FILE), LARGEST_DESCRIPTION)?)
     }
 
     /// The Trials that are packed in it.

@@ -2,9 +2,9 @@
 
 use crate::unzip::DESCRIPTION_FILE;
 use anyhow::{Result, bail};
+use lemons_files::input;
 use lemons_ssp::STRUCTURE_FILE;
 use std::fmt;
-use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read};
 use std::path::Path;
 use zip::ZipArchive;
@@ -53,7 +53,7 @@ impl Kind {
             return Kind::Stream;
         }
         let mut begin = Vec::new();
-        match File::open(path).and_then(|file| file.take(BEGIN).read_to_end(&mut begin)) {
+        match input::open(path).and_then(|file| file.take(BEGIN).read_to_end(&mut begin)) {
             Ok(0) => Kind::Empty,
             Ok(_) => Kind::of_content(path, &begin),
             Err(_) => Kind::Unreadable,
@@ -81,7 +81,7 @@ impl Kind {
     }
 
     fn of_archive(path: &Path) -> Kind {
-        let archive = File::open(path).ok().and_then(|file| ZipArchive::new(BufReader::new(file)).ok());
+        let archive = input::open(path).ok().and_then(|file| ZipArchive::new(BufReader::new(file)).ok());
         let Some(archive) = archive else { return Kind::BrokenArchive };
         let marks =
             [(DESCRIPTION_FILE, Kind::Fmu), (STRUCTURE_FILE, Kind::Ssp), ("run.toml", Kind::SavedRun)];

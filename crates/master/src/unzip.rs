@@ -4,6 +4,7 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
+use lemons_files::input;
 use lemons_ssp::{Allowance, STRUCTURE_FILE, distinct, leads_outside};
 use std::ffi::OsStr;
 use std::fs::{File, create_dir_all};
@@ -20,7 +21,7 @@ pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
 /// No FMU, a broken one, one that leads outside of the directory, holds two files of one name, or is larger than the
 /// allowance.
 pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) -> Result<()> {
-    let zip = ZipArchive::new(BufReader::new(File::open(path)?))?;
+    let zip = ZipArchive::new(BufReader::new(input::open(path)?))?;
     if zip.index_for_name(DESCRIPTION_FILE).is_none() {
         if zip.index_for_name(STRUCTURE_FILE).is_some() {
             bail!("this is an SSP archive: lemons run FILE.ssp");
@@ -60,7 +61,7 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
     if !path.is_file() {
         return Ok(None);
     }
-    let Ok(zip) = ZipArchive::new(BufReader::new(File::open(path)?)) else { return Ok(None) };
+    let Ok(zip) = ZipArchive::new(BufReader::new(input::open(path)?)) else { return Ok(None) };
     if [DESCRIPTION_FILE, STRUCTURE_FILE].iter().any(|file| zip.index_for_name(file).is_some()) {
         return Ok(None);
     }

@@ -5,6 +5,7 @@ use crate::document::{STRUCTURE_FILE, SystemStructure};
 use crate::read::read;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
+use lemons_files::input;
 use percent_encoding::percent_decode_str;
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
@@ -24,7 +25,7 @@ impl Archive {
     /// # Errors
     /// No archive there, or one with an entry that leads outside, or with two of one name.
     pub fn open(path: &Path) -> Result<Archive> {
-        let zip = distinct(ZipArchive::new(BufReader::new(File::open(path)?))?)?;
+        let zip = distinct(ZipArchive::new(BufReader::new(input::open(path)?))?)?;
         for name in zip.file_names() {
             let name = name?;
             if leads_outside(&name) {
@@ -138,8 +139,7 @@ pub fn write_archive(path: &Path, structure: &SystemStructure, files: &[(String,
     zip.write_all(structure.to_xml().as_bytes()).with_context(cannot)?;
     for (name, file) in files {
         let unreadable = || format!("cannot read {}", file.display());
-        let mut bytes = Vec::new();
-        File::open(file).and_then(|mut file| file.read_to_end(&mut bytes)).with_context(unreadable)?;
+        let bytes = input::read(file, input::LARGEST_BINARY).with_context(unreadable)?;
         // FMUs are compressed already.
         let large = u32::try_from(bytes.len()).is_err();
         let options = options.compression_method(CompressionMethod::Stored).large_file(large);

@@ -2,6 +2,7 @@
 //! element, attribute and value.
 
 use anyhow::{Result, anyhow};
+use lemons_files::markup;
 use roxmltree::{Node, ParsingOptions};
 use std::fmt::Display;
 use std::str::FromStr;
@@ -22,6 +23,7 @@ impl<'a> Document<'a> {
     pub(crate) fn parse(file: &'a str, bytes: &'a [u8]) -> Result<Document<'a>> {
         let text = std::str::from_utf8(bytes).map_err(|_| anyhow!("{file}: is not UTF-8 text"))?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        markup::check(text).map_err(|refused| anyhow!("{file}:{}: {refused}", refused.line))?;
         let options = ParsingOptions { nodes_limit: NODES, ..ParsingOptions::default() };
         // Document types stay off, the default: no entities, hence no entity bombs.
         let tree = roxmltree::Document::parse_with_options(text, options)

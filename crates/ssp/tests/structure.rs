@@ -165,7 +165,7 @@ fn what_is_wrong_or_not_served_is_named() {
         (
             r#"<?xml version="1.0"?>"#,
             r#"<!DOCTYPE x [<!ENTITY e "boom">]>"#,
-            "SystemStructure.ssd:1: is not well-formed XML",
+            "SystemStructure.ssd:1: <!DOCTYPE>: no document type is taken",
         ),
     ];
     for (from, to, words) in table {
@@ -176,6 +176,17 @@ fn what_is_wrong_or_not_served_is_named() {
     }
     let broken = read(&FOREIGN.replace("values.ssv", "SystemStructure.ssd")).unwrap_err();
     assert!(broken.contains("the root element must be <ParameterSet>"), "{broken}");
+}
+
+/// 300 000 took over a minute.
+#[test]
+fn elements_with_many_attributes_are_refused_before_they_are_parsed() {
+    for prefix in ["", "xmlns:"] {
+        let many: String = (0..300_000).map(|k| format!(" {prefix}a{k}='{k}'")).collect();
+        let said = read(&format!("<A{many}/>")).unwrap_err();
+        let words = "SystemStructure.ssd:1: <A>: has 300000 attributes; the most is 256";
+        assert!(said.contains(words), "{said}");
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::points::{Points, Values};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
 use lemons_columns::{Batch, Cell, Column, Kind, Reader, Writer};
+use lemons_files::input;
 use serde_json::{Map, Value};
 use std::fs::File;
 use std::io::Write;
@@ -95,7 +96,8 @@ impl Directory {
             let text = serde_json::to_string_pretty(&Value::Object(manifest))? + "\n";
             return self.write(MANIFEST, |file| Ok(file.write_all(text.as_bytes())?));
         }
-        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        let text =
+            input::read_text(&path, input::LARGEST_SETTINGS).with_context(|| path.display().to_string())?;
         let before: Value = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
         let other: Vec<&str> = manifest
             .iter()
@@ -255,7 +257,7 @@ impl Directory {
     }
 
     fn read_file(&self, path: &Path) -> Result<Vec<Finished>> {
-        let reader = Reader::open(File::open(path)?)?;
+        let reader = Reader::open(input::open(path)?)?;
         let there = reader.columns().iter().map(|column| (&column.name, column.kind, column.optional));
         if !there.eq(self.columns.iter().map(|column| (&column.name, Some(column.kind), column.optional))) {
             bail!("it has other columns than the sweep");

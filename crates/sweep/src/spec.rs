@@ -3,6 +3,7 @@
 use crate::measure::Measure;
 use crate::points::{MOST_POINTS, Points, Room, Values, too_many};
 use anyhow::{Context, Result, bail};
+use lemons_files::input;
 use lemons_master::Kind;
 use serde::Deserialize;
 use std::collections::HashSet;
@@ -98,8 +99,8 @@ impl Spec {
     /// What is wrong, with the key.
     pub fn read(path: &Path) -> Result<Spec> {
         Kind::expect(path, &[Kind::Text, Kind::Stream], "a sweep.toml (lemons sweep --help)")?;
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = input::read_given_text(path, input::LARGEST_SETTINGS)
+            .with_context(|| format!("cannot read {}", path.display()))?;
         let directory =
             path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         Self::parse(&text, directory).with_context(|| path.display().to_string())
@@ -196,11 +197,8 @@ fn axis(value: toml::Value) -> Result<Values> {
 /// A CSV with a row for each point: whole numbers only make a column of integers, other numbers one of reals.
 fn read_table(path: &Path) -> Result<Points> {
     let wrong = || path.display().to_string();
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_path(path)
-        .with_context(wrong)?;
+    let file = input::open_found(path, input::LARGEST_DRIVE).with_context(wrong)?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
     let header: Vec<String> = reader.headers().with_context(wrong)?.iter().map(str::to_owned).collect();
     let mut cells: Vec<Vec<String>> = vec![Vec::new(); header.len()];
     let mut room = Room::new();

@@ -5,6 +5,7 @@ use crate::points::hex;
 use crate::simulate::{Job, Worker};
 use crate::spec::{DriveChoice, Spec};
 use anyhow::{Context, Result, bail};
+use lemons_files::input;
 use lemons_master::{Drive, Fmu, PATIENCE};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
@@ -43,7 +44,7 @@ pub fn sweep(
     stop: &AtomicBool,
     mut tell: impl FnMut(Progress),
 ) -> Result<(Directory, Progress)> {
-    let bytes = std::fs::read(fmu).with_context(|| fmu.display().to_string())?;
+    let bytes = input::read(fmu, input::LARGEST_BINARY).with_context(|| fmu.display().to_string())?;
     let opened = Fmu::open(fmu)?;
     let resources = opened.resources()?;
     let trial = resources.load(resources.first())?.0;

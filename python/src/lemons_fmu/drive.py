@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import functools
 import hashlib
 import inspect
@@ -10,6 +11,8 @@ import math
 import os
 import pickle
 import re
+import select
+import stat
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Union
@@ -63,10 +66,13 @@ class Drive:
 
         Raises:
             ValueError: names file, line, column and what is wrong with it.
-            OSError: the file cannot be read.
+            OSError: the file cannot be read, or is a pipe that nobody writes.
         """
-        with open(path, "rb") as file:
-            return read(file.read(), os.fspath(path), ids)
+        with open(path, "rb", opener=_open) as file:
+            data = file.read(LARGEST + 1)
+        if len(data) > LARGEST:
+            raise ValueError(f"{os.fspath(path)}: it is larger than {LARGEST // 1_000_000} MB, the most that is read")
+        return read(data, os.fspath(path), ids)
 
     def sample(self, agent: int, times: Floats) -> Floats:
         """Values at these times, shape (len(times), 3)."""
@@ -91,6 +97,11 @@ class Drive:
 DriveLike = Union[None, Literal[False], str, "os.PathLike[str]", Drive, Floats, "Callable[[Crowd], Floats]"]
 #: The same when files are read.
 Known = Union[None, Literal[False], Drive, Floats, "Callable[[Crowd], Floats]"]
+
+#: How long a pipe is waited for [s].
+PATIENCE = 30.0
+#: The largest drive file, that of `lemons run` too [byte].
+LARGEST = 500_000_000
 
 _COLUMNS = ("t", "agent", "Fp.x", "Fp.y", "Mp")
 # As Rust reads numbers: no underscores, no digits of other scripts.
@@ -139,6 +150,22 @@ def _short(value: object) -> str:
         return f"an array of {value.dtype}"
     text = repr(value)
     return f"{text if len(text) <= 60 else text[:57] + '...'} ({type(value).__name__})"
+
+
+def _open(path: str, flags: int) -> int:
+    """Opens a file; of a pipe that nobody writes says so, where `open` would wait for ever."""
+    if os.name != "posix":
+        return os.open(path, flags)
+    descriptor = os.open(path, flags | os.O_NONBLOCK)
+    try:
+        if stat.S_ISFIFO(os.fstat(descriptor).st_mode):
+            if not select.select([descriptor], [], [], PATIENCE)[0]:
+                raise TimeoutError(errno.ETIMEDOUT, f"a pipe into which nobody has written for {PATIENCE:g} s", path)
+            os.set_blocking(descriptor, True)
+    except BaseException:
+        os.close(descriptor)
+        raise
+    return descriptor
 
 
 def read(data: bytes, name: str, ids: Sequence[str]) -> Drive:

@@ -3,6 +3,7 @@
 use super::{breadth, depth, mass, person, stature};
 use anyhow::{Context, Result};
 use lemons_crowd::{Custom, Person, Population, Proportions, Sex, Source, Survey};
+use lemons_files::input;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -86,7 +87,7 @@ impl SourceArguments {
         let mut file = None;
         let source = if let Some(path) = &self.custom {
             let named = || format!("--custom {}", path.display());
-            let text = std::fs::read_to_string(path).with_context(named)?;
+            let text = input::read_given_text(path, input::LARGEST_SETTINGS).with_context(named)?;
             let custom = Custom::from_toml(&text).with_context(named)?;
             proportions.men = custom.men.unwrap_or(proportions.men);
             proportions.pedestrians = custom.pedestrians.unwrap_or(proportions.pedestrians);

@@ -4,6 +4,7 @@ use super::moment::agents_at;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::engine::{Vec2, vec2};
 use lemons_export::Run;
+use lemons_files::input;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -28,8 +29,8 @@ impl Measured {
     }
 
     fn parse(path: &Path) -> Result<Measured> {
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_path(path)?;
+        let file = input::open_given(path, input::LARGEST_DRIVE)?;
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
         let header = reader.headers()?.clone();
         let column = |name: &str| {
             let named = |column: &str| plain(column.trim_start_matches('\u{feff}')) == name;

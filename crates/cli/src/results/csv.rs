@@ -3,8 +3,8 @@
 use super::{Cell, Column, Content, Extent, check_headings, check_kept};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
+use lemons_files::input;
 use std::fmt::Write as _;
-use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -51,7 +51,7 @@ impl Table {
 }
 
 fn copy(path: &Path, columns: &[Column], kept: Extent, to: &mut impl Write) -> Result<()> {
-    let mut file = File::open(path)?;
+    let mut file = input::open(path)?;
     let mut reader = csv::Reader::from_reader(BufReader::new(&file));
     check_headings(
         reader.headers()?.iter().map(str::to_owned),

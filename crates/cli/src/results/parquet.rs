@@ -4,7 +4,7 @@ use super::{Cell, Content, Extent, Kind, check_headings, check_kept, with_unit};
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Staged;
 use lemons_columns::{Column, Reader, Writer};
-use std::fs::File;
+use lemons_files::input;
 use std::path::Path;
 
 pub struct Table(Writer<Staged>);
@@ -52,7 +52,7 @@ fn copy(
     columns: &[Column],
     to: &mut Writer<Staged>,
 ) -> Result<()> {
-    let reader = Reader::open(File::open(path)?)?;
+    let reader = Reader::open(input::open(path)?)?;
     let headings = reader.columns().iter().map(|column| with_unit(&column.name, column.about("unit")));
     check_headings(headings, content.columns.iter().map(|column| column.with_unit()))?;
     for (there, here) in reader.columns().iter().zip(columns) {

@@ -1,0 +1,203 @@
+//! Reading a file that may be anything: a pipe that nobody writes, a link to an endless device, a file of a terabyte.
+//!
+//! What is found by its name (the files of a Trial or of an FMU) must be a regular file: to open anything else could
+//! wait for ever. What a user names ([`Given`]) may be a pipe or a device. Both are read up to a limit.
+
+use std::fs::{File, FileType, Metadata};
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+/// \[byte\] The largest file of a Trial: ten times that of 100 000 agents.
+pub const LARGEST_TRIAL_FILE: u64 = 1_000_000_000;
+/// \[byte\] The largest file of settings: decision.toml, sweep.toml, a population.
+pub const LARGEST_SETTINGS: u64 = 64_000_000;
+/// \[byte\] The largest drive file, table of points or of measured trajectories.
+pub const LARGEST_DRIVE: u64 = 500_000_000;
+/// \[byte\] The longest table that comes out of a pipe; one in a file may be of any length.
+pub const LARGEST_PIPED_TABLE: u64 = 10_000_000_000;
+/// \[byte\] The largest binary or FMU that is read whole.
+pub const LARGEST_BINARY: u64 = 4_000_000_000;
+
+/// Opens a regular file, and nothing else, without waiting.
+///
+/// # Errors
+/// It cannot be opened, or it is no regular file.
+pub fn open(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    options.read(true);
+    // Opening a pipe would wait for somebody to write; a terminal must not become the process's own.
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK | libc::O_NOCTTY);
+    // A device can do something when it is opened.
+    check(&path.metadata()?)?;
+    let file = options.open(path)?;
+    // Another one may lie there by now.
+    check(&file.metadata()?)?;
+    Ok(file)
+}
+
+fn check(there: &Metadata) -> io::Result<()> {
+    if there.is_dir() {
+        return Err(ErrorKind::IsADirectory.into());
+    }
+    if !there.is_file() {
+        return Err(io::Error::other(format!("it is {}, not a regular file", what(there.file_type()))));
+    }
+    Ok(())
+}
+
+#[cfg(unix)]
+fn what(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    match kind {
+        kind if kind.is_fifo() => "a pipe",
+        kind if kind.is_socket() => "a socket",
+        _ => "a device",
+    }
+}
+
+#[cfg(not(unix))]
+fn what(_: FileType) -> &'static str {
+    "a pipe or a device"
+}
+
+/// As [`open`], to read at most so many bytes.
+///
+/// # Errors
+/// As [`open`], or it is larger.
+pub fn open_found(path: &Path, largest: u64) -> io::Result<Bounded<File>> {
+    let file = open(path)?;
+    if file.metadata()?.len() > largest {
+        return Err(too_large(largest));
+    }
+    // It may grow.
+    Ok(Bounded::new(file, largest))
+}
+
+/// The content of a regular file of at most so many bytes.
+///
+/// # Errors
+/// It cannot be read, is no regular file or is larger.
+pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
+    let mut file = open_found(path, largest)?;
+    let mut bytes = Vec::new();
+    let size = file.inner.metadata()?.len();
+    bytes.try_reserve_exact(usize::try_from(size).unwrap_or(usize::MAX))?;
+    file.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// As [`read`], of UTF-8 text.
+///
+/// # Errors
+/// As [`read`], or it is no such text.
+pub fn read_text(path: &Path, largest: u64) -> io::Result<String> {
+    text(read(path, largest)?)
+}
+
+/// Opens what a user names: a regular file, or a pipe or device, whose writer is waited for.
+///
+/// # Errors
+/// It cannot be opened.
+pub fn open_given(path: &Path, largest: u64) -> io::Result<Bounded<File>> {
+    let there = path.metadata()?;
+    let file = if there.is_file() || there.is_dir() { open(path)? } else { File::open(path)? };
+    Ok(Bounded::new(file, largest))
+}
+
+/// The content of what a user names, of at most so many bytes.
+///
+/// # Errors
+/// It cannot be read, or is larger.
+pub fn read_given(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open_given(path, largest)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// As [`read_given`], of UTF-8 text.
+///
+/// # Errors
+/// As [`read_given`], or it is no such text.
+pub fn read_given_text(path: &Path, largest: u64) -> io::Result<String> {
+    text(read_given(path, largest)?)
+}
+
+fn text(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
+}
+
+fn too_large(largest: u64) -> io::Error {
+    let message = format!("it is larger than {} MB, the most that is read", largest as f64 / 1e6);
+    io::Error::new(ErrorKind::FileTooLarge, message)
+}
+
+/// Hands out so many bytes; what goes on after them is an error, not an end.
+#[derive(Debug)]
+pub struct Bounded<R> {
+    inner: R,
+    left: u64,
+    largest: u64,
+}
+
+impl<R: Read> Bounded<R> {
+    /// Of what is read from `inner`.
+    pub fn new(inner: R, largest: u64) -> Bounded<R> {
+        Bounded { inner, left: largest, largest }
+    }
+}
+
+impl<R: Read> Read for Bounded<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if buffer.is_empty() {
+            return Ok(0);
+        }
+        if self.left == 0 {
+            // One byte more tells too large from just fitting.
+            return match self.inner.read(&mut [0])? {
+                0 => Ok(0),
+                _ => Err(too_large(self.largest)),
+            };
+        }
+        let room = buffer.len().min(usize::try_from(self.left).unwrap_or(usize::MAX));
+        let read = self.inner.read(&mut buffer[..room])?;
+        self.left -= read as u64;
+        Ok(read)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_just_fits_is_read_and_a_byte_more_is_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a");
+        std::fs::write(&path, [7; 10]).unwrap();
+        assert_eq!(read(&path, 10).unwrap(), [7; 10]);
+        assert_eq!(read_given(&path, 10).unwrap(), [7; 10]);
+        let said = "it is larger than 0.000009 MB, the most that is read";
+        assert_eq!(read(&path, 9).unwrap_err().to_string(), said);
+        assert_eq!(read_given(&path, 9).unwrap_err().to_string(), said);
+        assert_eq!(read(directory.path(), 9).unwrap_err().kind(), ErrorKind::IsADirectory);
+        assert_eq!(read(&directory.path().join("b"), 9).unwrap_err().kind(), ErrorKind::NotFound);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_are_refused_without_waiting_unless_named() {
+        let directory = tempfile::tempdir().unwrap();
+        let pipe = directory.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        assert_eq!(read(&pipe, 9).unwrap_err().to_string(), "it is a pipe, not a regular file");
+        let link = directory.path().join("link");
+        std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+        assert_eq!(read(&link, 9).unwrap_err().to_string(), "it is a device, not a regular file");
+        let said = "it is larger than 1 MB, the most that is read";
+        assert_eq!(read_given(&link, 1_000_000).unwrap_err().to_string(), said);
+        let (to, writer) = (pipe.clone(), std::thread::spawn(move || std::fs::write(pipe, "text").unwrap()));
+        assert_eq!(read_given_text(&to, 4).unwrap(), "text");
+        writer.join().unwrap();
+    }
+}
