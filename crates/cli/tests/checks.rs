@@ -193,7 +193,7 @@ fn pipes_and_devices_in_the_place_of_files_are_refused() {
         (vec!["run", "x.ssp", "--until", "0.1"], ["x.ssp", "it is a pipe, not a regular file"]),
         (
             vec!["run", "T", "--resume", "x.run", "--until", "1"],
-            ["x.run", "it is a pipe, not a regular file"],
+            ["x.run", "is a pipe or a device, not a saved run"],
         ),
     ] {
         let output = at_last(at, &call);
