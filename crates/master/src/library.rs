@@ -7,7 +7,6 @@ use object::elf::{EM_386, EM_AARCH64, EM_X86_64, FileHeader32, FileHeader64};
 use object::read::elf::{FileHeader, ProgramHeader};
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, Endianness, FileKind, Object, ObjectSegment, ReadCache, ReadRef};
-use std::fs::File;
 use std::path::Path;
 
 /// The file format and the processors of FMI's platforms.
@@ -43,7 +42,7 @@ struct Part {
 pub fn check_library(path: &Path, platform: &str) -> Result<()> {
     let known = PLATFORMS.iter().find(|(name, ..)| *name == platform);
     let Some((_, format, processors)) = known else { return Ok(()) };
-    let data = ReadCache::new(File::open(path).context("cannot be read")?);
+    let data = ReadCache::new(lemons_files::input::open(path).context("cannot be read")?);
     let wrong = || anyhow!("is no shared library for {platform}");
     let parts = parts(&data).with_context(wrong)?;
     let fits = |part: &&Part| part.format == *format && processors.contains(&part.processor);
