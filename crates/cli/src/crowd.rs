@@ -1,13 +1,11 @@
 //! A crowd among the components of a run: its trajectories and extremes, from the outputs of its FMU.
 
-use crate::extremes::{Extremes, Greatest};
 use crate::recording::Recording;
 use crate::results::{Cell, Column, Content, Extent, Kind, Place, Table};
-use crate::saved::CrowdRecord;
 use anyhow::{Result, bail};
 use crowd_mechanics::trial::Trial;
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription, VariableType};
-use lemons_master::{Component, System};
+use lemons_master::{Component, CrowdRecord, Extremes, Greatest, System};
 use std::collections::HashSet;
 
 const SQUEEZE: &str = "NormalForce";

@@ -1,8 +1,8 @@
 //! How a run is recorded.
 
 use crate::results::Extent;
-use crate::saved::{CrowdRecord, Saved};
 use anyhow::{Context, Result};
+use lemons_master::{CrowdRecord, Saved};
 
 /// What is said of a run, and what it goes on from.
 pub struct Recording<'a> {

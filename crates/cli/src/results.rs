@@ -7,7 +7,7 @@ use crate::files;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 pub use lemons_columns::{Cell, Kind};
-use serde::{Deserialize, Serialize};
+pub use lemons_master::Extent;
 use std::path::{Path, PathBuf};
 
 /// What a file of results is.
@@ -72,15 +72,6 @@ fn with_unit(name: &str, unit: Option<&str>) -> String {
 pub struct Content {
     pub columns: Vec<Column>,
     pub about: Vec<(&'static str, String)>,
-}
-
-/// What was written of a table.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Extent {
-    pub rows: u64,
-    /// \[s\] of the last row
-    pub last: Option<f64>,
 }
 
 /// Where a table goes.

@@ -5,10 +5,9 @@ use crate::crowd::{Crowd, agents_of};
 use crate::outputs::Outputs;
 use crate::recording::Recording;
 use crate::results::{Extent, Place};
-use crate::saved::CrowdRecord;
 use anyhow::Result;
 use crowd_mechanics::trial::Trial;
-use lemons_master::System;
+use lemons_master::{CrowdRecord, System};
 use std::path::{Path, PathBuf};
 
 /// What has been written of crowds and of the others.

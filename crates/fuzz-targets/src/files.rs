@@ -19,7 +19,7 @@ use tempfile::TempDir;
 /// Mechanical steps that a Trial is advanced by.
 const STEPS: f64 = 20.0;
 
-fn directory() -> TempDir {
+pub(crate) fn directory() -> TempDir {
     TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory")
 }
 
@@ -135,10 +135,16 @@ pub fn ssp_archive(data: &[u8]) {
 }
 
 fn archive(name: &str, content: &[u8]) -> Vec<u8> {
+    archive_of(&[(name, content)])
+}
+
+pub(crate) fn archive_of(files: &[(&str, &[u8])]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     let stored = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
-    archive.start_file(name, stored).expect("an entry");
-    archive.write_all(content).expect("written into memory");
+    for (name, content) in files {
+        archive.start_file(*name, stored).expect("an entry");
+        archive.write_all(content).expect("written into memory");
+    }
     archive.finish().expect("an archive").into_inner()
 }
 

@@ -58,3 +58,33 @@ fn ssp_archive() {
 fn decision_toml() {
     replay("decision_toml");
 }
+
+#[test]
+fn drive_csv() {
+    replay("drive_csv");
+}
+
+#[test]
+fn table_csv() {
+    replay("table_csv");
+}
+
+#[test]
+fn table_parquet() {
+    replay("table_parquet");
+}
+
+#[test]
+fn sweep_toml() {
+    replay("sweep_toml");
+}
+
+#[test]
+fn run_file() {
+    replay("run_file");
+}
+
+#[test]
+fn light_xml() {
+    replay("light_xml");
+}

@@ -35,7 +35,7 @@ impl Drive {
             None => input::open_found(path, input::LARGEST_DRIVE),
         };
         let said = || format!("drive file {}", path.display());
-        let drive = Drive::parse(opened.with_context(said)?).with_context(said)?;
+        let drive = Drive::from_csv(opened.with_context(said)?).with_context(said)?;
         let known = |id: &str| trial.is_some_and(|trial| trial.agents.iter().any(|agent| agent.id == id));
         if let Some(unknown) = drive.agents().find(|id| !known(id)) {
             bail!("drive file {}: there is no agent {unknown:?} in Agents.xml", path.display());
@@ -43,8 +43,13 @@ impl Drive {
         Ok(drive)
     }
 
-    fn parse(file: impl Read) -> Result<Drive> {
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
+    /// Reads the content of a file.
+    ///
+    /// # Errors
+    /// What is wrong with it: line, column, value.
+    pub fn from_csv(content: impl Read) -> Result<Drive> {
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
         let header = reader.headers()?.clone();
         let column = |name: &str| {
             let named = |column: &str| column.trim_start_matches('\u{feff}') == name;
@@ -174,7 +179,7 @@ mod tests {
     use super::*;
 
     fn drive(text: &str) -> Result<Drive> {
-        Drive::parse(text.as_bytes())
+        Drive::from_csv(text.as_bytes())
     }
 
     #[test]

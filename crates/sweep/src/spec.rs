@@ -103,10 +103,14 @@ impl Spec {
             .with_context(|| format!("cannot read {}", path.display()))?;
         let directory =
             path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Self::parse(&text, directory).with_context(|| path.display().to_string())
+        Self::from_toml(&text, directory).with_context(|| path.display().to_string())
     }
 
-    fn parse(text: &str, directory: &Path) -> Result<Spec> {
+    /// As [`Spec::read`], of the text of a file in a directory.
+    ///
+    /// # Errors
+    /// What is wrong, with the key.
+    pub fn from_toml(text: &str, directory: &Path) -> Result<Spec> {
         let document: Document = toml::from_str(text)?;
         let model = match (document.trial, document.fmu) {
             (Some(path), None) | (None, Some(path)) => directory.join(path),
@@ -257,7 +261,7 @@ mod tests {
 
     #[test]
     fn a_grid() {
-        let spec = Spec::parse(GOOD, Path::new("dir")).unwrap();
+        let spec = Spec::from_toml(GOOD, Path::new("dir")).unwrap();
         assert_eq!((spec.model, spec.until, spec.points.count), (PathBuf::from("dir/push"), 2.0, 6));
         let (name, values) = &spec.points.columns[0];
         let Values::Reals(values) = values else { panic!("{values:?}") };
@@ -271,7 +275,7 @@ mod tests {
     fn mistakes_name_the_key() {
         let said = |from: &str, to: &str| {
             assert!(GOOD.contains(from));
-            format!("{:#}", Spec::parse(&GOOD.replace(from, to), Path::new("")).unwrap_err())
+            format!("{:#}", Spec::from_toml(&GOOD.replace(from, to), Path::new("")).unwrap_err())
         };
         for (from, to, expected) in [
             ("trial = \"push\"", "", "trial and fmu"),
@@ -304,7 +308,7 @@ mod tests {
         ] {
             let text = format!("{{ from = {from:e}, to = {to:e}, count = 101, spacing = {spacing:?} }}");
             let text = GOOD.replace("[0, 0.5]", &text);
-            let points = Spec::parse(&text, Path::new("")).unwrap().points;
+            let points = Spec::from_toml(&text, Path::new("")).unwrap().points;
             let Values::Reals(values) = &points.columns[1].1 else { panic!("numbers") };
             let values = &values[..101];
             let rising = |pair: &[f64]| if from < to { pair[0] < pair[1] } else { pair[0] > pair[1] };
@@ -344,7 +348,7 @@ mod tests {
         let parameters: String = (0..100_000).map(|k| format!("p{k} = [1]\n")).collect();
         let text = GOOD.replace("\"agent[*].Mass\"", &format!("{parameters}\"agent[*].Mass\""));
         let begin = std::time::Instant::now();
-        let points = Spec::parse(&text, Path::new("")).unwrap().points;
+        let points = Spec::from_toml(&text, Path::new("")).unwrap().points;
         assert_eq!((points.columns.len(), points.count), (100_002, 6));
         assert!(begin.elapsed().as_secs() < 30, "{:?}", begin.elapsed());
     }

@@ -6,13 +6,12 @@ use crate::crowd::trial_of;
 use crate::error::Misused;
 use crate::given::Given;
 use crate::pack::write_fmu;
-use crate::saved::Saved;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::files::Scratch;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use crowd_mechanics::pack::Naming;
 use crowd_mechanics::trial::Trial;
-use lemons_master::{Assembled, Clock, Drive, Fmu, Kind, Pushes, System, assemble, own_binary};
+use lemons_master::{Assembled, Clock, Drive, Fmu, Kind, Pushes, Saved, System, assemble, own_binary};
 
 /// What is ready to run.
 pub struct Prepared {

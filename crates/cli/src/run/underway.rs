@@ -1,11 +1,11 @@
 //! A run under way: what it has recorded can be completed while a step is still computed.
 
 use super::Ended;
-use crate::saved::Saved;
 use crate::watch::Watch;
 use anyhow::{Context, Result};
 use crowd_mechanics::files::Staged;
 use indicatif::ProgressBar;
+use lemons_master::Saved;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;

@@ -1,12 +1,12 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
 use crate::extremes::{Extremes, Greatest};
-use crate::results::Extent;
+use crate::state::LARGEST_STATE;
+use crate::system::System;
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::files::Staged;
 use lemons_files::input;
 use lemons_fmi2::fingerprint;
-use lemons_master::{LARGEST_STATE, System};
 use lemons_ssp::{Allowance, distinct};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -25,10 +25,11 @@ const LARGEST_RUN: u64 = 4_000_000;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Saved {
+    /// [`Saved::FORMAT`]
     pub format: u32,
     /// The program that wrote it.
     pub lemons: String,
-    /// \[s\]
+    /// \[s\] when the run began
     pub start: f64,
     /// \[s\] Communication points are `start + k * step`.
     pub step: f64,
@@ -38,40 +39,64 @@ pub struct Saved {
     pub index: u64,
     /// \[s\] where it was: there, or after it if the last step was a shorter one.
     pub time: f64,
+    /// One communication point in so many is recorded.
     pub every: u64,
+    /// How components are coupled.
     pub algorithm: String,
-    /// Fingerprints.
+    /// Fingerprint of the connections.
     pub wiring: String,
+    /// Fingerprint of the drive.
     pub drive: String,
+    /// In the order of the system.
     pub component: Vec<ComponentRecord>,
+    /// Of the components that are crowds.
     pub crowd: Vec<CrowdRecord>,
+    /// Of the table of outputs, if there is one.
     pub outputs: Option<Extent>,
 }
 
+/// An FMU of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ComponentRecord {
+    /// In the system.
     pub name: String,
     /// modelName
     pub model: String,
+    /// guid
     pub guid: String,
-    /// The entry of the archive, and its size.
+    /// The archive's entry with its state.
     pub state: String,
+    /// \[byte\] of the state
     pub bytes: u64,
+}
+
+/// What was written of a table.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Extent {
+    /// How many.
+    pub rows: u64,
+    /// \[s\] of the last row
+    pub last: Option<f64>,
 }
 
 /// What was recorded of a crowd.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrowdRecord {
+    /// Its name.
     pub component: String,
+    /// Of its table.
     pub rows: u64,
     /// \[s\] of the last row
     pub last: Option<f64>,
+    /// So far.
     pub extremes: Extremes,
 }
 
 impl CrowdRecord {
+    /// Of its table.
     pub fn extent(&self) -> Extent {
         Extent { rows: self.rows, last: self.last }
     }
@@ -83,6 +108,7 @@ pub fn wiring_of(system: &System) -> String {
 }
 
 impl Saved {
+    /// Of this program.
     pub const FORMAT: u32 = FORMAT;
 
     /// The parts of `component` for these states.
@@ -99,6 +125,9 @@ impl Saved {
     }
 
     /// Writes the archive; the same run gives the same bytes.
+    ///
+    /// # Errors
+    /// It cannot be written.
     pub fn write(&self, states: &[Vec<u8>], file: Staged) -> Result<()> {
         let mut zip = ZipWriter::new(BufWriter::new(file));
         let options = SimpleFileOptions::default()
@@ -116,6 +145,9 @@ impl Saved {
     }
 
     /// Reads an archive, with the states of the components.
+    ///
+    /// # Errors
+    /// It is no saved run, or one whose numbers cannot be.
     pub fn read(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
         Saved::read_archive(path).with_context(|| format!("saved run {}", path.display()))
     }
@@ -223,6 +255,9 @@ impl Saved {
     }
 
     /// Whether it is a run of these components, coupled like this.
+    ///
+    /// # Errors
+    /// It is not; the message says why.
     pub fn check_system(&self, system: &System, algorithm: &str) -> Result<()> {
         let names = |list: &mut dyn Iterator<Item = &str>| list.collect::<Vec<_>>().join(", ");
         let there = names(&mut self.component.iter().map(|component| component.name.as_str()));
