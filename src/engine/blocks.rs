@@ -208,7 +208,11 @@ impl Block {
 }
 
 /// Hands over what crosses the bounds of a block; one after the other, so that each gets it in order.
+#[inline(always)]
 fn hand_over(blocks: &mut [Block], k: usize) {
+    if blocks[k].outgoing.is_empty() {
+        return;
+    }
     let mut outgoing = std::mem::take(&mut blocks[k].outgoing);
     for crossing in outgoing.drain(..) {
         blocks[crossing.body.index() / BLOCK].incoming.push(crossing);
