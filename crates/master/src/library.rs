@@ -117,7 +117,7 @@ fn lacks<'data>(data: impl ReadRef<'data>, ends: impl IntoIterator<Item = (Strin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::own_binary;
+    use super::super::own_binary;
     use tempfile::TempDir;
 
     /// A loader that was given such a file got SIGBUS.
