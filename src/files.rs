@@ -328,7 +328,12 @@ fn clear_scratch() {
         if !ours || !entry.file_type().is_ok_and(|kind| kind.is_dir()) {
             continue;
         }
-        let Ok(lock) = File::options().write(true).open(path.join(SCRATCH_LOCK)) else { continue };
+        let lock = path.join(SCRATCH_LOCK);
+        // Somebody else's pipe of that name would keep whoever opens it waiting.
+        if !lock.symlink_metadata().is_ok_and(|there| there.is_file()) {
+            continue;
+        }
+        let Ok(lock) = File::options().write(true).open(lock) else { continue };
         match lock.try_lock() {
             Ok(()) => drop(std::fs::remove_dir_all(&path)),
             Err(TryLockError::WouldBlock | TryLockError::Error(_)) => {}

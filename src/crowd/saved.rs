@@ -93,6 +93,7 @@ impl Crowd {
             make_directory(&saved.output_directory)?;
         }
         (self.packed, self.fingerprint, self.trial, self.world) = (packed, fingerprint, trial, world);
+        self.said_coincident = self.first_coincident();
         self.settings.clone_from(&saved.settings);
         self.threads = saved.threads;
         self.most_steps = saved.most_steps;

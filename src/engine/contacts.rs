@@ -357,10 +357,14 @@ impl Instant<'_> {
             }
             report.agent_contacts += 1;
         }
-        for (&pair, spring) in blocks.flat_map(|pairs| pairs.faces.iter().zip(&pairs.face_springs)) {
-            let FacePair { disk, face } = pair;
+        let faces = |pairs: &'a Pairs| (0..pairs.faces.len()).map(move |k| (pairs, k));
+        for (pairs, k) in blocks.flat_map(faces) {
+            let Pairs { faces, face_springs, .. } = pairs;
+            let FacePair { disk, face } = faces[k];
             let who = |part| Pair::Face { disk, face, part };
-            let squeeze = match self.face(&pair, |_| memory(spring)) {
+            // Placed anew, the bodies may be seen from the next face of a straight wall.
+            let held = |part| memory(spring_at_face(self.scene, faces, face_springs, k, part, self.before));
+            let squeeze = match self.face(&faces[k], held) {
                 Finding::Apart => continue,
                 Finding::Coincident { depth, part } => report.add_coincident(who(part), depth),
                 Finding::Touching(touch) => report.add(who(touch.part), &touch),

@@ -208,9 +208,9 @@ impl Room {
         let mut crowded = Crowded { body: BodyId(0), others: 0, faces: 0, most: self.most };
         let (mut looks, mut found) = (0, Vec::new());
         for (b, circle) in circles.iter().enumerate() {
-            let mut near = 0;
+            let mut near: usize = 0;
             grid.for_each_near(circle, SKIN, |_| near += 1);
-            let others = near - 1; // itself
+            let others = near.saturating_sub(1); // itself
             let near_faces = scene.face_grid.candidates(circle, SKIN, &mut found);
             let faces = near_faces.iter().filter(|face| circle.nears_face(scene, face.index(), SKIN)).count();
             if others + faces > crowded.others + crowded.faces {

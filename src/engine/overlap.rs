@@ -140,15 +140,19 @@ pub fn books_contact(scene: &Scene, face: usize, (nearest, along): (Vec2, Along)
         Along::Start => own.start_corner,
         Along::End => own.end_corner,
         Along::Inside => {
-            return ![own.start_corner, own.end_corner].into_iter().any(|at| {
-                let corner = &scene.corners[at.index()];
-                (nearest - corner.position).norm_squared() < SAME_POINT * SAME_POINT
-                    && corner.faces.iter().take_while(|lower| lower.index() < face).any(|lower| {
-                        let (point, along) = nearest_on_face(&scene.faces[lower.index()], place);
-                        let near = (point - corner.position).norm_squared() < SAME_POINT * SAME_POINT;
-                        along == Along::Inside && near
-                    })
-            });
+            return ![(own.start_corner, own.straight_before), (own.end_corner, own.straight_after)]
+                .into_iter()
+                .any(|(at, straight)| {
+                    let corner = &scene.corners[at.index()];
+                    let near = |point: Vec2| {
+                        straight || (point - corner.position).norm_squared() < SAME_POINT * SAME_POINT
+                    };
+                    near(nearest)
+                        && corner.faces.iter().take_while(|lower| lower.index() < face).any(|lower| {
+                            let (point, along) = nearest_on_face(&scene.faces[lower.index()], place);
+                            along == Along::Inside && near(point)
+                        })
+                });
         }
     };
     let corner = &scene.corners[at.index()];
@@ -269,6 +273,21 @@ mod tests {
             for shift in [-1e-15, -1e-16, 0.0, 1e-16, 1e-15] {
                 let place = seam + along.perp() * 0.19 + along * shift;
                 assert_eq!(booked(&slanted, place).len(), 1, "wall {k}, shift {shift}");
+            }
+        }
+    }
+
+    /// Bends of less than a microradian are none: on their inner side a disk is above both faces for a tenth of a
+    /// micrometre.
+    #[test]
+    fn a_seam_that_is_straight_but_for_rounding_is_booked_once() {
+        for bend in [5e-7, -5e-7] {
+            let scene = wall(&[vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(2.0, bend)]);
+            for k in -300..=300 {
+                for y in [0.19, -0.19] {
+                    let place = vec2(1.0 + 1e-9 * f64::from(k), y);
+                    assert_eq!(booked(&scene, place).len(), 1, "bend {bend:e}, {place:?}");
+                }
             }
         }
     }

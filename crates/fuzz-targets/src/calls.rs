@@ -622,7 +622,7 @@ pub fn states(data: &[u8]) {
 fn run_on<M: Fuzzed>(damaged: &Damaged) {
     let mut session = Session::<M>::new();
     let inputs = |value: i16| {
-        let settings = (0..3).map(|k| (Reference::Fitting(1 + k), Real::Small(value * i16::from(k))));
+        let settings = (0..3).map(|k| (Reference::Fitting(3 + k), Real::Small(value * i16::from(k))));
         settings.collect::<Vec<_>>()
     };
     let first: Vec<Call> = match damaged.saved {
@@ -678,7 +678,7 @@ mod tests {
     #[test]
     fn a_session_runs_saves_and_goes_back() {
         let mut session = Session::<Crowd>::new();
-        let push = vec![(Reference::Fitting(1), Real::Small(i16::MAX))];
+        let push = vec![(Reference::Fitting(3), Real::Small(i16::MAX))];
         let mut ok = |call: Call| {
             let before = bytes(session.importer());
             assert_eq!(session.perform(&call, &before), Status::Ok, "{call:?}");

@@ -58,8 +58,8 @@ impl Fuzzed for Crowd {
     }
 
     fn output_directory(content: &[u8]) -> Option<String> {
-        /// Phase, time, experiment; then of `crowd::Saved`: Trial, fingerprint, settings, threads.
-        type Before = (u32, f64, Option<(f64, Option<f64>)>, String, u128, BTreeMap<u32, f64>, i32);
+        /// Phase, time, experiment; then of `crowd::Saved`: Trial, fingerprint, settings, threads, most steps.
+        type Before = (u32, f64, Option<(f64, Option<f64>)>, String, u128, BTreeMap<u32, f64>, i32, f64);
         let (_, rest) = postcard::take_from_bytes::<Before>(content).ok()?;
         Some(postcard::take_from_bytes(rest).ok()?.0)
     }

@@ -116,8 +116,8 @@ fn lacks<'data>(data: impl ReadRef<'data>, ends: impl IntoIterator<Item = (Strin
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use super::super::own_binary;
+    use super::*;
     use tempfile::TempDir;
 
     /// A loader that was given such a file got SIGBUS.

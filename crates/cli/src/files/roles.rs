@@ -39,6 +39,7 @@ pub const ROLES: [(&str, &[Argument]); 15] = [
             ("stl", "--stl", Writes),
             ("svg", "--svg", Writes),
             ("png", "--png", Writes),
+            ("pdf", "--pdf", Writes),
         ],
     ),
     (
@@ -49,6 +50,7 @@ pub const ROLES: [(&str, &[Argument]); 15] = [
             ("geojson", "--geojson", Writes),
             ("wkt", "--wkt", Writes),
             ("svg", "--svg", Writes),
+            ("pdf", "--pdf", Writes),
         ],
     ),
     (
