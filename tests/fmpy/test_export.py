@@ -79,9 +79,9 @@ def test_walkable_area_in_pedpy(pedpy, call, tmp_path):
     room = [(0, 0), (10, 0), (10, 6), (0, 6), (0, 0)]
     pillar = [(4, 2), (5, 2), (5, 3), (4, 3), (4, 2)]
     write_trial(tmp_path / "room", [{"mass": 70, "x": 2, "y": 2}], walls=[room, pillar])
-    call("run", "room", "--until", 0.5)
-    call("export", "trajectories.csv", "run.sqlite", "--to", "jupedsim", "--trial", "room")
-    area = pedpy.load_walkable_area_from_jupedsim_sqlite(trajectory_file=tmp_path / "run.sqlite")
+    call("run", "room", "--until", 0.5, "-o", "room.csv")
+    call("export", "room.csv", "room.sqlite", "--to", "jupedsim", "--trial", "room")
+    area = pedpy.load_walkable_area_from_jupedsim_sqlite(trajectory_file=tmp_path / "room.sqlite")
     assert area.area == 59.0 and len(area.polygon.interiors) == 1
 
 
