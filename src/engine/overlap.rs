@@ -27,7 +27,7 @@ pub enum Meeting {
     Apart,
     /// Overlapping with a well-defined normal.
     Touching(Overlap),
-    /// Centres on top of each other, to [`COINCIDENT`]: no normal, so no force; counted.
+    /// Centres on top of each other, to a nanometre: no normal, so no force; counted.
     Coincident,
 }
 

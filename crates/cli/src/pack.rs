@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// Trial directories, or zips of them; the first is the default of the parameter Trial. All share the FMU's variables
     /// (agent[0].Mass, …): they need the same number of agents with the same Ids, and the same materials
+    // The help shows it as it is.
+    #[allow(rustdoc::broken_intra_doc_links)]
     #[arg(required = true, value_name = "TRIAL")]
     trials: Vec<PathBuf>,
     /// The FMU to write

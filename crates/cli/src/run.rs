@@ -50,6 +50,8 @@ pub struct Arguments {
     no_drive: bool,
     /// A parameter, as in: --set TimeStepMechanical=1e-5, of all agents: --set 'agent[*].Mass=80'; in
     /// an SSP after the component's name and a dot
+    // The help shows it as it is.
+    #[allow(rustdoc::broken_intra_doc_links)]
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
     /// Threads of the crowd's engine: worth it from some thousand agents; results do not depend on it.

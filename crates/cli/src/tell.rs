@@ -3,7 +3,7 @@
 use std::fmt::{self, Display};
 use std::io::{self, Write};
 
-/// A line on standard output; its error is that of [`line`].
+/// A line on standard output; its error is that of [`line()`].
 macro_rules! say {
     ($($text:tt)*) => { $crate::tell::line(format_args!($($text)*)) };
 }

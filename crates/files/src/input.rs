@@ -1,7 +1,7 @@
 //! Reading a file that may be anything: a pipe that nobody writes, a link to an endless device, a file of a terabyte.
 //!
 //! What is found by its name (the files of a Trial or of an FMU) must be a regular file: to open anything else could
-//! wait for ever. What a user names ([`Given`]) may be a pipe or a device. Both are read up to a limit.
+//! wait for ever. What a user names may be a pipe or a device. Both are read up to a limit.
 
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, ErrorKind, Read};
