@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Everything that must hold before a change is done; CI runs nothing else.
 # Needs cargo, a C compiler and python3 >= 3.10 with venv. PYTHON names another Python.
+# With names of stages only those: ./check.sh clippy test. The stage pytest uses what the stage release has built.
 set -euo pipefail
 
 # Relative to where this is started, like cargo does it.
@@ -21,30 +22,59 @@ fail() {
     exit 1
 }
 
-# .venv as tests/fmpy/requirements.txt says; made anew when that file or the Python changes.
+# .venv as tests/fmpy/requirements*.txt say; made anew when these files or the Python change.
 python_environment() {
-    local requirements=tests/fmpy/requirements.txt stamp=.venv/requirements.stamp wanted
+    local requirements=tests/fmpy/requirements.txt alone=tests/fmpy/requirements-alone.txt
+    local stamp=.venv/requirements.stamp wanted pip
     command -v "$python" >/dev/null || fail "$python is missing: Python 3.10 or newer is needed"
     "$python" -c 'import sys; sys.exit(sys.version_info < (3, 10))' ||
         fail "Python 3.10 or newer is needed, $python is $("$python" --version)"
     "$python" -c 'import ensurepip, venv' 2>/dev/null ||
         fail "$python cannot make virtual environments: install python3-venv (Debian, Ubuntu)"
-    wanted="$("$python" --version) $(sha256sum "$requirements")"
+    wanted="$("$python" --version) $(sha256sum "$requirements" "$alone")"
     if [[ -f $stamp && $(<"$stamp") == "$wanted" ]] && .venv/bin/python -c '' 2>/dev/null; then
         return
     fi
     rm -rf .venv
     "$python" -m venv .venv
-    .venv/bin/python -m pip install --quiet --disable-pip-version-check --only-binary :all: -r "$requirements"
+    pip=(.venv/bin/python -m pip install --quiet --disable-pip-version-check --only-binary :all:)
+    "${pip[@]}" -r "$requirements"
+    "${pip[@]}" --no-deps -r "$alone"
     printf '%s\n' "$wanted" >"$stamp"
 }
 
-stage cargo fmt --all --check
-stage cargo clippy --locked --workspace --all-targets -- -D warnings
-stage cargo test --workspace
-stage env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
-stage cargo build --release --workspace
-stage python_environment
-stage .venv/bin/python -m pytest tests/fmpy -q
+# Tests send signals. What a shell starts in the background ignores some of them, and its children do.
+signals=()
+env --default-signal true 2>/dev/null && signals=(env --default-signal)
 
-printf '\ncheck.sh: all passed\n'
+stages=(format clippy test doc release pytest)
+
+run() {
+    case $1 in
+        format) stage cargo fmt --all --check ;;
+        clippy)
+            stage cargo clippy --locked --workspace --all-targets -- -D warnings
+            # Without C.
+            stage cargo clippy --locked -p lemons-record --no-default-features -- -D warnings
+            ;;
+        test) stage "${signals[@]}" cargo test --workspace ;;
+        doc) stage env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps ;;
+        # As the first command of README.md builds it.
+        release) stage cargo build --release ;;
+        pytest)
+            stage python_environment
+            stage "${signals[@]}" .venv/bin/python -m pytest tests/fmpy -q
+            ;;
+    esac
+}
+
+for name; do
+    [[ " ${stages[*]} " == *" $name "* ]] || fail "$name: no such stage; there are ${stages[*]}"
+done
+passed="$*"
+(($#)) || set -- "${stages[@]}"
+for name; do
+    run "$name"
+done
+
+printf '\ncheck.sh: %s passed\n' "${passed:-all}"

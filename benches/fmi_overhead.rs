@@ -1,54 +1,55 @@
-//! What values across the C boundary cost: the inputs and outputs of 1000 agents in one call each.
+//! Cost of getting and setting values across the C boundary: the inputs and outputs of 1000 agents in one call each.
 //!
-//! `cargo bench --bench fmi_overhead`, in processor time; the functions are the exported ones, called as a C program would.
+//! `cargo bench --bench fmi_overhead`, in processor time. The exported functions are called as a C program would.
 
 #![allow(unsafe_code)] // calls the C functions
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use crowd_mechanics::fmi2::*;
-use crowd_mechanics::trial::Trial;
+use crowd_mechanics::model::CrowdModel;
+use crowd_mechanics::setup;
 use crowd_mechanics::variables::{guid, table};
 use lemons_bench::fmu::{INPUTS, INTEGERS, Packed, REALS, SPARSE, processor_time};
-use lemons_fmi2::{CallbackFunctions, Status};
+use lemons_testing::fmi2::{Callbacks, Functions, OK};
+use lemons_trial::Trial;
 use std::ffi::{CString, c_void};
-use std::ptr::{null, null_mut};
 
 const AGENTS: usize = 1000;
 
 /// An instance of the Trial after its first step.
-fn instance(trial: &Trial, packed: &Packed) -> *mut c_void {
+fn instance(c: &Functions, trial: &Trial, packed: &Packed) -> *mut c_void {
     let guid = CString::new(guid(&table(trial)).braced().to_string()).expect("no zero");
     let resources = CString::new(packed.resources().to_str().expect("text")).expect("no zero");
-    let callbacks = CallbackFunctions {
-        logger: None,
-        allocate_memory: null(),
-        free_memory: null(),
-        step_finished: null(),
-        component_environment: null_mut(),
-    };
     // SAFETY: texts and functions live through the calls, which come in FMI's order.
     unsafe {
-        let instance =
-            fmi2Instantiate(c"bench".as_ptr(), 1, guid.as_ptr(), resources.as_ptr(), &callbacks, 0, 0);
+        let instance = (c.fmi2Instantiate)(
+            c"bench".as_ptr(),
+            1,
+            guid.as_ptr(),
+            resources.as_ptr(),
+            &Callbacks::NONE,
+            0,
+            0,
+        );
         assert!(!instance.is_null());
-        assert_eq!(fmi2SetupExperiment(instance, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
-        assert_eq!(fmi2EnterInitializationMode(instance), Status::Ok);
-        assert_eq!(fmi2ExitInitializationMode(instance), Status::Ok);
-        assert_eq!(fmi2DoStep(instance, 0.0, 1e-4, 1), Status::Ok);
+        assert_eq!((c.fmi2SetupExperiment)(instance, 0, 0.0, 0.0, 0, 0.0), OK);
+        assert_eq!((c.fmi2EnterInitializationMode)(instance), OK);
+        assert_eq!((c.fmi2ExitInitializationMode)(instance), OK);
+        assert_eq!((c.fmi2DoStep)(instance, 0.0, 1e-4, 1), OK);
         instance
     }
 }
 
 fn overhead(criterion: &mut Criterion) {
     let packed = Packed::new(AGENTS, SPARSE).expect("a Trial");
-    let (trial, _) = Trial::read(&packed.trial()).expect("a good Trial");
+    let (trial, _) = setup::read(&packed.trial()).expect("a good Trial");
     let places: std::collections::HashMap<String, u32> =
         table(&trial).into_iter().zip(0..).map(|(row, reference)| (row.name, reference)).collect();
     let references = |names: &[&str]| -> Vec<u32> {
         let all = (0..AGENTS).flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
         all.map(|name| places[&name]).collect()
     };
-    let instance = instance(&trial, &packed);
+    let c = Functions::of_model::<CrowdModel>();
+    let instance = instance(&c, &trial, &packed);
     let mut group = criterion.benchmark_group("fmi overhead");
 
     let inputs = references(&INPUTS);
@@ -56,12 +57,12 @@ fn overhead(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(inputs.len() as u64));
     group.bench_function(BenchmarkId::new("fmi2SetReal, 3 inputs", AGENTS), |bencher| {
         // SAFETY: as many elements as said; the same below.
-        let set = || unsafe { fmi2SetReal(instance, inputs.as_ptr(), inputs.len(), values.as_ptr()) };
-        assert_eq!(set(), Status::Ok);
+        let set = || unsafe { (c.fmi2SetReal)(instance, inputs.as_ptr(), inputs.len(), values.as_ptr()) };
+        assert_eq!(set(), OK);
         bencher.iter_custom(|calls| processor_time(calls, set));
     });
 
-    // The ten outputs are Reals and Integers; the other has ten Reals, the inputs among them.
+    // The ten outputs are Reals and Integers; the comparison has ten Reals, including the inputs.
     let ten: Vec<&str> = REALS.into_iter().chain(INPUTS).collect();
     for (name, reals) in [("fmi2GetReal, 7 outputs", &REALS[..]), ("fmi2GetReal, 10 Reals", &ten)] {
         let reals = references(reals);
@@ -69,8 +70,8 @@ fn overhead(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(reals.len() as u64));
         group.bench_function(BenchmarkId::new(name, AGENTS), |bencher| {
             let mut get =
-                || unsafe { fmi2GetReal(instance, reals.as_ptr(), reals.len(), values.as_mut_ptr()) };
-            assert_eq!(get(), Status::Ok);
+                || unsafe { (c.fmi2GetReal)(instance, reals.as_ptr(), reals.len(), values.as_mut_ptr()) };
+            assert_eq!(get(), OK);
             bencher.iter_custom(|calls| processor_time(calls, &mut get));
         });
     }
@@ -79,14 +80,15 @@ fn overhead(criterion: &mut Criterion) {
     let mut values = vec![0; integers.len()];
     group.throughput(Throughput::Elements(integers.len() as u64));
     group.bench_function(BenchmarkId::new("fmi2GetInteger, 3 outputs", AGENTS), |bencher| {
-        let mut get =
-            || unsafe { fmi2GetInteger(instance, integers.as_ptr(), integers.len(), values.as_mut_ptr()) };
-        assert_eq!(get(), Status::Ok);
+        let mut get = || unsafe {
+            (c.fmi2GetInteger)(instance, integers.as_ptr(), integers.len(), values.as_mut_ptr())
+        };
+        assert_eq!(get(), OK);
         bencher.iter_custom(|calls| processor_time(calls, &mut get));
     });
     group.finish();
     // SAFETY: made above, not used again.
-    unsafe { fmi2FreeInstance(instance) };
+    unsafe { (c.fmi2FreeInstance)(instance) };
 }
 
 criterion_group!(benches, overhead);

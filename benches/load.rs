@@ -1,10 +1,10 @@
-//! How long it takes until a crowd of 10 000 can be stepped.
+//! Time until a crowd of 10 000 can be stepped.
 //!
 //! `cargo bench --bench load`; `lemons bench` measures the same through a loaded FMU.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
-use crowd_mechanics::crowd::Crowd;
-use crowd_mechanics::trial::Trial;
+use crowd_mechanics::model::CrowdModel;
+use crowd_mechanics::setup;
 use crowd_mechanics::variables::{guid, table};
 use lemons_bench::fmu::{DENSE, Packed};
 use lemons_fmi2::{Model, Slave};
@@ -16,16 +16,16 @@ fn load(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("load");
     group.sample_size(10);
     group.bench_function(BenchmarkId::new("read and check", AGENTS), |bencher| {
-        bencher.iter(|| Trial::read(&packed.trial()).expect("a good Trial"));
+        bencher.iter(|| setup::read(&packed.trial()).expect("a good Trial"));
     });
     group.bench_function(BenchmarkId::new("read, check and pack", AGENTS), |bencher| {
         bencher.iter(|| packed.pack().expect("a good Trial"));
     });
-    let guid = guid(&table(&Trial::read(&packed.trial()).expect("a good Trial").0)).to_string();
+    let guid = guid(&table(&setup::read(&packed.trial()).expect("a good Trial").0)).to_string();
     let resources = packed.resources();
     // What fmi2Instantiate does.
     let instantiate = || {
-        let crowd = Crowd::load(resources.to_str().expect("text")).expect("a good Trial");
+        let crowd = CrowdModel::load(resources.to_str().expect("text")).expect("a good Trial");
         Slave::new(crowd, &guid).expect("its GUID")
     };
     group.bench_function(BenchmarkId::new("instantiate", AGENTS), |bencher| bencher.iter(instantiate));

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README anew: docs/pictures.sh, after
+# Makes the pictures of README.md, docs/pictures.md and docs/coupling.md again: docs/pictures.sh, after
 # cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli.
 # docs/measured.png needs the measured push (../shared/data/push_wed), docs/flow.png a Python with FMPy and Matplotlib
 # (PYTHON, else .venv); each stays as it is without. docs/calibration.png is made by what docs/calibration.md says.

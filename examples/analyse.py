@@ -1,11 +1,11 @@
-"""Draws where a crowd was dense and where it was fast, with PedPy.
+"""Draws maps of the density and the speed of a crowd, with PedPy.
 
     python examples/analyse.py run.sqlite [maps.png] [--from 0] [--until 5] [--cell 0.2]
 
 `lemons export trajectories.csv run.sqlite --to jupedsim --trial TRIAL` makes such a run.sqlite. PedPy: pip install pedpy.
 
-Both maps are means over time on square cells. Density: how many people per square metre, each spread evenly over the Voronoi cell
-around them, no further than 1 m. Speed: that of the people whose Voronoi cells were there, white where nobody ever was.
+Both maps are means over time on square cells. Density: people per square metre; each person is spread evenly over the Voronoi cell
+around it, up to a distance of 1 m. Speed: that of the people whose Voronoi cells were there; white where there were none.
 """
 
 import argparse
@@ -20,12 +20,12 @@ import shapely
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
-REACH = 1.0  # [m] how far a Voronoi cell goes
-WINDOW = 0.2  # [s] a speed is the distance between the places this long before and after
+REACH = 1.0  # [m] radius of a Voronoi cell
+WINDOW = 0.2  # [s] the speed follows from the positions this long before and after
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("run", metavar="run.sqlite", type=Path, help="made by `lemons export --to jupedsim`")
-parser.add_argument("maps", metavar="maps.png", nargs="?", default="maps.png", help="where the maps go; default maps.png")
+parser.add_argument("maps", metavar="maps.png", nargs="?", default="maps.png", help="output file; default maps.png")
 parser.add_argument("--from", dest="first", type=float, default=0.0, help="seconds after the first frame")
 parser.add_argument("--until", type=float, default=np.inf, help="seconds after the first frame; default: all")
 parser.add_argument("--cell", type=float, default=0.2, help="side of a cell in metres")
@@ -55,13 +55,13 @@ near = shapely.STRtree(cells)
 
 
 def profiles(frames):
-    """Sums over some frames: density, speed and what is covered of each cell [m²]."""
+    """Sums over some frames, for each cell: density, speed and covered area [m²]."""
     some = run.data[run.data.frame.isin(frames)].drop(columns="point").reset_index(drop=True)
     voronoi = pedpy.compute_individual_voronoi_polygons(
         traj_data=pedpy.TrajectoryData(some, rate), walkable_area=area, cut_off=pedpy.Cutoff(radius=REACH, quad_segments=8)
     )
     people = voronoi.merge(speeds).sort_values("frame", ignore_index=True)
-    # PedPy would cut every cell with everybody's polygon, of which nearly all are apart: minutes instead of seconds.
+    # PedPy would intersect every cell with the polygon of every person. Nearly all are apart: minutes instead of seconds.
     person, cell = near.query(people.polygon, predicate="intersects")
     shares = np.zeros((len(cells), len(people)))
     shares[cell, person] = shapely.area(shapely.intersection(cells[cell], people.polygon.to_numpy()[person]))
@@ -72,16 +72,16 @@ def profiles(frames):
 
 
 frames = run.data.frame.unique()
-block = max(1, int(4e6 / (len(cells) * run.number_pedestrians)))  # of frames: 32 MB of shares
+block = max(1, int(4e6 / (len(cells) * run.number_pedestrians)))  # frames at once: 32 MB of shares
 sums, told = np.zeros((3, rows, columns)), time.monotonic()
 for k in range(0, len(frames), block):
     sums += profiles(frames[k : k + block])
-    # A terminal shows one line again and again; elsewhere there is one every ten seconds.
+    # A terminal shows one line that is updated; elsewhere a new one is written every ten seconds.
     if sys.stderr.isatty() or time.monotonic() > told + 10:
         told = time.monotonic()
         end = "\r" if sys.stderr.isatty() and k + block < len(frames) else "\n"
         print(f"{min(k + block, len(frames))} of {len(frames)} frames", end=end, file=sys.stderr, flush=True)
-# PedPy takes a cell as a whole: at a wall only the part before it counts, and for the speed only what somebody covered.
+# PedPy divides by whole cells. At a wall only the part inside counts, and for the speed only the covered part.
 inside = shapely.area(shapely.intersection(cells, area.polygon)).reshape(rows, columns) / arguments.cell**2
 densities, fast, covered = sums / len(frames)
 covered /= arguments.cell**2
@@ -102,7 +102,7 @@ for axes, name, values, colours in [
     (both[1], "speed [m/s]", speed, "plasma"),
 ]:
     image = axes.imshow(values, extent=extent, cmap=colours, vmin=0, interpolation="nearest")
-    # Cells at the edge reach over it; people do not.
+    # Cells at the edge extend beyond it; the area of people does not.
     image.set_clip_path(PathPatch(outline, transform=axes.transData))
     axes.add_patch(PathPatch(outline, fill=False, lw=1.5, color="0.15", clip_on=False))
     axes.set(ylabel="y [m]", aspect="equal")

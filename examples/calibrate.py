@@ -1,34 +1,34 @@
-"""Fits the mechanics to a measured push, and says how well the push determines each parameter.
+"""Fits the mechanics to a measured push, and estimates how well the push determines each parameter.
 
     cargo build --release
     pip install './python[examples]'
     python examples/calibrate.py [DATA_DIR] [--fmu FILE] [--plot FILE.png] [--out DIR] [--scheduler ADDRESS] [--seed N]
 
 DATA_DIR is as in examples/feldmann_push.py, and so is the difference between measured and simulated: the mean of the five
-people's root-mean-square differences of the displacement in the plane, until 4 s. Fitted are
+people's root-mean-square differences of the displacement in the plane, until 4 s. The fitted parameters are
 
     relaxation time   of translation and rotation, the same for all: 1/FloorDamping = 1/AngularDamping [s]
-    stiffness         Young's modulus of the bodies [N/m]; the shear modulus stays in the Trial's proportion to it, so that both
+    stiffness         Young's modulus of the bodies [N/m]; the ratio of the shear modulus to it is that of the Trial, so that both
                       stiffnesses of a contact, normal and tangential, are proportional to it
     damping           gamma_n = gamma_t between people [kg/s]
     friction          between people
 
-Contacts with the wall keep their own damping and friction. Fitted to one run alone, the parameters end where chance collisions
-happen to follow the measured curves, and starts some millimetres off, which nobody can measure, destroy it. So the difference that is
-made small is a mean over several starts: half of it is that of the Trial, the other half others with everybody moved by 5 mm in x
-and y (normal).
+Contacts with the wall keep their own damping and friction. A fit to one run alone finds parameters for which random collisions
+follow the measured curves; with starts changed by some millimetres, less than the error of the measurement, it fails. So the fit
+minimizes a mean difference over several starts: that of the Trial has half of the weight, the others have all people moved by 5 mm
+in x and y (normal distribution).
 
 First a sweep over the whole range (scrambled Sobol points), then searches (Nelder and Mead, in the logarithms) from its best points.
-How well a parameter is determined is said in two ways:
+Two intervals show how well a parameter is determined:
 
-    profile           the parameter is held, the others are fitted again. The interval (95 %) ends where the difference has grown by
+    profile           the parameter is fixed, the others are fitted again. The interval (95 %) ends where the difference has grown by
                       sqrt(1 + 3.84 / (n - 4)), as it would for n independent normal residuals; n, the effective number of residuals,
-                      is counted from their autocorrelation: neighbouring times say the same.
+                      follows from their autocorrelation, because residuals at neighbouring times are correlated.
     people            the five people are drawn again with replacement, 2000 times; each time the best of all simulated parameters is
-                      taken. The interval holds 95 % of them.
+                      taken. The interval contains 95 % of them.
 
-An interval that ends at the end of the range searched is marked with <= or >=: the push does not say where it ends. The fit is tried
-on 64 other starts, and without each of the five people in turn.
+An interval that reaches the end of the searched range is marked with <= or >=: the push does not determine its end. The fit is
+checked with 64 other starts, and without each of the five people in turn.
 """
 
 import argparse
@@ -53,15 +53,15 @@ NAMES = ["relaxation time", "stiffness", "damping", "friction"]
 UNITS = ["s", "N/m", "kg/s", ""]
 LOW = np.log([0.08, 4e5, 20.0, 0.05])
 HIGH = np.log([0.6, 4e7, 7000.0, 1.5])
-FIRST_STEP = np.array([0.1, 0.5, 0.5, 0.3])  # of a search, in the logarithm
-MECHANICAL = 1e-4  # s, of the search; the fit is confirmed at 2e-6 s
-MOVED = 0.005  # m
+FIRST_STEP = np.array([0.1, 0.5, 0.5, 0.3])  # first step of a search, in the logarithm
+MECHANICAL = 1e-4  # s, mechanical step of the search; the fit is confirmed at 2e-6 s
+MOVED = 0.005  # m, standard deviation of the starts
 CONTACT = "contact.human_naked.human_naked."
 MATERIAL = "material.human_naked."
 
 
 def parameters(values, ratio, mechanical=MECHANICAL):
-    """Of the FMU. `ratio`: shear by Young's modulus."""
+    """Returns the parameters of the FMU. `ratio` is shear modulus / Young's modulus."""
     relaxation, stiffness, damping, friction = values
     return {
         "TimeStepMechanical": mechanical,
@@ -76,7 +76,7 @@ def parameters(values, ratio, mechanical=MECHANICAL):
 
 
 class Compare:
-    """What the sweep measures: each person's difference [m]."""
+    """The measure of the sweep: the difference of each person [m]."""
 
     def __init__(self, push):
         self.push = push
@@ -86,7 +86,7 @@ class Compare:
 
 
 def starts_of(fmu, count, seed):
-    """Start values: of the Trial, and of others with everybody moved."""
+    """Returns start values: those of the Trial, then others with all people moved."""
     with Crowd(fmu) as crowd:
         places = crowd.poses()[:, :2]
     moves = np.random.default_rng(seed).normal(scale=MOVED, size=(count, *places.shape))
@@ -98,13 +98,13 @@ def starts_of(fmu, count, seed):
 
 
 def weights_of(starts):
-    """Half for the Trial's own start."""
+    """Returns the weights of the starts: half for that of the Trial."""
     others = len(starts) - 1
     return np.array([0.5] + [0.5 / others] * others) if others else np.ones(1)
 
 
 def search(task, fmu, push, ratio, starts, evaluations):
-    """Nelder and Mead from a point, with one parameter held or none; all that was simulated, rows (parameters, differences)."""
+    """Searches (Nelder and Mead) from a point, with one parameter or none fixed. Returns all simulations: rows (parameters, differences)."""
     begin, held = task
     free = [k for k in range(len(begin)) if k != held]
     seen = []
@@ -123,7 +123,7 @@ def search(task, fmu, push, ratio, starts, evaluations):
             return each.mean()
 
         x = begin[free]
-        # The first steps lead away from the nearer end of the range.
+        # The first steps go away from the nearer end of the range.
         steps = np.where(x < (LOW + HIGH)[free] / 2, 1, -1) * FIRST_STEP[free]
         simplex = np.vstack([x, x + np.diag(steps)])
         options = {"initial_simplex": simplex, "xatol": 0.01, "fatol": 1e-5, "maxfev": evaluations * len(free)}
@@ -136,7 +136,7 @@ def best_of(cloud):
 
 
 def effective_number(residuals):
-    """Of independent residuals: each series counts as its length by twice its correlation time (until the first zero)."""
+    """Returns the number of independent residuals: for each series its length / twice its correlation time (until the first zero)."""
     count = 0.0
     for series in residuals:
         series = series - series.mean()
@@ -148,7 +148,7 @@ def effective_number(residuals):
 
 
 def around(middle, low, high, count):
-    """Values from low to high, close to each other near the middle."""
+    """Returns values from low to high, closer to each other near the middle."""
     return low + (high - low) * np.interp(
         np.linspace(0, 1, count),
         [0, 0.15, 0.35, 0.5, 0.65, 0.85, 1],
@@ -158,7 +158,7 @@ def around(middle, low, high, count):
 
 
 def interval(values, difference, level):
-    """Between which values a profile is below the level at all, with < or > where it is so to the end."""
+    """Returns the interval in which a profile is below the level, with < or > if it reaches the end of the range."""
     below = np.flatnonzero(difference <= level)
     ends = []
     for inner, outer, sign in ((below[0], below[0] - 1, "<"), (below[-1], below[-1] + 1, ">")):
@@ -171,7 +171,7 @@ def interval(values, difference, level):
 
 
 def bootstrap(cloud, rng, draws=2000):
-    """Parameters that are the best for people drawn with replacement: rows, in the logarithm."""
+    """Returns the best parameters for people drawn with replacement: rows of logarithms."""
     people = cloud.shape[1] - 4
     weights = np.array([np.bincount(rng.integers(people, size=people), minlength=people) for _ in range(draws)])
     chosen = [np.argmin(block @ cloud[:, 4:].T, axis=1) for block in np.array_split(weights, 50)]
@@ -179,7 +179,7 @@ def bootstrap(cloud, rng, draws=2000):
 
 
 def ends_of(sample, low, high):
-    """95 % of a sample, with < or > at the ends of the range."""
+    """Returns the interval with 95 % of a sample, with < or > at the ends of the range."""
     a, b = np.quantile(sample, [0.025, 0.975])
     return [("<" if a < low + 0.05 else "", math.exp(a)), (">" if b > high - 0.05 else "", math.exp(b))]
 
@@ -193,7 +193,7 @@ def between(ends):
 
 
 def from_starts(fmu, push, ratio, values, starts, client):
-    """Mean differences from these starts [m]."""
+    """Returns the mean differences with these starts [m]."""
     table = pd.DataFrame([{**parameters(values, ratio), **start} for start in starts])
     result = sweep(fmu, table, push.drive(), Compare(push), until=UNTIL, step=STEP, client=client)
     return result[[f"person {k}" for k in push.people]].mean(axis=1).to_numpy()
@@ -256,19 +256,19 @@ def plot(path, push, usual, fitted, profiles, level, paper, fit, people):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", nargs="?", type=pathlib.Path, default=DATA, metavar="DATA_DIR", help="the experiment; default ../shared/data/push_wed")
-    parser.add_argument("--fmu", metavar="FILE", help="the packed Trial; by default it is packed by the command lemons: LEMONS, target/release or PATH")
-    parser.add_argument("--plot", default="calibration.png", metavar="FILE.png", help="where the picture goes; default calibration.png")
-    parser.add_argument("--out", metavar="DIR", help="the sweep is kept in this directory, and goes on from there")
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler; by default the cores of this machine")
-    parser.add_argument("--points", type=int, default=256, metavar="N", help="of the sweep; default 256")
-    parser.add_argument("--starts", type=int, default=6, metavar="N", help="places where people start, the Trial's and others; default 6")
-    parser.add_argument("--searches", type=int, default=6, metavar="N", help="from the best points; default 6")
-    parser.add_argument("--profile", type=int, default=9, metavar="N", help="values of each parameter; default 9")
-    parser.add_argument("--evaluations", type=int, default=40, metavar="N", help="at most so many of a search, for each parameter; default 40")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of all that is drawn; default 1")
+    parser.add_argument("--fmu", metavar="FILE", help="the packed Trial; default: packed by the command lemons in LEMONS, target/release or PATH")
+    parser.add_argument("--plot", default="calibration.png", metavar="FILE.png", help="output file; default calibration.png")
+    parser.add_argument("--out", metavar="DIR", help="keep the sweep in this directory; continue one that is there")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="address of a Dask scheduler; default: use the cores of this machine")
+    parser.add_argument("--points", type=int, default=256, metavar="N", help="number of points of the sweep; default 256")
+    parser.add_argument("--starts", type=int, default=6, metavar="N", help="number of starts, including that of the Trial; default 6")
+    parser.add_argument("--searches", type=int, default=6, metavar="N", help="number of searches from the best points; default 6")
+    parser.add_argument("--profile", type=int, default=9, metavar="N", help="number of values of each parameter in its profile; default 9")
+    parser.add_argument("--evaluations", type=int, default=40, metavar="N", help="largest number of simulations of a search, per parameter; default 40")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all random numbers; default 1")
     arguments = parser.parse_args()
     if min(arguments.points, arguments.starts, arguments.searches, arguments.evaluations) < 1 or arguments.profile < 5:
-        parser.error("at least one of each, and five values for a profile, are needed")
+        parser.error("all numbers must be at least 1, and --profile at least 5")
     if not arguments.data.is_dir():
         raise SystemExit(f"{arguments.data}: no such directory; give the directory of the data as first argument (see --help)")
     try:
@@ -321,7 +321,7 @@ def calibrate(arguments, push, fmu, client):
         show(0)
         for done, future in enumerate(as_completed(futures), 1):
             if future.status == "error":
-                future.result()  # raises it
+                future.result()  # raises its error
             show(done)
         return client.gather(futures)
 

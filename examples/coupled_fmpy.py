@@ -1,9 +1,9 @@
-"""Thirty people leave a room: Decision says where they want to go, CrowdMechanics what becomes of it.
+"""Thirty people leave a room: Decision computes their drives, CrowdMechanics their motion.
 
     python examples/coupled_fmpy.py decision.fmu crowd.fmu [flow.png]
 
-`lemons decide resources/Trial_door -o decision.fmu` and `lemons pack resources/Trial_door -o crowd.fmu` make the two.
-Prints when each has passed the door, and draws the flow.
+`lemons decide resources/Trial_door -o decision.fmu` and `lemons pack resources/Trial_door -o crowd.fmu` make the two FMUs.
+Prints the time when each person has passed the door, and draws the flow.
 """
 
 import argparse
@@ -19,9 +19,9 @@ from fmpy import extract, instantiate_fmu, read_model_description
 STEP, END, DOOR = 0.05, 60.0, 5.2  # s, s, m: the door's far side
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("decision", metavar="decision.fmu", help="where people want to go: made by `lemons decide`")
-parser.add_argument("crowd", metavar="crowd.fmu", help="what becomes of it: made by `lemons pack`")
-parser.add_argument("picture", metavar="flow.png", nargs="?", default="flow.png", help="where the picture goes; default flow.png")
+parser.add_argument("decision", metavar="decision.fmu", help="drives of people, made by `lemons decide`")
+parser.add_argument("crowd", metavar="crowd.fmu", help="motion of people, made by `lemons pack`")
+parser.add_argument("picture", metavar="flow.png", nargs="?", default="flow.png", help="output file; default flow.png")
 arguments = parser.parse_args()
 
 
@@ -61,7 +61,7 @@ places = crowd.references(f"agent[{i}].Position.{axis}" for i in range(people) f
 
 
 def exchange():
-    """Poses first: the drives follow from them at once."""
+    """Sets poses first: the drives follow from them immediately."""
     decision.slave.setReal(poses[1], crowd.slave.getReal(poses[0]))
     crowd.slave.setReal(drives[1], decision.slave.getReal(drives[0]))
 

@@ -3,10 +3,10 @@
     pip install libcosimpy fmpy
     python examples/coupled_libcosim.py decision.fmu crowd.fmu
 
-`lemons decide resources/Trial_door -o decision.fmu` and `lemons pack resources/Trial_door -o crowd.fmu` make the two.
-Prints when each has passed the door. Times differ by seconds from those of coupled_fmpy.py: libcosim passes outputs on
-after each step, so Decision answers one step late, and its steps, differences of whole nanoseconds, differ by rounding.
-That little changes who goes first through the door, and so all that follows.
+`lemons decide resources/Trial_door -o decision.fmu` and `lemons pack resources/Trial_door -o crowd.fmu` make the two FMUs.
+Prints the time when each person has passed the door. Times differ by seconds from those of coupled_fmpy.py. libcosim passes
+outputs on after each step, so the drives of Decision come one step late, and its steps are rounded to nanoseconds. These small
+differences change who goes first through the door, and therefore everything after that.
 """
 
 import argparse
@@ -22,8 +22,8 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 STEP, END, DOOR = 0.05, 60.0, 5.2  # s, s, m: the door's far side
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("decision", metavar="decision.fmu", help="where people want to go: made by `lemons decide`")
-parser.add_argument("crowd", metavar="crowd.fmu", help="what becomes of it: made by `lemons pack`")
+parser.add_argument("decision", metavar="decision.fmu", help="drives of people, made by `lemons decide`")
+parser.add_argument("crowd", metavar="crowd.fmu", help="motion of people, made by `lemons pack`")
 fmus = vars(parser.parse_args())
 
 log_output_level(CosimLogLevel.WARNING)
@@ -33,7 +33,7 @@ index = {fmu: execution.add_local_slave(CosimLocalSlave(path, fmu)) for fmu, pat
 
 
 def named(fmu, causality):
-    """Value references of Reals by name."""
+    """Returns the value references of Reals by name."""
     return {v.name: v.valueReference for v in variables[fmu] if v.causality == causality and v.type == "Real"}
 
 

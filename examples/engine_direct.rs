@@ -6,7 +6,8 @@
 //! ```
 
 use crowd_mechanics::engine::{World, Wrench, vec2};
-use crowd_mechanics::trial::Trial;
+use crowd_mechanics::setup::{self, Setup};
+use lemons_trial::Trial;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
@@ -19,11 +20,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let after = |name: &str| Some(&arguments[arguments.iter().position(|a| a == name)? + 1..][0]);
     let directory = arguments.first().ok_or("usage: engine_direct TRIAL --steps N [--drive FILE.csv]")?;
 
-    let (trial, _warnings) = Trial::read(directory.as_ref()).map_err(|problems| problems.to_string())?;
+    let (trial, _warnings) = setup::read(directory.as_ref()).map_err(|problems| problems.to_string())?;
     let steps: u64 = after("--steps").ok_or("--steps is missing")?.parse()?;
     let drive = after("--drive").map_or(Ok(Drive::new()), |path| read_drive(path.as_ref(), &trial))?;
 
-    let mut world = trial.world()?;
+    let mut world = Setup::of(&trial).world()?;
     println!(
         "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force,\
          mean_normal_force,peak_normal_force,peak_overlap,total_agent_contacts,total_wall_contacts"

@@ -1,19 +1,19 @@
-"""A push goes through a row of five people: measured head displacements against simulated ones.
+"""Compares measured with simulated head displacements: a push goes through a row of five people.
 
     pip install ./python matplotlib
     python examples/feldmann_push.py [DATA_DIR] [--fmu FILE] [--plot FILE.png] [--until T]
 
-The experiment is that of Feldmann, Adrian and Boltes (2024), as in the paper's practical case (section 4.5). DATA_DIR holds
+The experiment is that of Feldmann, Adrian and Boltes (2024), as in the paper's practical case (section 4.5). DATA_DIR contains
     Trial/                          the Trial (packed with `lemons pack`, unless --fmu gives its FMU)
     external_force_per_mass.txt     TimeS ForcePerMassNperM: the recorded push on agent 0 per unit of mass [s], [N/kg]
     measured_head_trajectories.csv  t,id,x,y: displacement of each head from its start, x along the push [s], [m]
-Your own copy: the paper's public data (LEMONS, data/tutorial_mechanical_layer/push_Feldmann/Wed_03…) holds the push under the
-same name; write the head trajectories as that table.
+To get the data: the paper's public data (LEMONS, data/tutorial_mechanical_layer/push_Feldmann/Wed_03…) contain the push under
+the same name; write the head trajectories as such a table.
 
-Compared is the displacement in the plane (x and y), each from its own start, at the measured times: for each person the root of the
-mean squared distance between measured and simulated, until --until; then the mean of the five. Along the push alone (x) is printed too.
-By 4 s the push is over and its record ends; then the people walk back to their places, and nothing here models that. The number depends
-on this window: over the whole 6 s the mean is 0.142 m.
+The script compares displacements from the start in the plane (x and y), at the measured times until --until. For each person it
+prints the root-mean-square distance between measured and simulated, then the mean of the five; also for the direction of the push
+alone (x). By 4 s the push is over and its record ends. Afterwards the people walk back to their places, which is not simulated. The
+result depends on this window: over the whole 6 s the mean is 0.142 m.
 """
 
 import argparse
@@ -30,11 +30,11 @@ from lemons_fmu.push import STEP, UNTIL, Push
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 DATA = ROOT.parent / "shared" / "data" / "push_wed"
-COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00"]  # Okabe and Ito: distinct for the colour-blind too
+COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00"]  # Okabe and Ito: distinguishable for colour-blind people
 
 
 def lemons():
-    """The command: the one that LEMONS names, else that of this clone, else the one on PATH."""
+    """Returns the command: that in LEMONS, else that of this clone, else that on PATH."""
     named = os.environ.get("LEMONS")
     built = ROOT / "target" / "release" / "lemons"
     command = shutil.which(named) if named else shutil.which(built) or shutil.which("lemons")
@@ -87,9 +87,9 @@ def plot(path, experiment, run, rms, until):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", nargs="?", type=pathlib.Path, default=DATA, metavar="DATA_DIR", help="the experiment; default ../shared/data/push_wed")
-    parser.add_argument("--fmu", metavar="FILE", help="the packed Trial; by default it is packed by the command lemons: LEMONS, target/release or PATH")
-    parser.add_argument("--until", type=float, default=UNTIL, metavar="T", help="the differences are taken up to this time [s]; default 4")
-    parser.add_argument("--plot", default="feldmann_push.png", metavar="FILE.png", help="where the picture goes; default feldmann_push.png")
+    parser.add_argument("--fmu", metavar="FILE", help="the packed Trial; default: packed by the command lemons in LEMONS, target/release or PATH")
+    parser.add_argument("--until", type=float, default=UNTIL, metavar="T", help="end of the comparison [s]; default 4")
+    parser.add_argument("--plot", default="feldmann_push.png", metavar="FILE.png", help="output file; default feldmann_push.png")
     arguments = parser.parse_args()
     if not arguments.data.is_dir():
         raise SystemExit(f"{arguments.data}: no such directory; give the directory of the data as first argument (see --help)")

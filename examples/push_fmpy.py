@@ -1,4 +1,4 @@
-"""Pushes agent 0 of a crowd for 0.6 s and plots how far everyone moves.
+"""Pushes agent 0 of a crowd for 0.6 s and plots the displacement of each person.
 
     python examples/push_fmpy.py crowd.fmu [plot.png]
 
@@ -16,7 +16,7 @@ PEAK, DURATION, STEP, END = 1200.0, 0.6, 0.02, 2.0  # N, s, s, s
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("crowd", metavar="crowd.fmu", help="made by `lemons pack`")
-parser.add_argument("plot", metavar="plot.png", nargs="?", default="push.png", help="where the picture goes; default push.png")
+parser.add_argument("plot", metavar="plot.png", nargs="?", default="push.png", help="output file; default push.png")
 arguments = parser.parse_args()
 
 description = read_model_description(arguments.crowd)

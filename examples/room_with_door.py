@@ -1,4 +1,4 @@
-"""Writes the Trial of thirty people in a room whose door leads to a corridor, and where they want to go.
+"""Writes the Trial of thirty people in a room whose door leads to a corridor, and their way-points (decision.toml).
 
     python examples/room_with_door.py resources/Trial_door
 
@@ -7,7 +7,7 @@ The people are the five of the paper's App. C, six times, turned to the door wit
 seeded. The room is 5 m by 5 m, the door 0.9 m wide, the corridor 2 m.
 
 Friction between people is 0.05. With the 0.4 of the paper's example, people who push on and never give way
-mostly end in an arch in the door that holds forever (in 13 of 16 seeded sets of speeds).
+mostly form a permanent arch in the door (in 13 of 16 seeded sets of speeds).
 """
 
 import argparse
@@ -17,7 +17,7 @@ from math import atan2, radians
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent / "resources" / "Trial_push"
-DOOR = (5.0, 2.5)  # m, its middle
+DOOR = (5.0, 2.5)  # m, middle of the door
 WALL = "14,1.5 5.2,1.5 5.2,2.05 5,2.05 5,0 0,0 0,5 5,5 5,2.95 5.2,2.95 5.2,3.5 14,3.5"
 COLUMNS, ROWS, SPACING = 6, 5, 0.75  # m
 FRICTION = "0.05"
@@ -37,7 +37,7 @@ y = 2.5
 """
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("target", metavar="DIR", type=Path, help="where the Trial is written; it is made if it is not there")
+parser.add_argument("target", metavar="DIR", type=Path, help="directory for the Trial; it is created if necessary")
 target = parser.parse_args().target
 rng = random.Random(30)
 shapes = list(ET.parse(SOURCE / "static/Agents.xml").getroot()) * (COLUMNS * ROWS // 5)

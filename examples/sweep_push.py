@@ -1,23 +1,23 @@
-"""How fast and how far a push goes through a row of five people: against stiffness, friction and mass.
+"""Speed and reach of a push through a row of five people, as functions of stiffness, friction and mass.
 
     lemons pack resources/Trial_push -o push.fmu
     pip install ./python matplotlib
     python examples/sweep_push.py push.fmu [--plot sweep_push.png] [--out DIR] [--scheduler ADDRESS]
 
-Person 0 is pushed by half a sine of 0.6 s with a peak of 900, 1200 or 1500 N. One thing at a time is changed, from what the
-Trial says: the stiffness of all bodies (Young's and shear modulus times the same factor), their friction, or everybody's mass
-(with the moment of inertia). For each run
+Person 0 is pushed by half a sine of 0.6 s with a peak of 900, 1200 or 1500 N. One parameter at a time is
+changed from its value in the Trial: the stiffness of all bodies (Young's and shear modulus times the same factor), their friction, or
+the mass of all people (with the moment of inertia). The results of each run are
 
     speed   of the front [m/s]: a person is reached when the velocity along the push first exceeds 0.05 m/s; the speed is the
-            slope of the line through place at the start against time of being reached, by least squares, over those who were
-            reached; none where fewer than two were (it jumps where one more or less is reached)
-    reach   how many people the push displaced by 0.05 m or more along x at any time
-    last    how far the last person of the row was displaced at most [m]; the wall is 0.16 m away
+            slope of a least-squares line through the start positions as a function of these times, for all people who were
+            reached; missing if fewer than two were (it jumps when the number of people who were reached changes)
+    reach   number of people whom the push displaced by 0.05 m or more along x at any time
+    last    largest displacement of the last person of the row [m]; the wall is 0.16 m away
     mean    the largest mean squeeze of a person over a communication step, 0.01 s [N]
-    peak    the largest squeeze of a person at any time [N]: collisions last milliseconds, so it is above the mean
+    peak    the largest squeeze of a person at any time [N]: it is larger than the mean, because collisions last milliseconds
 
-With --out, the results are kept there, and a second call goes on where the first was stopped. With --scheduler (see
-examples/sweep_cluster.md) the runs are made on a cluster.
+With --out, the results are kept in a directory, and a second call continues where the first was stopped. With --scheduler (see
+examples/sweep_cluster.md) a cluster does the runs.
 """
 
 import argparse
@@ -59,7 +59,7 @@ def front(run):
 
 
 def table(fmu, count):
-    """A row for each run: what is changed and by how much, and the parameters of the FMU."""
+    """Returns a row for each run: the changed parameter, its factor or value, and the parameters of the FMU."""
     with Crowd(fmu) as crowd:
         usual = {name: crowd[name] for name in crowd.fmu.variables}
     bodies = sorted({name.split(".")[1] for name in usual if name.startswith("material.")} - {"concrete"})
@@ -99,7 +99,7 @@ def plot(path, results, usual):
             for shift, (colour, peak) in enumerate(zip(COLOURS, PEAKS)):
                 some = results[(results.changed == changed) & (results.push == peak)]
                 values = some[measure] * units.get(measure, 1)
-                # Counts that are equal lie beside each other.
+                # Draw equal counts beside each other.
                 values = values + (0.05 * (shift - 1) if measure == "reach" else 0)
                 panel.plot(some.value, values, "o-", color=colour, markersize=4, linewidth=1.5, label=f"{peak:.0f} N")
             if changed == "stiffness":
@@ -126,18 +126,18 @@ def plot(path, results, usual):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("fmu", metavar="push.fmu", help="made by `lemons pack resources/Trial_push`")
-    parser.add_argument("--plot", default="sweep_push.png", metavar="FILE.png", help="where the picture goes; default sweep_push.png")
-    parser.add_argument("--out", metavar="DIR", help="results are kept in this directory as they come")
-    parser.add_argument("--values", type=int, default=11, metavar="N", help="of each of the three; default 11")
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler; by default the cores of this machine")
+    parser.add_argument("--plot", default="sweep_push.png", metavar="FILE.png", help="output file; default sweep_push.png")
+    parser.add_argument("--out", metavar="DIR", help="keep the results in this directory as they come")
+    parser.add_argument("--values", type=int, default=11, metavar="N", help="number of values of each of the three parameters; default 11")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="address of a Dask scheduler; default: use the cores of this machine")
     arguments = parser.parse_args()
     if arguments.values < 1:
-        parser.error("--values: at least one is needed")
+        parser.error("--values: must be at least 1")
     try:
         fmu = load(arguments.fmu)
         points, usual = table(fmu, arguments.values)
     except (FmuError, KeyError) as error:
-        raise SystemExit(f"{arguments.fmu}: {error}; a Trial like resources/Trial_push is needed")
+        raise SystemExit(f"{arguments.fmu}: {error}; the Trial must be like resources/Trial_push")
     if not fmu.has_means:
         raise SystemExit(f"{arguments.fmu}: an earlier version packed it, without mean and peak squeeze; pack its Trial again")
 

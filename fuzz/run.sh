@@ -22,9 +22,14 @@ seconds=${FUZZ_SECONDS:-60}
 # Of each target's inputs so many are kept: the longest below this size.
 files=12 bytes=2000
 # Temporary directories of fuzzers that crash stay behind.
+# In memory, where there is such a place: each execution writes some files.
+[[ -w /dev/shm ]] && export TMPDIR=/dev/shm
 TMPDIR=$(mktemp -d)
 export TMPDIR
-trap 'rm -rf "$TMPDIR"' EXIT
+# Beside the fuzzers: cargo-fuzz renames the directory.
+mkdir -p fuzz/target
+all=$(mktemp -d fuzz/target/corpora.XXXXXX)
+trap 'rm -rf "$TMPDIR" "$all"' EXIT
 
 cargo fuzz build --fuzz-dir fuzz
 targets=("$@")
@@ -33,22 +38,28 @@ failed=()
 for target in "${targets[@]}"; do
     printf '\n== %s, %s s\n' "$target" "$seconds"
     committed=fuzz/corpus/$target
-    grown=$TMPDIR/$target
+    grown=$all/$target
     mkdir -p "$committed" "$grown"
     options=(-max_total_time="$seconds" -max_len=8192 -timeout=20 -rss_limit_mb=4096 -print_final_stats=1)
     if [[ -f fuzz/dictionaries/$target ]]; then
         options+=(-dict="fuzz/dictionaries/$target")
     fi
-    # The first directory takes what is new.
-    cargo fuzz run --fuzz-dir fuzz "$target" "$grown" "$committed" -- "${options[@]}" || failed+=("$target")
+    touch "$all/begin"
+    # The first directory takes what is new. What takes ten seconds goes to the crashers, but ends nothing.
+    if ! cargo fuzz run --fuzz-dir fuzz "$target" "$grown" "$committed" -- "${options[@]}" ||
+        [[ -n $(find "fuzz/artifacts/$target" -type f -newer "$all/begin" 2>/dev/null) ]]; then
+        failed+=("$target")
+    fi
     cp -n "$committed"/* "$grown" 2>/dev/null || true
     cargo fuzz cmin --fuzz-dir fuzz "$target" "$grown" -- -max_len=8192 -timeout=20 || failed+=("$target")
     # Inputs with a name are seeds and past crashers: they stay.
     find "$committed" -type f -regextype posix-extended -regex '.*/[0-9a-f]{40}' -delete
+    # What was kept is named by its content: a seed need not stand there twice.
+    find "$committed" -type f -exec sha1sum {} + | cut -c1-40 | while read -r same; do rm -f "$grown/$same"; done
     find "$grown" -type f -size -"${bytes}"c -printf '%s %f\n' | sort -k1,1nr -k2 | sed -n "1,${files}p" |
         while read -r _ file; do cp -n "$grown/$file" "$committed"; done
 done
 if ((${#failed[@]})); then
-    printf 'fuzz/run.sh: crashes in: %s; the inputs are in fuzz/artifacts\n' "${failed[*]}" >&2
+    printf 'fuzz/run.sh: crashes, or inputs that take ten seconds, in: %s; the inputs are in fuzz/artifacts\n' "${failed[*]}" >&2
     exit 1
 fi

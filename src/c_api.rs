@@ -1,23 +1,23 @@
 //! `CrowdMechanics(files)`, the C entry point of the paper's scripts (section 4.5).
 //!
 //! Each call reads the XML files, advances one `TimeStep` and writes `AgentDynamics.xml` and
-//! `AgentInteractions.xml` back. It keeps nothing: files that changed are read again, and another call
-//! may name another directory. Numbers are written so that they read back to the same double.
+//! `AgentInteractions.xml` back. Nothing is kept between calls: changed files are read again, and another call may name
+//! another directory. Numbers are written such that the same double is read back.
 
 #![allow(unsafe_code)] // the C boundary
 #![allow(non_snake_case)] // the paper's own name
 
-use crate::files::{Change, WriteError, change_all};
-use crate::trial::{
-    Drive, FileNames, INTERACTIONS, Problems, Trial, WorldError, dynamics_of, dynamics_xml, interactions_of,
-    interactions_xml,
-};
+use crate::setup;
+use crate::setup::Setup;
+use crate::setup::{WorldError, dynamics_of, interactions_of};
+use lemons_files::{Change, WriteError, change_all};
+use lemons_trial::{DynamicsElement, FileNames, INTERACTIONS, Problems, dynamics_xml, interactions_xml};
 use std::ffi::{CStr, OsString, c_char, c_int};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a call failed; every file is as it was.
+/// Why a call failed. No file has changed.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum CallError {
@@ -39,19 +39,24 @@ pub enum CallError {
 /// the directory of `parameters`.
 ///
 /// # Errors
-/// Anything that cannot be read, computed or written; every file is byte for byte as it was then.
+/// Something cannot be read, computed or written. Then no file has changed.
 pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallError> {
     let directory = parameters.parent().unwrap_or(Path::new(""));
-    let (trial, _) = Trial::read_named(directory, names).map_err(CallError::Trial)?;
-    let mut world = trial.world()?;
-    world.advance(trial.parameters.time_step).map_err(|error| CallError::Advance(trial.name_body(&error)))?;
+    let (trial, _) = setup::read_named(directory, names).map_err(CallError::Trial)?;
+    let mut world = Setup::of(&trial).world()?;
+    world
+        .advance(trial.parameters.time_step)
+        .map_err(|error| CallError::Advance(Setup::of(&trial).name_body(&error)))?;
     let moving = directory.join(trial.parameters.dynamic_path());
-    let dynamics = dynamics_xml(&trial.agents, &dynamics_of(&world), Drive::Omitted);
+    let dynamics = dynamics_xml(&trial.agents, &dynamics_of(&world), DynamicsElement::Omitted);
     let interactions = moving.join(INTERACTIONS);
     let interactions = if world.contacts().contacts.is_empty() {
         Change::Remove(interactions)
     } else {
-        Change::Write(interactions, interactions_xml(&trial, &interactions_of(&world)))
+        Change::Write(
+            interactions,
+            interactions_xml(&trial.agents, &trial.geometry, &interactions_of(&world)),
+        )
     };
     Ok(change_all(&[interactions, Change::Write(moving.join(&names.dynamics), dynamics)])?)
 }
@@ -59,11 +64,11 @@ pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallErr
 /// Reads the files, advances one `TimeStep`, overwrites `AgentDynamics.xml` (without `<Dynamics>`), writes
 /// `AgentInteractions.xml` when there are contacts and removes it when there are none.
 ///
-/// `files`: the names of Parameters, Materials, Geometry, Agents and AgentDynamics. Answers 0, or 1 after a
-/// message on standard error and with every file as it was.
+/// `files`: the names of Parameters, Materials, Geometry, Agents and AgentDynamics. Returns 0, or, after
+/// a message on standard error, 1; then no file has changed.
 ///
 /// # Safety
-/// `files` is NULL or leads to five pointers, each NULL or leading to a text that ends in a zero.
+/// `files` is NULL or points to five pointers, each of them NULL or pointing to a text that ends with a zero.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn CrowdMechanics(files: *const *const c_char) -> c_int {
     lemons_fmi2::silence_panics();
@@ -77,9 +82,9 @@ pub unsafe extern "C" fn CrowdMechanics(files: *const *const c_char) -> c_int {
     let message = match result {
         Ok(Ok(())) => return 0,
         Ok(Err(error)) => error.to_string(),
-        Err(_) => "a fault of the library itself".to_owned(),
+        Err(_) => "an internal error of the library".to_owned(),
     };
-    // The paper's interface has no other way to say why; nothing is done if nobody can hear it.
+    // The paper's interface has no other way to report the reason. If writing fails, there is nothing left to do.
     let _ =
         std::io::Write::write_all(&mut std::io::stderr(), format!("CrowdMechanics: {message}\n").as_bytes());
     1

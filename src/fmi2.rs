@@ -4,4 +4,4 @@
 #![allow(non_snake_case)] // FMI's own names
 #![allow(clippy::missing_safety_doc)] // FMI's contract: see `lemons_fmi2::component`
 
-lemons_fmi2::export!(crate::crowd::Crowd);
+lemons_fmi2::export!(crate::model::CrowdModel);

@@ -1,6 +1,6 @@
 //! Contact mechanics of dense crowds.
 //!
-//! An agent is a rigid body in the plane that carries disks. It moves by
+//! An agent is a rigid body in the plane, made of disks. Its equations of motion are
 //!
 //! ```text
 //! m dv/dt = Fp − m v/t_transl + Σ (F_n + F_t)
@@ -8,25 +8,23 @@
 //! F_n = (k_n h − γ_n v_n) n,    F_t = −k_t s − γ_t v_t   while |F_t| ≤ μ |F_n|, else sliding at μ |F_n|
 //! ```
 //!
-//! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 1 and App. A). The rooms, each importing only from those above it:
+//! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 1 and App. A). The modules; each imports only from those above it:
 //!
 //! - [`engine`]: pure mechanics, no files, no FMI
-//! - [`files`]: files written whole or not at all
-//! - [`trial`]: the XML *Trial* directory, read, checked and written
-//! - [`variables`]: the one table of FMU variables
+//! - [`setup`]: from the documents of a Trial (`lemons_trial`) to the engine's world, and what to warn of
+//! - [`variables`]: the table of FMU variables
 //! - [`resources`]: from a resource URI to the Trials packed in an FMU
 //! - [`model_description`], [`pack`]: the table as XML, a Trial as an FMU
-//! - [`crowd`]: what an FMU instance simulates
-//! - [`fmi2`]: the FMI 2.0 C functions (their bodies are `lemons_fmi2`'s)
+//! - [`model`]: what an FMU instance simulates
+//! - [`fmi2`]: the FMI 2.0 C functions (their bodies are in `lemons_fmi2`)
 //! - [`c_api`]: the C entry point of the paper's scripts
 
 pub mod c_api;
-pub mod crowd;
 pub mod engine;
-pub mod files;
 pub mod fmi2;
+pub mod model;
 pub mod model_description;
 pub mod pack;
 pub mod resources;
-pub mod trial;
+pub mod setup;
 pub mod variables;

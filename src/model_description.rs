@@ -1,8 +1,9 @@
 //! `modelDescription.xml` of a Trial's FMU.
 
-use crate::trial::Trial;
 use crate::variables::{MOST_MECHANICAL_STEPS, Quantity, Variable, in_documents, table};
-use lemons_fmi2::description::{Description, Naming, number};
+use lemons_fmi2::description::{Description, Naming};
+use lemons_trial::Trial;
+use lemons_xml::number;
 
 /// `modelName`
 pub const MODEL_NAME: &str = "LEMONS crowd mechanics";
@@ -11,11 +12,11 @@ pub const MODEL_IDENTIFIER: &str = "CrowdMechanics";
 /// \[s\] `DefaultExperiment.stopTime`
 pub const DEFAULT_STOP_TIME: f64 = 5.0;
 
-/// \[byte\] Larger descriptions are not read by this program's master, nor written: it holds them in memory, several times
-/// over. That of 10 000 agents has 70 MB.
+/// \[byte\] Larger descriptions are neither written nor read by the master of this repository, because it keeps several
+/// copies in memory. The description of 10 000 agents has 70 MB.
 pub const LARGEST_DESCRIPTION: u64 = 256_000_000;
 
-/// The model description of a Trial's FMU.
+/// Returns the model description of a Trial's FMU.
 pub fn model_description(trial: &Trial, naming: Naming) -> String {
     let table = table(trial);
     Description {
@@ -28,7 +29,7 @@ pub fn model_description(trial: &Trial, naming: Naming) -> String {
         step_size: trial.parameters.time_step,
         table: &table,
         start: &|place| start(trial, &table[place]),
-        // Forces of the present do not reach the outputs of the present: no dependencies.
+        // Inputs at a communication point do not affect outputs at the same point: no dependencies.
         dependencies: &|_| Vec::new(),
         initial_dependencies: &|_| Vec::new(),
     }

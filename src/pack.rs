@@ -1,23 +1,24 @@
-//! A Trial, or several with one interface, and binaries -> an `.fmu`.
+//! Packs a Trial, or several Trials with the same variables, and binaries into an `.fmu`.
 //!
-//! The same Trials and binaries give the same bytes: a packaged FMU can serve as a regression artifact.
+//! The same Trials and binaries give the same bytes, so that FMUs can be compared.
 
-use crate::files::Staged;
 use crate::model_description::{LARGEST_DESCRIPTION, MODEL_IDENTIFIER, model_description};
 use crate::resources::{TRIALS_FILE, can_be_packed};
-use crate::trial::{Problems, Trial};
+use crate::setup;
 use crate::variables::{guid, table};
+use lemons_files::Staged;
 use lemons_fmi2::archive::{Archive, ArchiveError, read};
 pub use lemons_fmi2::archive::{Binary, host_platform};
 pub use lemons_fmi2::description::Naming;
+use lemons_trial::{Problems, Trial};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
 use thiserror::Error;
 
-/// A drive file in a Trial directory goes along, for masters that look for one.
+/// Name of the drive file in a Trial directory. It is packed too, for masters that look for it.
 pub const DRIVE_FILE: &str = "drive.csv";
 
-/// Why nothing was packed.
+/// Why an FMU could not be written.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum PackError {
@@ -35,7 +36,7 @@ pub enum PackError {
          {} MB can be read", size / 1_000_000, LARGEST_DESCRIPTION / 1_000_000
     )]
     TooLarge { agents: usize, size: u64 },
-    #[error("two Trials are called {name:?}: the parameter Trial could not tell them apart")]
+    #[error("two Trials have the name {name:?}: the parameter Trial could not distinguish them")]
     SameName { name: String },
     #[error(
         "Trial {other:?} does not fit into one FMU with {first:?}: {why}; the Trials of an FMU share its variables \
@@ -43,7 +44,7 @@ pub enum PackError {
     )]
     OtherInterface { first: String, other: String, why: String },
     #[error(
-        "{path}: Parameters.xml says {attribute}={value:?}, which lies outside the Trial directory and would not be packed"
+        "{path}: Parameters.xml says {attribute}={value:?}, which is outside the Trial directory and would not be packed"
     )]
     Outside { path: PathBuf, attribute: &'static str, value: String },
     #[error("{path}: {error}")]
@@ -55,24 +56,24 @@ pub enum PackError {
 /// Draws a Trial as a PNG; `None` if it cannot be drawn.
 pub type Draw = fn(&Trial) -> Option<Vec<u8>>;
 
-/// What goes into an FMU.
+/// The content of an FMU.
 #[derive(Debug, Clone, Default)]
 pub struct Package {
-    /// The first is the default.
+    /// Trial directories; the first is the default.
     pub trials: Vec<PathBuf>,
-    /// At least one.
+    /// The binaries; at least one.
     pub binaries: Vec<Binary>,
     /// Draws `model.png`, of the first Trial.
     pub picture: Option<Draw>,
-    /// Of the variables.
+    /// Naming of the variables.
     pub naming: Naming,
 }
 
 impl Package {
-    /// Writes the FMU; answers the Trials' warnings. Nothing is left half-written.
+    /// Writes the FMU and returns the Trials' warnings. A failure leaves no half-written file.
     ///
     /// # Errors
-    /// [`PackError`]; the file at `output` is as it was then.
+    /// See [`PackError`]. The file at `output` is then unchanged.
     pub fn write(&self, output: &Path) -> Result<Vec<String>, PackError> {
         let (trials, warnings) = self.read_trials()?;
         if trials.is_empty() {
@@ -105,12 +106,12 @@ impl Package {
         archive.finish()
     }
 
-    /// Reads the Trials and sees that they have one interface.
+    /// Reads the Trials and checks that they have the same interface.
     fn read_trials(&self) -> Result<(Vec<Trial>, Vec<String>), PackError> {
         let mut trials: Vec<Trial> = Vec::new();
         let mut warnings = Vec::new();
         for path in &self.trials {
-            let read = Trial::read(path);
+            let read = setup::read(path);
             let (trial, found) =
                 read.map_err(|problems| PackError::Broken { path: path.clone(), problems })?;
             warnings.extend(found.iter().map(ToString::to_string));
@@ -148,8 +149,8 @@ fn check_size(trial: &Trial, size: u64) -> Result<(), PackError> {
     if size > LARGEST_DESCRIPTION { Err(PackError::TooLarge { agents, size }) } else { Ok(()) }
 }
 
-/// \[byte\] The model description has so many or some percent more, by that of a few agents: that of all takes long and
-/// much memory.
+/// \[byte\] Lower bound of the size of the model description, accurate to some percent, extrapolated from a few agents:
+/// making all of it takes much time and memory.
 fn least_size(trial: &Trial, naming: Naming) -> u64 {
     const SAMPLE: usize = 50;
     let agents = trial.agents.len();
@@ -189,7 +190,7 @@ fn difference(first: &Trial, other: &Trial) -> Option<String> {
     })
 }
 
-/// The files of a Trial, unchanged.
+/// Adds the files of a Trial unchanged.
 fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result<(), ArchiveError> {
     let (fixed, moving) = (trial.parameters.static_path(), trial.parameters.dynamic_path());
     let needed = [
@@ -203,7 +204,7 @@ fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result
     let if_there = if_there.into_iter().filter(|file| trial.directory.join(file).symlink_metadata().is_ok());
     for file in needed.into_iter().chain(if_there) {
         let content = read(&trial.directory.join(&file))?;
-        // Zip names have forward slashes on every platform.
+        // Names in a zip file have forward slashes on every platform.
         let parts = file.components().filter_map(|part| match part {
             Component::Normal(name) => Some(name.to_string_lossy()),
             _ => None,
@@ -219,7 +220,7 @@ fn documentation(trial: &Trial) -> String {
     let parameters = &trial.parameters;
     include_str!("documentation.html")
         .replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{trial}", &quick_xml::escape::escape(&trial.name))
+        .replace("{trial}", &lemons_xml::escaped(&trial.name))
         .replace("{agents}", &trial.agents.len().to_string())
         .replace("{last}", &(trial.agents.len().saturating_sub(1)).to_string())
         .replace("{time_step}", &format!("{:?}", parameters.time_step))

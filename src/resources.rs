@@ -1,16 +1,17 @@
-//! The resources of an FMU: packed Trial directories, and the URI that leads there.
+//! The resources of an FMU: packed Trial directories, and the URI of their location.
 
-use crate::trial::{Problems, Trial};
+use crate::setup;
 use lemons_files::input;
 use lemons_fmi2::location::{LocationError, directories};
+use lemons_trial::{Problems, Trial};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Names the packed Trials in their order, one in each line; the first is the default.
+/// File with the names of the packed Trials in order, one per line; the first is the default.
 pub const TRIALS_FILE: &str = "trials.txt";
 
-/// Whether a Trial of this name can be packed, and chosen when it is unpacked: a plain directory name on every
-/// platform, on one line, that is not the name of [`TRIALS_FILE`].
+/// Returns whether a Trial with this name can be packed and chosen: the name must be a plain directory name on every
+/// platform, on one line, and different from [`TRIALS_FILE`].
 pub fn can_be_packed(name: &str) -> bool {
     !name.trim().is_empty()
         && name != "."
@@ -25,17 +26,17 @@ pub fn can_be_packed(name: &str) -> bool {
 pub enum ResourcesError {
     #[error(transparent)]
     Location(#[from] LocationError),
-    #[error("the resource location {uri:?} leads to {path:?}, where there is no directory with a Trial")]
+    #[error("the resource location {uri:?} is {path:?}, which contains no directory with a Trial")]
     NoTrial { uri: String, path: PathBuf },
     #[error("cannot read {path:?}: {error}")]
     Read { path: PathBuf, error: std::io::Error },
-    #[error("{path:?} line {line}: {name:?} is no plain directory name")]
+    #[error("{path:?} line {line}: {name:?} is not a plain directory name")]
     Name { path: PathBuf, line: usize, name: String },
     #[error("the Trial {name:?} is broken:\n{problems}")]
     Broken { name: String, problems: Problems },
 }
 
-/// Where the packed Trials lie.
+/// The packed Trials and their location.
 #[derive(Debug, Clone)]
 pub struct Resources {
     directory: PathBuf,
@@ -43,11 +44,11 @@ pub struct Resources {
 }
 
 impl Resources {
-    /// From a resource URI as importers give it: `file:///…`, `file:/…`, `file://localhost/…` or a bare
-    /// path; percent-encoded or not; with or without a trailing slash or the last part, `resources`.
+    /// Opens the resources at a URI as importers give it: `file:///…`, `file:/…`, `file://localhost/…` or a plain path;
+    /// percent-encoded or not; with or without a trailing slash or the last part, `resources`.
     ///
     /// # Errors
-    /// No location, an URI of another kind, no directory there, no Trial in it.
+    /// There is no location, it is not a file URI, there is no directory at this place, or it contains no Trial.
     pub fn from_uri(uri: &str) -> Result<Resources, ResourcesError> {
         let candidates = directories(uri)?;
         for directory in &candidates {
@@ -59,29 +60,29 @@ impl Resources {
         Err(ResourcesError::NoTrial { uri: uri.to_owned(), path: candidates[0].clone() })
     }
 
-    /// Names of the packed Trials, the default one first; at least one.
+    /// Returns the names of the packed Trials, the default one first; at least one.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The default Trial.
+    /// Returns the name of the default Trial.
     pub fn first(&self) -> &str {
         &self.names[0]
     }
 
-    /// Reads a packed Trial, with warnings.
+    /// Reads a packed Trial; also returns warnings.
     ///
     /// # Errors
-    /// All that is wrong with it.
+    /// All errors in its files.
     pub fn load(&self, name: &str) -> Result<(Trial, Vec<String>), ResourcesError> {
-        let (mut trial, warnings) = Trial::read(&self.directory.join(name))
+        let (mut trial, warnings) = setup::read(&self.directory.join(name))
             .map_err(|problems| ResourcesError::Broken { name: name.to_owned(), problems })?;
         name.clone_into(&mut trial.name);
         Ok((trial, warnings.iter().map(ToString::to_string).collect()))
     }
 }
 
-/// The Trials in a directory: those that [`TRIALS_FILE`] names, else all, by name.
+/// The names of the Trials in a directory: those in [`TRIALS_FILE`], or else all, sorted by name.
 fn names_in(directory: &Path) -> Result<Vec<String>, ResourcesError> {
     let list = directory.join(TRIALS_FILE);
     match input::read_text(&list, input::LARGEST_SETTINGS) {

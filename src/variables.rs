@@ -1,46 +1,46 @@
-//! The one table of FMU variables: value reference, name, type, causality, unit, which quantity.
+//! The table of FMU variables: value reference, name, type, causality, unit and quantity.
 //!
-//! A variable's value reference is its place in the table. Names follow the structured naming
-//! convention and are the XML formats' own words; `agent[i]` counts from 0 in the order of Agents.xml.
+//! A variable's value reference is its index in the table. Names follow the structured naming convention and use the
+//! words of the XML formats. The index of `agent[i]` starts from 0, in the order of Agents.xml.
 
-use crate::trial::Trial;
 use lemons_fmi2::variables::units::*;
 use lemons_fmi2::variables::{Domain, Unit};
 pub use lemons_fmi2::variables::{Kind, Role, guid};
+use lemons_trial::Trial;
 
-/// `MostMechanicalSteps`, if nobody sets it: some minutes of five people, half a day of a thousand.
+/// Default of `MostMechanicalSteps`. So many steps take some minutes for five people, half a day for a thousand.
 pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
 
-/// Which number of the model a variable is. Places are `u32` as value references are: small rows are read faster.
+/// The quantity of the model behind a variable. Indices are `u32`, like value references: small rows are read faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Of one agent.
+    /// A quantity of one agent.
     Agent(u32, AgentQuantity),
-    /// Of one material.
+    /// A quantity of one material.
     Material(u32, MaterialQuantity),
-    /// Of two materials.
+    /// A quantity of two materials.
     Contact(u32, ContactQuantity),
-    /// Disk–disk contacts, each pair once.
+    /// Number of disk–disk contacts, each pair once.
     AgentContacts,
-    /// Disk–face contacts.
+    /// Number of disk–face contacts.
     WallContacts,
-    /// Contacts without a normal.
+    /// Number of contacts without a normal.
     CoincidentContacts,
-    /// \[m\]
+    /// \[m\] Deepest overlap of the crowd within the last step.
     LargestOverlap,
-    /// \[s\]
+    /// \[s\] Longest step of the integrator.
     TimeStepMechanical,
-    /// How many mechanical steps a communication step may have.
+    /// Greatest number of mechanical steps in a communication step.
     MostMechanicalSteps,
-    /// Threads of this instance.
+    /// Number of threads of this instance.
     Threads,
-    /// Which packed Trial is loaded.
+    /// The packed Trial that is loaded.
     Trial,
-    /// Where XML output goes.
+    /// The directory for XML output.
     OutputDirectory,
 }
 
-/// A number of one agent.
+/// A quantity of one agent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // the names of FMU.md
 pub enum AgentQuantity {
@@ -66,7 +66,7 @@ pub enum AgentQuantity {
     AngularDamping,
 }
 
-/// A number of one material.
+/// A quantity of one material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum MaterialQuantity {
@@ -74,7 +74,7 @@ pub enum MaterialQuantity {
     ShearModulus,
 }
 
-/// A number of two materials.
+/// A quantity of two materials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum ContactQuantity {
@@ -183,7 +183,7 @@ const CONTACT_ROWS: [(ContactQuantity, &str, Unit, &str); 3] = [
     (ContactQuantity::KineticFriction, "KineticFriction", ONE, "Coulomb's coefficient"),
 ];
 
-/// The variables of a Trial's FMU; a value reference is a place in it.
+/// Returns the variables of a Trial's FMU. A value reference is an index in this table.
 pub fn table(trial: &Trial) -> Vec<Variable> {
     let mut table = vec![
         Variable {
@@ -297,10 +297,10 @@ pub fn table(trial: &Trial) -> Vec<Variable> {
     table
 }
 
-/// An Id as a part of a structured name: itself if it is a plain identifier, else a quoted name.
+/// Returns an Id as a part of a structured name: itself if it is a plain identifier, else a quoted name.
 ///
-/// Quoted names hold only some ASCII characters; others stand as the percent escapes of their UTF-8
-/// bytes, and so does `%` itself, so that different Ids have different names.
+/// Quoted names may contain only some ASCII characters. All others, and `%` itself, are written as percent escapes of
+/// their UTF-8 bytes, so that different Ids have different names.
 fn quoted(id: &str) -> String {
     let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let plain = id.starts_with(letter) && id.chars().all(|c| letter(c) || c.is_ascii_digit());
@@ -324,7 +324,7 @@ fn quoted(id: &str) -> String {
     name
 }
 
-/// The place in a Trial's documents that holds a quantity; one match for reading and for writing.
+/// The field of a quantity in a Trial's documents: one match for reading and for writing.
 macro_rules! place {
     ($trial:ident, $quantity:ident, $($borrow:tt)+) => {
         match $quantity {
@@ -382,12 +382,13 @@ macro_rules! place {
     };
 }
 
-/// The value that a Trial's documents give a quantity: its start value; `None` if it is computed or no Real.
+/// Returns the value of a quantity in a Trial's documents, which is its start value. `None` if it is computed or not a
+/// Real.
 pub fn in_documents(trial: &Trial, quantity: Quantity) -> Option<f64> {
     Some(*place!(trial, quantity, &))
 }
 
-/// Where a Trial's documents hold a quantity.
+/// Returns the field of a quantity in a Trial's documents, to be changed.
 pub fn in_documents_mut(trial: &mut Trial, quantity: Quantity) -> Option<&mut f64> {
     Some(place!(trial, quantity, &mut))
 }

@@ -3,7 +3,7 @@
 #![allow(unsafe_code)] // an allocator that counts
 
 use crowd_mechanics::engine::vec2;
-use crowd_mechanics::trial::Trial;
+use crowd_mechanics::setup::{self, Setup};
 use lemons_bench::fmu::write_trial;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -38,12 +38,12 @@ fn an_agent_takes_less_than_two_kilobytes() {
     const LIMIT: usize = 2_048;
     let directory = tempfile::tempdir().unwrap();
     write_trial(AGENTS, vec2(0.285, 0.5), directory.path()).unwrap();
-    let (mut trial, _) = Trial::read(directory.path()).unwrap();
+    let (mut trial, _) = setup::read(directory.path()).unwrap();
     trial.parameters.time_step_mechanical = 1e-4;
 
     let before = PRESENT.load(Relaxed);
     let each = |bytes: &AtomicUsize| (bytes.load(Relaxed) - before) / AGENTS;
-    let mut world = trial.world().unwrap();
+    let mut world = Setup::of(&trial).world().unwrap();
     MOST.store(PRESENT.load(Relaxed), Relaxed);
     for _ in 0..4 {
         world.advance(0.005).unwrap();

@@ -1,63 +1,67 @@
-//! Bodies in blocks of a fixed size, each with the pairs of its bodies: what threads share out.
+//! Bodies in blocks of a fixed size, each with the pairs of its bodies: the units of work for threads.
 //!
-//! A block is as large for one thread as for many, and forces are summed within it first: so the order of
-//! every sum, and with it every bit, is the same for any number of threads.
+//! The size of a block does not depend on the number of threads, and forces are first summed within blocks. So the
+//! order of every sum, and with it every bit of the results, is the same for any number of threads.
 
-use super::contacts::{ContactReport, Crossing, Instant, Load, Standing, Stretch, Sums};
+use super::circle::Circle;
+use super::contacts::{ContactReport, Crossing, Instant, Load, Stretch, Sums, deepen};
 use super::exposure::Tally;
-use super::neighbours::{CellGrid, Circle, Crowded, Near, Room, list};
+use super::neighbours::{CellGrid, Crowded, Near, Room, list};
 use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
+use super::standing::Standing;
 use super::{Pose, Scene, State, Threads, Twist, Work};
 
-/// Bodies of a block: enough that few pairs cross its bounds and that handing it to a thread costs little
-/// beside it; few, so that a crowd of a thousand can be shared out. Results change in the last digits with it.
+/// Number of bodies of a block. It is large enough that few pairs connect two blocks and that giving it to a thread is
+/// cheap, and small enough that a crowd of a thousand can be shared. It affects the last digits of results.
 pub(super) const BLOCK: usize = 512;
 
-/// Of the bodies `BLOCK·k` to `BLOCK·(k + 1)`.
+/// The pairs of the bodies `BLOCK·k` to `BLOCK·(k + 1)`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Block {
     candidates: Candidates,
     pairs: Pairs,
-    /// For bodies of later blocks.
+    /// Forces on bodies of later blocks.
     outgoing: Vec<Crossing>,
-    /// From earlier blocks, in the order of their pairs.
+    /// Forces from earlier blocks, in the order of their pairs.
     incoming: Vec<Crossing>,
-    /// What was answered of its bodies last.
-    answer: f64,
+    /// The last value returned for its bodies.
+    result: f64,
     work: Work,
 }
 
-/// All blocks, and where their bodies are.
+/// All blocks and the motion of their bodies.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Blocks {
     pub blocks: Vec<Block>,
-    /// Of each body.
+    /// One for each body.
     pub standing: Vec<Standing>,
-    /// Of each body.
+    /// One for each body.
     pub flown: Vec<Flown>,
-    /// By the contacts: of each body where blocks are shared out, else of one block after the other, so that it
-    /// stays in the cache.
+    /// \[m\] For each body the deepest overlap since [`Blocks::load`].
+    pub deepest: Vec<f64>,
+    /// Loads by the contacts: of all bodies if several threads work, else of one block at a time, so that they stay in
+    /// the cache.
     loads: Vec<Load>,
-    /// How many times contacts have been looked at.
+    /// Number of evaluations of the contacts.
     evaluation: u64,
 }
 
-/// What a body has come to during the present communication step.
+/// The intermediate motion of a body within the present communication step.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Flown {
-    /// How it moves but for the half kick that the contacts at the present instant will give.
+    /// Its twist, without the half kick by the contacts at the present instant.
     pub twist: Twist,
-    /// Up to the present instant.
+    /// The sums up to the present instant.
     pub tally: Tally,
 }
 
 /// The bodies of a block.
 pub(super) struct Bodies<'a> {
-    /// The first of them.
+    /// Index of the first of them.
     pub start: usize,
     pub standing: &'a mut [Standing],
     pub flown: &'a mut [Flown],
-    /// By the contacts at the present instant.
+    /// Loads by the contacts at the present instant.
     pub loads: &'a [Load],
 }
 
@@ -68,24 +72,26 @@ impl Blocks {
             blocks: vec![Block::default(); bodies.div_ceil(BLOCK)],
             standing: vec![Standing::default(); bodies],
             flown: vec![Flown::default(); bodies],
+            deepest: vec![0.0; bodies],
             loads: vec![Load::default(); bodies],
             evaluation: FIRST_EVALUATION,
         }
     }
 
-    /// Puts a body at a pose.
+    /// Sets pose and twist of a body.
     pub fn put(&mut self, body: usize, pose: Pose, twist: Twist) {
         self.standing[body] = Standing::at(pose, twist);
         self.flown[body].twist = twist;
     }
 
-    /// Holds just the state's springs, and nothing added up: what a communication step starts from.
+    /// Takes the springs of a state and resets all sums, to begin a communication step.
     pub fn load(&mut self, scene: &Scene, state: &State) {
         self.evaluation = FIRST_EVALUATION;
         self.flown.iter_mut().for_each(|flown| flown.tally = Tally::default());
+        self.deepest.fill(0.0);
         for block in &mut self.blocks {
             block.pairs.clear();
-            // Empty, unless somebody has caught a panic.
+            // Already empty, unless a panic was caught.
             block.outgoing.clear();
             block.incoming.clear();
         }
@@ -97,7 +103,7 @@ impl Blocks {
         }
     }
 
-    /// Writes the springs of the touching pairs into the state.
+    /// Writes the springs of touching pairs into the state.
     pub fn store(&self, state: &mut State) {
         state.disk_springs.clear();
         state.face_springs.clear();
@@ -106,10 +112,10 @@ impl Blocks {
         }
     }
 
-    /// Lists the candidates of some bodies, `circles` of all of them being in the grid.
+    /// Lists the candidates of some bodies. `circles` are those of all bodies, which are in the grid.
     ///
     /// # Errors
-    /// They are more than are held.
+    /// There are more candidates than the limit.
     pub fn list(
         &mut self,
         scene: &Scene,
@@ -127,7 +133,7 @@ impl Blocks {
         room.check(scene, grid, circles)
     }
 
-    /// Takes the pairs that are near now out of the candidates.
+    /// Makes the lists of near pairs from the candidates.
     pub fn renew(&mut self, scene: &Scene, threads: &Threads, near: Near) {
         let standing = &self.standing[..];
         threads.each(self.blocks.iter_mut(), |block| {
@@ -137,11 +143,11 @@ impl Blocks {
         });
     }
 
-    /// Sums the contact forces at this instant and lets the springs advance as `stretch` says; then does
-    /// something with the bodies of every block, and answers the largest answer.
+    /// Sums the contact forces at this instant, and lets the springs advance according to `stretch`. Then it applies a
+    /// function to the bodies of every block and returns the largest result.
     ///
-    /// One thread does it block by block, while each is in the cache: that a block's bodies move on does not
-    /// disturb the later ones, for a pair of two blocks is with the first.
+    /// A single thread processes block by block, while each is in the cache. Moving the bodies of a block does not
+    /// disturb later blocks, because a pair of two blocks belongs to the first one.
     pub fn evaluate(
         &mut self,
         scene: &Scene,
@@ -151,63 +157,74 @@ impl Blocks {
     ) -> f64 {
         let before = self.evaluation;
         self.evaluation += 1;
-        let Blocks { blocks, standing, flown, loads, .. } = self;
+        let Blocks { blocks, standing, flown, deepest, loads, .. } = self;
         if threads.count() == 1 {
             for k in 0..blocks.len() {
                 let of_block = k * BLOCK..standing.len().min((k + 1) * BLOCK);
                 let (start, loads) = (of_block.start, &mut loads[..of_block.len()]);
-                blocks[k].evaluate(&Instant { scene, standing, before }, stretch, start, loads);
+                let deepest = &mut deepest[of_block.clone()];
+                blocks[k].evaluate(&Instant { scene, standing, before }, stretch, start, loads, deepest);
                 hand_over(blocks, k);
-                blocks[k].take_in(start, loads);
+                blocks[k].take_in(start, loads, deepest);
                 let (standing, flown) = (&mut standing[of_block.clone()], &mut flown[of_block]);
-                blocks[k].answer = then(k, Bodies { start, standing, flown, loads });
+                blocks[k].result = then(k, Bodies { start, standing, flown, loads });
             }
         } else {
             let instant = Instant { scene, standing, before };
-            let each = blocks.iter_mut().zip(loads.chunks_mut(BLOCK)).enumerate();
-            threads.each(each, |(k, (block, loads))| {
-                block.evaluate(&instant, stretch, k * BLOCK, loads);
+            let each =
+                blocks.iter_mut().zip(loads.chunks_mut(BLOCK).zip(deepest.chunks_mut(BLOCK))).enumerate();
+            threads.each(each, |(k, (block, (loads, deepest)))| {
+                block.evaluate(&instant, stretch, k * BLOCK, loads, deepest);
             });
             (0..blocks.len()).for_each(|k| hand_over(blocks, k));
             let each = blocks.iter_mut().zip(standing.chunks_mut(BLOCK)).enumerate();
-            let each = each.zip(flown.chunks_mut(BLOCK).zip(loads.chunks_mut(BLOCK)));
-            threads.each(each, |((k, (block, standing)), (flown, loads))| {
-                block.take_in(k * BLOCK, loads);
-                block.answer = then(k, Bodies { start: k * BLOCK, standing, flown, loads });
+            let loads = loads.chunks_mut(BLOCK).zip(deepest.chunks_mut(BLOCK));
+            let each = each.zip(flown.chunks_mut(BLOCK).zip(loads));
+            threads.each(each, |((k, (block, standing)), (flown, (loads, deepest)))| {
+                block.take_in(k * BLOCK, loads, deepest);
+                block.result = then(k, Bodies { start: k * BLOCK, standing, flown, loads });
             });
         }
-        blocks.iter().map(|block| block.answer).fold(0.0, f64::max)
+        blocks.iter().map(|block| block.result).fold(0.0, f64::max)
     }
 
-    /// The contacts as they are now; changes nothing.
+    /// Returns the contacts at present; changes nothing.
     pub fn report(&self, scene: &Scene) -> ContactReport {
         let instant = Instant { scene, standing: &self.standing, before: self.evaluation };
         instant.report(self.blocks.iter().map(|block| &block.pairs))
     }
 
-    /// The work done since it was last asked for.
+    /// Returns the work since the last call.
     pub fn take_work(&mut self) -> Work {
         self.blocks.iter_mut().map(|block| std::mem::take(&mut block.work)).sum()
     }
 }
 
 impl Block {
-    /// Sums the forces of its own pairs; what crosses its bounds waits to be handed over.
-    fn evaluate(&mut self, instant: &Instant, stretch: Stretch, start: usize, loads: &mut [Load]) {
+    /// Sums the forces of its own pairs; forces on bodies of later blocks are kept for them.
+    fn evaluate(
+        &mut self,
+        instant: &Instant,
+        stretch: Stretch,
+        start: usize,
+        loads: &mut [Load],
+        deepest: &mut [f64],
+    ) {
         let Block { pairs, outgoing, work, .. } = self;
         loads.fill(Load::default());
-        instant.evaluate(pairs, stretch, &mut Sums { start, loads, outgoing, work });
+        instant.evaluate(pairs, stretch, &mut Sums { start, loads, deepest, outgoing, work });
     }
 
-    /// Adds what was handed over; then the forces are complete.
-    fn take_in(&mut self, start: usize, loads: &mut [Load]) {
-        for Crossing { body, load } in self.incoming.drain(..) {
+    /// Adds the forces from earlier blocks. After that the forces are complete.
+    fn take_in(&mut self, start: usize, loads: &mut [Load], deepest: &mut [f64]) {
+        for Crossing { body, load, depth } in self.incoming.drain(..) {
             loads[body.index() - start].add(&load);
+            deepen(&mut deepest[body.index() - start], depth);
         }
     }
 }
 
-/// Hands over what crosses the bounds of a block; one after the other, so that each gets it in order.
+/// Passes forces on bodies of later blocks on, block by block, so that each receives them in order.
 #[inline(always)]
 fn hand_over(blocks: &mut [Block], k: usize) {
     if blocks[k].outgoing.is_empty() {

@@ -11,7 +11,7 @@ pub enum Regime {
     Sliding,
 }
 
-/// What the law answers; signed numbers along the normal and the tangent.
+/// The forces of the contact law: signed numbers along the normal and the tangent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reaction {
     /// \[N\] along the normal, on the receiver; negative where it pulls.
@@ -20,7 +20,7 @@ pub struct Reaction {
     pub tangential: f64,
     /// \[m\] the spring after the slider has given way.
     pub elongation: f64,
-    /// Whether the slider holds.
+    /// Whether the contact sticks or slides.
     pub regime: Regime,
 }
 
@@ -69,7 +69,7 @@ mod tests {
         let sliding = react(&LAW, 1e-3, 0.0, 0.2, 1.5 * limit / 5e5);
         assert_eq!(sliding.regime, Regime::Sliding);
         assert_eq!(sliding.tangential, -limit);
-        // The spring that slides answers with the sliding force itself.
+        // The force of a sliding spring is the sliding force itself.
         let again = react(&LAW, 1e-3, 0.0, 0.2, sliding.elongation);
         assert!((again.tangential + limit).abs() < 1e-9);
     }

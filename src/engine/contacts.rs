@@ -1,112 +1,41 @@
-//! Every contact at one instant: overlap, relative motion, spring -> forces.
+//! Computes all contacts at one time: forces from overlap, relative motion and springs.
 
 use super::contact_law::{Reaction, react};
-use super::overlap::{Meeting, Overlap, books_contact, meet, meet_face, nearest_on_face};
-use super::pairs::{DiskPair, DiskPairDetail, FacePair, Pairs, Spring, spring_at_face};
-use super::vec2::SMALL_TURN;
-use super::{BodyId, DiskId, FaceId, FacePart, PairLaw, Pose, Regime, Rotation, Scene, Twist, Vec2, Wrench};
+use super::face::nearest_on_face;
+use super::overlap::{Meeting, Overlap, books_contact, meet, meet_face};
+use super::pairs::{DiskPair, DiskPairDetail, FacePair, Pairs, Sight, Spring, spring_at_face};
+use super::standing::Standing;
+use super::{BodyId, DiskId, FaceId, FacePart, PairLaw, Regime, Scene, Vec2, Wrench};
 
-/// Where a body stands and how it moves at one instant: all that a look at its contacts needs of it, in one
-/// cache line.
-#[derive(Debug, Clone, Copy)]
-#[repr(align(64))]
-pub(super) struct Standing {
-    /// \[m\] of the centre of mass.
-    position: Vec2,
-    /// \[rad\]
-    orientation: f64,
-    /// By the orientation.
-    turn: Rotation,
-    /// Of the same instant.
-    twist: Twist,
-}
-
-impl Default for Standing {
-    fn default() -> Standing {
-        Standing::at(Pose::default(), Twist::default())
-    }
-}
-
-impl Standing {
-    /// Where a pose says.
-    pub fn at(pose: Pose, twist: Twist) -> Standing {
-        let Pose { position, orientation } = pose;
-        Standing { position, orientation, turn: Rotation::by(orientation), twist }
-    }
-
-    #[inline]
-    pub fn pose(&self) -> Pose {
-        Pose { position: self.position, orientation: self.orientation }
-    }
-
-    /// Goes on to a pose, turned by an angle \[rad\] since the last one.
-    ///
-    /// Turning the last sine and cosine is cheaper than new ones; rounding adds up over a communication
-    /// step (1e-14 after 10 000 steps), at whose ends bodies are placed anew.
-    #[inline(always)]
-    pub fn follow(&mut self, pose: Pose, turned: f64, twist: Twist) {
-        if turned.abs() > SMALL_TURN {
-            self.turn_to(pose.orientation);
-        } else {
-            self.turn = self.turn.further(turned);
-        }
-        (self.position, self.orientation, self.twist) = (pose.position, pose.orientation, twist);
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn turn_to(&mut self, orientation: f64) {
-        self.turn = Rotation::by(orientation);
-    }
-
-    /// \[m\] from the centre of mass to the centre of a disk, given its [`super::Disk::offset`].
-    #[inline]
-    fn arm(&self, offset: Vec2) -> Vec2 {
-        offset.rotated(self.turn)
-    }
-
-    /// \[m\] the centre of a disk, given its [`super::Disk::offset`].
-    #[inline]
-    pub fn centre(&self, offset: Vec2) -> Vec2 {
-        self.position + self.arm(offset)
-    }
-
-    /// \[m/s\] of the body's point at an arm from its centre of mass.
-    #[inline]
-    fn velocity_at(&self, arm: Vec2) -> Vec2 {
-        self.twist.velocity + arm.perp() * self.twist.angular_velocity
-    }
-}
-
-/// What an evaluation does to the springs.
+/// How an evaluation changes the springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Stretch {
-    /// Takes them as they are.
+    /// It does not change them.
     Hold,
-    /// Lets each advance once, over the mechanical step \[s\].
+    /// Each spring advances once, over a mechanical step \[s\].
     Over(f64),
 }
 
-/// Work done, for tests and benchmarks: counts, never times.
+/// Counters of the work that was done, for tests and benchmarks; they do not measure time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Work {
-    /// Mechanical steps.
+    /// Number of mechanical steps.
     pub steps: u64,
-    /// Pairs looked at.
+    /// Pairs that were checked for overlap.
     pub pairs: u64,
-    /// Pairs found touching.
+    /// Pairs that touched.
     pub contacts: u64,
-    /// Contacts found sliding.
+    /// Contacts that were sliding.
     pub sliding: u64,
-    /// Pairs whose centres coincided: no normal, no force.
+    /// Pairs whose centres coincided: they have no normal, so no force acts.
     pub coincident: u64,
-    /// Lists of candidates made.
+    /// How many times the list of candidates was made.
     pub rebuilds: u64,
-    /// Lists of near pairs taken out of the candidates.
+    /// How many times the list of near pairs was made from the candidates.
     pub refreshes: u64,
-    /// Candidates looked at for that.
+    /// Candidates that were checked for this.
     pub candidates: u64,
-    /// Bodies moved by the closed form over a whole communication step.
+    /// Bodies that were moved by the closed-form solution over a whole communication step.
     pub shortlisted: u64,
 }
 
@@ -151,28 +80,15 @@ enum Finding {
     Touching(Touch),
 }
 
-/// Two disks, seen from each other.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Sight {
-    /// \[m\] from the other's centre to the receiver's.
-    between: Vec2,
-    /// \[m\] from the receiver's centre of mass to its disk's centre.
-    arm: Vec2,
-    /// \[m\] from the other's centre of mass to its disk's centre.
-    other_arm: Vec2,
-}
-
-/// Pairs that are looked at together: what is found of them stays in the nearest cache.
+/// Number of pairs that are processed together, so that intermediate results stay in the nearest cache.
 const AT_ONCE: usize = 32;
 
-/// What the contacts at one instant do to a body, added up.
+/// The sum of the contact forces on a body at one instant.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Load {
     pub wrench: Wrench,
     /// \[N\] sum of |F_n|.
     pub squeeze: f64,
-    /// \[m\] the deepest overlap.
-    pub depth: f64,
 }
 
 impl Load {
@@ -181,77 +97,83 @@ impl Load {
         self.wrench.force += other.wrench.force;
         self.wrench.torque += other.wrench.torque;
         self.squeeze += other.squeeze;
-        self.depth = if other.depth > self.depth { other.depth } else { self.depth };
     }
 }
 
-/// What a contact does to a body of another block.
+/// The force of a contact on a body of another block.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crossing {
     pub body: BodyId,
     pub load: Load,
+    /// \[m\] overlap h.
+    pub depth: f64,
 }
 
-/// What an evaluation adds up, for the bodies of a block.
+/// The sums of an evaluation for the bodies of a block.
 pub(super) struct Sums<'a> {
-    /// The first body of the block.
+    /// Index of the first body of the block.
     pub start: usize,
-    /// Of the bodies of the block.
+    /// Loads of the bodies of the block at this instant.
     pub loads: &'a mut [Load],
-    /// For bodies of later blocks.
+    /// \[m\] For the bodies of the block, the deepest overlap up to this instant.
+    pub deepest: &'a mut [f64],
+    /// Forces on bodies of later blocks.
     pub outgoing: &'a mut Vec<Crossing>,
     pub work: &'a mut Work,
 }
 
 impl Sums<'_> {
-    /// Each force is computed once and given to the two bodies with opposite signs: Newton's third law to the
-    /// last bit.
+    /// Each force is computed once and applied to both bodies with opposite signs: Newton's third law holds exactly.
     #[inline(always)]
     fn add(&mut self, receiver: BodyId, giver: Option<BodyId>, touch: &Touch) {
         let (force, squeeze, depth) = (touch.force(), touch.reaction.normal.abs(), touch.overlap.depth);
         let wrench = Wrench { force, torque: touch.arm.cross(force) };
-        self.loads[receiver.index() - self.start].add(&Load { wrench, squeeze, depth });
+        self.give(receiver, Load { wrench, squeeze }, depth);
         let Some(giver) = giver else { return };
         let wrench = Wrench { force: -force, torque: -touch.other_arm.cross(force) };
-        self.give(giver, Load { wrench, squeeze, depth });
+        self.give(giver, Load { wrench, squeeze }, depth);
     }
 
     #[inline(always)]
-    fn give(&mut self, body: BodyId, load: Load) {
-        match self.loads.get_mut(body.index() - self.start) {
-            Some(sum) => sum.add(&load),
-            None => self.outgoing.push(Crossing { body, load }),
+    fn give(&mut self, body: BodyId, load: Load, depth: f64) {
+        let b = body.index() - self.start;
+        match (self.loads.get_mut(b), self.deepest.get_mut(b)) {
+            (Some(sum), Some(deepest)) => {
+                sum.add(&load);
+                deepen(deepest, depth);
+            }
+            _ => self.outgoing.push(Crossing { body, load, depth }),
         }
     }
 
-    /// Disks that overlap without a normal: no force acts between them.
+    /// Disks that overlap without a normal: no force acts between them, but they are counted.
     #[cold]
     fn add_coincident(&mut self, receiver: BodyId, giver: Option<BodyId>, depth: f64) {
         self.work.coincident += 1;
         for body in [Some(receiver), giver].into_iter().flatten() {
-            self.give(body, Load { depth, ..Load::default() });
+            self.give(body, Load::default(), depth);
         }
     }
 }
 
-/// The instant at which contacts are looked at.
+/// Keeps an overlap \[m\] if it is deeper than all before.
+#[inline(always)]
+pub(super) fn deepen(deepest: &mut f64, depth: f64) {
+    if depth > *deepest {
+        *deepest = depth;
+    }
+}
+
+/// The instant at which contacts are evaluated.
 pub(super) struct Instant<'a> {
     pub scene: &'a Scene,
-    /// Of each body.
+    /// One for each body.
     pub standing: &'a [Standing],
-    /// How many times contacts have been looked at before.
+    /// Number of earlier evaluations.
     pub before: u64,
 }
 
 impl Instant<'_> {
-    /// What two disks look like from each other.
-    #[inline(always)]
-    fn sight(&self, pair: &DiskPair) -> Sight {
-        let (i, j) = (&self.standing[pair.first_body.index()], &self.standing[pair.second_body.index()]);
-        let (arm, other_arm) = (i.arm(pair.first_offset), j.arm(pair.second_offset));
-        Sight { between: (i.position + arm) - (j.position + other_arm), arm, other_arm }
-    }
-
     #[inline(always)]
     fn disks(&self, pair: &DiskPair, detail: &DiskPairDetail, sight: &Sight, memory: Memory) -> Finding {
         let overlap = match meet(sight.between, pair.reach) {
@@ -269,7 +191,7 @@ impl Instant<'_> {
         Finding::Touching(touch(law, overlap, FacePart::Left, arm, other_arm, velocity, memory))
     }
 
-    /// A disk and a face; `memory` of the part of the face that is touched.
+    /// A disk and a face; `memory` returns the memory of the part of the face that is touched.
     #[inline]
     fn face<'a>(&self, pair: &FacePair, memory: impl FnOnce(FacePart) -> Memory<'a>) -> Finding {
         let (disk, face) = (&self.scene.disks[pair.disk.index()], pair.face.index());
@@ -293,7 +215,7 @@ impl Instant<'_> {
         Finding::Touching(touch(law, overlap, part, arm, Vec2::ZERO, velocity, memory(part)))
     }
 
-    /// Sums the contact wrenches of a block's pairs and lets their springs advance as `stretch` says.
+    /// Sums the contact wrenches of a block's pairs, and lets their springs advance according to `stretch`.
     pub fn evaluate(&self, pairs: &mut Pairs, stretch: Stretch, sums: &mut Sums) {
         let before = self.before;
         let now = before + 1;
@@ -318,8 +240,8 @@ impl Instant<'_> {
         }
     }
 
-    /// Finds those of the next [`AT_ONCE`] pairs that overlap, with their places. Without a branch: which pairs
-    /// touch cannot be guessed.
+    /// Finds the overlapping pairs among the next [`AT_ONCE`], and their indices. It has no branches, because
+    /// processors cannot predict which pairs touch.
     #[inline(always)]
     fn find_overlapping<'a>(
         &self,
@@ -329,14 +251,14 @@ impl Instant<'_> {
     ) -> &'a [(usize, Sight)] {
         let mut found = 0;
         for (k, pair) in pairs.iter().enumerate().skip(start).take(AT_ONCE) {
-            let sight = self.sight(pair);
+            let sight = pair.seen(self.standing);
             overlapping[found] = (k, sight);
             found += usize::from(sight.between.norm_squared() < pair.reach * pair.reach);
         }
         &overlapping[..found]
     }
 
-    /// The contacts of all blocks as they are now; changes nothing.
+    /// Returns the contacts of all blocks at present; changes nothing.
     pub fn report<'a>(&self, blocks: impl Iterator<Item = &'a Pairs> + Clone) -> ContactReport {
         let mut report = ContactReport::empty(self.scene.bodies.len());
         let mut touching_bodies = Vec::new();
@@ -344,7 +266,7 @@ impl Instant<'_> {
         let disks = |pairs: &'a Pairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
         for ((pair, detail), spring) in blocks.clone().flat_map(disks) {
             let who = Pair::Disks { first: detail.first, second: detail.second };
-            let squeeze = match self.disks(pair, detail, &self.sight(pair), memory(spring)) {
+            let squeeze = match self.disks(pair, detail, &pair.seen(self.standing), memory(spring)) {
                 Finding::Apart => continue,
                 Finding::Coincident { depth, .. } => report.add_coincident(who, depth),
                 Finding::Touching(touch) => report.add(who, &touch),
@@ -362,7 +284,7 @@ impl Instant<'_> {
             let Pairs { faces, face_springs, .. } = pairs;
             let FacePair { disk, face } = faces[k];
             let who = |part| Pair::Face { disk, face, part };
-            // Placed anew, the bodies may be seen from the next face of a straight wall.
+            // Because of rounding, a body may now touch the next face of a straight wall.
             let held = |part| memory(spring_at_face(self.scene, faces, face_springs, k, part, self.before));
             let squeeze = match self.face(&faces[k], held) {
                 Finding::Apart => continue,
@@ -394,16 +316,16 @@ impl Touch {
     }
 }
 
-/// What a pair remembers, and what becomes of it.
+/// The memory of a pair.
 #[derive(Clone, Copy)]
 struct Memory<'a> {
     spring: &'a Spring,
-    /// The evaluation before this one.
+    /// Number of the previous evaluation.
     before: u64,
     stretch: Stretch,
 }
 
-/// The law at a contact; `velocity` \[m/s\] of the receiver relative to the other at the contact point.
+/// Applies the law to a contact; `velocity` \[m/s\] of the receiver relative to the other at the contact point.
 #[inline(always)]
 fn touch(
     law: &PairLaw,
@@ -420,26 +342,26 @@ fn touch(
     let touched = spring.touched_at == before;
     let elongation = match stretch {
         Stretch::Hold if touched && spring.part == part => spring.elongation,
-        // The trapezoid of ds/dt = v_t keeps the second order of the integrator.
+        // The trapezoidal rule for ds/dt = v_t keeps the integrator's second order.
         Stretch::Over(dt) if touched && spring.part == part => {
             spring.elongation + 0.5 * dt * (spring.slip_speed + slip_speed)
         }
-        // First touch was within this step, when the depth was zero: the spring has stretched since then.
+        // The contact began within this step, at zero depth; the spring has stretched since then.
         Stretch::Over(dt) if !touched => slip_speed * touching_for(overlap.depth, normal_speed, dt),
-        // Passing to another part of a wall begins another contact.
+        // At another part of a wall another contact begins.
         _ => 0.0,
     };
     let reaction = react(law, overlap.depth, normal_speed, slip_speed, elongation);
     Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction }
 }
 
-/// \[s\] how much of a step a contact has lasted that was not there before it.
+/// \[s\] Duration of a contact that began within a step.
 #[inline]
 fn touching_for(depth: f64, normal_speed: f64, dt: f64) -> f64 {
     if -normal_speed * dt > depth { depth / -normal_speed } else { dt }
 }
 
-/// Writes what the evaluation `now` has found into the pair's spring, and adds the forces up.
+/// Writes the result of the evaluation `now` into the pair's spring, and adds the forces to the sums.
 #[inline(always)]
 fn settle(
     finding: Finding,
@@ -467,23 +389,23 @@ fn settle(
     }
 }
 
-/// Who touches whom.
+/// The two touching things.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pair {
     /// Two disks of different bodies.
     Disks {
-        /// The receiver, of the lower-numbered body.
+        /// The disk that receives the force; of the body with the lower number.
         first: DiskId,
-        /// The other.
+        /// The other disk.
         second: DiskId,
     },
     /// A disk and a face.
     Face {
-        /// The receiver.
+        /// The disk that receives the force.
         disk: DiskId,
         /// The face.
         face: FaceId,
-        /// Where on the face.
+        /// The part of the face.
         part: FacePart,
     },
 }
@@ -491,51 +413,51 @@ pub enum Pair {
 /// One contact, with the forces on the receiver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// Who touches whom.
+    /// The two touching things.
     pub pair: Pair,
     /// \[m\] overlap h.
     pub depth: f64,
     /// Towards the receiver.
     pub normal: Vec2,
-    /// \[N\] along the normal; negative where it pulls.
+    /// \[N\] force along the normal; negative if it pulls.
     pub normal_force: f64,
-    /// \[N\] along the tangent `normal.perp()`.
+    /// \[N\] force along the tangent `normal.perp()`.
     pub tangential_force: f64,
-    /// \[m\] of the tangential spring, along the tangent.
+    /// \[m\] elongation of the tangential spring, along the tangent.
     pub elongation: f64,
-    /// \[m/s\] of the receiver relative to the other, along the normal; positive where they part.
+    /// \[m/s\] velocity of the receiver relative to the other, along the normal; positive if they separate.
     pub normal_speed: f64,
-    /// \[m/s\] of the receiver relative to the other, along the tangent.
+    /// \[m/s\] velocity of the receiver relative to the other, along the tangent.
     pub slip_speed: f64,
-    /// Whether the slider holds.
+    /// Whether the contact sticks or slides.
     pub regime: Regime,
 }
 
 /// What the contacts do to one body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BodyContacts {
-    /// Disk–disk contacts, pairs whose centres coincide among them.
+    /// Number of disk–disk contacts, including pairs whose centres coincide.
     pub agent_contacts: u32,
-    /// Disk–face contacts, the same among them.
+    /// Number of disk–face contacts, including those whose centres coincide.
     pub wall_contacts: u32,
-    /// Different bodies that touch this one.
+    /// Number of bodies that touch this one.
     pub touching_bodies: u32,
     /// \[N\] sum of |F_n| over its contacts.
     pub squeeze: f64,
 }
 
-/// Every contact at one instant.
+/// Every contact at one time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ContactReport {
     /// Disk pairs ascending, then disk–face pairs ascending.
     pub contacts: Vec<Contact>,
     /// One for each body.
     pub bodies: Vec<BodyContacts>,
-    /// Disk–disk contacts, each pair once.
+    /// Number of disk–disk contacts, each pair once.
     pub agent_contacts: u32,
-    /// Disk–face contacts.
+    /// Number of disk–face contacts.
     pub wall_contacts: u32,
-    /// Of these contacts, the pairs whose centres coincide: no force acts between them.
+    /// How many of these contacts have coinciding centres: no force acts between them.
     pub coincident: Vec<Pair>,
     /// \[m\] the deepest overlap; zero without contacts.
     pub largest_overlap: f64,
@@ -546,7 +468,7 @@ impl ContactReport {
         ContactReport { bodies: vec![BodyContacts::default(); bodies], ..ContactReport::default() }
     }
 
-    /// Adds a contact; answers |F_n| \[N\].
+    /// Adds a contact and returns |F_n| \[N\].
     fn add(&mut self, pair: Pair, touch: &Touch) -> f64 {
         self.largest_overlap = self.largest_overlap.max(touch.overlap.depth);
         self.contacts.push(Contact {
@@ -563,14 +485,14 @@ impl ContactReport {
         touch.reaction.normal.abs()
     }
 
-    /// The same of a pair without a normal.
+    /// Adds a pair without a normal.
     fn add_coincident(&mut self, pair: Pair, depth: f64) -> f64 {
         self.largest_overlap = self.largest_overlap.max(depth);
         self.coincident.push(pair);
         0.0
     }
 
-    /// A body on which a force is no finite number, if there is one.
+    /// Returns a body on which a force is not a finite number, if there is one.
     pub(super) fn not_finite(&self, scene: &Scene) -> Option<BodyId> {
         let finite =
             |contact: &&Contact| contact.normal_force.is_finite() && contact.tangential_force.is_finite();

@@ -3,8 +3,8 @@
 use super::contacts::Load;
 use serde::{Deserialize, Serialize};
 
-/// What the contacts did to a body during the last communication step, at whichever of its mechanical steps: unlike
-/// [`super::BodyContacts`], no sample at its end.
+/// What the contacts did to a body during the last communication step. All of its mechanical steps count, whereas
+/// [`super::BodyContacts`] is a sample at its end.
 ///
 /// Before the first step it is what the contacts do at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -24,35 +24,30 @@ impl Exposure {
     }
 }
 
-/// What is added up for an [`Exposure`] while a communication step is under way.
+/// The sums for an [`Exposure`] during a communication step.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Tally {
-    /// \[N.s\]
+    /// \[N.s\] impulse.
     impulse: f64,
-    /// \[N\]
+    /// \[N\] largest force.
     peak_force: f64,
-    /// \[m\]
-    peak_overlap: f64,
 }
 
 impl Tally {
-    /// Adds what the contacts do at an instant that stands for a duration \[s\].
+    /// Adds the contact forces at an instant, weighted by a duration \[s\].
     #[inline(always)]
     pub fn add(&mut self, load: &Load, duration: f64) {
-        // Most bodies touch nothing, or go on touching: the processor guesses well.
-        if load.depth > 0.0 {
-            self.impulse += load.squeeze * duration;
-            self.peak_force = if load.squeeze > self.peak_force { load.squeeze } else { self.peak_force };
-            self.peak_overlap = if load.depth > self.peak_overlap { load.depth } else { self.peak_overlap };
-        }
+        self.impulse += load.squeeze * duration;
+        self.peak_force = if load.squeeze > self.peak_force { load.squeeze } else { self.peak_force };
     }
 
-    /// Over the duration \[s\] of the communication step, zero at an instant. At its end the contacts squeeze with a
-    /// force \[N\]: that of the corrected velocities, which may be a little larger than what was seen.
-    pub fn exposure(&self, duration: f64, squeeze: f64) -> Exposure {
+    /// Returns the exposure over a communication step of a duration \[s\], 0 for a single instant. `peak_overlap` \[m\]
+    /// is the deepest overlap. `squeeze` \[N\] is the force at its end, after the correction of velocities, which may
+    /// be slightly larger than the earlier ones.
+    pub fn exposure(&self, duration: f64, squeeze: f64, peak_overlap: f64) -> Exposure {
         let peak_force = self.peak_force.max(squeeze);
-        // A constant force times the duration, divided by it, may be one bit more than the force.
+        // Rounding may make (force × duration) / duration one bit larger than the force.
         let mean_force = if duration > 0.0 { (self.impulse / duration).min(peak_force) } else { squeeze };
-        Exposure { mean_force, peak_force, peak_overlap: self.peak_overlap }
+        Exposure { mean_force, peak_force, peak_overlap }
     }
 }

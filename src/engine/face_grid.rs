@@ -1,24 +1,24 @@
-//! Which faces are near a circle: cells over the walls, made once with the scene.
+//! Finds faces near a circle: a grid of cells over the walls, made once with the scene.
 
-use super::neighbours::Circle;
+use super::circle::Circle;
 use super::{Face, FaceId, Vec2};
 
-/// Rectangular cells over all walls, each with the faces that pass through it, ascending.
+/// Rectangular cells over all walls, each with the faces that cross it, ascending.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct FaceGrid {
     low: Vec2,
-    /// \[m\] of a cell, along x and y.
+    /// \[m\] Size of a cell, along x and y.
     size: Vec2,
     columns: usize,
     rows: usize,
-    /// Where the faces of each cell begin in `faces`; one more at the end.
+    /// Index of the first face of each cell in `faces`; one more at the end.
     starts: Vec<u32>,
     faces: Vec<FaceId>,
 }
 
-/// Cells for each face: more make queries shorter and the grid larger.
+/// Cells per face: more cells make queries faster and the grid larger.
 const CELLS_PER_FACE: usize = 4;
-/// Along one side: a face passes through no more than twice as many cells.
+/// Largest number of cells along one side. A face crosses at most twice as many cells.
 const MOST_CELLS_PER_SIDE: f64 = 1000.0;
 
 impl FaceGrid {
@@ -31,11 +31,11 @@ impl FaceGrid {
                 Vec2 { x: high.x.max(end.x), y: high.y.max(end.y) },
             )
         });
-        // As square as the whole allows; a wall along an axis makes one row of cells.
+        // As nearly square as possible; a wall along an axis makes a single row of cells.
         let cells = (CELLS_PER_FACE * faces.len()) as f64;
         let (width, height) = (high.x - low.x, high.y - low.y);
         let side = (width * height / cells).sqrt().max(width.max(height) / cells);
-        // Walls of no extent have no number of cells: one.
+        // Walls without extent need one cell.
         let count = |length: f64| (length / side).ceil().clamp(1.0, MOST_CELLS_PER_SIDE) as usize;
         let count = |length| count(length).max(1);
         let (columns, rows) = (count(width), count(height));
@@ -58,7 +58,7 @@ impl FaceGrid {
         grid
     }
 
-    /// The column of a coordinate; those outside belong to the outermost, and what is no number to the first.
+    /// The column of a coordinate. Coordinates outside belong to the outermost columns, NaN to the first.
     fn column(&self, x: f64) -> usize {
         (((x - self.low.x) / self.size.x).max(0.0) as usize).min(self.columns - 1)
     }
@@ -67,7 +67,7 @@ impl FaceGrid {
         (((y - self.low.y) / self.size.y).max(0.0) as usize).min(self.rows - 1)
     }
 
-    /// The cells that a face passes through, and perhaps their neighbours along the rows.
+    /// Visits the cells that a face crosses, and perhaps neighbours in the same rows.
     fn for_each_cell(&self, face: &Face, mut visit: impl FnMut(usize)) {
         let (from, to) =
             if face.start.y <= face.end.y { (face.start, face.end) } else { (face.end, face.start) };
@@ -78,18 +78,18 @@ impl FaceGrid {
         };
         let (first, last) = (self.row(from.y), self.row(to.y));
         for row in first..=last {
-            // Where it enters the row and where it leaves it.
+            // x where it enters and leaves the row.
             let enters = if row == first { from.x } else { x_at(self.low.y + row as f64 * self.size.y) };
             let leaves = if row == last { to.x } else { x_at(self.low.y + (row + 1) as f64 * self.size.y) };
-            // A column more on both sides: rounding may have put the crossing into the one beside.
+            // One more column on both sides, because rounding may move the crossing into the next one.
             let left = self.column(enters.min(leaves)).saturating_sub(1);
             let right = (self.column(enters.max(leaves)) + 1).min(self.columns - 1);
             (left..=right).for_each(|column| visit(row * self.columns + column));
         }
     }
 
-    /// Every face that a circle comes nearer to than a margin \[m\], ascending, and perhaps others; `found` is
-    /// scratch.
+    /// Returns every face nearer to a circle than a margin \[m\], ascending, and perhaps others; `found` is scratch
+    /// space.
     pub fn candidates<'a>(&self, circle: &Circle, margin: f64, found: &'a mut Vec<FaceId>) -> &'a [FaceId] {
         found.clear();
         if self.columns == 0 {
@@ -97,7 +97,7 @@ impl FaceGrid {
         }
         let (centre, reach) = (circle.centre, circle.radius + margin);
         let (left, right) = (self.column(centre.x - reach), self.column(centre.x + reach));
-        // A row more on both sides, for rounding as above.
+        // One more row on both sides, for the same reason.
         let bottom = self.row(centre.y - reach).saturating_sub(1);
         let top = (self.row(centre.y + reach) + 1).min(self.rows - 1);
         for row in bottom..=top {
@@ -126,7 +126,7 @@ mod tests {
 
     /// The candidates that are near are all that are near.
     fn finds_all(scene: &Scene, circle: &Circle, margin: f64) {
-        let near = |face: &FaceId| circle.nears_face(scene, face.index(), margin);
+        let near = |face: &FaceId| circle.nears_face(&scene.faces, *face, margin);
         let expected: Vec<FaceId> = (0..scene.faces.len()).map(FaceId::from).filter(near).collect();
         let mut scratch = Vec::new();
         let candidates = scene.face_grid.candidates(circle, margin, &mut scratch);

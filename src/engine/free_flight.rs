@@ -1,13 +1,14 @@
-//! The closed form of a motion without contact: a drive that is held or changes evenly, linear relaxation.
+//! The closed-form solution of a motion without contact: linear relaxation under a drive that is constant or changes
+//! linearly.
 
 use super::{Body, Pose, Scene, Twist, Vec2, Wrench};
 
 /// The solution of `dv/dt = a − λ v`, `dr/dt = v` over a duration, for constant `a` and `λ ≥ 0`:
 /// `v = kept·v₀ + velocity_time·a` and `r = r₀ + velocity_time·v₀ + drive_time·a`.
 ///
-/// With τ = 1/λ this is the closed form of App. B, `v∞ = a τ`; it holds at λ = 0 too. A drive that grows
-/// as `j t` adds the time integral of what a constant `j` adds: `drive_time·j` to the velocity, and
-/// [`FreeFlight::ramp_time`]`·j` to the place.
+/// With τ = 1/λ this is the solution of App. B, `v∞ = a τ`. It is valid at λ = 0 too. A drive that grows as `j t`
+/// adds the time integral of what a constant `j` adds: `drive_time·j` to the velocity, and
+/// [`FreeFlight::ramp_time`]`·j` to the position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeFlight {
     /// \[1\] `e^{−λt}`
@@ -19,11 +20,11 @@ pub struct FreeFlight {
 }
 
 impl FreeFlight {
-    /// Over a duration \[s\] at a relaxation rate \[1/s\].
+    /// Returns the solution over a duration \[s\] at a relaxation rate \[1/s\].
     pub fn over(rate: f64, duration: f64) -> FreeFlight {
         let x = rate * duration;
         let velocity_share = if x == 0.0 { 1.0 } else { -libm::expm1(-x) / x };
-        // (1 − velocity_share)/x cancels for small x; there Σ (−x)^k/(k+2)! is exact to rounding.
+        // (1 − velocity_share)/x suffers from cancellation for small x; Σ (−x)^k/(k+2)! is exact up to rounding there.
         let drive_share = if x < 0.25 {
             (0..12).rev().fold(0.0, |sum, k| (1.0 - x * sum) / f64::from(k + 2))
         } else {
@@ -36,11 +37,11 @@ impl FreeFlight {
         }
     }
 
-    /// \[s3\] `(t²/2 − drive_time)/λ`, for the rate and duration that the flight was made of.
+    /// \[s3\] `(t²/2 − drive_time)/λ`, for the same rate and duration as this flight.
     pub fn ramp_time(&self, rate: f64, duration: f64) -> f64 {
         let x = rate * duration;
         if x < 1.0 {
-            // The difference cancels; Σ (−x)^k/(k+3)! is exact to rounding, as above.
+            // The difference suffers from cancellation; Σ (−x)^k/(k+3)! is exact up to rounding, as above.
             let double = (0..16).rev().fold(0.0, |sum, k| (1.0 - x * sum) / f64::from(k + 3));
             duration * duration * duration * (0.5 * double)
         } else {
@@ -52,14 +53,14 @@ impl FreeFlight {
 /// The free flights of a body's translation and rotation over one duration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyFlight {
-    /// Of the centre of mass.
+    /// Flight of the centre of mass.
     pub translation: FreeFlight,
-    /// Of the orientation.
+    /// Flight of the orientation.
     pub rotation: FreeFlight,
 }
 
 impl BodyFlight {
-    /// Over a duration \[s\].
+    /// Returns the flights over a duration \[s\].
     pub fn over(body: &Body, duration: f64) -> BodyFlight {
         BodyFlight {
             translation: FreeFlight::over(body.translation_rate, duration),
@@ -67,7 +68,7 @@ impl BodyFlight {
         }
     }
 
-    /// Where the body is and how it moves at the end, under a drive per mass and inertia.
+    /// Returns pose and twist of the body at the end, under a drive divided by mass and moment of inertia.
     #[inline]
     pub fn fly(&self, pose: Pose, twist: Twist, acceleration: Wrench) -> (Pose, Twist) {
         let (t, r) = (&self.translation, &self.rotation);
@@ -84,52 +85,52 @@ impl BodyFlight {
     }
 }
 
-/// The free flight of a body under a drive that changes evenly.
+/// The free flight of a body under a drive that changes linearly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RampFlight {
-    /// Under a drive that stays as it begins.
+    /// Flight under the constant drive at the start.
     pub held: BodyFlight,
     /// \[s3\] [`FreeFlight::ramp_time`] of the translation.
     pub translation_ramp_time: f64,
-    /// \[s3\] The same of the rotation.
+    /// \[s3\] The same for the rotation.
     pub rotation_ramp_time: f64,
 }
 
-/// What the drive does to a body per mass and inertia while it changes evenly.
+/// Accelerations by a drive that changes linearly (drive divided by mass and moment of inertia).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ramp {
-    /// \[m/s2\], \[rad/s2\] at the beginning.
+    /// \[m/s2\], \[rad/s2\] accelerations at the start.
     pub start: Wrench,
-    /// \[m/s3\], \[rad/s3\] by how much it grows in a second.
+    /// \[m/s3\], \[rad/s3\] their rates of change.
     pub rate: Wrench,
 }
 
-/// What the drive does to a body per mass and inertia: held (a [`Wrench`]) or changing evenly (a [`Ramp`]).
+/// Accelerations by a drive: constant (a [`Wrench`]) or changing linearly (a [`Ramp`]).
 ///
-/// A type for each, so that a held drive costs nothing that it does not need.
-pub(super) trait Drive: Copy + Send + Sync {
+/// They are two types, so that a constant drive needs no additional computations.
+pub(super) trait Course: Copy + Send + Sync {
     /// The closed form of the motion under such a drive over a duration.
     type Flight: Send + Sync;
 
-    /// Over a duration \[s\].
+    /// Returns the flight of a body over a duration \[s\].
     fn flight(body: &Body, duration: f64) -> Self::Flight;
 
-    /// The flights of all bodies over a duration \[s\]: each has the one at its place [`Body::flyer`].
+    /// Returns the flights over a duration \[s\]; that of a body is at the index [`Body::flyer`].
     fn flights(scene: &Scene, duration: f64) -> Vec<Self::Flight> {
         scene.flyers.iter().map(|body| Self::flight(&scene.bodies[body.index()], duration)).collect()
     }
 
-    /// Where the body is and how it moves at the end of a flight.
+    /// Returns pose and twist of a body at the end of a flight.
     fn fly(self, flight: &Self::Flight, pose: Pose, twist: Twist) -> (Pose, Twist);
 
-    /// As it is some time \[s\] later.
+    /// Returns the drive after a time \[s\].
     fn after(self, time: f64) -> Self;
 
-    /// What its change adds to a flight: velocity at the end \[m/s\], length of path \[m\].
+    /// Returns what its change adds to a flight: velocity at the end \[m/s\] and length of path \[m\].
     fn added_by_change(self, flight: &Self::Flight) -> (Vec2, f64);
 }
 
-impl Drive for Wrench {
+impl Course for Wrench {
     type Flight = BodyFlight;
 
     fn flight(body: &Body, duration: f64) -> BodyFlight {
@@ -151,7 +152,7 @@ impl Drive for Wrench {
     }
 }
 
-impl Drive for Ramp {
+impl Course for Ramp {
     type Flight = RampFlight;
 
     fn flight(body: &Body, duration: f64) -> RampFlight {

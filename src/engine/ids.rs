@@ -1,4 +1,4 @@
-//! Index newtypes: a disk is never a body.
+//! Index types, so that the compiler distinguishes a disk from a body.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ macro_rules! index {
         pub struct $name(pub u32);
 
         impl $name {
-            /// As a place in an array.
+            /// Returns the index as a `usize`.
             #[inline]
             pub fn index(self) -> usize {
                 self.0 as usize
@@ -27,26 +27,26 @@ macro_rules! index {
 }
 
 index!(
-    /// A body: place among the agents.
+    /// Index of a body; bodies are in the order of the agents.
     BodyId
 );
 index!(
-    /// A disk: place among all disks, grouped by body.
+    /// Index of a disk; disks are grouped by body.
     DiskId
 );
 index!(
-    /// A wall: place among the walls.
+    /// Index of a wall.
     WallId
 );
 index!(
-    /// A face: place among all faces, grouped by wall.
+    /// Index of a face; faces are grouped by wall.
     FaceId
 );
 index!(
-    /// A corner shared by faces of one wall.
+    /// Index of a corner, which faces of one wall share.
     CornerId
 );
 index!(
-    /// Faces that go on straight into each other: place of one of them.
+    /// Faces that form a straight line: the index of one of them.
     LineId
 );

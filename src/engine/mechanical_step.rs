@@ -1,25 +1,24 @@
 //! The mechanical step: predict, evaluate, correct.
 //!
-//! Velocity Verlet written as half kick by the contacts, free flight, half kick; half kicks that follow
-//! each other are one. The flight is the
-//! closed form of drive and relaxation, so a body that touches nothing moves exactly and the step is
-//! plain velocity Verlet where there is neither drive nor relaxation. Contact forces are taken
-//! once per step, from positions and *predicted* velocities of the same instant (Vyas, Ottino, Lueptow,
-//! Umbanhowar, Comput. Phys. Commun. 310 (2025) 109524), which keeps second order for forces that
-//! depend on velocity.
+//! Velocity Verlet in the form: half kick by the contacts, free flight, half kick. Two successive half kicks are done
+//! together. The flight is the closed-form solution for drive and relaxation. So a body without contacts moves exactly,
+//! and without drive and relaxation the step is plain velocity Verlet. Contact forces are evaluated once per step, from
+//! positions and *predicted* velocities of the same instant (Vyas, Ottino, Lueptow, Umbanhowar, Comput. Phys. Commun.
+//! 310 (2025) 109524). This keeps second order for forces that depend on velocity.
 
 use super::blocks::{BLOCK, Blocks, Bodies};
+use super::circle::Circle;
 use super::contacts::Stretch;
-use super::free_flight::{Drive, Ramp};
-use super::neighbours::{CellGrid, Circle, Crowded, Near, SKIN};
+use super::free_flight::{Course, Ramp};
+use super::neighbours::{CellGrid, Crowded, Near, SKIN};
 use super::shortlist::{Activity, Shortlist};
 use super::{Body, BodyId, Pose, Scene, State, Threads, Twist, Work, Wrench};
 
-/// Arrays that a communication step works in; what they hold between two steps is never used.
+/// Work arrays of a communication step. Their content between two steps is never used.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
     pub blocks: Blocks,
-    /// When the candidates were listed.
+    /// The poses when the candidates were listed.
     listed_at: Vec<Pose>,
     near: Near,
 }
@@ -31,13 +30,13 @@ impl Scratch {
     }
 }
 
-/// What a drive that is held over the communication step does to each body.
+/// Accelerations of each body by a drive that is constant during the communication step.
 pub(super) fn held_drives(scene: &Scene, drive: &[Wrench]) -> Vec<Wrench> {
     let bodies = scene.bodies.iter().zip(drive);
     bodies.map(|(body, drive)| per_mass_and_inertia(body, drive)).collect()
 }
 
-/// What a drive that changes evenly over the communication step does to each body.
+/// Accelerations of each body by a drive that changes linearly during the communication step.
 pub(super) fn ramps(scene: &Scene, drive: &[Wrench], rates: &[Wrench]) -> Vec<Ramp> {
     let bodies = scene.bodies.iter().zip(drive).zip(rates);
     bodies
@@ -54,9 +53,9 @@ fn per_mass_and_inertia(body: &Body, wrench: &Wrench) -> Wrench {
 }
 
 /// A body that moves by mechanical steps.
-pub(super) struct Mover<D: Drive> {
+pub(super) struct Mover<D: Course> {
     body: BodyId,
-    /// Place of its flight over one mechanical step: [`Body::flyer`].
+    /// Index of its flight over one mechanical step: [`Body::flyer`].
     flyer: u32,
     /// \[m\] [`Body::reach`]
     reach: f64,
@@ -64,11 +63,11 @@ pub(super) struct Mover<D: Drive> {
     inverse_mass: f64,
     /// \[1/(kg.m2)\]
     inverse_inertia: f64,
-    /// As it is when the communication step begins.
+    /// The drive at the start of the communication step.
     drive: D,
 }
 
-impl<D: Drive> Mover<D> {
+impl<D: Course> Mover<D> {
     fn new(scene: &Scene, drives: &[D], b: usize) -> Mover<D> {
         let body = &scene.bodies[b];
         Mover {
@@ -87,40 +86,40 @@ impl<D: Drive> Mover<D> {
     }
 }
 
-/// One communication step under way.
-pub(super) struct CommunicationStep<'a, D: Drive> {
+/// A communication step in progress.
+pub(super) struct CommunicationStep<'a, D: Course> {
     pub scene: &'a Scene,
     pub threads: &'a Threads,
-    /// When the communication step begins.
+    /// The state at its start.
     pub start: &'a State,
-    /// Of each body, as they are when the step begins.
+    /// For each body the drive at its start.
     pub drives: &'a [D],
     pub shortlist: Shortlist,
     pub scratch: &'a mut Scratch,
     pub work: &'a mut Work,
     /// \[s\] the mechanical step.
     pub dt: f64,
-    /// Who moves by mechanical steps: of each block, ascending.
+    /// The bodies that move by mechanical steps, in each block, ascending.
     pub movers: Vec<Vec<Mover<D>>>,
-    /// Over one mechanical step; empty as long as everybody is free.
+    /// Flights over one mechanical step; empty as long as all bodies are free.
     pub flights: Vec<D::Flight>,
-    /// \[m\] how far a disk may move before the list of near pairs is renewed.
+    /// \[m\] Distance that a disk may move before the list of near pairs is made again.
     pub leeway: f64,
-    /// After how many steps that list was made.
+    /// Number of steps before that list was made.
     pub listed: u64,
 }
 
-impl<D: Drive> CommunicationStep<'_, D> {
-    /// The state after `steps` mechanical steps.
+impl<D: Course> CommunicationStep<'_, D> {
+    /// Returns the state after `steps` mechanical steps.
     ///
     /// # Errors
-    /// More pairs come near each other than are held.
+    /// More pairs are near each other than the limit of memory allows.
     pub fn run(mut self, steps: u64) -> Result<State, Crowded> {
         self.begin()?;
         if self.movers.iter().any(|movers| !movers.is_empty()) {
             for step in 1..=steps {
                 self.step(step);
-                // A pose that is not a number does not count here: the communication step ends with an error.
+                // A pose that is not a number is ignored here: the communication step then ends with an error.
                 if self.leeway <= 0.0 {
                     self.renew_lists(step)?;
                 }
@@ -130,7 +129,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
         Ok(self.end(steps))
     }
 
-    /// Lists the active bodies, and their pairs at the first instant.
+    /// Lists the active bodies and their pairs at the first instant.
     fn begin(&mut self) -> Result<(), Crowded> {
         let blocks = &mut self.scratch.blocks;
         blocks.load(self.scene, self.start);
@@ -151,17 +150,17 @@ impl<D: Drive> CommunicationStep<'_, D> {
 
     /// Evaluates the contacts, kicks, and flies to the next instant.
     fn step(&mut self, step: u64) {
-        // Between two steps the second half kick of the one and the first of the other are one.
+        // Between two steps, the last half kick of one and the first of the next are done together.
         let (stretch, kick) = match step {
             1 => (Stretch::Hold, 0.5 * self.dt),
             _ => (Stretch::Over(self.dt), self.dt),
         };
         let half_kick = 0.5 * self.dt;
-        // Of a whole number, so that rounding does not add up.
+        // Multiplied, not added up, so that rounding errors do not accumulate.
         let begun = (step - 1) as f64 * self.dt;
         let (movers, flights) = (&self.movers, &self.flights[..]);
         let predict = |k: usize, bodies: Bodies| {
-            // Of squares, so that there is one root for all.
+            // Squares, so that one root is enough for all.
             let (mut moved, mut turned) = (0.0f64, 0.0f64);
             for mover in &movers[k] {
                 let b = mover.body.index() - bodies.start;
@@ -173,7 +172,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
                 let (pose, twist) = mover.drive.after(begun).fly(flight, before, kicked);
                 flown.twist = twist;
                 let turn = pose.orientation - before.orientation;
-                // The velocity that another half kick would give is the predicted one.
+                // The predicted velocity is the one after another half kick.
                 bodies.standing[b].follow(pose, turn, self::kicked(twist, acceleration, half_kick));
                 moved = moved.max((pose.position - before.position).norm_squared());
                 turned = turned.max(mover.reach * turn.abs());
@@ -184,7 +183,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
         self.work.steps += 1;
     }
 
-    /// The forces of the last instant and the last half kick.
+    /// Evaluates the forces of the last instant and does the last half kick.
     fn correct(&mut self) {
         let (movers, half_kick) = (&self.movers, 0.5 * self.dt);
         let correct = |k: usize, bodies: Bodies| {
@@ -199,7 +198,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
         self.scratch.blocks.evaluate(self.scene, self.threads, Stretch::Over(self.dt), correct);
     }
 
-    /// Makes the lists hold again: the near pairs anew, and the candidates if need be.
+    /// Makes the lists valid again: the near pairs and, if necessary, the candidates.
     fn renew_lists(&mut self, step: u64) -> Result<(), Crowded> {
         let moved = 0.5 * self.scratch.near.0 - self.leeway;
         self.scratch.near = Near::for_movement(moved / (step - self.listed) as f64);
@@ -217,7 +216,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
         Ok(())
     }
 
-    /// Lists the candidates of the active bodies, after taking in every free body that one of them nears.
+    /// Lists the candidates of the active bodies. Before that, free bodies near an active one become active.
     fn list_candidates(&mut self, step: u64) -> Result<(), Crowded> {
         self.work.rebuilds += 1;
         let mut circles: Vec<Circle> = self.shortlist.swept.clone();
@@ -237,7 +236,8 @@ impl<D: Drive> CommunicationStep<'_, D> {
             }
             promoted.sort_unstable();
             promoted.dedup();
-            // Once is enough: whoever is taken in stands within its swept circle, which is clear of the other free ones.
+            // Once is enough: a body that becomes active is within its swept circle, which is clear of other free
+            // bodies.
             for &b in &promoted {
                 self.take_in(b, step);
                 circles[b] = self.circle_now(b);
@@ -255,7 +255,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
         blocks.list(self.scene, self.threads, &grid, &circles, |b| activity[b] == Activity::Active)
     }
 
-    /// Takes the near pairs out of the candidates.
+    /// Makes the list of near pairs from the candidates.
     fn take_near(&mut self) {
         self.work.refreshes += 1;
         let near = self.scratch.near;
@@ -268,7 +268,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
         Circle { centre, radius: self.scene.bodies[b].bounding_radius }
     }
 
-    /// A free body becomes active: it stands where the closed form puts it at this instant.
+    /// Makes a free body active, at the pose of the closed form at this instant.
     fn take_in(&mut self, b: usize, step: u64) {
         let (mut pose, mut twist) = (self.start.poses[b], self.start.twists[b]);
         if step > 0 {
@@ -282,7 +282,7 @@ impl<D: Drive> CommunicationStep<'_, D> {
         self.scratch.blocks.put(b, pose, twist);
     }
 
-    /// Free bodies fly the whole step at once; the touching pairs' springs go into the state.
+    /// Free bodies fly the whole step at once; the springs of touching pairs are written into the state.
     fn end(self, steps: u64) -> State {
         let mut state = State { steps: self.start.steps + steps, ..State::default() };
         let flights = D::flights(self.scene, steps as f64 * self.dt);
@@ -305,11 +305,12 @@ impl<D: Drive> CommunicationStep<'_, D> {
     }
 }
 
-/// Whether a disk may have moved further than a leeway \[m\]; `reach` \[m\] of the farthest from the centre of mass.
+/// Whether a disk may have moved further than a distance \[m\]; `reach` \[m\] is the distance of the furthest disk from
+/// the centre of mass.
 #[inline]
 fn moved_further(leeway: f64, reach: f64, then: &Pose, now: &Pose) -> bool {
     let left = leeway - reach * (now.orientation - then.orientation).abs();
-    // Negated so that a pose that is not a number counts as moved.
+    // Negated, so that a pose that is not a number counts as moved.
     !(left > 0.0 && (now.position - then.position).norm_squared() < left * left)
 }
 

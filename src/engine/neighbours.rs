@@ -1,19 +1,19 @@
-//! Who may meet whom: a cell grid over circles, and from it the sorted list of candidate pairs.
+//! Finds bodies that may meet: a cell grid over circles, and the sorted list of candidate pairs.
 
-use super::contacts::Standing;
-use super::overlap::nearest_on_face;
+use super::circle::Circle;
 use super::pairs::Candidates;
+use super::standing::Standing;
 use super::{BodyId, DiskId, FaceId, Scene, Vec2};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
-/// \[m\] Pairs nearer than this are candidates. Their list holds while no disk has moved further than half of
-/// what this is more than [`Near`]; a larger skin means longer lists and fewer of them. Who is free and when a free body is taken
-/// in depends on it, so last digits do.
+/// \[m\] Pairs nearer than this are candidates. The list is valid while no disk has moved by more than half of the
+/// difference to [`Near`]. A larger skin means longer lists that are made less often. The choice of free bodies, and
+/// the time when one becomes active, depend on it; so do the last digits of results.
 pub(super) const SKIN: f64 = 0.02;
 
-/// \[m\] Candidates nearer than this are looked at in every mechanical step. Their list holds while no disk has moved
-/// further than half of this. Results do not depend on it.
+/// \[m\] Candidates nearer than this are checked in every mechanical step. The list is valid while no disk has moved by
+/// more than half of this. Results do not depend on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Near(pub f64);
 
@@ -24,86 +24,54 @@ impl Default for Near {
 }
 
 impl Near {
-    /// \[m\] So that each mechanical step still has less to look at than all candidates.
+    /// \[m\] Largest value, so that a mechanical step has fewer pairs to check than all candidates.
     const LARGEST: f64 = 0.5 * SKIN;
-    /// \[m\]
+    /// \[m\] Smallest value.
     const SMALLEST: f64 = 0.0005;
-    /// \[m^½\] For a movement m per step, a list lasts near/2m steps and has pairs in proportion to it. Making it
-    /// takes some 80 ns for each agent, looking at what a millimetre adds some 0.9 ns in each step: all that is least
-    /// where near² is 0.18 m · movement.
+    /// \[m^½\] For a movement m per step, a list lasts near/2m steps and its length is proportional to near. Making it
+    /// takes about 80 ns per agent; checking the pairs of one more millimetre takes about 0.9 ns per agent in each
+    /// step. The sum is smallest for near² = 0.18 m · movement.
     const PER_ROOT_OF_MOVEMENT: f64 = 0.42;
 
-    /// The best where disks move so far \[m\] in a step.
+    /// Returns the best value if disks move by this distance \[m\] in a step.
     pub fn for_movement(movement: f64) -> Near {
         if movement.is_nan() {
-            // A step that fails must leave nothing behind.
+            // A step that fails must not change later ones.
             return Near::default();
         }
         Near((Near::PER_ROOT_OF_MOVEMENT * movement.sqrt()).clamp(Near::SMALLEST, Near::LARGEST))
     }
 }
 
-/// A circle that holds a body, at one instant or over a whole communication step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Circle {
-    pub centre: Vec2,
-    pub radius: f64,
-}
-
-impl Circle {
-    /// Whether two circles come nearer than a margin \[m\].
-    pub fn nears(&self, other: &Circle, margin: f64) -> bool {
-        let reach = self.radius + other.radius + margin;
-        (self.centre - other.centre).norm_squared() <= reach * reach
-    }
-
-    /// Whether the circle comes nearer to a face than a margin \[m\].
-    pub fn nears_face(&self, scene: &Scene, face: usize, margin: f64) -> bool {
-        let face = &scene.faces[face];
-        let reach = self.radius + margin;
-        // The box around the face first: most faces are far.
-        let (low, high) = (face.start.x.min(face.end.x) - reach, face.start.x.max(face.end.x) + reach);
-        if self.centre.x < low || self.centre.x > high {
-            return false;
-        }
-        let (low, high) = (face.start.y.min(face.end.y) - reach, face.start.y.max(face.end.y) + reach);
-        if self.centre.y < low || self.centre.y > high {
-            return false;
-        }
-        let (nearest, _) = nearest_on_face(face, self.centre);
-        (self.centre - nearest).norm_squared() <= reach * reach
-    }
-}
-
-/// Circles by the cells that their centres are in.
+/// Circles, sorted by the cells of their centres.
 ///
-/// Square cells as wide as the largest circle needs, so that near circles are in the same cell or in neighbouring
-/// ones. All cells of the plane share a table: those of a row lie side by side, wrapped round its end, and each
-/// row begins far from the next. So it is small wherever the circles are, and never made larger by one that
-/// is far out; cells that share a place cost a look, no more.
+/// Cells are squares as wide as the largest circle requires: near circles are in the same cell or in neighbouring ones.
+/// All cells of the plane share a hash table. Cells of a row are adjacent in it and wrap round at its end; successive
+/// rows begin far from each other. So the table is small wherever the circles are, and one circle far away does not
+/// enlarge it. Cells that share an entry only cost an additional check.
 #[derive(Debug)]
 pub(super) struct CellGrid {
     /// \[1/m\]
     cells_per_length: f64,
-    /// The places, a power of two, less one.
+    /// Number of entries, which is a power of two, minus one.
     mask: u64,
-    /// From the beginning of a row to that of the next.
+    /// Distance in the table between the starts of two successive rows.
     row: u64,
-    /// Where the members of each place begin; one more at the end.
+    /// Index of the first member of each entry; one more at the end.
     starts: Vec<u32>,
     members: Vec<(u32, Circle)>,
 }
 
 impl CellGrid {
-    /// Of some of the circles, to be asked who is nearer than a margin \[m\].
+    /// Makes a grid of some circles, to find those nearer than a margin \[m\].
     pub fn new(circles: &[Circle], who: impl Iterator<Item = usize> + Clone, margin: f64) -> CellGrid {
         let largest = who.clone().map(|k| circles[k].radius).fold(0.0, f64::max);
-        // Fewer places, and the three rows around a cell might share some.
+        // With fewer entries the three rows around a cell might share some.
         let places = who.clone().count().next_power_of_two().max(64);
         let mut grid = CellGrid {
             cells_per_length: 1.0 / (2.0 * largest + margin),
             mask: places as u64 - 1,
-            // By the golden section: rows that are near each other do not come near in the table.
+            // Golden section: neighbouring rows are far apart in the table.
             row: (places as f64 * 0.618) as u64 | 1,
             starts: vec![0; places + 1],
             members: Vec::new(),
@@ -112,7 +80,7 @@ impl CellGrid {
         for &home in &homes {
             grid.starts[home as usize] += 1;
         }
-        // Counted; now where each place ends; then, filled from its end, where it begins.
+        // The counts become ends of entries. Filling each from its end then turns them into starts.
         let mut end = 0;
         for start in &mut grid.starts {
             end += *start;
@@ -127,7 +95,7 @@ impl CellGrid {
         grid
     }
 
-    /// `as` saturates: far-away and non-finite circles share the outermost cells.
+    /// `as` saturates: circles far away and circles that are not finite share the outermost cells.
     fn cell(&self, coordinate: f64) -> i64 {
         libm::floor(coordinate * self.cells_per_length) as i64
     }
@@ -140,10 +108,10 @@ impl CellGrid {
         self.place(self.cell(circle.centre.y), self.cell(circle.centre.x)) as u32
     }
 
-    /// Calls `meet` for every circle, itself too if it is there, that this one comes nearer to than a margin \[m\],
-    /// in no order.
+    /// Calls `meet` for every circle nearer to this one than a margin \[m\], in no particular order; also for the
+    /// circle itself if it is in the grid.
     ///
-    /// Neither the margin nor the circle may be larger than those that the grid was made for.
+    /// Neither the margin nor the circle may be larger than those for which the grid was made.
     pub fn for_each_near(&self, circle: &Circle, margin: f64, mut meet: impl FnMut(usize)) {
         let (row, column) = (self.cell(circle.centre.y), self.cell(circle.centre.x));
         for row in [row.wrapping_sub(1), row, row.wrapping_add(1)] {
@@ -160,29 +128,29 @@ impl CellGrid {
     }
 }
 
-/// So many candidates any crowd may have. Each takes up to 250 bytes while it is near and touches: 0.5 GB.
+/// Largest number of candidates of a small crowd. Each takes up to 250 bytes while it touches: 0.5 GB in all.
 const MOST_PAIRS: usize = 2_000_000;
-/// A larger crowd may have so many for each of its disks: some ten times what the densest crowds of people have.
+/// Largest number of candidates per disk of a larger crowd: about ten times that of the densest crowds of people.
 const MOST_PAIRS_PER_DISK: usize = 32;
 
-/// More pairs are near each other than are held in memory, as when everybody stands at one point.
+/// More pairs are near each other than the limit of memory allows, for example if everybody is at one point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
-    "{others} others and {faces} faces of walls are within {} mm of it; more than {most} pairs of disks and of disks \
-     and faces are near each other in all, the most that are held: are positions missing?", 1e3 * SKIN
+    "too many bodies are at the same place: {others} others and {faces} faces of walls are within {} mm of it, and in \
+     all more than {most} pairs are near each other, which is the limit; are positions missing?", 1e3 * SKIN
 )]
 pub struct Crowded {
-    /// In the thick of it.
+    /// A body in the middle of them.
     pub body: BodyId,
     /// Bodies near it.
     pub others: usize,
     /// Faces near it.
     pub faces: usize,
-    /// Pairs that are held.
+    /// Largest number of pairs.
     pub most: usize,
 }
 
-/// How many candidates may be listed, by all threads together.
+/// The number of candidates that may still be listed, by all threads together.
 pub(super) struct Room {
     most: usize,
     taken: AtomicUsize,
@@ -194,13 +162,13 @@ impl Room {
         Room { most, taken: AtomicUsize::new(0) }
     }
 
-    /// Takes room for so many pairs more; whether there was enough. Whether there is enough for all does not
-    /// depend on who takes first.
+    /// Reserves space for some pairs; returns whether there was enough. Whether it is enough for all does not depend on
+    /// the order of the calls.
     fn take(&self, pairs: usize) -> bool {
         self.taken.fetch_add(pairs, Ordering::Relaxed).saturating_add(pairs) <= self.most
     }
 
-    /// An error if some were not listed for want of room.
+    /// Returns an error if some pairs were not listed because of the limit.
     pub fn check(&self, scene: &Scene, grid: &CellGrid, circles: &[Circle]) -> Result<(), Crowded> {
         if self.taken.load(Ordering::Relaxed) <= self.most {
             return Ok(());
@@ -212,11 +180,12 @@ impl Room {
             grid.for_each_near(circle, SKIN, |_| near += 1);
             let others = near.saturating_sub(1); // itself
             let near_faces = scene.face_grid.candidates(circle, SKIN, &mut found);
-            let faces = near_faces.iter().filter(|face| circle.nears_face(scene, face.index(), SKIN)).count();
+            let faces =
+                near_faces.iter().filter(|face| circle.nears_face(&scene.faces, **face, SKIN)).count();
             if others + faces > crowded.others + crowded.faces {
                 crowded = Crowded { body: BodyId::from(b), others, faces, ..crowded };
             }
-            // Of so many it is known well enough where they stand.
+            // A sample of this size shows well enough where they are.
             looks += near + near_faces.len();
             if looks > self.most {
                 break;
@@ -226,14 +195,14 @@ impl Room {
     }
 }
 
-/// Whether the circle of a body comes nearer to a face than the skin; `found` is scratch.
+/// Whether the distance of the circle of a body from a face is less than the skin; `found` is scratch space.
 pub(super) fn nears_a_face(scene: &Scene, circle: &Circle, found: &mut Vec<FaceId>) -> bool {
     let candidates = scene.face_grid.candidates(circle, SKIN, found);
-    candidates.iter().any(|face| circle.nears_face(scene, face.index(), SKIN))
+    candidates.iter().any(|face| circle.nears_face(&scene.faces, *face, SKIN))
 }
 
-/// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face that comes within
-/// the skin, as far as there is room. The circles of all bodies are in the grid.
+/// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face nearer than the skin, as
+/// long as there is space. The circles of all bodies are in the grid.
 pub(super) fn list(
     scene: &Scene,
     standing: &[Standing],
@@ -256,7 +225,7 @@ pub(super) fn list(
         later.sort_unstable();
         faces.clear();
         let near = scene.face_grid.candidates(&circles[a], SKIN, &mut found).iter().copied();
-        faces.extend(near.filter(|face| circles[a].nears_face(scene, face.index(), SKIN)));
+        faces.extend(near.filter(|face| circles[a].nears_face(&scene.faces, *face, SKIN)));
         if later.is_empty() && faces.is_empty() {
             continue;
         }
@@ -273,7 +242,7 @@ pub(super) fn list(
                     }
                 }
             }
-            let near = faces.iter().filter(|face| own.nears_face(scene, face.index(), SKIN));
+            let near = faces.iter().filter(|face| own.nears_face(&scene.faces, **face, SKIN));
             candidates.faces.extend(near.map(|&face| (DiskId::from(i), face)));
             let added = candidates.disks.len() + candidates.faces.len() - before;
             if added > 0 && !room.take(added) {

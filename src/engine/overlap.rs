@@ -1,44 +1,45 @@
-//! How deep two things overlap, where, and along which normal.
+//! Overlaps: depth, place and normal.
 
+use super::face::{Along, beyond, nearest_on_face};
 use super::{Face, FacePart, Scene, Vec2};
 
 /// An overlap, seen from the body that receives the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlap {
-    /// \[m\] h > 0.
+    /// \[m\] depth h > 0.
     pub depth: f64,
-    /// Unit vector from the other's centre (or corner) to the receiver's centre; at a face the face's own, towards
+    /// Unit vector from the other's centre (or corner) to the receiver's centre. On a face it is the face's normal on
     /// the side of the receiver's centre.
     pub normal: Vec2,
 }
 
 impl Overlap {
-    /// \[m\] from the receiving disk's centre to the contact point, half-way into the overlap.
+    /// \[m\] Vector from the receiving disk's centre to the contact point, which is halfway into the overlap.
     #[inline]
     pub fn contact_point(&self, radius: f64) -> Vec2 {
         self.normal * (0.5 * self.depth - radius)
     }
 }
 
-/// What two things at a distance do.
+/// The relation of two things at a distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Meeting {
     /// No overlap.
     Apart,
     /// Overlapping with a well-defined normal.
     Touching(Overlap),
-    /// Centres on top of each other, to a nanometre: no normal, so no force; counted.
+    /// The centres coincide within a nanometre: there is no normal, so no force; it is counted.
     Coincident,
 }
 
-/// \[m\] Centres that are no further apart are one point: what lies between them is rounding, and no direction.
-/// Less would let rounding choose the normal; a force left out so near the centre is of no consequence, as nobody
-/// stays there.
+/// \[m\] Centres closer than this are one point, because the difference is rounding and has no direction. With a
+/// smaller limit, rounding would choose the normal. The missing force has no effect in practice, because bodies do not
+/// stay so close.
 pub const COINCIDENT: f64 = 1e-9;
 
-/// A disk and another (a point where `reach` is the disk's radius alone) whose centre is `between` away.
+/// The overlap of a disk with another disk, or with a point (`reach` is then the disk's radius).
 ///
-/// `between` \[m\] from the other's centre to the receiver's; `reach` \[m\] the sum of the radii.
+/// `between` \[m\] is the vector from the other's centre to the receiver's; `reach` \[m\] is the sum of the radii.
 #[inline]
 pub fn meet(between: Vec2, reach: f64) -> Meeting {
     let squared = between.norm_squared();
@@ -63,47 +64,14 @@ pub fn unit(between: Vec2, distance: f64) -> Vec2 {
     between * (1.0 / distance)
 }
 
-/// Whether a place lies beyond an end of a straight piece: nearer to the end than to any other point of it.
+/// The overlap of a disk with a face; `nearest` is the point of the face nearest to the disk's centre.
 ///
-/// The one predicate for both ends and for booking, so that faces that meet at a corner never disagree
-/// by rounding about who is nearest.
-#[inline]
-fn beyond(end: Vec2, other_end: Vec2, place: Vec2) -> bool {
-    (place - end).dot(other_end - end) <= 0.0
-}
-
-/// Where on a face a point lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Along {
-    /// At its start.
-    Start,
-    /// Between its ends.
-    Inside,
-    /// At its end.
-    End,
-}
-
-/// The point of a face nearest to a place, and where on the face it lies.
-#[inline]
-pub fn nearest_on_face(face: &Face, place: Vec2) -> (Vec2, Along) {
-    if beyond(face.start, face.end, place) {
-        (face.start, Along::Start)
-    } else if beyond(face.end, face.start, place) {
-        (face.end, Along::End)
-    } else {
-        let along = face.end - face.start;
-        let share = (place - face.start).dot(along) / along.norm_squared();
-        (face.start + along * share, Along::Inside)
-    }
-}
-
-/// A disk and a face, of which `nearest` is nearest to the disk's centre.
+/// Inside the face, and at a corner where the wall continues straight, the normal is that of the face on the side of
+/// the centre, because the direction from a near point to the centre would be a rounding error. A centre within
+/// [`COINCIDENT`] of the line counts as on the side of its body's centre of mass; if that is on the line too, as on the
+/// left.
 ///
-/// Inside the face, and at a corner where the wall goes on straight, the normal is the face's own, on the side of
-/// the centre: the way from a near point to the centre would be a rounding error. A centre within [`COINCIDENT`]
-/// of the line is on the side where its body's centre of mass is; on the left if that is on the line, too.
-///
-/// `radius` \[m\] of the disk; `owner` \[m\] the centre of mass of its body.
+/// `radius` \[m\] is that of the disk; `owner` \[m\] is the centre of mass of its body.
 #[inline]
 pub fn meet_face(
     face: &Face,
@@ -126,14 +94,14 @@ pub fn meet_face(
     (meeting, part)
 }
 
-/// \[m\] Nearest points of two faces that both lie this near to their common corner are one point.
+/// \[m\] If the nearest points of two faces are both this close to their common corner, they are one point.
 const SAME_POINT: f64 = 1e-9;
 
-/// Whether the contact of a place with a point of a face, the nearest one, is this face's to book.
+/// Whether a contact with the nearest point of a face belongs to this face.
 ///
-/// A corner touches only when it is the nearest point of every face that meets there, and then once,
-/// on the lowest-numbered of them. At the seam of a straight wall drawn in two pieces rounding may put
-/// the nearest points of both just inside: that is one contact too, of the lower-numbered face.
+/// A corner touches only if it is the nearest point of every face that meets there. The contact then belongs to the
+/// face with the lowest number. Where a straight wall is drawn in two pieces, rounding may move the nearest points of
+/// both just inside; this too is one contact of the face with the lower number.
 pub fn books_contact(scene: &Scene, face: usize, (nearest, along): (Vec2, Along), place: Vec2) -> bool {
     let own = &scene.faces[face];
     let at = match along {

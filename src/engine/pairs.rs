@@ -1,72 +1,93 @@
-//! Candidates, the near pairs among them, and the springs these hold, as arrays.
+//! Candidates, near pairs and their springs, as arrays.
 
-use super::contacts::{Sight, Standing};
-use super::neighbours::Circle;
+use super::circle::Circle;
+use super::standing::Standing;
 use super::{BodyId, Disk, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
 use std::cmp::Ordering;
 
-/// What a pair remembers from one mechanical step to the next.
+/// The memory of a pair between mechanical steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spring {
-    /// \[m\] along the tangent.
+    /// \[m\] elongation along the tangent.
     pub elongation: f64,
     /// \[m/s\] tangential speed at the last evaluation.
     pub slip_speed: f64,
-    /// The part of the face it touched; disks are touched on the [`FacePart::Left`] by convention.
+    /// The part of the face it touched; for two disks it is [`FacePart::Left`] by convention.
     pub part: FacePart,
-    /// The evaluation that found the pair touching last: it holds a spring only if that was the one before.
+    /// Number of the last evaluation in which the pair touched. It has a spring only if that was the previous one.
     pub touched_at: u64,
 }
 
 impl Spring {
-    /// Never touched: evaluations count from [`FIRST_EVALUATION`].
+    /// A pair that never touched: evaluations are numbered from [`FIRST_EVALUATION`].
     pub const RELAXED: Spring =
         Spring { elongation: 0.0, slip_speed: 0.0, part: FacePart::Left, touched_at: 0 };
 }
 
-/// The evaluation that a state's springs were found by.
+/// The number of the evaluation to which the springs of a state belong.
 pub(super) const FIRST_EVALUATION: u64 = 1;
 
-/// Two disks of different bodies that may touch, with what a first look needs, side by side.
+/// Two disks of different bodies that may touch, with the data of a first check side by side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct DiskPair {
-    /// The receiver's.
+    /// Body of the receiver.
     pub first_body: BodyId,
-    /// The other's; a later one.
+    /// Body of the other disk; it has a higher index.
     pub second_body: BodyId,
-    /// \[m\] [`super::Disk::offset`] of the receiver.
+    /// \[m\] [`super::Disk::offset`] of the receiver's disk.
     pub first_offset: Vec2,
-    /// \[m\] The same of the other.
+    /// \[m\] [`super::Disk::offset`] of the other disk.
     pub second_offset: Vec2,
-    /// \[m\] sum of the radii.
+    /// \[m\] Sum of the radii.
     pub reach: f64,
 }
 
-/// What a contact of two disks needs beyond that.
+/// The relative position of two disks.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Sight {
+    /// \[m\] Vector from the other's centre to the receiver's.
+    pub between: Vec2,
+    /// \[m\] Vector from the receiver's centre of mass to its disk's centre.
+    pub arm: Vec2,
+    /// \[m\] Vector from the other's centre of mass to its disk's centre.
+    pub other_arm: Vec2,
+}
+
+impl DiskPair {
+    /// Returns the relative position of the disks for the present poses.
+    #[inline(always)]
+    pub fn seen(&self, standing: &[Standing]) -> Sight {
+        let (i, j) = (&standing[self.first_body.index()], &standing[self.second_body.index()]);
+        let (arm, other_arm) = (i.arm(self.first_offset), j.arm(self.second_offset));
+        Sight { between: (i.position + arm) - (j.position + other_arm), arm, other_arm }
+    }
+}
+
+/// The further data of a contact of two disks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct DiskPairDetail {
-    /// The receiver.
+    /// Disk of the receiver.
     pub first: DiskId,
-    /// The other.
+    /// The other disk.
     pub second: DiskId,
-    /// \[m\]
+    /// \[m\] Radius of the receiver's disk.
     pub first_radius: f64,
-    /// \[m\]
+    /// \[m\] Radius of the other disk.
     pub second_radius: f64,
-    /// Place in the table of laws.
+    /// Index in the table of laws.
     pub law: u32,
 }
 
 /// A disk and a face that may touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FacePair {
-    /// The receiver.
+    /// Disk of the receiver.
     pub disk: DiskId,
     /// The face.
     pub face: FaceId,
 }
 
-/// Pairs that may come near before long, ascending.
+/// Pairs that may soon be near, ascending.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Candidates {
     pub disks: Vec<(DiskId, DiskId)>,
@@ -75,8 +96,8 @@ pub(super) struct Candidates {
 
 /// Near pairs, ascending, each with its spring.
 ///
-/// The order makes sums independent of when the list was made: pairs that touch stand in the same
-/// order whatever others stand between them.
+/// The order makes sums independent of the time when the list was made: touching pairs are in the same order whatever
+/// other pairs are between them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pairs {
     pub disks: Vec<DiskPair>,
@@ -84,13 +105,13 @@ pub(super) struct Pairs {
     pub disk_springs: Vec<Spring>,
     pub faces: Vec<FacePair>,
     pub face_springs: Vec<Spring>,
-    /// Of some disk pairs, those that overlap at the present instant, and their places; scratch of the evaluation.
+    /// Among some disk pairs, those that overlap at the present instant, and their indices; scratch space.
     pub overlapping: Vec<(usize, Sight)>,
-    /// Of the list before this one; scratch of its renewal.
+    /// The previous list; scratch space.
     old: Old,
 }
 
-/// Springs and who they belong to.
+/// Springs and their pairs.
 #[derive(Debug, Clone, Default)]
 struct Old {
     disks: Vec<((DiskId, DiskId), Spring)>,
@@ -98,8 +119,7 @@ struct Old {
 }
 
 impl Pairs {
-    /// Lists the candidates that come nearer than a margin \[m\] instead of the pairs so far, whose springs stay
-    /// with those that are still listed.
+    /// Replaces the near pairs by the candidates nearer than a margin \[m\]. Pairs that remain keep their springs.
     pub fn renew(&mut self, scene: &Scene, standing: &[Standing], candidates: &Candidates, margin: f64) {
         self.put_aside();
         let mut old = self.old.disks.iter().copied().peekable();
@@ -118,14 +138,14 @@ impl Pairs {
         for &(disk, face) in &candidates.faces {
             let Disk { body, offset, radius, .. } = scene.disks[disk.index()];
             let circle = Circle { centre: standing[body.index()].centre(offset), radius };
-            if circle.nears_face(scene, face.index(), margin) {
+            if circle.nears_face(&scene.faces, face, margin) {
                 self.face_springs.push(kept(&mut old, (disk, face)));
                 self.faces.push(FacePair { disk, face });
             }
         }
     }
 
-    /// Empties the list, and keeps who holds which spring.
+    /// Empties the list, but keeps the springs and their pairs.
     fn put_aside(&mut self) {
         let disks = self.disk_details.iter().map(|pair| (pair.first, pair.second));
         self.old.disks.clear();
@@ -137,7 +157,7 @@ impl Pairs {
         self.disk_details.clear();
     }
 
-    /// Holds no pair.
+    /// Empties the list.
     pub fn clear(&mut self) {
         self.disks.clear();
         self.disk_details.clear();
@@ -146,19 +166,19 @@ impl Pairs {
         self.face_springs.clear();
     }
 
-    /// Lists the pair of a state's spring, which was found by the [`FIRST_EVALUATION`].
+    /// Adds the pair of a state's spring, which belongs to the [`FIRST_EVALUATION`].
     pub fn load_disks(&mut self, scene: &Scene, known: &DiskSpring) {
         push_disks(&mut self.disks, &mut self.disk_details, scene, known.first, known.second);
         self.disk_springs.push(loaded(known.elongation, FacePart::Left));
     }
 
-    /// The same for a spring at a face.
+    /// Adds the pair of a state's spring at a face.
     pub fn load_face(&mut self, known: &FaceSpring) {
         self.faces.push(FacePair { disk: known.disk, face: known.face });
         self.face_springs.push(loaded(known.elongation, known.part));
     }
 
-    /// Adds the springs of the pairs that an evaluation has found touching to the state.
+    /// Adds the springs of the pairs that touched in an evaluation to the state.
     pub fn store(&self, evaluation: u64, state: &mut State) {
         let touching = |spring: &Spring| spring.touched_at == evaluation;
         let disks = self.disk_details.iter().zip(&self.disk_springs);
@@ -196,11 +216,11 @@ fn push_disks(
     });
 }
 
-/// The spring of the contact that the k-th of these pairs has at a part of its face.
+/// Returns the spring of the k-th of these pairs at a part of its face.
 ///
-/// A contact that slides from one face to another that goes on straight is one contact: it keeps the spring of the
-/// pair that an evaluation has found touching `before` (Physics: how finely a straight wall is divided changes
-/// nothing).
+/// A contact that moves from one face to another that continues straight is the same contact: it keeps the spring of
+/// the pair that touched in the evaluation `before`. (How finely a straight wall is divided must not change the
+/// physics.)
 #[inline]
 pub(super) fn spring_at_face<'a>(
     scene: &Scene,
@@ -228,7 +248,7 @@ fn came_from<'a>(
 ) -> Option<&'a Spring> {
     let FacePair { disk, face } = faces[k];
     let line = |face: FaceId| scene.faces[face.index()].line;
-    // Pairs of a disk stand together.
+    // Pairs of a disk are adjacent.
     let first = faces.partition_point(|pair| pair.disk < disk);
     let of_disk = faces[first..].iter().zip(&springs[first..]).take_while(|(pair, _)| pair.disk == disk);
     let left = |(pair, spring): &(&FacePair, &Spring)| {
@@ -241,7 +261,7 @@ fn loaded(elongation: f64, part: FacePart) -> Spring {
     Spring { elongation, slip_speed: 0.0, part, touched_at: FIRST_EVALUATION }
 }
 
-/// The spring of the next listed pair among the old ones, ascending both: relaxed where it is new.
+/// Returns the spring of the next listed pair from the old list, both ascending; a new pair gets a relaxed spring.
 fn kept<Key: Copy + Ord>(
     old: &mut std::iter::Peekable<impl Iterator<Item = (Key, Spring)>>,
     key: Key,

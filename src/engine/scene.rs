@@ -1,12 +1,13 @@
-//! What does not change while time runs: bodies, disks, walls and the laws between materials.
+//! What is constant in time: bodies, disks, walls and the contact laws between materials.
 
+use super::face::Face;
 use super::face_grid::FaceGrid;
 use super::{BodyId, CornerId, DiskId, FaceId, LineId, Rotation, Vec2, WallId};
 use std::collections::HashMap;
 use std::ops::Range;
 use thiserror::Error;
 
-/// What a body is made of, as it is handed to [`Scene::new`].
+/// The properties of a body, for [`Scene::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodySpec {
     /// \[kg\] positive.
@@ -17,7 +18,7 @@ pub struct BodySpec {
     pub translation_rate: f64,
     /// \[1/s\] relaxation rate of the angular velocity, 1/t_rot ≥ 0.
     pub rotation_rate: f64,
-    /// At least one, from the left shoulder to the right one.
+    /// The disks, at least one, in order from the left shoulder to the right one.
     pub disks: Vec<DiskSpec>,
 }
 
@@ -26,18 +27,19 @@ pub struct BodySpec {
 pub struct DiskSpec {
     /// \[m\] positive.
     pub radius: f64,
-    /// \[m\] from the centre of mass, at the orientation that the disks themselves show.
+    /// \[m\] position relative to the centre of mass, at the orientation that the disks themselves define (see
+    /// [`shown_orientation`]).
     pub position: Vec2,
     /// Place in the table of laws.
     pub material: usize,
 }
 
-/// A wall, as it is handed to [`Scene::new`].
+/// A wall, for [`Scene::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallSpec {
     /// Place in the table of laws.
     pub material: usize,
-    /// \[m\] at least two; closed when the first stands again at the end.
+    /// \[m\] at least two corners; the wall is closed if the last one is at the place of the first.
     pub corners: Vec<Vec2>,
 }
 
@@ -56,7 +58,7 @@ pub struct PairLaw {
     pub friction: f64,
 }
 
-/// The law of every pair of materials; `None` where nobody said one.
+/// The contact law of every pair of materials; `None` where none is defined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawTable {
     materials: usize,
@@ -64,7 +66,7 @@ pub struct LawTable {
 }
 
 impl LawTable {
-    /// No law yet for any pair of so many materials.
+    /// A table for this number of materials, without laws.
     pub fn new(materials: usize) -> LawTable {
         LawTable { materials, laws: vec![None; materials * materials] }
     }
@@ -96,11 +98,11 @@ pub struct Body {
     pub translation_rate: f64,
     /// \[1/s\]
     pub rotation_rate: f64,
-    /// Bodies of the same two rates fly alike: place in [`Scene::flyers`].
+    /// Bodies with the same two relaxation rates share a flight: its place in [`Scene::flyers`].
     pub(super) flyer: u32,
     /// Its disks, as places in [`Scene::disks`].
     pub disks: Range<usize>,
-    /// \[m\] radius of the circle about the centre of mass that holds every disk.
+    /// \[m\] radius of the circle about the centre of mass that contains every disk.
     pub bounding_radius: f64,
     /// \[m\] distance of the farthest disk's centre from the centre of mass.
     pub reach: f64,
@@ -109,7 +111,7 @@ pub struct Body {
 /// A disk of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disk {
-    /// Whose it is.
+    /// The owner.
     pub body: BodyId,
     /// \[m\]
     pub radius: f64,
@@ -119,33 +121,7 @@ pub struct Disk {
     pub material: usize,
 }
 
-/// One straight piece of a wall, solid from both sides.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Face {
-    /// Whose it is.
-    pub wall: WallId,
-    /// Place in the table of laws.
-    pub material: usize,
-    /// \[m\]
-    pub start: Vec2,
-    /// \[m\]
-    pub end: Vec2,
-    /// The corner at the start.
-    pub start_corner: CornerId,
-    /// The corner at the end.
-    pub end_corner: CornerId,
-    /// Unit vector across it, to the left of the way from start to end; zero if it has no length.
-    pub normal: Vec2,
-    /// Faces of one wall that go on straight into each other are of one line, which acts on a disk like one
-    /// long face.
-    pub line: LineId,
-    /// Whether the wall goes on straight before the start, to 1e-6 rad.
-    pub straight_before: bool,
-    /// Whether the wall goes on straight after the end, to 1e-6 rad.
-    pub straight_after: bool,
-}
-
-/// \[rad\] Faces whose directions differ by no more go on straight into each other.
+/// \[rad\] Consecutive faces whose directions differ by at most this much count as straight.
 const STRAIGHT: f64 = 1e-6;
 
 /// A point where faces of one wall meet, or where a wall ends.
@@ -153,7 +129,7 @@ const STRAIGHT: f64 = 1e-6;
 pub struct Corner {
     /// \[m\]
     pub position: Vec2,
-    /// The faces that meet here, ascending; contacts with the corner are booked on the first.
+    /// The faces that meet here, ascending. Contacts with the corner are assigned to the first.
     pub faces: Vec<FaceId>,
 }
 
@@ -164,7 +140,7 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Grouped by body.
     pub disks: Vec<Disk>,
-    /// One body for each two relaxation rates that occur.
+    /// One body for each pair of relaxation rates that occurs.
     pub(super) flyers: Vec<BodyId>,
     /// Grouped by wall.
     pub faces: Vec<Face>,
@@ -180,7 +156,7 @@ pub struct Scene {
 /// Why a scene cannot be built.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SceneError {
-    /// Two materials can touch and nobody said how.
+    /// Two materials can touch but have no contact law.
     #[error("materials {first} and {second} can touch but have no law")]
     MissingLaw {
         /// Place of the first material.
@@ -188,13 +164,13 @@ pub enum SceneError {
         /// Place of the second material.
         second: usize,
     },
-    /// More disks or faces than an index can hold.
+    /// There are more disks or faces than an index can represent.
     #[error("too many {0}")]
     TooMany(&'static str),
 }
 
-/// The orientation \[rad\] that the disks themselves show: the normal to the line from the first to
-/// the last (paper, fig. 6c); zero when the two coincide.
+/// The orientation \[rad\] that the disks themselves define: the normal to the line from the first to the last disk
+/// (paper, fig. 6c). Zero if the two coincide.
 pub fn shown_orientation(first: Vec2, last: Vec2) -> f64 {
     let line = last - first;
     if line == Vec2::ZERO { 0.0 } else { libm::atan2(line.x, -line.y) }
@@ -229,7 +205,7 @@ impl Scene {
             return Err(SceneError::TooMany("disks or faces"));
         }
         check_laws(bodies, walls, laws)?;
-        // Pairs that cannot touch never reach the law; any value serves.
+        // Pairs that cannot touch never use their law, so any value will do.
         let never = PairLaw {
             normal_stiffness: f64::NAN,
             tangential_stiffness: f64::NAN,
@@ -241,7 +217,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// `flyers` are the places of [`Scene::flyers`], by the bits of the rates.
+    /// `flyers` maps the bits of the rates to indices in [`Scene::flyers`].
     fn add_body(&mut self, spec: &BodySpec, flyers: &mut HashMap<[u64; 2], u32>) {
         let body = BodyId::from(self.bodies.len());
         let rates = [spec.translation_rate, spec.rotation_rate].map(f64::to_bits);
@@ -285,7 +261,7 @@ impl Scene {
         for ends in spec.corners.windows(2) {
             let face = FaceId::from(self.faces.len());
             let mut corner = |position: Vec2| {
-                // + 0.0 makes −0 and 0 one key.
+                // + 0.0 makes −0 and 0 the same key.
                 let key = ((position.x + 0.0).to_bits(), (position.y + 0.0).to_bits());
                 let at = *known.entry(key).or_insert_with(|| {
                     self.corners.push(Corner { position, faces: Vec::new() });
@@ -313,14 +289,14 @@ impl Scene {
         self.wall_faces.push(first_face..self.faces.len());
     }
 
-    /// Finds out where the faces of the last wall, from a place on, go on straight into each other.
+    /// Finds where successive faces of the last wall continue straight.
     fn join_lines(&mut self, first: usize) {
         for face in first + 1..self.faces.len() {
             if self.goes_on(face - 1, face) {
                 self.faces[face].line = self.faces[face - 1].line;
             }
         }
-        // A wall of two faces that is closed goes back where it came from.
+        // A closed wall of two faces goes back along itself.
         let Some(last) = self.faces.len().checked_sub(1).filter(|last| *last > first + 1) else { return };
         if self.goes_on(last, first) {
             let (from, to) = (self.faces[last].line, self.faces[first].line);
@@ -328,7 +304,7 @@ impl Scene {
         }
     }
 
-    /// Notes whether a face goes on straight into another that begins where it ends, and where no third one begins.
+    /// Notes if a face continues straight into another that begins where it ends, and no third face begins there.
     fn goes_on(&mut self, before: usize, after: usize) -> bool {
         let (one, other) = (&self.faces[before], &self.faces[after]);
         let straight = one.end_corner == other.start_corner
@@ -340,32 +316,32 @@ impl Scene {
         straight
     }
 
-    /// The law of two materials.
+    /// Returns the law of two materials.
     #[inline]
     pub fn law(&self, first: usize, second: usize) -> &PairLaw {
         self.law_at(self.law_between(first, second))
     }
 
-    /// The place of the law of two materials.
+    /// Returns the index of the law of two materials.
     #[inline]
     pub(super) fn law_between(&self, first: usize, second: usize) -> u32 {
         (first * self.materials + second) as u32
     }
 
-    /// The law at a place.
+    /// Returns the law at an index.
     #[inline]
     pub(super) fn law_at(&self, place: u32) -> &PairLaw {
         &self.laws[place as usize]
     }
 
-    /// The body that carries a disk.
+    /// Returns the body of a disk.
     #[inline]
     pub fn body_of(&self, disk: DiskId) -> BodyId {
         self.disks[disk.index()].body
     }
 }
 
-/// The unit vector to the left of the way from one point to another; zero if they are one.
+/// The unit vector to the left of the direction from one point to another; zero if the points are equal.
 fn across(from: Vec2, to: Vec2) -> Vec2 {
     let along = to - from;
     let length = libm::hypot(along.x, along.y);
@@ -373,7 +349,7 @@ fn across(from: Vec2, to: Vec2) -> Vec2 {
 }
 
 fn check_laws(bodies: &[BodySpec], walls: &[WallSpec], laws: &LawTable) -> Result<(), SceneError> {
-    /// Which bodies carry a material: enough to know whether two different ones do.
+    /// The bodies that have a material: only whether two different bodies do.
     #[derive(Clone, Copy, PartialEq)]
     enum Carriers {
         None,

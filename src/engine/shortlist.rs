@@ -1,17 +1,18 @@
-//! Who can touch nothing during a communication step (App. B), proved rather than guessed.
+//! Finds bodies that cannot touch anything during a communication step (App. B), with a proof.
 //!
-//! Without contact a body follows the closed form of its [`Drive`], so a circle can be given that holds
-//! it from beginning to end. Bodies whose circles stay clear of each other and of every wall are *free*.
-//! The proof is kept up while time runs: a body that is not free moves by mechanical steps, and as soon
-//! as it comes near a free body's circle, that body is taken into the mechanical steps too, at the
-//! closed form's pose of that instant. So a push that travels through a row within one step is not missed.
+//! Without contact a body follows the closed-form solution for its [`Drive`]. So a circle can be computed that contains
+//! it from beginning to end. Bodies whose circles stay clear of each other and of every wall are *free*. The proof is
+//! maintained during the step: bodies that are not free move by mechanical steps, and as soon as one comes near a free
+//! body's circle, the free body moves by mechanical steps too, from its closed-form pose at that instant. So a push
+//! that travels through a row within one step is not missed.
 
-use super::free_flight::Drive;
-use super::neighbours::{CellGrid, Circle, SKIN, nears_a_face};
+use super::circle::Circle;
+use super::free_flight::Course;
+use super::neighbours::{CellGrid, SKIN, nears_a_face};
 use super::{Scene, State};
 
-/// A body whose path is longer than this many times the largest body's radius is not shortlisted: its
-/// circle would make the cells of the grid large for everybody.
+/// A body whose half path is longer than this many times the largest body's radius is not free: its circle would make
+/// the grid's cells too large.
 const LONGEST_HALF_PATH: f64 = 4.0;
 
 /// How a body is moved.
@@ -36,13 +37,13 @@ pub enum Shortlisting {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Shortlist {
     pub activity: Vec<Activity>,
-    /// Holds the body during the whole communication step as long as nothing touches it.
+    /// Circles that contain the bodies during the whole communication step as long as nothing touches them.
     pub swept: Vec<Circle>,
 }
 
 impl Shortlist {
-    /// Decides who is free over a duration \[s\].
-    pub fn decide<D: Drive>(
+    /// Decides which bodies are free over a duration \[s\].
+    pub fn decide<D: Course>(
         scene: &Scene,
         state: &State,
         drives: &[D],
@@ -58,9 +59,9 @@ impl Shortlist {
                 let (pose, twist) = (state.poses[b], state.twists[b]);
                 let flight = &flights[body.flyer as usize];
                 let (end, end_twist) = drives[b].fly(flight, pose, twist);
-                // Under a held drive the velocity stays on the segment between its first and last value. A
-                // change of the drive adds a motion along one line, never backwards. So no path is longer
-                // than this, and a path lies within half its length of the middle of its ends.
+                // Under a constant drive the velocity stays on the segment between its first and last value. A change
+                // of the drive adds a motion along one line, never backwards. So no path is longer than this, and it
+                // stays within half its length of the midpoint of its ends.
                 let (velocity_by_change, path_by_change) = drives[b].added_by_change(flight);
                 let held = end_twist.velocity - velocity_by_change;
                 let path = duration * twist.velocity.norm().max(held.norm()) + path_by_change;
@@ -78,7 +79,7 @@ impl Shortlist {
             .iter()
             .zip(&scene.bodies)
             .map(|(circle, body)| {
-                // A path that is not a number is not free.
+                // A body whose path is not a number is not free.
                 if circle.radius - body.bounding_radius <= LONGEST_HALF_PATH * largest {
                     Activity::Free
                 } else {
@@ -92,7 +93,7 @@ impl Shortlist {
         for b in short {
             let circle = &swept[b];
             let mut near = 0;
-            // It is near itself.
+            // The grid finds the circle itself too.
             grid.for_each_near(circle, SKIN, |_| near += 1);
             if near > 1 || nears_a_face(scene, circle, &mut found) {
                 activity[b] = Activity::Active;
@@ -104,30 +105,20 @@ impl Shortlist {
 
 #[cfg(test)]
 mod tests {
+    use super::super::balls::Ball;
     use super::super::free_flight::Ramp;
-    use super::super::{BodySpec, DiskSpec, LawTable, PairLaw, Pose, Twist, Vec2, Wrench, vec2};
+    use super::super::{Pose, Twist, Vec2, Wrench, vec2};
     use super::*;
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
     /// A round body of 1 kg with a radius of 1 mm.
-    fn speck(translation_rate: f64) -> Scene {
-        let mut laws = LawTable::new(1);
-        let law = PairLaw {
-            normal_stiffness: 1.0,
-            tangential_stiffness: 1.0,
-            normal_damping: 0.0,
-            tangential_damping: 0.0,
-            friction: 0.0,
-        };
-        laws.set(0, 0, law);
-        let disks = vec![DiskSpec { radius: 0.001, position: Vec2::ZERO, material: 0 }];
-        let body = BodySpec { mass: 1.0, inertia: 1.0, translation_rate, rotation_rate: 0.0, disks };
-        Scene::new(&[body], &[], &laws).expect("the pair has the law")
+    fn speck(relaxation: f64) -> Scene {
+        Ball { mass: 1.0, radius: 0.001, relaxation, stiffness: 1.0 }.scene(1)
     }
 
     /// By how much \[m\] the body leaves its swept circle.
-    fn outside<D: Drive>(scene: &Scene, velocity: Vec2, drive: D, duration: f64) -> f64 {
+    fn outside<D: Course>(scene: &Scene, velocity: Vec2, drive: D, duration: f64) -> f64 {
         let (pose, twist) = (Pose::default(), Twist { velocity, angular_velocity: 0.0 });
         let state = State::new(vec![pose], vec![twist]);
         let circle = Shortlist::decide(scene, &state, &[drive], duration, Shortlisting::On).swept[0];

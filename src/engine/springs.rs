@@ -1,23 +1,24 @@
-//! Springs from the vectors that files hold.
+//! Springs from the vectors in files.
 
-use super::overlap::{COINCIDENT, Meeting, meet_face, nearest_on_face, unit};
+use super::face::nearest_on_face;
+use super::overlap::{COINCIDENT, Meeting, meet_face, unit};
 use super::{Disk, DiskId, DiskSpring, FaceId, FaceSpring, Pose, Rotation, Scene, Vec2};
 
 impl Scene {
-    /// \[m\] the centre of a disk, with bodies at their poses.
+    /// Returns the centre \[m\] of a disk when the bodies are at these poses.
     pub fn centre(&self, disk: DiskId, poses: &[Pose]) -> Vec2 {
         let disk = &self.disks[disk.index()];
         let pose = &poses[disk.body.index()];
         pose.position + disk.offset.rotated(Rotation::by(pose.orientation))
     }
 
-    /// The spring between two disks whose elongation is a vector \[m\], as the first one sees it.
+    /// Returns the spring between two disks from its elongation vector \[m\], as seen by the first disk.
     pub fn disk_spring(&self, first: DiskId, second: DiskId, elongation: Vec2, poses: &[Pose]) -> DiskSpring {
         let between = self.centre(first, poses) - self.centre(second, poses);
         DiskSpring { first, second, elongation: elongation_along(between, elongation) }
     }
 
-    /// The spring between a disk and a face whose elongation is a vector \[m\].
+    /// Returns the spring between a disk and a face from its elongation vector \[m\].
     pub fn face_spring(&self, disk: DiskId, face: FaceId, elongation: Vec2, poses: &[Pose]) -> FaceSpring {
         let (centre, Disk { body, radius, .. }) = (self.centre(disk, poses), &self.disks[disk.index()]);
         let of_wall = &self.faces[face.index()];
@@ -32,22 +33,22 @@ impl Scene {
     }
 }
 
-/// The component along the tangent of a contact whose centres lie `between` apart.
+/// The component along the tangent of a contact; `between` is the vector between the centres.
 fn elongation_along(between: Vec2, elongation: Vec2) -> f64 {
     let distance = between.norm();
     if distance <= COINCIDENT { 0.0 } else { elongation.dot(unit(between, distance).perp()) }
 }
 
-/// The vector of a spring's elongation along the tangent, which reads back to the same double: where the
-/// plain product does not, its components are moved by some units in the last place.
+/// Returns the elongation vector along the tangent. Reading it gives the same double: where the plain product does not,
+/// its components are changed by some units in the last place.
 pub fn elongation_vector(tangent: Vec2, elongation: f64) -> Vec2 {
-    /// Both signs, nearest first.
+    /// Integers of both signs, smallest first.
     fn around(farthest: i64) -> impl Iterator<Item = i64> {
         (0..=farthest).flat_map(|by| [by, -by])
     }
     let ulps = |value: f64, by: i64| f64::from_bits(value.to_bits().saturating_add_signed(by));
     let plain = tangent * elongation;
-    // The larger component moves the product by about its own unit, the smaller one by less.
+    // The larger component changes the product by about its own unit, the smaller one by less.
     let near = around(3).flat_map(|large| around(32).map(move |small| (large, small)));
     let moved = near.map(|(large, small)| {
         let (x, y) = if plain.x.abs() < plain.y.abs() { (small, large) } else { (large, small) };

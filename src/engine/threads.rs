@@ -1,4 +1,4 @@
-//! Threads of one world: a pool of its own, or none.
+//! Threads of a world: a pool of its own, or none.
 
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -14,28 +14,28 @@ pub struct ThreadsError {
     reason: String,
 }
 
-/// Who does the work of a communication step: the calling thread, or a pool.
+/// Executes the work of a communication step: with the calling thread, or a pool.
 ///
-/// Clones share the pool. It is gone, its threads joined, when the last of them is dropped: a host may unload
-/// this library right after.
+/// Clones share the pool. When the last of them is dropped, the pool is dropped and its threads are joined, because a
+/// host may unload this library right after.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Threads(Option<Arc<Pool>>);
 
 impl Threads {
-    /// So many threads; none are started for one or none.
+    /// Starts `count` threads; none if it is 0 or 1.
     ///
     /// # Errors
-    /// The system does not give them.
+    /// The system cannot start them.
     pub fn new(count: usize) -> Result<Threads, ThreadsError> {
         if count <= 1 { Ok(Threads(None)) } else { Ok(Threads(Some(Arc::new(Pool::new(count)?)))) }
     }
 
-    /// How many.
+    /// Returns the number of threads.
     pub fn count(&self) -> usize {
         self.0.as_ref().map_or(1, |pool| pool.count)
     }
 
-    /// Does something where [`Threads::each`] shares out its work.
+    /// Runs a function inside the pool, so that [`Threads::each`] in it uses the pool.
     pub(super) fn enter<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match self.0.as_deref().and_then(|pool| pool.threads.as_ref()) {
             Some(threads) => threads.install(work),
@@ -43,7 +43,7 @@ impl Threads {
         }
     }
 
-    /// Does the work on every item, in any order.
+    /// Applies the work to every item, in any order.
     #[inline]
     pub(super) fn each<T: Send>(&self, items: impl Iterator<Item = T>, work: impl Fn(T) + Send + Sync) {
         if self.0.is_some() {
@@ -57,7 +57,7 @@ impl Threads {
 #[derive(Debug)]
 struct Pool {
     count: usize,
-    /// Some, until dropped.
+    /// `Some` until it is dropped.
     threads: Option<ThreadPool>,
     handles: Vec<JoinHandle<()>>,
 }
@@ -88,7 +88,7 @@ impl Pool {
 
 impl Drop for Pool {
     fn drop(&mut self) {
-        // Tells the threads to end, and does not wait for them.
+        // This tells the threads to end but does not wait for them.
         self.threads = None;
         join(std::mem::take(&mut self.handles));
     }
@@ -96,7 +96,7 @@ impl Drop for Pool {
 
 fn join(handles: Vec<JoinHandle<()>>) {
     for handle in handles {
-        // A thread that has panicked is gone too.
+        // A thread that panicked has ended too.
         let _ = handle.join();
     }
 }

@@ -1,50 +1,52 @@
-//! The world: owns scene, drive and state, and advances them.
+//! The world owns scene, drive and state, and advances them in time.
 
-use super::blocks::Flown;
+use super::blocks::Blocks;
+use super::circle::Circle;
 use super::contacts::{ContactReport, Stretch};
-use super::free_flight::Drive;
+use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
-use super::neighbours::{CellGrid, Circle, Crowded, Near, SKIN};
+use super::neighbours::{CellGrid, Crowded, Near, SKIN};
 use super::shortlist::{Activity, Shortlist};
 use super::{BodyId, Exposure, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
 use thiserror::Error;
 
-/// More mechanical steps than this in one communication step are refused: they would never end.
+/// Largest number of mechanical steps in one communication step; more would take for ever.
 const MOST_STEPS: f64 = 1e12;
 
-/// See [`World::share_from`]. A step of so much work takes some 20 µs; handing it over takes some of them.
+/// See [`World::share_from`]. A step with this amount of work takes about 20 µs; sharing it costs a fraction of that.
 const SHARE_FROM: usize = 1800;
 
-/// More threads than this are not started, however many somebody asks for.
+/// Largest number of threads that are started, however many are requested.
 pub const MOST_THREADS: usize = 64;
 
-/// How far H / TimeStepMechanical may exceed an integer and still be it: communication steps come with
-/// rounding errors from other people's arithmetic.
+/// By how much H / TimeStepMechanical may exceed a whole number and still count as this number: communication
+/// steps contain rounding errors of the master.
 const STEP_COUNT_TOLERANCE: f64 = 1e-9;
 
-/// Why a step was refused or failed; the world is as it was before.
+/// Why a step was refused or failed. The world is unchanged.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum AdvanceError {
     /// The communication step is not a positive finite number.
     #[error("a communication step of {0:?} s: must be positive and finite")]
     Duration(f64),
-    /// The communication step holds absurdly many mechanical steps.
+    /// The communication step contains far too many mechanical steps.
     #[error(
         "a communication step of {duration:?} s at a mechanical step of {mechanical_step:?} s takes too many steps"
     )]
     TooManySteps {
-        /// \[s\]
+        /// \[s\] communication step.
         duration: f64,
-        /// \[s\]
+        /// \[s\] mechanical step.
         mechanical_step: f64,
     },
-    /// The motion of a body, or a force on it, is no longer a finite number: the mechanical step is too long, or forces are absurd.
-    #[error("its motion is no longer finite: is the mechanical step short enough?")]
+    /// The motion of a body, or a force on it, is no longer a finite number: the mechanical step is too long, or the
+    /// forces are far too large.
+    #[error("its motion is no longer finite; the mechanical step may be too long")]
     NotFinite {
-        /// Which.
+        /// The body.
         body: BodyId,
     },
-    /// More pairs come near each other than are held in memory.
+    /// More pairs come near each other than the limit of memory allows.
     #[error(transparent)]
     Crowded(#[from] Crowded),
 }
@@ -53,7 +55,7 @@ pub enum AdvanceError {
 /// `duration / n ≤ mechanical_step` up to rounding.
 ///
 /// # Errors
-/// A duration that is not positive and finite, or absurdly many steps.
+/// The duration is not positive and finite, or there are far too many steps.
 pub fn step_count(duration: f64, mechanical_step: f64) -> Result<u64, AdvanceError> {
     if !(duration > 0.0 && duration.is_finite()) {
         return Err(AdvanceError::Duration(duration));
@@ -67,28 +69,28 @@ pub fn step_count(duration: f64, mechanical_step: f64) -> Result<u64, AdvanceErr
     Ok(steps.max(1.0) as u64)
 }
 
-/// Scene, drive and state; advanced by [`World::advance`].
+/// Scene, drive and state. [`World::advance`] advances them.
 #[derive(Debug, Clone)]
 pub struct World {
     scene: Scene,
     state: State,
-    /// F_p and M_p of each body when a communication step begins; held over it where `drive_rate` is zero.
+    /// F_p and M_p of each body at the start of a communication step; constant over the step if `drive_rate` is zero.
     pub drive: Vec<Wrench>,
-    /// \[N/s\], \[N.m/s\] how F_p and M_p of each body change during a communication step; zero at first.
+    /// \[N/s\], \[N.m/s\] rates at which F_p and M_p of each body change during a communication step; initially zero.
     ///
-    /// A time t into the step the drive is `drive + drive_rate·t`. [`World::advance`] changes neither of
-    /// them, so a rate acts in every step until it is set back, from `drive` anew each time. Like the drive
-    /// it is no part of the [`State`].
+    /// At a time t after the start of the step the drive is `drive + drive_rate·t`. [`World::advance`] changes
+    /// neither of them. A rate therefore acts in every step until it is set to zero, and each step begins again
+    /// with `drive`. Like the drive, the rate is not part of the [`State`].
     pub drive_rate: Vec<Wrench>,
-    /// \[s\] positive; the longest mechanical step.
+    /// \[s\] the longest mechanical step; positive.
     pub mechanical_step: f64,
-    /// Whether bodies that can touch nothing are moved by the closed form.
+    /// Whether bodies that can touch nothing are moved by the closed-form solution.
     pub shortlisting: Shortlisting,
-    /// Communication steps in which fewer bodies move by mechanical steps, twice the contacts added, are left
-    /// to one thread, as it is when they begin; results do not depend on it.
+    /// A communication step is left to one thread if, at its start, the number of bodies that move by mechanical
+    /// steps plus twice the number of contacts is less than this. Results do not depend on it.
     pub share_from: usize,
     threads: Threads,
-    /// Communication steps that threads have shared.
+    /// Number of communication steps that several threads have shared.
     shared: u64,
     contacts: ContactReport,
     exposures: Vec<Exposure>,
@@ -97,12 +99,12 @@ pub struct World {
 }
 
 impl World {
-    /// A world at a state, without drive.
+    /// Makes a world in a given state, without drive.
     ///
-    /// The state has one pose and one twist for each body; springs of pairs that do not touch are dropped.
+    /// The state must have one pose and one twist for each body. Springs of pairs that do not touch are dropped.
     ///
     /// # Errors
-    /// More pairs are near each other than are held in memory.
+    /// More pairs are near each other than the limit of memory allows.
     pub fn new(scene: Scene, state: State, mechanical_step: f64) -> Result<World, Crowded> {
         assert_eq!(state.poses.len(), scene.bodies.len(), "one pose for each body");
         assert_eq!(state.twists.len(), scene.bodies.len(), "one twist for each body");
@@ -135,14 +137,14 @@ impl World {
         &self.state
     }
 
-    /// Shares the work out to so many threads, of a pool that this world and its clones own; results do not depend
-    /// on it, to the last bit.
+    /// Shares the work among this number of threads, of a pool that belongs to this world and its clones. The results
+    /// are the same for any number, to the last bit.
     ///
-    /// No more are started than there are blocks of 512 bodies, nor than [`MOST_THREADS`], and none where there is one
-    /// block: handing work over would cost more than it saves.
+    /// At most as many threads are started as there are blocks of 512 bodies, and at most [`MOST_THREADS`]. For one
+    /// block none is started: to hand work over would cost more than it saves.
     ///
     /// # Errors
-    /// The system does not give them; the world works on as it did.
+    /// The system cannot start them. The world then works as before.
     pub fn set_threads(&mut self, count: usize) -> Result<(), ThreadsError> {
         let count = count.min(self.scratch.blocks.blocks.len()).clamp(1, MOST_THREADS);
         if count != self.threads.count() {
@@ -151,22 +153,22 @@ impl World {
         Ok(())
     }
 
-    /// Works with the threads of another world: starting new ones takes longer.
+    /// Uses the threads of another world, because it takes longer to start new ones.
     pub fn share_threads(&mut self, other: &World) {
         self.threads = other.threads.clone();
     }
 
-    /// How many threads do the work.
+    /// The number of threads that do the work.
     pub fn threads(&self) -> usize {
         self.threads.count()
     }
 
-    /// How many communication steps threads have shared since the world was made.
+    /// The number of communication steps that several threads have shared since the world was made.
     pub fn shared(&self) -> u64 {
         self.shared
     }
 
-    /// The contacts at the present state.
+    /// The contacts in the present state.
     pub fn contacts(&self) -> &ContactReport {
         &self.contacts
     }
@@ -186,13 +188,13 @@ impl World {
         &self.work
     }
 
-    /// Puts the world into a state of the same scene; run on, it gives the same bits as the world that
-    /// the state was taken from.
+    /// Puts the world into a state of the same scene. From there on it gives the same bits as the world from which
+    /// the state was taken.
     ///
-    /// The [`World::exposures`] are no part of a state: they are those of its instant then.
+    /// The [`World::exposures`] are not part of a state. They are then those of the contacts at this time.
     ///
     /// # Errors
-    /// More pairs are near each other than are held in memory; nothing has changed then.
+    /// More pairs are near each other than the limit of memory allows. The world is then unchanged.
     pub fn restore(&mut self, mut state: State) -> Result<(), Crowded> {
         let (scene, blocks) = (&self.scene, &mut self.scratch.blocks);
         blocks.load(scene, &state);
@@ -204,23 +206,23 @@ impl World {
         let (grid, alone) = (CellGrid::new(&circles, 0..circles.len(), SKIN), Threads::default());
         blocks.list(scene, &alone, &grid, &circles, |_| true)?;
         blocks.renew(scene, &alone, Near::default());
-        // Finds out which pairs touch, and how deeply; the forces are not wanted.
+        // Finds which pairs touch and how deeply; the forces are not used.
         blocks.evaluate(scene, &alone, Stretch::Hold, |_, bodies| {
             bodies.flown.iter_mut().zip(bodies.loads).for_each(|(flown, load)| flown.tally.add(load, 0.0));
             0.0
         });
         blocks.take_work();
         self.contacts = blocks.report(scene);
-        // What a step of no duration would show.
-        self.exposures = exposures(&blocks.flown, 0.0, &self.contacts);
+        // As after a step of duration zero.
+        self.exposures = exposures(blocks, 0.0, &self.contacts);
         blocks.store(&mut state);
         self.state = state;
         Ok(())
     }
 
-    /// As [`World::restore`], with the exposures of the step that ended there, one for each body.
+    /// Like [`World::restore`], with the exposures of the step that ended in this state, one for each body.
     ///
-    /// # Errors
+    /// Those of [`World::restore`].
     /// As [`World::restore`].
     pub fn restore_with(&mut self, state: State, exposures: Vec<Exposure>) -> Result<(), Crowded> {
         assert_eq!(exposures.len(), self.scene.bodies.len(), "one exposure for each body");
@@ -232,7 +234,7 @@ impl World {
     /// Advances by one communication step of a duration H \[s\], in mechanical steps of equal length.
     ///
     /// # Errors
-    /// [`AdvanceError`]; nothing has changed then.
+    /// See [`AdvanceError`]. The world is then unchanged.
     pub fn advance(&mut self, duration: f64) -> Result<(), AdvanceError> {
         let steps = step_count(duration, self.mechanical_step)?;
         let held = self.drive_rate.iter().all(|rate| *rate == Wrench::default());
@@ -252,11 +254,11 @@ impl World {
             return Err(AdvanceError::NotFinite { body: BodyId::from(b) });
         }
         let contacts = self.scratch.blocks.report(&self.scene);
-        // Forces that the next step would find absurd.
+        // Report forces that are not finite now, not in the next step.
         if let Some(body) = contacts.not_finite(&self.scene) {
             return Err(AdvanceError::NotFinite { body });
         }
-        let exposures = exposures(&self.scratch.blocks.flown, duration, &contacts);
+        let exposures = exposures(&self.scratch.blocks, duration, &contacts);
         if let Some(b) = exposures.iter().position(|exposure| !exposure.is_finite()) {
             return Err(AdvanceError::NotFinite { body: BodyId::from(b) });
         }
@@ -266,8 +268,8 @@ impl World {
         Ok(())
     }
 
-    /// The state after a communication step under drives of one kind.
-    fn moved<D: Drive>(&mut self, drives: &[D], duration: f64, steps: u64) -> Result<State, Crowded> {
+    /// Computes the state after a communication step under drives of one kind.
+    fn moved<D: Course>(&mut self, drives: &[D], duration: f64, steps: u64) -> Result<State, Crowded> {
         let shortlist = Shortlist::decide(&self.scene, &self.state, drives, duration, self.shortlisting);
         let active = shortlist.activity.iter().filter(|activity| **activity == Activity::Active).count();
         let alone = Threads::default();
@@ -294,41 +296,22 @@ impl World {
     }
 }
 
-/// What was added up over a duration \[s\]; at its end the contacts are these.
-fn exposures(bodies: &[Flown], duration: f64, contacts: &ContactReport) -> Vec<Exposure> {
-    let bodies = bodies.iter().zip(&contacts.bodies);
-    bodies.map(|(flown, body)| flown.tally.exposure(duration, body.squeeze)).collect()
+/// The exposures over a duration \[s\], from the sums and the contacts at its end.
+fn exposures(blocks: &Blocks, duration: f64, contacts: &ContactReport) -> Vec<Exposure> {
+    let bodies = blocks.flown.iter().zip(&blocks.deepest).zip(&contacts.bodies);
+    bodies.map(|((flown, deepest), body)| flown.tally.exposure(duration, body.squeeze, *deepest)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::{BodySpec, DiskSpec, LawTable, PairLaw, Pose, Twist, vec2};
+    use crate::engine::balls::Ball;
+    use crate::engine::{Pose, Twist, vec2};
 
     /// Two equal and opposite forces that move nobody: their sum of sizes is beyond all numbers.
     #[test]
     fn a_squeeze_beyond_all_numbers_is_an_error_and_changes_nothing() {
-        let mut laws = LawTable::new(1);
-        let (stiffness, none) = (1e308, 0.0);
-        laws.set(
-            0,
-            0,
-            PairLaw {
-                normal_stiffness: stiffness,
-                tangential_stiffness: stiffness,
-                normal_damping: none,
-                tangential_damping: none,
-                friction: none,
-            },
-        );
-        let body = BodySpec {
-            mass: 1e300,
-            inertia: 1.0,
-            translation_rate: 0.0,
-            rotation_rate: 0.0,
-            disks: vec![DiskSpec { radius: 1.0, position: vec2(0.0, 0.0), material: 0 }],
-        };
-        let scene = Scene::new(&[body.clone(), body.clone(), body], &[], &laws).unwrap();
+        let scene = Ball { mass: 1e300, radius: 1.0, relaxation: 0.0, stiffness: 1e308 }.scene(3);
         let poses = [-1.0, 0.0, 1.0].map(|x| Pose { position: vec2(x, 0.0), orientation: 0.0 });
         let mut world =
             World::new(scene, State::new(poses.to_vec(), vec![Twist::default(); 3]), 1e-12).unwrap();
@@ -340,23 +323,7 @@ mod tests {
     /// Three thousand grains fly to one point, where there are 4.5 million pairs of them.
     #[test]
     fn who_come_together_in_thousands_are_an_error_and_change_nothing() {
-        let mut laws = LawTable::new(1);
-        let law = PairLaw {
-            normal_stiffness: 1.0,
-            tangential_stiffness: 1.0,
-            normal_damping: 0.0,
-            tangential_damping: 0.0,
-            friction: 0.0,
-        };
-        laws.set(0, 0, law);
-        let body = BodySpec {
-            mass: 1e3,
-            inertia: 1.0,
-            translation_rate: 0.0,
-            rotation_rate: 0.0,
-            disks: vec![DiskSpec { radius: 1e-3, position: vec2(0.0, 0.0), material: 0 }],
-        };
-        let scene = Scene::new(&vec![body; 3000], &[], &laws).unwrap();
+        let scene = Ball { mass: 1e3, radius: 1e-3, relaxation: 0.0, stiffness: 1.0 }.scene(3000);
         let out = |k: i32| vec2(100.0, 0.0).rotated(crate::engine::Rotation::by(f64::from(k) * 0.002));
         let poses = (0..3000).map(|k| Pose { position: out(k), orientation: 0.0 }).collect();
         let twists = (0..3000).map(|k| Twist { velocity: -out(k), angular_velocity: 0.0 }).collect();

@@ -122,8 +122,8 @@ fn what_is_no_first_derivative_of_an_input_is_refused_and_named() {
         (("agent[0].Fp.x", 0, 1.0), ["agent[0].Fp.x", "order 0"]),
         (("agent[0].Fp.y", 1, f64::NAN), ["agent[0].Fp.y", "finite"]),
         (("agent[0].Mp", 1, f64::INFINITY), ["agent[0].Mp", "finite"]),
-        (("agent[0].Velocity.x", 1, 1.0), ["agent[0].Velocity.x", "no input"]),
-        (("agent[0].Mass", 1, 1.0), ["agent[0].Mass", "no input"]),
+        (("agent[0].Velocity.x", 1, 1.0), ["agent[0].Velocity.x", "not an input"]),
+        (("agent[0].Mass", 1, 1.0), ["agent[0].Mass", "not an input"]),
         (("Threads", 1, 1.0), ["no variable of type Real", "reference"]),
     ] {
         let (names, orders, values) = ([good.0, bad.0], [good.1, bad.1], [good.2, bad.2]);

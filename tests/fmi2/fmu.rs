@@ -1,100 +1,17 @@
-//! The library's functions, declared here anew from the standard, and an instance with its log.
+//! The built library, packed FMUs of it, and an instance with its log.
 
 use crowd_mechanics::pack::{Binary, Package, host_platform};
-use crowd_mechanics::trial::Trial;
+use crowd_mechanics::setup;
 use crowd_mechanics::variables::{Kind, guid, table};
+pub use lemons_testing::fmi2::*;
+pub use lemons_testing::{copy_tree, trial_push as paper};
 use libloading::Library;
 use std::collections::HashMap;
-use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::{Path, PathBuf};
 use std::ptr::{null, null_mut};
-use std::sync::{Mutex, OnceLock};
+use std::sync::OnceLock;
 use tempfile::TempDir;
-
-pub const OK: c_int = 0;
-pub const WARNING: c_int = 1;
-pub const DISCARD: c_int = 2;
-pub const ERROR: c_int = 3;
-
-pub const CO_SIMULATION: c_int = 1;
-
-/// The standard's logger is variadic, which stable Rust cannot define. All calls of this library pass
-/// one argument, the text for "%s"; by the C calling conventions of Linux on x86_64 and aarch64 a variadic
-/// call places six pointers where a callee of six fixed pointers looks for them: in registers.
-type Logger =
-    unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, *const c_char);
-
-/// `fmi2CallbackFunctions`
-#[repr(C)]
-pub struct Callbacks {
-    pub logger: Option<Logger>,
-    pub allocate_memory: *const c_void,
-    pub free_memory: *const c_void,
-    pub step_finished: *const c_void,
-    pub environment: *mut c_void,
-}
-
-macro_rules! functions {
-    ($($name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
-        /// All of FMI 2.0 co-simulation.
-        #[allow(non_snake_case)] // FMI's own names
-        pub struct Functions {
-            $(pub $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
-        }
-
-        pub const NAMES: &[&str] = &[$(stringify!($name)),*];
-
-        impl Functions {
-            fn of(library: &Library) -> Functions {
-                Functions {
-                    $($name: *unsafe { library.get(stringify!($name)) }
-                        .unwrap_or_else(|error| panic!("{} is not exported: {error}", stringify!($name))),)*
-                }
-            }
-        }
-    };
-}
-
-functions! {
-    fmi2GetTypesPlatform() -> *const c_char;
-    fmi2GetVersion() -> *const c_char;
-    fmi2SetDebugLogging(*mut c_void, c_int, usize, *const *const c_char) -> c_int;
-    fmi2Instantiate(
-        *const c_char, c_int, *const c_char, *const c_char, *const Callbacks, c_int, c_int
-    ) -> *mut c_void;
-    fmi2FreeInstance(*mut c_void);
-    fmi2SetupExperiment(*mut c_void, c_int, f64, f64, c_int, f64) -> c_int;
-    fmi2EnterInitializationMode(*mut c_void) -> c_int;
-    fmi2ExitInitializationMode(*mut c_void) -> c_int;
-    fmi2Terminate(*mut c_void) -> c_int;
-    fmi2Reset(*mut c_void) -> c_int;
-    fmi2GetReal(*mut c_void, *const c_uint, usize, *mut f64) -> c_int;
-    fmi2GetInteger(*mut c_void, *const c_uint, usize, *mut c_int) -> c_int;
-    fmi2GetBoolean(*mut c_void, *const c_uint, usize, *mut c_int) -> c_int;
-    fmi2GetString(*mut c_void, *const c_uint, usize, *mut *const c_char) -> c_int;
-    fmi2SetReal(*mut c_void, *const c_uint, usize, *const f64) -> c_int;
-    fmi2SetInteger(*mut c_void, *const c_uint, usize, *const c_int) -> c_int;
-    fmi2SetBoolean(*mut c_void, *const c_uint, usize, *const c_int) -> c_int;
-    fmi2SetString(*mut c_void, *const c_uint, usize, *const *const c_char) -> c_int;
-    fmi2GetFMUstate(*mut c_void, *mut *mut c_void) -> c_int;
-    fmi2SetFMUstate(*mut c_void, *mut c_void) -> c_int;
-    fmi2FreeFMUstate(*mut c_void, *mut *mut c_void) -> c_int;
-    fmi2SerializedFMUstateSize(*mut c_void, *mut c_void, *mut usize) -> c_int;
-    fmi2SerializeFMUstate(*mut c_void, *mut c_void, *mut u8, usize) -> c_int;
-    fmi2DeSerializeFMUstate(*mut c_void, *const u8, usize, *mut *mut c_void) -> c_int;
-    fmi2GetDirectionalDerivative(
-        *mut c_void, *const c_uint, usize, *const c_uint, usize, *const f64, *mut f64
-    ) -> c_int;
-    fmi2SetRealInputDerivatives(*mut c_void, *const c_uint, usize, *const c_int, *const f64) -> c_int;
-    fmi2GetRealOutputDerivatives(*mut c_void, *const c_uint, usize, *const c_int, *mut f64) -> c_int;
-    fmi2DoStep(*mut c_void, f64, f64, c_int) -> c_int;
-    fmi2CancelStep(*mut c_void) -> c_int;
-    fmi2GetStatus(*mut c_void, c_int, *mut c_int) -> c_int;
-    fmi2GetRealStatus(*mut c_void, c_int, *mut f64) -> c_int;
-    fmi2GetIntegerStatus(*mut c_void, c_int, *mut c_int) -> c_int;
-    fmi2GetBooleanStatus(*mut c_void, c_int, *mut c_int) -> c_int;
-    fmi2GetStringStatus(*mut c_void, c_int, *mut *const c_char) -> c_int;
-}
 
 /// A loaded library.
 pub struct Fmu {
@@ -167,74 +84,6 @@ impl Fmu {
     }
 }
 
-/// What the logger was told.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Message {
-    pub instance: String,
-    pub status: c_int,
-    pub category: String,
-    pub format: String,
-    pub text: String,
-}
-
-#[derive(Default)]
-pub struct Log(Mutex<Vec<Message>>);
-
-impl Log {
-    pub fn take(&self) -> Vec<Message> {
-        std::mem::take(&mut self.0.lock().unwrap())
-    }
-
-    pub fn callbacks(&self) -> Callbacks {
-        Callbacks {
-            logger: Some(log),
-            // Never used: they may be NULL.
-            allocate_memory: null(),
-            free_memory: null(),
-            step_finished: null(),
-            environment: std::ptr::from_ref(self).cast_mut().cast(),
-        }
-    }
-}
-
-unsafe extern "C" fn log(
-    environment: *mut c_void,
-    instance: *const c_char,
-    status: c_int,
-    category: *const c_char,
-    format: *const c_char,
-    text: *const c_char,
-) {
-    let string =
-        |text| unsafe { CStr::from_ptr(text) }.to_str().expect("the logger gets UTF-8 text").to_owned();
-    let message = Message {
-        instance: string(instance),
-        status,
-        category: string(category),
-        format: string(format),
-        text: string(text),
-    };
-    let log = unsafe { environment.cast::<Log>().as_ref() }.expect("the environment that was given");
-    log.0.lock().unwrap().push(message);
-}
-
-pub fn copy_tree(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let entry = entry.unwrap();
-        let to = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy_tree(&entry.path(), &to);
-        } else {
-            std::fs::copy(entry.path(), to).unwrap();
-        }
-    }
-}
-
-pub fn paper() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("resources/Trial_push")
-}
-
 /// An unpacked FMU's `resources`, with a copy of the paper's Trial; gone when dropped.
 pub struct Resources {
     pub root: TempDir,
@@ -290,7 +139,7 @@ pub struct Model {
 
 impl Model {
     pub fn of(trial: &Path) -> Model {
-        let (trial, _) = Trial::read(trial).expect("a good Trial");
+        let (trial, _) = setup::read(trial).expect("a good Trial");
         let table = table(&trial);
         let of_kind = |wanted: fn(Kind) -> bool| {
             let rows = table.iter().zip(0..).filter(|(row, _)| wanted(row.kind));
@@ -321,7 +170,7 @@ pub fn shared_uri() -> &'static str {
     URI.get_or_init(|| format!("file://{}", packed().join("resources").display()))
 }
 
-/// The answer to `fmi2Instantiate`: an instance with the paper's variables, or what was logged.
+/// The result of `fmi2Instantiate`: an instance with the paper's variables, or what was logged.
 pub fn instantiate<'f>(fmu: &'f Fmu, guid: &str, uri: &str) -> Result<Instance<'f>, Vec<Message>> {
     let log = Box::new(Log::default());
     let (guid, uri) = (CString::new(guid).unwrap(), CString::new(uri).unwrap());
@@ -402,7 +251,7 @@ impl<'f> Instance<'f> {
         assert_eq!(status, OK, "{log:?}");
     }
 
-    /// Asserts an error that was told in words, and answers them.
+    /// Asserts an error with a message, and returns the message.
     #[track_caller]
     pub fn refused(&self, status: c_int) -> String {
         let log = self.log.take();
@@ -518,7 +367,7 @@ impl<'f> Instance<'f> {
         bytes
     }
 
-    /// `fmi2DeSerializeFMUstate`, then `fmi2SetFMUstate`; the first answer that is not `fmi2OK`.
+    /// `fmi2DeSerializeFMUstate`, then `fmi2SetFMUstate`; the first status that is not `fmi2OK`.
     pub fn restore_bytes(&self, bytes: &[u8]) -> c_int {
         let mut state = null_mut();
         let status = unsafe {

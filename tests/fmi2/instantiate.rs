@@ -86,7 +86,10 @@ fn an_element_with_many_attributes_is_refused_before_it_is_parsed() {
     let resources = Resources::new();
     fs::write(resources.trial().join("static/Agents.xml"), format!("<Agents>\n<Agent{many}/></Agents>"))
         .unwrap();
-    refused_file(&resources, &["static/Agents.xml:2: <Agent>: has 300000 attributes; the most is 256"]);
+    refused_file(
+        &resources,
+        &["static/Agents.xml:2: <Agent>: has 300000 attributes; at most 256 are allowed"],
+    );
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::ptr::{null, null_mut};
 
 type Call = fn(&Functions, *mut c_void) -> c_int;
 
-/// Calls of all functions that take an instance and answer a status.
+/// Calls of all functions that take an instance and return a status.
 const WELL_FORMED: [(&str, Call); 30] = [
     ("fmi2SetDebugLogging", |c, i| unsafe { (c.fmi2SetDebugLogging)(i, 1, 0, null()) }),
     ("fmi2SetupExperiment", |c, i| unsafe { (c.fmi2SetupExperiment)(i, 0, 0.0, 0.0, 0, 0.0) }),
@@ -137,7 +137,7 @@ fn no_elements_need_no_array() {
     instance.steps(0, 1);
 }
 
-/// In the status functions alone a place for the answer is all there is to leave out.
+/// The status functions have only one pointer to leave out, that for the value.
 #[test]
 fn no_place_for_a_status_is_an_error() {
     let instance = Instance::pushed(Fmu::get());

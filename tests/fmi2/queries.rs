@@ -1,4 +1,4 @@
-//! What a slave that steps synchronously and has no derivatives of outputs answers.
+//! What a slave that steps synchronously and has no derivatives of outputs returns.
 
 use crate::fmu::*;
 use std::ffi::c_int;
@@ -38,7 +38,7 @@ fn statuses_of_a_synchronous_slave() {
             discarded(&instance, (c.fmi2GetBooleanStatus)(i, kind, &mut boolean));
         }
     }
-    assert_eq!((real, boolean), (2.0 * STEP, 0), "what is not answered is not written");
+    assert_eq!((real, boolean), (2.0 * STEP, 0), "a value that is not returned is not written");
     instance.steps(2, 3);
 }
 

@@ -29,15 +29,16 @@ TRIAL_PUSH = REPOSITORY / "resources" / "Trial_push"
 TRIAL_DOOR = REPOSITORY / "resources" / "Trial_door"
 
 INPUTS = ["Fp.x", "Fp.y", "Mp"]
-MOTION = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"]
-CONTACTS = ["AgentContacts", "WallContacts", "ContactingAgents"]
-# Of the table of `lemons run`, with their units.
-COLUMNS = {"t": "s", "id": None, "x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "theta": "rad", "omega": "rad/s"}
-COLUMNS |= {"agent_contacts": None, "wall_contacts": None, "contacting_agents": None, "normal_force": "N"}
-OF_STEP = {"mean_normal_force": "N", "peak_normal_force": "N", "peak_overlap": "m"}
-COLUMNS |= OF_STEP
-COLUMNS |= {"total_agent_contacts": None, "total_wall_contacts": None}
-OUTPUTS = [*MOTION, *CONTACTS, "NormalForce"]
+# The columns of the table of `lemons run`. Written by `COLUMNS_TABLE=write cargo test -p lemons-record --test columns`.
+with (REPOSITORY / "tests/columns.csv").open(newline="") as _file:
+    TABLE = list(csv.DictReader(_file))
+COLUMNS = {row["name"]: row["unit"] or None for row in TABLE}
+# All but time and Id are outputs; those of an agent come after this.
+AGENT = "agent[i]."
+OUTPUTS = [row["variable"].removeprefix(AGENT) for row in TABLE[2:12]]
+MOTION, CONTACTS = OUTPUTS[:6], OUTPUTS[6:9]
+# FMUs of earlier versions have no mean and peak of a step.
+OF_STEP = [row["name"] for row in TABLE[12:15]]
 
 numbers = count()
 messages = {}  # instance name -> what its logger was told
@@ -210,11 +211,10 @@ def read_table(text, ids):
     """trajectories.csv as `Crowd.run` returns it, with the start. Tables of earlier versions have units in their header."""
     rows = list(csv.reader(text.splitlines()))
     header = [name.split(" [")[0] for name in rows.pop(0)]
-    # FMUs of earlier versions have no mean and peak of a step.
     assert header in (list(COLUMNS), [name for name in COLUMNS if name not in OF_STEP])
     places = {name: place for place, name in enumerate(header)}
-    whole = {name for name in COLUMNS if name.endswith(("_contacts", "_agents"))}
-    wanted = ["x", "y", "vx", "vy", "theta", "omega", "agent_contacts", "wall_contacts", "contacting_agents", "normal_force"]
+    whole = {name for name, unit in COLUMNS.items() if unit is None}
+    wanted = list(COLUMNS)[2:12]
     seen = []
     for k in range(0, len(rows), len(ids)):
         block = rows[k : k + len(ids)]

@@ -1,7 +1,7 @@
 """The tables of docs/fmi.md, which tests fill: `FMI_TABLES=write pytest tests/fmpy` writes them, else they are compared."""
 
 import os
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 
 from crowd import REPOSITORY
 
@@ -9,12 +9,8 @@ PAGE = REPOSITORY / "docs" / "fmi.md"
 
 
 def tool_version(package):
-    """Of a Python package, or of a crate in Cargo.lock."""
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        lock = (REPOSITORY / "Cargo.lock").read_text()
-        return lock.split(f'name = "{package}"\nversion = "')[1].split('"')[0]
+    """Of a Python package."""
+    return version(package)
 
 
 def table(header, rows):

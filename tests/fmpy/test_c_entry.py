@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
+from crowd import MOTION
 from crowd import REPOSITORY as ROOT
 
 # The calls of the paper's script, in its order, with the library's path put in; a fixed force instead of a random one.
@@ -89,8 +90,7 @@ def test_the_papers_script_equals_the_fmu(trial, library, pack, instantiate):
         output = trial / "outputXML" / f"AgentDynamics output t={(t + 1) * 0.05:.2f}.xml"
         assert "Dynamics Fp" not in output.read_text()
         for i, written in enumerate(motions(output)):
-            names = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"]
-            for name, value in zip(names, written):
+            for name, value in zip(MOTION, written):
                 assert value == crowd[f"agent[{i}].{name}"], (t, i, name)
         interactions = trial / "outputXML" / f"AgentInteractions t={(t + 1) * 0.05:.2f}.xml"
         contacts = crowd["AgentContacts"] + crowd["WallContacts"]

@@ -99,7 +99,7 @@ def test_the_ssp_in_fmpy(fmus, coupled, run_by_lemons, row):
     row("fmpy", "`simulate_ssp` of the SSP of `lemons connect`: 30 people and a door", "same bits as FMPy's loop that starts with zeros")
 
 
-def test_the_two_algorithms(run_by_lemons, fmus, row):
+def test_the_two_algorithms(run_by_lemons, fmus):
     """Gauss–Seidel, the decider first, is the loop of examples/coupled_fmpy.py: drives from the poses of the same instant."""
     jacobi, seidel = (run_by_lemons(32, "--algorithm", name) for name in ["jacobi", "gauss-seidel"])
     assert bits(jacobi) != bits(seidel)
@@ -107,7 +107,6 @@ def test_the_two_algorithms(run_by_lemons, fmus, row):
     assert bits(jacobi) == bits(run("fmpy", room)[0])
     room.sequential = True
     assert bits(seidel) == bits(run("fmpy", room)[0])
-    row("fmi-rs", "`lemons run` of an SSP: Decision and crowd, Jacobi and Gauss-Seidel", "same bits as FMPy's loops")
 
 
 def printed(script, *arguments):

@@ -1,10 +1,12 @@
-"""What `lemons export` writes, read by those it is for: PedPy, and the FMU itself."""
+"""What `lemons export` writes, read by those it is for: PedPy, JuPedSim, and the FMU itself."""
 
 import os
 import pty
 import shutil
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -17,6 +19,13 @@ def pedpy():
     if sys.version_info < (3, 11):
         pytest.skip("PedPy needs Python 3.11")
     return __import__("pedpy")
+
+
+@pytest.fixture
+def jupedsim():
+    if sys.version_info < (3, 11):
+        pytest.skip("JuPedSim needs Shapely, which has no wheel for Python 3.10")
+    return __import__("jupedsim")
 
 
 @pytest.fixture
@@ -64,6 +73,57 @@ def test_speed_in_pedpy(pedpy, call, tmp_path, scene):
     assert np.sqrt(np.mean(off**2)) < 0.01 * np.sqrt(np.mean(own**2))
     if scene == "walk":
         assert (off < 0.01 * own).all()
+
+
+def test_the_database_in_jupedsim(jupedsim, pedpy, call, tmp_path):
+    """JuPedSim's own reader gives places and gazes to the bit, the area and the rate; the tables are those that its own
+    writer makes."""
+    call("run", TRIAL_PUSH, "--until", 0.5)
+    call("export", "trajectories.csv", "run.sqlite", "--to", "jupedsim", "--trial", TRIAL_PUSH)
+    recording = jupedsim.Recording(str(tmp_path / "run.sqlite"))
+    ids = ids_of(TRIAL_PUSH)
+    table = read_table((tmp_path / "trajectories.csv").read_text(), ids)
+    assert recording.num_frames == len(table) and recording.fps == 20.0
+    for k, (_, agents) in enumerate(table):
+        seen = recording.frame(k).agents
+        assert [agent.id for agent in seen] == sorted(map(int, ids))
+        for agent in seen:
+            x, y, _, _, theta, *_ = agents[ids.index(str(agent.id))]
+            assert agent.position == (x, y)
+            assert agent.orientation == pytest.approx((np.cos(theta), np.sin(theta)), abs=1e-15)
+        assert recording.geometry_id_for_frame(k) == recording.geometry_id_for_frame(0)
+    area = pedpy.load_walkable_area_from_jupedsim_sqlite(trajectory_file=tmp_path / "run.sqlite")
+    assert recording.geometry().equals(area.polygon)
+    box = recording.bounds()
+    assert (box.xmin, box.ymin, box.xmax, box.ymax) == area.bounds
+
+    writer = jupedsim.SqliteTrajectoryWriter(output_file=tmp_path / "theirs.sqlite", every_nth_frame=1)
+    simulation = jupedsim.Simulation(model=jupedsim.CollisionFreeSpeedModel(), geometry=area.polygon, trajectory_writer=writer)
+    simulation.iterate(2)
+    writer.close()
+
+    def tables(file):
+        with closing(sqlite3.connect(tmp_path / file)) as database:
+            names = database.execute("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name").fetchall()
+            columns = {name: database.execute(f"PRAGMA table_info({name})").fetchall() for (name,) in names}
+            return columns, database.execute("SELECT value FROM metadata WHERE key = 'version'").fetchone()
+
+    assert tables("run.sqlite") == tables("theirs.sqlite")
+
+
+def test_which_versions_of_the_database_are_read(jupedsim, pedpy, call, tmp_path):
+    """Version 2 is written, as the newest releases write and read it. JuPedSim's development has a version 3, which is
+    version 2 without the gaze; its reader takes version 2 too. Where this fails, releases read version 3: write it."""
+    call("run", TRIAL_PUSH, "--until", 0.1)
+    call("export", "trajectories.csv", "run.sqlite", "--to", "jupedsim", "--trial", TRIAL_PUSH)
+    assert jupedsim.sqlite_serialization.DATABASE_VERSION == 2
+    with closing(sqlite3.connect(tmp_path / "run.sqlite")) as database, database:
+        assert database.execute("SELECT value FROM metadata WHERE key = 'version'").fetchone() == ("2",)
+        database.execute("UPDATE metadata SET value = '3' WHERE key = 'version'")
+    with pytest.raises(Exception, match="database supplied is version 3"):
+        jupedsim.Recording(str(tmp_path / "run.sqlite"))
+    with pytest.raises(pedpy.errors.LoadTrajectoryError, match="unsupported db version 3"):
+        pedpy.load_walkable_area_from_jupedsim_sqlite(trajectory_file=tmp_path / "run.sqlite")
 
 
 def test_walkable_area_in_pedpy(pedpy, call, tmp_path):

@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH, push_drive
+from crowd import COLUMNS, REPOSITORY, TRIAL_DOOR, TRIAL_PUSH, push_drive
 from lemons_fmu import Crowd, Drive, FmuError, load, simulate
 from lemons_fmu import drive as drives
+from lemons_fmu import files
 from lemons_fmu.push import Push
 
 STEP, STEPS = 0.05, 8  # s; at the end agents 0 and 1 are in contact
@@ -81,7 +82,7 @@ def test_a_restored_crowd_runs_on_with_the_same_bits(fmu, drive):
 def command_table(lemons, path, model, *options):
     """The table of `lemons run`, as `simulate` gives it."""
     subprocess.run([lemons, "run", model, *options, "-o", path], check=True, capture_output=True)
-    whole = ("id", "agent_contacts", "wall_contacts", "contacting_agents", "total_agent_contacts", "total_wall_contacts")
+    whole = [name for name, unit in COLUMNS.items() if unit is None]
     names = path.read_text().split("\n")[0].split(",")
     table = pd.read_csv(path, converters={name: int if name in whole else float for name in names})
     table.columns = [name.split(" [")[0] for name in table.columns]
@@ -138,7 +139,7 @@ def test_a_packed_drive_that_is_broken_is_told_without_the_place_where_it_lies(p
 
 @pytest.mark.parametrize("what", [5, 0, True, [1, 2, 3], (), {0: 1.0}, b"drive.csv", 2.5, Drive, [[0.0] * 3] * 5], ids=repr)
 def test_what_cannot_drive_a_crowd_is_refused_and_not_ignored(fmu, what):
-    with pytest.raises(TypeError, match=r"the drive is .*; taken are None .*, False .*, the path of a CSV file, a Drive, an array"):
+    with pytest.raises(TypeError, match=r"the drive is .*; it must be None .*, False .*, the path of a CSV file, a Drive, an array"):
         simulate(fmu, what, until=0.1)
 
 
@@ -149,7 +150,7 @@ def test_arrays_that_cannot_drive_a_crowd_are_refused(fmu):
                 simulate(fmu, drive, until=0.1)
     with pytest.raises(TypeError, match="the drive is None"):
         simulate(fmu, lambda crowd: None, until=0.1)
-    with pytest.raises(ValueError, match=r"agents \[5\]; there are 5"):
+    with pytest.raises(ValueError, match=r"agents \[5\], but there are 5"):
         simulate(fmu, Drive({5: (np.zeros(1), np.zeros((1, 3)))}), until=0.1)
     with pytest.raises(FileNotFoundError, match="nothing.csv"):
         simulate(fmu, "nothing.csv", until=0.1)
@@ -254,7 +255,7 @@ HEAD = "t,agent,Fp.x,Fp.y,Mp\n"
         (HEAD + "0,0,1,1\n", ["line 2", "4 cells"]),
         (HEAD + "   \n0,0,1,1,1\n", ["line 2", "1 cells"]),
         (HEAD + "\n0,0,1,1,1,1\n", ["line 3", "6 cells"]),
-        (HEAD + "1,0,0,0,0\n1,0,1,1,1\n", ["line 3", "t=1 does not come after t=1.0"]),
+        (HEAD + "1,0,0,0,0\n1,0,1,1,1\n", ["line 3", "t=1 is not after t=1.0"]),
         (b"t,agent,Fp.x,Fp.y,Mp\n0,0,1,1,\xff\n", ["line 2", "utf-8"]),
         ("", ["no column 't'"]),
     ],
@@ -274,15 +275,15 @@ def test_a_drive_that_never_ends_or_never_begins_is_refused(tmp_path, monkeypatc
     endless = tmp_path / "endless.csv"
     endless.symlink_to("/dev/zero")
     monkeypatch.setattr(drives, "LARGEST", 1_000_000)
-    with pytest.raises(ValueError, match=re.escape(f"{endless}: it is larger than 1 MB, the most that is read")):
+    with pytest.raises(OSError, match=f"it is larger than 1 MB, the limit: {re.escape(repr(str(endless)))}"):
         Drive.read(endless, ["0"])
     pipe = tmp_path / "pipe.csv"
     os.mkfifo(pipe)
-    monkeypatch.setattr(drives, "PATIENCE", 0.2)
+    monkeypatch.setattr(files, "PATIENCE", 0.2)
     with pytest.raises(TimeoutError, match="pipe.csv"):
         Drive.read(pipe, ["0"])
     # One that somebody writes is read.
-    monkeypatch.setattr(drives, "PATIENCE", 30.0)
+    monkeypatch.setattr(files, "PATIENCE", 30.0)
     with ThreadPoolExecutor(1) as writer:
         writer.submit(pipe.write_text, "t,agent,Fp.x,Fp.y,Mp\n0,0,1,2,3\n")
         assert Drive.read(pipe, ["0"]).tables[0][1].tolist() == [[1.0, 2.0, 3.0]]
@@ -321,7 +322,7 @@ def test_refusals_are_in_the_words_of_the_fmu(fmu):
         ({"agent[1].Mass": -3.0}, "agent[1].Mass = -3.0: must be positive"),
         ({"agent[*].Mass": float("nan")}, "agent[0].Mass = NaN: must be finite"),
         ({"agent[5].Mass": 70.0}, "no variable 'agent[5].Mass'"),
-        ({"Threads": 1.5}, "Threads is an integer"),
+        ({"Threads": 1.5}, "Threads must be an integer"),
         ({"Trial": "nowhere"}, "nowhere"),
         ({"AgentContacts": 1}, "AgentContacts"),
     ]
@@ -425,13 +426,58 @@ def test_a_large_crowd(pack):
 
 @pytest.mark.parametrize(
     "heads, words",
-    [("t,id,x\n0,0,0\n", "columns"), ("t,id,x,y\n0,0,0,zero\n", "line 2"), ("t,id,x,y\n", "nobody")],
+    [("t,id,x\n0,0,0\n", "columns"), ("t,id,x,y\n0,0,0,zero\n", "line 2"), ("t,id,x,y\n", "no trajectories")],
 )
 def test_a_bad_measurement_is_refused(tmp_path, heads, words):
     (tmp_path / "external_force_per_mass.txt").write_text("TimeS ForcePerMassNperM\n0 0\n1 2\n")
     (tmp_path / "measured_head_trajectories.csv").write_text(heads)
     with pytest.raises(ValueError, match=words):
         Push.read(tmp_path)
+
+
+def test_what_is_found_by_its_name_is_a_regular_file_of_a_bounded_size(tmp_path, monkeypatch):
+    """A pipe in the place of a measured file blocked for ever, a link to the endless device took all memory."""
+    texts = {
+        "external_force_per_mass.txt": "t push\n0 1\n1 2\n",
+        "measured_head_trajectories.csv": "t,id,x,y\n0,1,0,0\n1,1,0.5,0\n",
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    assert Push.read(tmp_path).people == [1]
+    for name, text in texts.items():
+        path = tmp_path / name
+        path.unlink()
+        os.mkfifo(path)
+        with pytest.raises(OSError, match=f"it is a pipe, not a regular file: .*{name}"):
+            Push.read(tmp_path)
+        path.unlink()
+        path.symlink_to("/dev/zero")
+        with pytest.raises(OSError, match=f"it is a device, not a regular file: .*{name}"):
+            Push.read(tmp_path)
+        path.unlink()
+        with open(path, "wb") as file:
+            file.truncate(files.LARGEST_DRIVE + 1)  # no byte of it is on the disk
+        with pytest.raises(OSError, match=f"it is larger than 500 MB, the limit: .*{name}"):
+            Push.read(tmp_path)
+        path.write_bytes(b"t,id,x,y\n\xff\n")
+        with pytest.raises(ValueError, match=f"{name}: it is not UTF-8 text"):
+            Push.read(tmp_path)
+        path.write_text(text)
+    pipe = tmp_path / "pipe.fmu"
+    os.mkfifo(pipe)
+    with pytest.raises(FmuError, match="pipe.fmu: it is a pipe, not a regular file"):
+        load(pipe)
+    large = tmp_path / "large.fmu"
+    with open(large, "wb") as file:
+        file.truncate(files.LARGEST_BINARY + 1)
+    with pytest.raises(FmuError, match="large.fmu: it is larger than 4000 MB"):
+        load(large)
+    monkeypatch.setattr(files, "LARGEST_UNPACKED", 1_000_000)
+    bomb = tmp_path / "bomb.fmu"
+    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("modelDescription.xml", bytes(2_000_000))
+    with pytest.raises(FmuError, match="bomb.fmu: .*it unpacks to 2 MB; at most 1 MB are allowed"):
+        load(bomb)
 
 
 def test_types():

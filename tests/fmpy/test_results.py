@@ -28,7 +28,6 @@ def test_push(push, engine_direct, lemons, tmp_path, row):
     assert bits(seen) == bits(direct)
     assert bits(seen) == bits(command_run(lemons, TRIAL_PUSH, 20 * 0.05, tmp_path / "t.csv"))
     row("fmpy", "set inputs, do steps, get outputs", "same bits as the engine without FMI")
-    row("fmi-rs", "`lemons run`, which is a master on it", "same bits as the engine without FMI")
 
 
 def test_dense_crowd(pack, instantiate, shared, engine_direct, lemons, tmp_path):

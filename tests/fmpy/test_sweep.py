@@ -137,10 +137,10 @@ def half_a_character(run):
     [
         (leave, "SystemExit: enough"),
         (half_a_character, "ValueError: \\ud800"),
-        (unspeakable, "Unspeakable, whose message cannot be had: SystemExit"),
+        (unspeakable, "Unspeakable, whose message raises SystemExit"),
         (lambda run: {"x": "\ud800"}, "ValueError: the measure 'x' is not Unicode text: '\\ud800'"),
         (lambda run: {"\ud800": 1.0}, "ValueError: the measure '\\ud800' is not Unicode text: 1.0"),
-        (lambda run: None, "TypeError: the measure gave NoneType, not names and numbers"),
+        (lambda run: None, "TypeError: the measure returned NoneType, not names and numbers"),
         (lambda run: {"x": 10**400}, "OverflowError: int too large to convert to float"),
     ],
     ids=["sys.exit", "message", "no message", "text", "name", "None", "number"],
@@ -255,21 +255,27 @@ def test_what_cannot_be_swept_is_refused_at_once(fmu, here, tmp_path):
     refused(FmuError, "no variable 'agent.5..Mass'", {"agent[5].Mass": [1.0]})
     refused(ValueError, "no points", {"agent[1].Mass": []})
     refused(ValueError, "nothing to simulate", {"agent[1].Mass": [60.0]}, until=-1.0)
-    refused(ValueError, "agent.1..Mass: values are numbers", {"agent[1].Mass": [60.0, "heavy"]})
-    refused(TypeError, "agent.1..Mass: a list of values is needed, not 60.0", {"agent[1].Mass": 60.0})
-    refused(TypeError, "Trial: a list of values is needed, not 'Trial_push'", {"Trial": "Trial_push"})
+    refused(ValueError, "agent.1..Mass: values must be all numbers", {"agent[1].Mass": [60.0, "heavy"]})
+    refused(TypeError, "agent.1..Mass: must be a list of values, not 60.0", {"agent[1].Mass": 60.0})
+    refused(TypeError, "Trial: must be a list of values, not 'Trial_push'", {"Trial": "Trial_push"})
     refused(ValueError, "Trial: '.ud800' is not Unicode text", {"Trial": ["\ud800"]})
     refused(ValueError, "'status' cannot be a parameter", {"status": [60.0]})
     out = tmp_path / "out"
     sweep(fmu, {"agent[1].Mass": [60.0]}, False, measure, out=out, client=here, **RUN)
-    refused(SweepError, "another sweep: points not", {"agent[1].Mass": [61.0]}, out)
-    refused(SweepError, "another sweep: until not", {"agent[1].Mass": [60.0]}, out, until=0.6)
-    with pytest.raises(SweepError, match="another sweep: drive, measure not"):
+    refused(SweepError, "another sweep: its sweep.json differs in points", {"agent[1].Mass": [61.0]}, out)
+    refused(SweepError, "another sweep: its sweep.json differs in until", {"agent[1].Mass": [60.0]}, out, until=0.6)
+    with pytest.raises(SweepError, match="another sweep: its sweep.json differs in drive, measure"):
         sweep(fmu, {"agent[1].Mass": [60.0]}, np.zeros((5, 3)), lambda run: {}, out=out, client=here, **RUN)
     damaged = bytearray((out / "table.parquet").read_bytes())
     (out / "part-000001.parquet").write_bytes(damaged[: len(damaged) // 2])
     refused(SweepError, "part-000001.parquet cannot be used", {"agent[1].Mass": [60.0]}, out)
     (out / "part-000001.parquet").unlink()
+    os.mkfifo(out / "part-000001.parquet")
+    refused(SweepError, "part-000001.parquet cannot be used: .*it is a pipe, not a regular file", {"agent[1].Mass": [60.0]}, out)
+    (out / "part-000001.parquet").unlink()
+    (out / "sweep.json").rename(out / "manifest")
+    (out / "sweep.json").symlink_to("/dev/zero")
+    refused(SweepError, "sweep.json: it is a device, not a regular file", {"agent[1].Mass": [60.0]}, out)
     (out / "sweep.json").unlink()
     refused(SweepError, "no sweep.json", {"agent[1].Mass": [60.0]}, out)
 
@@ -404,7 +410,7 @@ def test_a_point_that_kills_its_worker_is_a_row(fmu, end):
         client.run_on_scheduler(forgive_nothing)
         table = sweep(fmu, {"agent[1].Position.x": places}, False, deadly, client=client, **{**RUN, "until": 0.1})
     assert table.status.tolist() == ["ok"] * 5 + ["failed"] + ["ok"] * 2
-    assert table.error[5] == "the worker died again and again while it simulated this point"
+    assert table.error[5] == "the worker process ended several times while it simulated this point"
 
 
 def example(script, directory, *arguments):

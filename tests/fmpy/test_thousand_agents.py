@@ -1,8 +1,10 @@
-"""FMPy loads an FMU of a thousand people, in little processor time; `pytest -s` prints how much.
+"""FMPy loads an FMU of a thousand people; `pytest -s` prints how much processor time that takes.
 
-0.4 s of processor time were measured on an idle machine, 0.6 s on a busy one, 1.0 s in its slow moments; so the best of a few counts.
+0.4 s were measured on an idle machine, 0.6 to 1.2 s on busy ones. A test cannot hold a time, so it holds what the time goes
+with: the bytes and the elements of modelDescription.xml.
 """
 
+from pathlib import Path
 from time import process_time
 
 import pytest
@@ -15,27 +17,24 @@ def timed():
     def timed(what, function, *arguments, **options):
         start = process_time()
         result = function(*arguments, **options)
-        timed.total += process_time() - start
         print(f"{process_time() - start:6.2f} s  {what}")
         return result
 
-    timed.total = 0.0  # s
     return timed
 
 
 @pytest.mark.parametrize("naming", ["structured", "flat"])
 def test_load(pack, shared, tmp_path, timed, row, naming):
     fmu = pack(shared / "data/crowds/dense_1000", options=["--flat-names"] if naming == "flat" else [])
-    for attempt in range(5):
-        timed.total, said = 0.0, []
-        description = timed(f"read_model_description, {naming} names", read_model_description, fmu, validate=False)
-        directory = timed("extract", extract, fmu, tmp_path / f"extracted{attempt}")
-        logger = lambda *words, said=said: said.append(words)  # noqa: E731
-        crowd = timed("instantiate_fmu", instantiate_fmu, directory, description, logger=logger)
-        if timed.total <= 1.0:
-            break
-        crowd.freeInstance()
-    assert timed.total <= 1.0, "read, extract, instantiate [s]"
+    said = []
+    description = timed(f"read_model_description, {naming} names", read_model_description, fmu, validate=False)
+    directory = timed("extract", extract, fmu, tmp_path / "extracted")
+    crowd = timed("instantiate_fmu", instantiate_fmu, directory, description, logger=lambda *words: said.append(words))
+    xml = (Path(directory) / "modelDescription.xml").read_bytes()
+    print(f"{len(xml)} bytes, {xml.count(b'</')} + {xml.count(b'/>')} elements")
+    assert len(xml) <= 140 * len(description.modelVariables)
+    # Each variable has an element of its type within; an output is named twice in the structure.
+    assert xml.count(b"</") + xml.count(b"/>") <= 4 * len(description.modelVariables)
     assert description.variableNamingConvention == naming
     names = [variable.name for variable in description.modelVariables]
     assert sum(name.endswith("].Mp") for name in names) == 1000
@@ -51,7 +50,7 @@ def test_load(pack, shared, tmp_path, timed, row, naming):
     # Nothing but advice: people of this crowd overlap when it starts, and walls too.
     assert [status for _, _, status, _, _ in said] == [fmi2Warning] * 2
     assert all(b"overlap at the start" in message for *_, message in said), said
-    row("fmpy", f"1000 people, {naming} names: read, extract, instantiate", "done, in less than 1 s of processor time")
+    row("fmpy", f"1000 people, {naming} names: read, extract, instantiate", "done")
 
 
 def test_validate(pack, shared, timed, row):

@@ -1,18 +1,19 @@
-//! What it costs to run a crowd as an FMU: values across the boundary, loading, and the paper's push.
+//! The cost of running a crowd as an FMU: getting and setting values, loading, and the paper's push.
 //!
-//! The Trials are made here and packed with the library that was built with this program.
+//! The Trials are generated, and packed with the library that was built with this program.
 
+use crate::error::{Error, Result};
 use crate::{MASS, Numbers, RATE};
-use anyhow::{Context, Result};
 use cpu_time::{ProcessTime, ThreadTime};
-use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::pack::Package;
-use crowd_mechanics::trial::{
+use crowd_mechanics::setup;
+use include_dir::{Dir, include_dir};
+use lemons_master::{DriveChoice, Fmu, Instance, Observer, Prepared, Reached, Settings, System, own_binary};
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::{
     Agent, AgentDynamics, Contact, Geometry, Interactions, Material, Materials, Parameters, Shape, Trial,
     Wall,
 };
-use include_dir::{Dir, include_dir};
-use lemons_master::{Fmu, Instance, own_binary};
 use lemons_verify::scenes::pedestrian;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -20,20 +21,20 @@ use tempfile::TempDir;
 
 static PUSH: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_push");
 
-/// The inputs of one agent.
+/// Names of the inputs of one agent.
 pub const INPUTS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];
-/// The Real outputs of one agent.
+/// Names of the Real outputs of one agent.
 pub const REALS: [&str; 7] =
     ["Position.x", "Position.y", "Theta", "Velocity.x", "Velocity.y", "Omega", "NormalForce"];
-/// The Integer outputs of one agent.
+/// Names of the Integer outputs of one agent.
 pub const INTEGERS: [&str; 3] = ["AgentContacts", "WallContacts", "ContactingAgents"];
 
-/// \[m\] one person on two square metres.
+/// \[m\] Spacing: one person per 2 m².
 pub const SPARSE: Vec2 = vec2(1.4, 1.4);
-/// \[m\] six people on a square metre; some touch.
+/// \[m\] Spacing: six people per square metre; some touch.
 pub const DENSE: Vec2 = vec2(0.32, 0.521);
 
-/// Writes the Trial of a crowd in a room: pedestrians on a lattice, turned and shifted a little.
+/// Writes the Trial of a crowd in a room: pedestrians on a lattice, slightly turned and shifted.
 ///
 /// # Errors
 /// The directory cannot be written.
@@ -111,33 +112,33 @@ pub fn write_trial(agents: usize, spacing: Vec2, directory: &Path) -> Result<()>
     Ok(trial.write(directory)?)
 }
 
-/// A Trial of so many people in a directory of its own, and the FMU that it becomes there.
+/// A Trial of a number of people in a temporary directory, and its FMU there.
 pub struct Packed {
     directory: TempDir,
 }
 
 impl Packed {
-    /// Writes the Trial; the FMU is for [`Packed::pack`].
+    /// Writes the Trial; [`Packed::pack`] makes the FMU.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The Trial cannot be written.
     pub fn new(agents: usize, spacing: Vec2) -> Result<Packed> {
         let packed = Packed { directory: TempDir::with_prefix("lemons-bench-")? };
         write_trial(agents, spacing, &packed.trial())?;
         Ok(packed)
     }
 
-    /// Where the Trial lies as in an unzipped FMU.
+    /// Returns the directory that contains the Trial as in an unzipped FMU.
     pub fn resources(&self) -> PathBuf {
         self.directory.path().join("resources")
     }
 
-    /// The Trial's directory.
+    /// Returns the Trial's directory.
     pub fn trial(&self) -> PathBuf {
         self.resources().join("crowd")
     }
 
-    /// The FMU's place.
+    /// Returns the path of the FMU.
     pub fn fmu(&self) -> PathBuf {
         self.directory.path().join("crowd.fmu")
     }
@@ -145,7 +146,7 @@ impl Packed {
     /// Reads, checks and packs the Trial, as `lemons pack` does.
     ///
     /// # Errors
-    /// It cannot be packed.
+    /// The Trial cannot be packed.
     pub fn pack(&self) -> Result<()> {
         let (trials, binaries) = (vec![self.trial()], vec![own_binary()?]);
         Package { trials, binaries, ..Package::default() }.write(&self.fmu())?;
@@ -156,17 +157,17 @@ impl Packed {
 /// The value references of some variables of each agent, agent by agent.
 fn references(instance: &Instance, agents: usize, names: &[&str]) -> Result<Vec<u32>> {
     let all = (0..agents).flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
-    all.map(|name| instance.reference(&name)).collect()
+    Ok(all.map(|name| instance.reference(&name)).collect::<Result<_, _>>()?)
 }
 
-/// \[s\] wall time of a call.
+/// \[s\] Elapsed time of a call.
 fn timed<T>(call: impl FnOnce() -> Result<T>) -> Result<(f64, T)> {
     let start = Instant::now();
     let answer = call()?;
     Ok((start.elapsed().as_secs_f64(), answer))
 }
 
-/// Processor time of this thread for so many calls: on a shared machine, too.
+/// Returns the processor time of this thread for a number of calls. Other load on the machine hardly changes it.
 pub fn processor_time<T>(calls: u64, mut call: impl FnMut() -> T) -> Duration {
     let start = ThreadTime::now();
     for _ in 0..calls {
@@ -180,19 +181,20 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// What values across the boundary cost.
+/// The cost of getting and setting values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overhead {
-    /// \[µs\] the three inputs of each agent, in one `fmi2SetReal`.
+    /// \[µs\] Setting the three inputs of every agent, in one `fmi2SetReal`.
     pub set: f64,
-    /// \[µs\] the ten outputs of each agent, in one `fmi2GetReal` and one `fmi2GetInteger`.
+    /// \[µs\] Getting the ten outputs of every agent, in one `fmi2GetReal` and one `fmi2GetInteger`.
     pub get: f64,
 }
 
-/// Measures an FMU's overhead at a communication point, in processor time: medians of the runs, of 100 calls each.
+/// Measures an FMU's overhead at a communication point, in processor time: the median of several runs of 100 calls
+/// each.
 ///
 /// # Errors
-/// The FMU's refusal.
+/// The FMU refuses a call.
 pub fn overhead(agents: usize, runs: usize) -> Result<Overhead> {
     const CALLS: u64 = 100;
     let packed = Packed::new(agents, SPARSE)?;
@@ -209,7 +211,7 @@ pub fn overhead(agents: usize, runs: usize) -> Result<Overhead> {
         instance.get_real(&reals, &mut numbers)?;
         instance.get_integer(&integers, &mut counts)
     };
-    // Not refused; what follows is the same.
+    // Check that the FMU accepts it; the measured calls are the same.
     set()?;
     get()?;
     let microseconds = |time: Duration| time.as_secs_f64() * 1e6 / CALLS as f64;
@@ -219,20 +221,20 @@ pub fn overhead(agents: usize, runs: usize) -> Result<Overhead> {
     Ok(Overhead { set: median(sets), get: median(gets) })
 }
 
-/// What it takes until a crowd can be stepped \[s\], wall time.
+/// \[s\] Elapsed times of the stages before a crowd can be stepped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Loading {
-    /// The Trial read and checked.
+    /// Reading and checking the Trial.
     pub read: f64,
-    /// The same and the FMU written.
+    /// Reading, checking and writing the FMU.
     pub pack: f64,
-    /// An instance made.
+    /// Instantiating the FMU.
     pub instantiate: f64,
     /// From `fmi2SetupExperiment` to `fmi2ExitInitializationMode`.
     pub initialize: f64,
 }
 
-/// Measures how long a crowd takes to be read, packed, instantiated and initialized: medians of the runs.
+/// Measures how long it takes to read, pack, instantiate and initialize a crowd: medians of the runs.
 ///
 /// # Errors
 /// The Trial or the FMU is refused.
@@ -240,11 +242,11 @@ pub fn loading(agents: usize, runs: usize) -> Result<Loading> {
     let packed = Packed::new(agents, DENSE)?;
     let mut times = [const { Vec::new() }; 4];
     for _ in 0..runs {
-        let read = timed(|| Ok(Trial::read(&packed.trial())?))?.0;
+        let read = timed(|| Ok(setup::read(&packed.trial())?))?.0;
         let pack = timed(|| packed.pack())?.0;
         let fmu = Fmu::open(&packed.fmu())?;
-        let (instantiate, instance) = timed(|| fmu.instantiate("bench"))?;
-        let initialize = timed(|| instance.initialize())?.0;
+        let (instantiate, instance) = timed(|| Ok(fmu.instantiate("bench")?))?;
+        let initialize = timed(|| Ok(instance.initialize()?))?.0;
         for (times, time) in times.iter_mut().zip([read, pack, instantiate, initialize]) {
             times.push(time);
         }
@@ -253,41 +255,52 @@ pub fn loading(agents: usize, runs: usize) -> Result<Loading> {
     Ok(Loading { read, pack, instantiate, initialize })
 }
 
-/// What a run took.
+/// The duration of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Run {
-    /// \[s\]
+    /// \[s\] Elapsed time.
     pub wall: f64,
-    /// \[s\] of this process, all its threads.
+    /// \[s\] Processor time of this process, all threads.
     pub processor: f64,
 }
 
-/// The paper's push: its five people against each other and the wall, the first pushed with 700 N. 5 s at a mechanical
-/// step of 2e-6 s through the FMU, in steps of 0.1 s; the fastest of the runs.
+/// An observer that does nothing.
+struct Unseen;
+
+impl Observer<System> for Unseen {
+    type Error = lemons_master::Error;
+
+    fn look(&mut self, _: &mut System, _: Reached) -> lemons_master::Result<()> {
+        Ok(())
+    }
+}
+
+/// Measures the paper's push: five people in a row before a wall, the first pushed with 700 N. It simulates 5 s with
+/// mechanical steps of 2e-6 s through the FMU, in communication steps of 0.1 s, and returns the fastest run.
 ///
 /// # Errors
-/// The FMU's refusal.
+/// The FMU refuses a call.
 pub fn push(runs: usize) -> Result<Run> {
     let packed = Packed { directory: TempDir::with_prefix("lemons-bench-")? };
     std::fs::create_dir_all(packed.trial())?;
     PUSH.extract(packed.trial())?;
-    packed.pack()?;
-    let fmu = Fmu::open(&packed.fmu())?;
+    let parameters = [("TimeStepMechanical", "2e-6"), ("agent[0].Fp.x", "700")];
+    let settings = Settings {
+        parameters: parameters.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec(),
+        step: Some(0.1),
+        until: Some(5.0),
+        drive: DriveChoice::None,
+        ..Settings::of(packed.trial())
+    };
     let mut best: Option<Run> = None;
     for _ in 0..runs {
-        let instance = fmu.instantiate("bench")?;
-        let names = ["TimeStepMechanical", "agent[0].Fp.x"];
-        let references = [instance.reference(names[0])?, instance.reference(names[1])?];
-        instance.set_real(&references, &[2e-6, 700.0])?;
-        instance.initialize()?;
+        let mut prepared = Prepared::of(&settings)?;
         let (wall, processor) = (Instant::now(), ProcessTime::now());
-        for k in 0..50 {
-            instance.step(f64::from(k) * 0.1, 0.1)?;
-        }
+        let _ = prepared.simulate(&mut Unseen)?;
         let run = Run { wall: wall.elapsed().as_secs_f64(), processor: processor.elapsed().as_secs_f64() };
         if best.is_none_or(|best| run.wall < best.wall) {
             best = Some(run);
         }
     }
-    best.context("no run")
+    best.ok_or(Error::NoRun)
 }

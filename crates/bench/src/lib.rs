@@ -1,50 +1,53 @@
-//! Crowds to measure the engine on, and how long it takes.
+//! Crowds for benchmarks of the engine, and their measurement.
 //!
-//! The crowds are made here, of the paper's agent 0 with seeded places and drives, and need no files. A case
-//! is measured in processor time of the thread, on a shared machine too: the median of several runs.
+//! The crowds are generated from the paper's agent 0 with seeded positions and drives, and need no files. A case is
+//! measured in processor time of the thread, which other load on the machine hardly changes: the median of several
+//! runs.
 
+mod error;
 pub mod fmu;
 
-use anyhow::{Result, ensure};
 use cpu_time::ThreadTime;
-use crowd_mechanics::engine::{Pose, Shortlisting, Twist, Vec2, World, Wrench, vec2};
+use crowd_mechanics::engine::{Shortlisting, World, Wrench};
+pub use error::{Error, Result};
+use lemons_plane::{Pose, Twist, Vec2, vec2};
 use lemons_verify::scenes::{BODIES, at, pedestrian, wall, world};
 use std::time::Instant;
 
-/// \[s\] of all crowds but the push.
+/// \[s\] Mechanical step of all crowds except the push.
 const MECHANICAL_STEP: f64 = 1e-5;
-/// \[1/s\]
+/// \[1/s\] Relaxation rate.
 const RATE: f64 = 4.5;
-/// \[kg\]
+/// \[kg\] Mass of a person.
 const MASS: f64 = 89.0;
 
-/// What other engines need for a crowd of this kind \[ns\] per agent and mechanical step, measured once
-/// on a machine of this kind, one core, 2026: not measured again here.
+/// Times of other engines for a crowd of this kind \[ns\] per agent and mechanical step. They were measured once, on
+/// one core of a similar machine, 2026.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Others {
     /// The published C++ engine as shipped.
     pub published: f64,
-    /// The same with the best compiler flags.
+    /// The same, with the best compiler flags.
     pub published_best: f64,
-    /// LAMMPS 2025-07-22, rigid/small and gran/hooke/history, where it was measured.
+    /// LAMMPS 2025-07-22, rigid/small and gran/hooke/history, if it was measured.
     pub lammps: Option<f64>,
 }
 
 /// A crowd to be measured.
 pub struct Case {
-    /// What kind of crowd.
+    /// Kind of crowd.
     pub name: &'static str,
-    /// How many agents.
+    /// Number of agents.
     pub agents: usize,
-    /// Makes it.
+    /// Makes the crowd.
     pub make: fn(usize) -> Result<World>,
-    /// Mechanical steps of one measurement.
+    /// Number of mechanical steps of one measurement.
     pub steps: u64,
-    /// Where there are figures.
+    /// Times of other engines, if there are any.
     pub others: Option<Others>,
 }
 
-/// All cases, small crowds first.
+/// Returns all cases, small crowds first.
 pub fn cases() -> Vec<Case> {
     let others = |published, published_best, lammps| Some(Others { published, published_best, lammps });
     let case = |name, agents, make, steps, others| Case { name, agents, make, steps, others };
@@ -61,7 +64,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Numbers in [−1, 1) that look like random ones: the same on every machine (SplitMix64).
+/// Pseudo-random numbers in [−1, 1), the same on every machine (SplitMix64).
 struct Numbers(u64);
 
 impl Numbers {
@@ -74,7 +77,7 @@ impl Numbers {
     }
 }
 
-/// Pedestrians on a lattice \[m\] in a closed box, turned and shifted a little, each pushing to a side of its own.
+/// Pedestrians on a lattice \[m\] in a closed box, slightly turned and shifted; each pushes in another direction.
 fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
     let columns = ((agents as f64 * spacing.y / spacing.x).sqrt().round() as usize).max(1);
     let rows = agents.div_ceil(columns);
@@ -101,7 +104,7 @@ fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
     world
 }
 
-/// Lets a crowd come to its contacts, in coarse steps.
+/// Lets a crowd settle into contact, with coarse steps.
 fn settled(mut world: World, duration: f64) -> Result<World> {
     world.mechanical_step = 1e-4;
     for _ in 0..5 {
@@ -111,36 +114,36 @@ fn settled(mut world: World, duration: f64) -> Result<World> {
     Ok(world)
 }
 
-/// Six people per square metre who push to and fro.
+/// Makes a crowd of six people per square metre who push in all directions.
 ///
 /// # Errors
-/// The crowd flies apart.
+/// The simulation diverges.
 pub fn dense(agents: usize) -> Result<World> {
     settled(crowd(agents, vec2(0.32, 0.521), 0.5, 800.0), 0.5)
 }
 
-/// One person on two square metres, walking some 1 m/s to a side of its own; some have met.
+/// Makes a crowd of one person per 2 m² who walk at about 1 m/s in all directions; some have met.
 ///
 /// # Errors
-/// The crowd flies apart.
+/// The simulation diverges.
 pub fn sparse(agents: usize) -> Result<World> {
     settled(crowd(agents, vec2(1.4, 1.4), 3.0, 700.0), 2.0)
 }
 
-/// The same, nobody being moved by the closed form.
+/// Makes the same crowd, but no person is moved by the closed form.
 ///
 /// # Errors
-/// The crowd flies apart.
+/// The simulation diverges.
 pub fn all_stepped(agents: usize) -> Result<World> {
     let mut world = sparse(agents)?;
     world.shortlisting = Shortlisting::Off;
     Ok(world)
 }
 
-/// Everybody pushes to one wall.
+/// Makes a crowd in which all push towards one wall.
 ///
 /// # Errors
-/// The crowd flies apart.
+/// The simulation diverges.
 pub fn pressed(agents: usize) -> Result<World> {
     let mut world = crowd(agents, vec2(0.276, 0.505), 0.1, 0.0);
     world.drive.fill(Wrench { force: vec2(-200.0, 0.0), torque: 0.0 });
@@ -156,28 +159,28 @@ fn push() -> World {
     world
 }
 
-/// What a case took.
+/// The measured figures of a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// \[ns\] processor time per agent and mechanical step of one thread: the median of the runs.
+    /// \[ns\] Processor time per agent and mechanical step of one thread: the median of the runs.
     pub nanoseconds: f64,
-    /// Pairs looked at, per agent and step.
+    /// Tested pairs per agent and step.
     pub pairs: f64,
-    /// Contacts, per agent and step.
+    /// Contacts per agent and step.
     pub contacts: f64,
-    /// Lists of candidates made in a thousand steps.
+    /// Number of candidate lists made in a thousand steps.
     pub rebuilds: f64,
-    /// Lists of near pairs taken out of them in a thousand steps.
+    /// Number of near-pair lists made from them in a thousand steps.
     pub refreshes: f64,
-    /// How many times as fast it is with more threads, by the clock on the wall, measured in turns; nothing where
-    /// the work was not shared out.
+    /// Speed-up by more threads, from elapsed times measured in turns; `None` if the work was not shared.
     pub speed_up: Option<f64>,
 }
 
-/// Measures a case, in communication steps of all its mechanical steps, also on so many threads.
+/// Measures a case. Each measurement is one communication step with all its mechanical steps. It is also run on
+/// `threads` threads.
 ///
 /// # Errors
-/// The crowd flies apart; the system gives no threads; results depend on their number.
+/// The simulation diverges, no threads can be started, or the results depend on their number.
 pub fn measure(case: &Case, runs: usize, threads: usize) -> Result<Figures> {
     let mut world = (case.make)(case.agents)?;
     let step = world.mechanical_step * case.steps as f64;
@@ -198,8 +201,8 @@ pub fn measure(case: &Case, runs: usize, threads: usize) -> Result<Figures> {
         }
     }
     let was_shared = shared.shared() > 0;
-    if was_shared {
-        ensure!(world.state() == shared.state(), "{} {}: other results with threads", case.name, case.agents);
+    if was_shared && world.state() != shared.state() {
+        return Err(Error::OtherResults { name: case.name, agents: case.agents });
     }
     let (steps, work) = ((case.steps * runs as u64) as f64, world.work());
     let each = case.agents as f64 * steps;
@@ -213,7 +216,7 @@ pub fn measure(case: &Case, runs: usize, threads: usize) -> Result<Figures> {
     })
 }
 
-/// Of at least one number.
+/// The median of at least one number.
 fn median(numbers: &mut [f64]) -> f64 {
     numbers.sort_by(f64::total_cmp);
     numbers[numbers.len() / 2]

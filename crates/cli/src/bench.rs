@@ -7,13 +7,13 @@ use std::io::Write;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Only crowds whose name contains this
+    /// Measure only crowds whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// Runs of each; the median counts
-    #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..))]
+    /// Number of runs of each crowd; the median is printed
+    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..))]
     runs: u16,
-    /// Threads to compare with one
+    /// Number of threads to compare with one thread
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..))]
     threads: u16,
 }

@@ -115,8 +115,11 @@ mod tests {
                 let Err(said) = CROWD.check(&binary).map_err(|error| format!("{error:#}")) else {
                     panic!("{platform}: no mark of the crowd's")
                 };
-                let why =
-                    if done.is_ok() { "is not the library crowd_mechanics" } else { "is no shared library" };
+                let why = if done.is_ok() {
+                    "is not the library crowd_mechanics"
+                } else {
+                    "is not a shared library"
+                };
                 assert!(said.contains(why) && said.contains(&format!("--binary {platform}=")), "{said}");
             }
         }

@@ -1,19 +1,20 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
 use crate::decide::plan_of;
-use crate::error::TrialHasErrors;
+use crate::error::{TrialHasErrors, said};
 use crate::files::WISHES_FILE;
-use crate::given::Given;
 use crate::tell;
+use crate::words;
 use anyhow::{Context, Result};
-use crowd_mechanics::trial::Problems;
-use lemons_master::Drive;
+use crowd_mechanics::pack::DRIVE_FILE;
+use lemons_master::{DriveChoice, DriveTable, Given};
+use lemons_trial::Problems;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Trial directories, or zips of them
+    /// Trials to check: directories, or zips of them
     #[arg(required = true, value_name = "TRIAL")]
     trials: Vec<PathBuf>,
 }
@@ -26,7 +27,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             Ok(given) => given,
             Err(error) => {
                 broken = true;
-                writeln!(out, "{error:#}")?;
+                writeln!(out, "{}", said(&error.into()))?;
                 continue;
             }
         };
@@ -36,7 +37,16 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                 let wishes = given.directory().join(WISHES_FILE);
                 let wished = if wishes.exists() { plan_of(&trial, &wishes).map(drop) } else { Ok(()) };
                 let wished = wished.with_context(|| wishes.display().to_string());
-                if let Err(error) = wished.and_then(|()| Drive::of(Some(&trial), None).map(drop)) {
+                let driven = wished.and_then(|()| Ok(DriveTable::of(Some(&trial), &DriveChoice::Own)?));
+                let parameters = &trial.parameters;
+                let missed = driven.as_ref().map(|drive| drive.missed(0.0, parameters.time_step));
+                let missed = missed.ok().flatten();
+                if let Some(missed) = &missed {
+                    let file = path.join(DRIVE_FILE);
+                    let missed = words::missed(missed, "TimeStep");
+                    writeln!(out, "warning: {}: {missed}", file.display())?;
+                }
+                if let Err(error) = driven {
                     broken = true;
                     // A zip is unpacked elsewhere.
                     let (there, named) = (given.directory().display(), path.display());
@@ -48,7 +58,6 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     writeln!(out, "{named}: 1 error")?;
                     continue;
                 }
-                let parameters = &trial.parameters;
                 writeln!(
                     out,
                     "{}: {} agents, {} walls, TimeStep {:?} s, TimeStepMechanical {:?} s: {}",
@@ -57,7 +66,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     trial.geometry.walls.len(),
                     parameters.time_step,
                     parameters.time_step_mechanical,
-                    match warnings.iter().count() {
+                    match warnings.iter().count() + usize::from(missed.is_some()) {
                         0 => "no problem".to_owned(),
                         1 => "1 warning".to_owned(),
                         n => format!("{n} warnings"),

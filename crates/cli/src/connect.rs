@@ -2,7 +2,7 @@
 
 use crate::files::{self, Force};
 use crate::pack::say_size;
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use lemons_master::Fmu;
 use lemons_ssp::{Participant, write_archive};
 use std::collections::HashSet;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// FMUs for co-simulation; Gauss-Seidel steps them in this order
+    /// FMUs for co-simulation. The Gauss-Seidel algorithm steps them in this order
     #[arg(required = true, num_args = 2.., value_name = "FILE.fmu")]
     fmus: Vec<PathBuf>,
     /// The SSP to write
@@ -24,9 +24,8 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
     check_output(arguments)?;
     let mut interfaces = Vec::new();
     for path in &arguments.fmus {
-        let shown = || path.display().to_string();
-        let interface = Fmu::open(path)?.interface().with_context(shown)?;
-        if !interface.co_simulation {
+        let interface = Fmu::open(path)?.description;
+        if interface.co_simulation.is_none() {
             bail!("{}: the FMU is not for co-simulation", path.display());
         }
         interfaces.push(interface);

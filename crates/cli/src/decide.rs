@@ -2,13 +2,14 @@
 
 use crate::binary::DECISION;
 use crate::files::{self, Force, WISHES_FILE};
-use crate::given::Given;
 use crate::pack::{FmuArguments, say_size};
+use crate::words::read_or_say;
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::trial::Trial;
 use lemons_decision::rule::Pose;
 use lemons_decision::{Person, Plan, Wishes};
 use lemons_files::input;
+use lemons_master::Given;
+use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
 
 /// Wishes of everybody, as short as they can be.
@@ -16,8 +17,9 @@ const SHORTEST: &str = "  desired_speed = 1.34
   waypoints = [{ x = 6.0, y = 2.5 }]";
 
 const WISHES: &str = "\
-decision.toml: for everybody, then for agents by their Id in Agents.xml. An agent \
-walks to its way-points one after the other; each is reached within its radius.
+The file decision.toml: first the values for all agents, then those for single \
+agents, by their Id in Agents.xml. An agent walks to its way-points one after the \
+other. It has reached one when the distance is at most its radius.
 
   desired_speed = 1.34    # m/s; default 1.34
   waypoints = [           # m; default of radius 0.3
@@ -25,17 +27,17 @@ walks to its way-points one after the other; each is reached within its radius.
     { x = 20.0, y = 2.5 },
   ]
 
-  [agents.7]              # what it does not say is as for everybody
+  [agents.7]              # overrides the values for all agents
   desired_speed = 0.9
   waypoints = [{ x = 0.0, y = 1.0 }]";
 
 #[derive(clap::Args)]
 #[command(after_help = WISHES)]
 pub struct Arguments {
-    /// The Trial whose people decide: its directory, or a zip of it
+    /// The Trial whose people are driven: its directory, or a zip of it
     #[arg(value_name = "TRIAL")]
     trial: PathBuf,
-    /// Way-points and desired speeds; default: decision.toml in the Trial's directory
+    /// File with way-points and desired speeds. Default: decision.toml in the Trial's directory
     #[arg(long, value_name = "FILE.toml")]
     plan: Option<PathBuf>,
     /// The FMU to write
@@ -50,7 +52,7 @@ pub struct Arguments {
 pub fn decide(arguments: &Arguments) -> Result<()> {
     let mut file = files::stage(&arguments.output)?;
     let given = Given::open(&arguments.trial)?;
-    let (trial, warnings) = given.read_or_say()?;
+    let (trial, warnings) = read_or_say(&given)?;
     for warning in warnings.iter() {
         note!("{warning}");
     }
@@ -61,7 +63,7 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     };
     if arguments.plan.is_none() && !path.exists() {
         bail!(
-            "there is no {}; --plan FILE.toml names another. For everybody it says:\n{SHORTEST}",
+            "there is no {}. Write it, or name another file with --plan FILE.toml. The shortest such file is:\n{SHORTEST}",
             named.display()
         );
     }

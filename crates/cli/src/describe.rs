@@ -1,10 +1,11 @@
 //! `lemons describe`: the model description that a Trial's FMU would have.
 
-use crate::given::Given;
 use crate::tell;
+use crate::words::read_or_say;
 use anyhow::Result;
 use crowd_mechanics::model_description::model_description;
 use crowd_mechanics::pack::Naming;
+use lemons_master::Given;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -16,7 +17,7 @@ pub struct Arguments {
 }
 
 pub fn describe(arguments: &Arguments) -> Result<()> {
-    let (trial, _) = Given::open(&arguments.trial)?.read_or_say()?;
+    let (trial, _) = read_or_say(&Given::open(&arguments.trial)?)?;
     let text = model_description(&trial, Naming::Structured);
     Ok(tell::out().write_all(text.as_bytes())?)
 }

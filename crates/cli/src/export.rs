@@ -1,38 +1,40 @@
 //! `lemons export`: a run for the field's tools, and a Trial that goes on where it ended.
 
+use crate::error::Misused;
 use crate::files::{self, Force};
-use crate::given::Given;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
-use crowd_mechanics::trial::Trial;
-use lemons_export::{
-    Area, Positions, Record, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files,
+use crowd_mechanics::setup;
+use lemons_files::input;
+use lemons_master::{Fmu, Given, Kind};
+use lemons_record::{
+    Area, Positions, Record, chaos, chaos_files, given_area, jupedsim, pedpy_into, series, series_files,
     trial_at_end, walkable_area,
 };
-use lemons_files::input;
-use lemons_master::{Fmu, Kind};
+use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// What lemons run wrote (CSV, Parquet), or an OutputDirectory of AgentDynamics and AgentInteractions
+    /// Results of a run: the table of lemons run (CSV or Parquet), or an OutputDirectory of
+    /// AgentDynamics and AgentInteractions files
     #[arg(value_name = "TABLE or SERIES")]
     source: PathBuf,
-    /// What to write
+    /// Format to write
     #[arg(long, value_name = "FORMAT")]
     to: Format,
-    /// Where it goes: a file for jupedsim and pedpy, a directory for the others
+    /// Where to write: a file for jupedsim and pedpy, a directory for the other formats
     #[arg(value_name = "OUT")]
     out: PathBuf,
-    /// The Trial or FMU that ran; default: the Trial directory that a series lies in. A table needs it
-    /// for its walls (jupedsim), for a series, and for a Trial
+    /// The Trial or FMU of the run. Default for an OutputDirectory: the Trial that contains it. A table
+    /// needs it for the formats jupedsim (walls), series and trial
     #[arg(long, value_name = "TRIAL or FILE.fmu")]
     trial: Option<PathBuf>,
-    /// For jupedsim: the walkable area, in place of that which the walls enclose: a file with
+    /// For jupedsim: the walkable area, instead of the area that the walls enclose. A file with
     /// POLYGON ((x y, …), (hole), …) in metres (well-known text)
     #[arg(long, value_name = "FILE.wkt")]
     area: Option<PathBuf>,
-    /// Take each N-th frame, the first one included
+    /// Write only every N-th frame, beginning with the first
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
     #[command(flatten)]
@@ -41,15 +43,15 @@ pub struct Arguments {
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Format {
-    /// SQLite of JuPedSim, version 2, with the walkable area from the walls: pedpy.load_trajectory_from_jupedsim_sqlite
+    /// SQLite database of JuPedSim, version 2, with the walkable area; PedPy reads it with load_trajectory_from_jupedsim_sqlite
     Jupedsim,
-    /// Text "id frame x y z" after the frame rate: pedpy.load_trajectory
+    /// Text with the frame rate and lines "id frame x y z"; PedPy reads it with load_trajectory
     Pedpy,
-    /// trajNNN.csv of each agent: t,x,y,0.0
+    /// A file trajNNN.csv for each agent, with t,x,y,0.0
     Chaos,
-    /// The paper's AgentDynamics and, from a series, AgentInteractions of each time
+    /// The paper's AgentDynamics files for each time; from an OutputDirectory also AgentInteractions
     Series,
-    /// A Trial that starts where the run ended; from a series with its springs
+    /// A Trial that continues from the end of the run; from an OutputDirectory with contact springs
     Trial,
 }
 
@@ -62,14 +64,23 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     if *to != Format::Jupedsim && arguments.area.is_some() {
         bail!("--area is for --to jupedsim: the other formats have no walkable area");
     }
+    if *to != Format::Pedpy && files::is_standard_output(out) {
+        bail!(Misused(
+            "OUT -: only the format pedpy can go to standard output; for a file of this name, write ./-"
+                .into()
+        ));
+    }
     let trial = trial_of(source, arguments.trial.as_deref())?;
     if matches!(to, Format::Jupedsim | Format::Pedpy) {
         files::claim_and_try(out)?;
     } else {
         files::claim_directory(out)?;
     }
-    let need =
-        || trial.as_ref().with_context(|| format!("{}: give its Trial or FMU: --trial", source.display()));
+    let need = || {
+        trial
+            .as_ref()
+            .with_context(|| format!("{}: give the Trial or FMU of the run with --trial", source.display()))
+    };
     let run = if source.is_dir() {
         Record::series(source, need()?)?
     } else {
@@ -88,7 +99,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             jupedsim(&run, &area, out)?;
             said.extend(area.said);
         }
-        Format::Pedpy => pedpy(&run, out)?,
+        Format::Pedpy => pedpy_into(&run, files::open(out)?, out)?,
         Format::Chaos => {
             claim_all(chaos_files(&run).iter().map(|name| out.join(name)))?;
             chaos(&run, out)?;
@@ -104,7 +115,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         }
     }
     if matches!(to, Format::Jupedsim | Format::Pedpy) && !run.names().are_ids {
-        said.push("Ids are no whole numbers: agents are numbered in the order of the source, from 0".into());
+        said.push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into());
     }
     let without_contacts = !run.contacts();
     if *to == Format::Series && without_contacts {
@@ -137,7 +148,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
 /// That a file can be the table of a run; what is in it is read later.
 pub fn expect_table(path: &Path) -> Result<()> {
     let tables = [Kind::Text, Kind::Binary, Kind::Parquet, Kind::Stream, Kind::Trial, Kind::Directory];
-    Kind::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")
+    Ok(Kind::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")?)
 }
 
 /// \[bytes\] A polygon of more is a mistake.
@@ -159,7 +170,7 @@ fn area_of(positions: &Positions, given: Option<&Path>, trial: Option<&Trial>) -
     }
     let mut area = walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions.iter());
     if trial.is_none() {
-        area.said.insert(0, "walls unknown: give the Trial or FMU that ran (--trial)".to_owned());
+        area.said.insert(0, "walls unknown: give the Trial or FMU of the run with --trial".to_owned());
     }
     Ok(area)
 }
@@ -178,7 +189,7 @@ pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
         return found
             .map(|path| {
                 files::reads(&path, &source.display().to_string());
-                Ok(Trial::read(&path)?.0)
+                Ok(setup::read(&path)?.0)
             })
             .transpose();
     };
@@ -190,5 +201,5 @@ pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
     if resources.names().len() > 1 {
         note!("warning: {} holds several Trials: {:?} is taken", path.display(), resources.first());
     }
-    fmu.trial(None).map(Some)
+    Ok(Some(fmu.trial(None)?))
 }

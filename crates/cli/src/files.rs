@@ -2,16 +2,20 @@
 //!
 //! - What is read is never written, whatever path leads to it.
 //! - No two outputs go into one file.
-//! - A file that is there is replaced only by the command that wrote it, of the same Trial, FMU or table, and only as
-//!   long as nobody has changed it. Everything else needs `--force`.
+//! - A file that is there is replaced only by the command that wrote it, of the same Trial, FMU or table, and only if
+//!   nobody has changed it since. Everything else needs `--force`.
+//! - A file that somebody changes while the command runs is not replaced either: the results stay beside it.
+//! - `-` is standard output, for what is a text or a picture; the command's own words go to standard error then.
 
 mod record;
 mod roles;
 
+use crate::error::Misused;
+use crate::tell;
 use anyhow::{Context, Result, bail};
 use clap::ArgMatches;
-use crowd_mechanics::files::Staged;
-use crowd_mechanics::trial::Trial;
+use lemons_files::{Before, Staged, guard, only_path, placed};
+use lemons_trial::Trial;
 use record::{Stamp, Writer, Written};
 use roles::{Argument, ROLES, Role};
 use std::collections::{BTreeMap, HashMap};
@@ -25,7 +29,7 @@ pub const WISHES_FILE: &str = "decision.toml";
 /// Of the commands that write.
 #[derive(clap::Args, Clone)]
 pub struct Force {
-    /// Replace files that are there although they are of something else, or somebody changed them
+    /// Replace existing files, even if they were made from something else or were changed since
     #[arg(long)]
     pub force: bool,
 }
@@ -55,9 +59,12 @@ struct Files {
     taken: HashMap<Identity, Taken>,
     /// What a run goes on from, it may replace.
     goes_on: Vec<Identity>,
-    /// What may have been written, and what was there before.
-    places: Vec<(PathBuf, Option<Stamp>)>,
+    /// What may be written: its one path, and how the user calls it.
+    places: BTreeMap<PathBuf, PathBuf>,
     records: HashMap<PathBuf, Vec<Written>>,
+    remembered: bool,
+    /// Something goes to standard output.
+    shown: bool,
 }
 
 /// Of the one command of this process.
@@ -71,16 +78,17 @@ fn with<T>(work: impl FnOnce(&mut Files) -> T) -> T {
     work(files().get_or_insert_default())
 }
 
-/// The one path of a file, which need not be there: absolute and without links.
-fn only_path(path: &Path) -> io::Result<PathBuf> {
-    if let Ok(there) = path.canonicalize() {
-        return Ok(there);
-    }
-    let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
-    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // Of directories that are yet to be made.
-    let directory = if directory.exists() { directory.canonicalize()? } else { only_path(directory)? };
-    Ok(directory.join(name))
+/// Whether results go to standard output instead of a file.
+pub fn is_standard_output(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+fn standard_output() -> io::Result<Staged> {
+    #[cfg(unix)]
+    let own = std::os::fd::AsFd::as_fd(&io::stdout()).try_clone_to_owned()?;
+    #[cfg(windows)]
+    let own = std::os::windows::io::AsHandle::as_handle(&io::stdout()).try_clone_to_owned()?;
+    Ok(Staged::onto(own.into()))
 }
 
 fn identities(path: &Path) -> io::Result<Vec<Identity>> {
@@ -144,7 +152,19 @@ pub fn begin(command: &str, arguments: &ArgMatches) -> Result<()> {
                         given("state").iter().any(|state| identities(state).is_ok_and(|all| all == own));
                     if over { with(|files| files.goes_on = own) } else { reads(&path, &who) }
                 }
-                Role::Writes | Role::WritesInto => outputs.push(path),
+                Role::Shows if is_standard_output(&path) => {
+                    if with(|files| std::mem::replace(&mut files.shown, true)) {
+                        bail!("cannot write -: another result goes there");
+                    }
+                    tell::speak_aside();
+                }
+                Role::Writes | Role::WritesInto if is_standard_output(&path) => {
+                    let option = if spelled.is_empty() { id } else { spelled };
+                    bail!(Misused(format!(
+                        "{option} -: this result cannot go to standard output; for a file of this name, write ./-"
+                    )));
+                }
+                Role::Shows | Role::Writes | Role::WritesInto => outputs.push(path),
             }
         }
     }
@@ -164,7 +184,7 @@ pub fn reads(path: &Path, who: &str) {
 /// Whether a file may be written; from now on nothing else goes there.
 ///
 /// # Errors
-/// It is read, other results go there, or what is there is not to be replaced.
+/// It is read, another result goes there, or what is there is not to be replaced.
 pub fn claim(path: &Path) -> Result<()> {
     with(|files| files.claim(path, false))
 }
@@ -172,7 +192,7 @@ pub fn claim(path: &Path) -> Result<()> {
 /// As [`claim`], for a file whose content is kept and continued, or that is put together from what it holds.
 ///
 /// # Errors
-/// It is read, or other results go there.
+/// It is read, or another result goes there.
 pub fn claim_to_go_on(path: &Path) -> Result<()> {
     with(|files| files.claim(path, true))
 }
@@ -195,8 +215,13 @@ pub fn stage_to_go_on(path: &Path) -> Result<Staged> {
     open(path)
 }
 
-fn open(path: &Path) -> Result<Staged> {
-    Staged::beside(path).with_context(|| format!("cannot write {}", path.display()))
+/// Opens what was claimed.
+///
+/// # Errors
+/// It cannot be written.
+pub fn open(path: &Path) -> Result<Staged> {
+    let file = if is_standard_output(path) { standard_output() } else { Staged::beside(path) };
+    file.with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// Claims a file that is written later, and sees that it can be.
@@ -213,7 +238,7 @@ pub fn claim_and_try(path: &Path) -> Result<()> {
 /// Whether files may be put into a directory: into none that is read itself.
 ///
 /// # Errors
-/// It is read, or other results go there.
+/// It is read, or another result goes there.
 pub fn claim_directory(directory: &Path) -> Result<()> {
     with(|files| {
         files.check_unread(directory)?;
@@ -221,31 +246,46 @@ pub fn claim_directory(directory: &Path) -> Result<()> {
     })
 }
 
-/// Remembers what was written, so that the same command may replace it.
+/// What is complete and in its place, as the user calls it.
+pub fn complete() -> Vec<PathBuf> {
+    let there = placed().into_iter().filter(|(place, _)| place.exists());
+    with(|files| there.filter_map(|(place, _)| files.places.get(&place).cloned()).collect())
+}
+
+/// Remembers what was put into its place, so that the same command may replace it. Once: whoever ends the process
+/// meanwhile waits for it.
 pub fn remember() {
-    let Some(files) = files().take() else { return };
-    let mut new: BTreeMap<PathBuf, Vec<Written>> = BTreeMap::new();
-    for (place, before) in files.places {
-        let (Some(directory), Some(name)) = (place.parent(), place.file_name()) else { continue };
-        let there = place.metadata().ok().filter(std::fs::Metadata::is_file);
-        let Some(stamp) = there.as_ref().map(Stamp::of).filter(|stamp| Some(*stamp) != before) else {
-            continue;
-        };
-        let name = name.to_string_lossy().into_owned();
-        let written = Written { name, stamp, by: files.writer.clone() };
-        new.entry(directory.to_owned()).or_default().push(written);
-    }
-    for (directory, new) in new {
-        record::add(&directory, new);
-    }
+    with(|files| {
+        if std::mem::replace(&mut files.remembered, true) {
+            return;
+        }
+        let mut new: BTreeMap<PathBuf, Vec<Written>> = BTreeMap::new();
+        // As it was put there: whoever changed it a moment later is a stranger.
+        for (place, there) in placed() {
+            let (Some(directory), Some(name)) = (place.parent(), place.file_name()) else { continue };
+            // Of what was temporary nothing is left.
+            if !place.exists() {
+                continue;
+            }
+            let name = name.to_string_lossy().into_owned();
+            let written = Written { name, stamp: Stamp::of(&there), by: files.writer.clone() };
+            new.entry(directory.to_owned()).or_default().push(written);
+        }
+        for (directory, new) in new {
+            record::add(&directory, new);
+        }
+    });
 }
 
 impl Files {
     fn claim(&mut self, path: &Path, goes_on: bool) -> Result<()> {
+        if is_standard_output(path) {
+            return Ok(());
+        }
         let cannot = || format!("cannot write {}", path.display());
         self.check_unread(path)?;
         let there = path.metadata().ok();
-        // What is no regular file is written, not replaced.
+        // What is not a regular file is written, not replaced.
         if there.as_ref().is_some_and(|there| !there.is_file()) {
             return Ok(());
         }
@@ -257,7 +297,15 @@ impl Files {
         {
             bail!("{}: {why}; --force replaces it", cannot());
         }
-        self.places.push((place, there.as_ref().map(Stamp::of)));
+        guard(
+            place.clone(),
+            match there {
+                _ if self.force => Before::Anything,
+                Some(there) => Before::File(there),
+                None => Before::Nothing,
+            },
+        );
+        self.places.insert(place, path.to_owned());
         Ok(())
     }
 
@@ -274,7 +322,7 @@ impl Files {
     fn take(&mut self, path: &Path) -> Result<()> {
         for identity in identities(path).with_context(|| format!("cannot write {}", path.display()))? {
             if self.taken.insert(identity, Taken::Written).is_some() {
-                bail!("cannot write {}: other results go there", path.display());
+                bail!("cannot write {}: another result goes there", path.display());
             }
         }
         Ok(())
@@ -290,12 +338,12 @@ impl Files {
         let name = place.file_name()?.to_string_lossy();
         let record = self.records.entry(directory).or_insert_with_key(|directory| record::of(directory));
         match record.iter().find(|written| written.name == name) {
-            None => Some("it is there already, and lemons does not know it as its own".to_owned()),
+            None => Some("it exists already, and lemons has no record of writing it".to_owned()),
             Some(written) if written.stamp != stamp => {
                 Some(format!("it was changed after `{}` wrote it", written.by.typed))
             }
             Some(written) if written.by.of == self.writer.of => None,
-            Some(written) => Some(format!("it is of something else, `{}` wrote it", written.by.typed)),
+            Some(written) => Some(format!("it was made from something else, by `{}`", written.by.typed)),
         }
     }
 }

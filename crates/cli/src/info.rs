@@ -2,8 +2,8 @@
 
 use crate::tell;
 use anyhow::Result;
-use fmi_rs::model_description::fmi2::{Causality, ScalarVariable, VariableType};
 use lemons_master::Fmu;
+use lemons_ssp::{Kind, Type, Variable};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ pub struct Arguments {
     /// The FMU
     #[arg(value_name = "FILE.fmu")]
     fmu: PathBuf,
-    /// Only variables whose name contains this
+    /// List only variables whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
 }
@@ -21,11 +21,11 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     let fmu = Fmu::open(&arguments.fmu)?;
     let description = &fmu.description;
     let mut out = tell::out();
-    let count = |causality| description.modelVariables.iter().filter(|v| v.causality == causality).count();
-    writeln!(out, "{}  {}", description.modelName, description.version.as_deref().unwrap_or(""))?;
+    let count = |kind| description.variables.iter().filter(|variable| variable.kind == Some(kind)).count();
+    writeln!(out, "{}  {}", description.model_name, description.version.as_deref().unwrap_or(""))?;
     writeln!(out, "GUID      {}", description.guid)?;
-    if let Some(experiment) = &description.defaultExperiment {
-        writeln!(out, "step      {} s", experiment.stepSize.as_deref().unwrap_or("-"))?;
+    if let Some(step) = description.step {
+        writeln!(out, "step      {step} s")?;
     }
     if let Ok(resources) = fmu.resources() {
         writeln!(out, "Trials    {}", resources.names().join(", "))?;
@@ -33,12 +33,12 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     writeln!(
         out,
         "variables {} inputs, {} outputs, {} parameters\n",
-        count(Causality::Input),
-        count(Causality::Output),
-        count(Causality::Parameter)
+        count(Kind::Input),
+        count(Kind::Output),
+        count(Kind::Parameter)
     )?;
-    let wanted = |v: &&ScalarVariable| arguments.only.as_ref().is_none_or(|only| v.name.contains(only));
-    let rows: Vec<[String; 4]> = description.modelVariables.iter().filter(wanted).map(row).collect();
+    let wanted = |v: &&Variable| arguments.only.as_ref().is_none_or(|only| v.name.contains(only));
+    let rows: Vec<[String; 4]> = description.variables.iter().filter(wanted).map(row).collect();
     let head = ["name", "", "unit", "start"].map(str::to_owned);
     let mut widths = [0; 4];
     for row in std::iter::once(&head).chain(&rows) {
@@ -54,16 +54,16 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn row(variable: &ScalarVariable) -> [String; 4] {
-    let unit = match &variable.variableType {
-        VariableType::Real { unit, .. } => unit.clone().unwrap_or_default(),
+fn row(variable: &Variable) -> [String; 4] {
+    let unit = match &variable.of {
+        Type::Real(unit) => unit.clone().unwrap_or_default(),
         other => other.name().to_owned(),
     };
-    let causality = match variable.causality {
-        Causality::Input => "input",
-        Causality::Output => "output",
-        Causality::Parameter => "param",
+    let causality = match variable.kind {
+        Some(Kind::Input) => "input",
+        Some(Kind::Output) => "output",
+        Some(Kind::Parameter) => "param",
         _ => "other",
     };
-    [variable.name.clone(), causality.into(), unit, variable.variableType.start().clone().unwrap_or_default()]
+    [variable.name.clone(), causality.into(), unit, variable.start.clone().unwrap_or_default()]
 }

@@ -1,7 +1,11 @@
-//! Ctrl-C, termination, a closed terminal: nothing is left half-written.
+//! Ctrl-C, termination, a closed terminal: nothing is left half-written, and what is complete is said.
 
+#[cfg(unix)]
+mod ignored;
+
+use crate::files;
 use anyhow::{Context, Result};
-use crowd_mechanics::files::give_up;
+use lemons_files::{give_up, wait_no_longer};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The user pressed Ctrl-C; what became of the work.
@@ -9,11 +13,23 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Interrupted(pub String);
 
 impl Interrupted {
-    /// What was begun is given up.
-    pub fn nothing_written() -> Interrupted {
-        Interrupted("interrupted: nothing was written".into())
+    /// What was begun is given up; what is complete stays.
+    pub fn given_up() -> Interrupted {
+        let complete: Vec<String> = files::complete().iter().map(|path| path.display().to_string()).collect();
+        Interrupted(match &complete[..] {
+            [] => "interrupted: nothing was written".into(),
+            [one] => format!("interrupted: {one} is complete, nothing else was written"),
+            [first, .., last] if complete.len() > MOST_NAMED => format!(
+                "interrupted: {} files are complete, from {first} to {last}, nothing else was written",
+                complete.len()
+            ),
+            all => format!("interrupted: {} are complete, nothing else was written", all.join(", ")),
+        })
     }
 }
+
+/// Complete files that are told by name.
+const MOST_NAMED: usize = 8;
 
 impl std::fmt::Display for Interrupted {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -31,20 +47,33 @@ static WATCHED: AtomicBool = AtomicBool::new(false);
 static PRESSED: AtomicBool = AtomicBool::new(false);
 
 /// Before anything is written. A signal ends the program at once, without what it has begun, unless the command watches
-/// for it; a second one does in any case. A file that gets too large (`ulimit -f`) is an error of writing it.
+/// for it; a second one does in any case. Signals that whoever started the program lets it ignore (`nohup`, a shell's
+/// `&`) stay ignored. A file that gets too large (`ulimit -f`) is an error of writing it.
 pub fn prepare() -> Result<()> {
-    ctrlc::set_handler(|| {
-        if PRESSED.swap(true, Ordering::Relaxed) || !WATCHED.load(Ordering::Relaxed) {
-            give_up();
-            note!("lemons: {}", Interrupted::nothing_written());
-            std::process::exit(EXIT_CODE.into());
-        }
-    })
-    .context("cannot watch for Ctrl-C")?;
     #[cfg(unix)]
-    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default())
-        .context("cannot watch for SIGXFSZ")?;
+    {
+        use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+        let heeded = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| !ignored::is_ignored(*signal));
+        let mut signals = signal_hook::iterator::Signals::new(heeded).context("cannot watch for Ctrl-C")?;
+        let thread = std::thread::Builder::new().name("signals".into());
+        thread.spawn(move || signals.forever().for_each(|_| pressed())).context("cannot start a thread")?;
+        signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default())
+            .context("cannot watch for SIGXFSZ")?;
+    }
+    #[cfg(not(unix))]
+    ctrlc::set_handler(pressed).context("cannot watch for Ctrl-C")?;
     Ok(())
+}
+
+fn pressed() {
+    if PRESSED.swap(true, Ordering::Relaxed) || !WATCHED.load(Ordering::Relaxed) {
+        // From here on no file gets complete.
+        give_up();
+        note!("lemons: {}", Interrupted::given_up());
+        files::remember();
+        std::process::exit(EXIT_CODE.into());
+    }
+    wait_no_longer();
 }
 
 /// Waits for the end of the program if a signal is about to end it: what failed meanwhile failed as its files were
@@ -76,6 +105,6 @@ impl Interrupt {
     }
 
     pub fn check(&self) -> Result<()> {
-        if self.pressed() { Err(Interrupted::nothing_written().into()) } else { Ok(()) }
+        if self.pressed() { Err(Interrupted::given_up().into()) } else { Ok(()) }
     }
 }

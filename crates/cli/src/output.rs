@@ -2,7 +2,7 @@
 
 use crate::files;
 use anyhow::{Context, Result};
-use crowd_mechanics::files::Staged;
+use lemons_files::Staged;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 

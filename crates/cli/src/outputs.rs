@@ -1,14 +1,16 @@
-//! The outputs of components that are no crowd: one table, one column for each.
+//! The outputs of components that are not a crowd: one table, with a column for each output.
 
 use crate::recording::Recording;
-use crate::results::{Cell, Column, Content, Extent, Kind, Place, Table};
+use crate::results::{self, Cell, Column, Content, Extent, Kind, Place, Started, TableWriter, told};
 use anyhow::Result;
-use fmi_rs::model_description::fmi2::{Causality, VariableType};
+use lemons_files::Staged;
 use lemons_master::System;
+use lemons_ssp::{Kind as Causality, Type};
 
 pub struct Outputs {
     components: Vec<Columns>,
-    table: Table,
+    table: TableWriter<Staged>,
+    started: Started,
     /// After the time.
     count: usize,
 }
@@ -49,23 +51,22 @@ impl Outputs {
                 booleans: References::default(),
                 strings: References::default(),
             };
-            let description = &component.fmu.description;
-            let variables = description.modelVariables.iter();
-            for variable in variables.filter(|variable| variable.causality == Causality::Output) {
-                let (list, kind) = match variable.variableType {
-                    VariableType::Real { .. } => (&mut columns.reals, Kind::Real),
-                    VariableType::Integer { .. } | VariableType::Enumeration { .. } => {
-                        (&mut columns.integers, Kind::Integer)
-                    }
-                    VariableType::Boolean { .. } => (&mut columns.booleans, Kind::Boolean),
-                    VariableType::String { .. } => (&mut columns.strings, Kind::Text),
+            let variables = component.fmu.description.variables.iter();
+            for variable in variables.filter(|variable| variable.kind == Some(Causality::Output)) {
+                let (list, kind) = match variable.of {
+                    Type::Real(_) => (&mut columns.reals, Kind::Real),
+                    Type::Integer | Type::Enumeration(_) => (&mut columns.integers, Kind::Integer),
+                    Type::Boolean => (&mut columns.booleans, Kind::Boolean),
+                    Type::String => (&mut columns.strings, Kind::Text),
+                    // FMI 2.0 has none.
+                    Type::Binary => continue,
                 };
-                list.references.push(variable.valueReference);
+                list.references.push(variable.reference);
                 list.columns.push(header.len() - 1);
                 header.push(Column {
                     name: format!("{}.{}", component.name, variable.name),
                     kind,
-                    unit: description.get_unit(variable).map(str::to_owned),
+                    unit: variable.of.unit().map(str::to_owned),
                     variable: variable.name.clone(),
                     description: variable.description.clone().unwrap_or_default(),
                 });
@@ -77,8 +78,8 @@ impl Outputs {
             return Ok(None);
         }
         let content = Content { columns: header, about: recording.about.clone() };
-        let table = Table::create(to, &content, recording.before_of_outputs())?;
-        Ok(Some(Outputs { components: all, table, count }))
+        let (table, started) = results::begin(to, &content, recording.before_of_outputs())?;
+        Ok(Some(Outputs { components: all, table, started, count }))
     }
 
     /// Reads the outputs at a communication point and writes the row.
@@ -101,24 +102,28 @@ impl Outputs {
                 row[*column] = Cell::Text(text);
             }
         }
-        self.table.write(system.time(), row)
+        self.table.row(system.time(), row).map_err(told)
     }
 
     /// What was written.
     pub fn extent(&self) -> Extent {
-        self.table.extent()
+        let lemons_record::Extent { rows, last } = self.table.extent();
+        Extent { rows, last }
     }
 
-    /// Puts the table in its place; answers the line of the summary.
+    /// Puts the table in its place; returns the line of the summary.
     pub fn finish(self) -> Result<String> {
-        let said = format!("outputs            {}   ({} columns)", self.table.said(), self.count + 1);
-        self.table.finish()?;
-        Ok(said)
+        let path = self.table.path().to_owned();
+        results::place(self.table.finish(), &path)?;
+        Ok(format!("outputs            {}   ({} columns)", self.started.said(&path), self.count + 1))
     }
 }
 
 impl References {
-    fn get<T: Clone + Default>(&self, get: impl FnOnce(&[u32], &mut [T]) -> Result<()>) -> Result<Vec<T>> {
+    fn get<T: Clone + Default, E>(
+        &self,
+        get: impl FnOnce(&[u32], &mut [T]) -> Result<(), E>,
+    ) -> Result<Vec<T>, E> {
         let mut values = vec![T::default(); self.references.len()];
         if !values.is_empty() {
             get(&self.references, &mut values)?;
@@ -126,12 +131,12 @@ impl References {
         Ok(values)
     }
 
-    fn put<'a, T: Clone + Default>(
+    fn put<'a, T: Clone + Default, E>(
         &self,
         row: &mut [Cell<'a>],
-        get: impl FnOnce(&[u32], &mut [T]) -> Result<()>,
+        get: impl FnOnce(&[u32], &mut [T]) -> Result<(), E>,
         cell: impl Fn(T) -> Cell<'a>,
-    ) -> Result<()> {
+    ) -> Result<(), E> {
         for (column, value) in self.columns.iter().zip(self.get(get)?) {
             row[*column] = cell(value);
         }

@@ -2,18 +2,20 @@
 
 use crate::binary::{CROWD, Library};
 use crate::files::{self, Force};
-use crate::given::Given;
-use anyhow::{Context, Result};
-use crowd_mechanics::pack::{Binary, Naming, PackError, Package};
-use crowd_mechanics::trial::Trial;
-use lemons_master::{binary_beside, check_library};
+use crate::version::BUILD;
+use crate::words::trial_told;
+use anyhow::{Result, anyhow};
+use crowd_mechanics::pack::{Binary, Naming};
+use lemons_master::{Error, Given, binary_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
+use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Trial directories, or zips of them; the first is the default of the parameter Trial. All share the FMU's variables
-    /// (agent[0].Mass, …): they need the same number of agents with the same Ids, and the same materials
+    /// Trials to pack: directories, or zips of them. The first is the default of the parameter Trial. All
+    /// Trials share the FMU's variables (agent[0].Mass, …): they need the same number of agents with the
+    /// same Ids, and the same materials
     // The help shows it as it is.
     #[allow(rustdoc::broken_intra_doc_links)]
     #[arg(required = true, value_name = "TRIAL")]
@@ -30,10 +32,11 @@ pub struct Arguments {
 /// What every FMU that is made here can be told.
 #[derive(clap::Args)]
 pub struct FmuArguments {
-    /// A shared library for a platform (linux64=FILE, win64=FILE, …); default: this machine's
+    /// Add the shared library of a platform: linux64=FILE, win64=FILE, … Default: that of this machine
     #[arg(long = "binary", value_name = "PLATFORM=FILE", value_parser = parse_binary)]
     binaries: Vec<Binary>,
-    /// Declare the variable names as "flat": some tools check structured names slowly
+    /// Declare the variable names as flat instead of structured; some tools are slow to check structured
+    /// names
     #[arg(long)]
     flat_names: bool,
 }
@@ -46,14 +49,21 @@ impl FmuArguments {
     /// Those that were given, checked, else the library built with this program.
     pub fn binaries(&self, library: &Library) -> Result<Vec<Binary>> {
         if self.binaries.is_empty() {
-            let binary = binary_beside(library.name)?;
-            check_library(&binary.path, &binary.platform)
-                .with_context(|| binary.path.display().to_string())?;
+            let binary = binary_beside(library.name).map_err(with_option)?;
             files::reads(&binary.path, library.name);
             return Ok(vec![binary]);
         }
         self.binaries.iter().try_for_each(|binary| library.check(binary))?;
         Ok(self.binaries.clone())
+    }
+}
+
+/// Of an error in finding the own library, which option helps.
+fn with_option(error: Error) -> anyhow::Error {
+    match &error {
+        Error::NoPlatform => anyhow!("{error}: give --binary PLATFORM=FILE"),
+        Error::NoLibrary { platform, .. } => anyhow!("{error}: give --binary {platform}=FILE"),
+        _ => error.into(),
     }
 }
 
@@ -65,7 +75,7 @@ fn parse_binary(text: &str) -> Result<Binary, String> {
 pub fn pack(arguments: &Arguments) -> Result<()> {
     let binaries = arguments.fmu.binaries(&CROWD)?;
     files::claim_and_try(&arguments.output)?;
-    let trials = arguments.trials.iter().map(|path| Given::open(path)).collect::<Result<Vec<_>>>()?;
+    let trials = arguments.trials.iter().map(|path| Given::open(path)).collect::<Result<Vec<_>, _>>()?;
     let warnings = write_fmu(&trials, binaries, arguments.fmu.naming(), &arguments.output)?;
     for warning in warnings {
         note!("{warning}");
@@ -75,7 +85,7 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
 
 pub fn say_size(output: &Path) -> Result<()> {
     let size = std::fs::metadata(output)?.len();
-    say!("{}: {:.1} MB", output.display(), size as f64 / 1e6)?;
+    say!("{}: {:.1} MB, by lemons {BUILD}", output.display(), size as f64 / 1e6)?;
     Ok(())
 }
 
@@ -86,25 +96,8 @@ pub fn write_fmu(
     naming: Naming,
     output: &Path,
 ) -> Result<Vec<String>> {
-    let package = Package {
-        trials: trials.iter().map(|trial| trial.directory().to_owned()).collect(),
-        binaries,
-        picture: Some(picture),
-        naming,
-    };
-    match package.write(output) {
-        Ok(warnings) => {
-            let known = |text: String| trials.iter().fold(text, |text, trial| trial.under_its_name(&text));
-            Ok(warnings.into_iter().map(known).collect())
-        }
-        Err(PackError::Broken { path, problems }) => {
-            match trials.iter().find(|trial| trial.directory() == path) {
-                Some(trial) => Err(trial.say(&trial.renamed(&problems))),
-                None => Err(PackError::Broken { path, problems }.into()),
-            }
-        }
-        Err(error) => Err(error.into()),
-    }
+    let packed = lemons_master::pack(trials, binaries, naming, Some(picture), output);
+    packed.map_err(|error| trial_told(error.into()))
 }
 
 /// `model.png`; a Trial that cannot be drawn has none.

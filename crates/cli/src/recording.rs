@@ -17,11 +17,11 @@ impl<'a> Recording<'a> {
     pub fn before_of(&self, component: &str) -> Result<Option<&'a CrowdRecord>> {
         let Some(saved) = self.before else { return Ok(None) };
         let record = saved.crowd.iter().find(|record| record.component == component);
-        let missing = || format!("the saved run is damaged: it says nothing of the crowd {component:?}");
+        let missing = || format!("the saved run is damaged: it has no entry for the crowd {component:?}");
         record.map(Some).with_context(missing)
     }
 
-    /// What the run before has recorded of components that are no crowd.
+    /// What the previous run has recorded of components that are not a crowd.
     pub fn before_of_outputs(&self) -> Option<Extent> {
         self.before.map(|saved| saved.outputs.unwrap_or_default())
     }

@@ -1,89 +1,141 @@
 //! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
-mod prepare;
-mod progress;
 mod rest;
 mod underway;
 
-use crate::error::Misused;
+use crate::crowd_run::Point;
+use crate::error::{Misused, and_then, said};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::recording::Recording;
-use crate::results::{Format, Place};
-use crate::watch::{Records, Watch};
+use crate::results::{Format, FormatName, Place};
+use crate::tell::nobody_listens;
+use crate::version::BUILD;
+use crate::watch::{Places, Recorded, Records, Watch};
+use crate::words::{refused, warned};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_master::{Algorithm, Clock, PATIENCE, Pushes, Saved, State, System, wiring_of};
-use prepare::Prepared;
-use progress::{Kept, Progress};
+use lemons_master::{
+    Algorithm, DriveChoice, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings,
+    System, writers,
+};
+use lemons_record::Run;
 pub use rest::REST;
 use rest::Rest;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 use underway::{AtHand, Shared, Underway};
 
-#[derive(clap::Args, Clone)]
+#[derive(clap::Args)]
 pub struct Arguments {
-    /// A Trial directory, an FMU, or FMUs coupled by an SSP
+    /// A Trial (a directory or a zip), an FMU, or an SSP of coupled FMUs
     #[arg(value_name = "TRIAL, FILE.fmu or FILE.ssp")]
     input: PathBuf,
-    /// When to stop, in seconds; default: what the SSP says, else 5
+    /// End of the simulation, in seconds. Default: the stop time of the SSP, else 5
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     until: Option<f64>,
-    /// Communication step, in seconds; default: the Trial's TimeStep, of several FMUs the smallest
-    /// stepSize
+    /// Communication step, in seconds. Default: the Trial's TimeStep; for several FMUs, the smallest
+    /// of their default step sizes
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     step: Option<f64>,
-    /// How coupled FMUs exchange values: all from the last communication point, or one after the
-    /// other in the order of the SSP, each from the newest
+    /// How coupled FMUs exchange values. jacobi: all FMUs use the values of the last communication
+    /// point. gauss-seidel: the FMUs step one after the other, in the order of the SSP, and each uses the
+    /// newest values
     #[arg(long, value_name = "ALGORITHM", default_value = "jacobi")]
     algorithm: Order,
-    /// Propulsion over time: CSV with t,agent,Fp.x,Fp.y,Mp, linearly interpolated, zero outside;
-    /// agents it does not name keep AgentDynamics.xml's. Default: the Trial's drive.csv, if any; none
-    /// in an SSP
+    /// Propulsion over time: a CSV file with columns t,agent,Fp.x,Fp.y,Mp. Values are interpolated
+    /// linearly between rows and are zero before the first and after the last row. Agents that are not
+    /// in the file keep the values of AgentDynamics.xml. Default: the Trial's drive.csv if there is one;
+    /// in an SSP, none
     #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
     drive: Option<PathBuf>,
     /// Ignore the Trial's drive.csv
     #[arg(long)]
     no_drive: bool,
-    /// A parameter, as in: --set TimeStepMechanical=1e-5, of all agents: --set 'agent[*].Mass=80'; in
-    /// an SSP after the component's name and a dot
+    /// Set a parameter or a start value, for example --set TimeStepMechanical=1e-5; for all agents:
+    /// --set 'agent[*].Mass=80'; in an SSP, with the name of the component: --set crowd.Threads=2
     // The help shows it as it is.
     #[allow(rustdoc::broken_intra_doc_links)]
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
-    /// Threads of the crowd's engine: worth it from some thousand agents; results do not depend on it.
-    /// In an SSP: --set NAME.Threads=N
+    /// Number of threads of the crowd. They pay off from a few thousand agents on. Results do not depend
+    /// on the number. In an SSP, use --set NAME.Threads=N
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(i32).range(1..))]
     threads: Option<i32>,
-    /// Where the trajectories go; of several crowds to FILE_NAME.csv. Default: trajectories.csv
+    /// File for the trajectories; - is standard output. Several crowds go to FILE_NAME.csv, with the name
+    /// of each component. Default: trajectories.csv
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Where the outputs of FMUs go that are no crowd. Default: outputs.csv
+    /// File for the outputs of FMUs that are not a crowd. Default: outputs.csv
     #[arg(long, value_name = "FILE")]
     outputs: Option<PathBuf>,
     #[arg(long, value_name = "FORMAT", hide_possible_values = true, help = FORMAT_HELP)]
-    format: Option<Format>,
-    /// Write each N-th communication point, the first one included. Default: 1
+    format: Option<FormatName>,
+    /// Write only every N-th communication point, beginning with the first. Default: 1
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     every: Option<u32>,
-    /// Save the run there when it ends, also by Ctrl-C, to go on with --resume
+    /// Save the state of the run when it ends or is stopped by Ctrl-C; --resume continues it
     #[arg(long, value_name = "FILE.run")]
     state: Option<PathBuf>,
-    /// Go on from a saved run of the same TRIAL or file, in the results that it has written (-o)
+    /// Continue a saved run of the same Trial, FMU or SSP, and add to the results it has written (-o)
     #[arg(long, value_name = "FILE.run")]
     resume: Option<PathBuf>,
     #[command(flatten)]
     _force: Force,
-    /// For pictures: the run ends when all have come to rest.
-    #[arg(skip)]
+}
+
+/// A run, and what becomes of it.
+pub struct Job {
+    pub settings: Settings,
+    /// Where its records go.
+    pub places: Places,
+    /// Where it is saved.
+    pub state: Option<PathBuf>,
+    /// Whether it ends when all have come to rest.
     pub until_still: bool,
 }
 
-const FORMAT_HELP: &str = "csv or, for long runs, parquet: some times smaller, units in the file's metadata. \
-                           Default: what the extension of -o says, else csv";
+impl Arguments {
+    fn job(&self) -> Result<Job> {
+        let places = places_of(self)?;
+        let settings = Settings {
+            parameters: name_and_value_of_all(&self.settings)?,
+            threads: self.threads,
+            step: self.step,
+            until: self.until,
+            every: self.every.map(u64::from),
+            drive: drive_of(self.drive.as_deref(), self.no_drive),
+            algorithm: self.algorithm.into(),
+            resume: self.resume.clone(),
+            saves: self.state.is_some(),
+            ..Settings::of(&self.input)
+        };
+        Ok(Job { settings, places, state: self.state.clone(), until_still: false })
+    }
+}
+
+/// `--drive` and `--no-drive`
+pub fn drive_of(file: Option<&Path>, none: bool) -> DriveChoice {
+    match file {
+        Some(path) => DriveChoice::File(path.to_owned()),
+        None if none => DriveChoice::None,
+        None => DriveChoice::Own,
+    }
+}
+
+/// Names and values of `--set`.
+pub fn name_and_value_of_all(settings: &[String]) -> Result<Vec<(String, String)>> {
+    let both = settings.iter().map(|setting| {
+        let both = setting.split_once('=').map(|(name, value)| (name.to_owned(), value.to_owned()));
+        both.with_context(|| format!("--set {setting}: expected NAME=VALUE"))
+    });
+    both.collect()
+}
+
+const FORMAT_HELP: &str = "Format of the tables: csv; or parquet, for long runs: smaller, with units in the metadata. \
+                           Default: by the extension of -o, else csv";
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Order {
@@ -97,15 +149,6 @@ impl From<Order> for Algorithm {
             Order::Jacobi => Algorithm::Jacobi,
             Order::GaussSeidel => Algorithm::GaussSeidel,
         }
-    }
-}
-
-impl std::fmt::Display for Order {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Order::Jacobi => "Jacobi",
-            Order::GaussSeidel => "Gauss-Seidel",
-        })
     }
 }
 
@@ -127,11 +170,17 @@ pub struct Ended {
     coupling: Vec<String>,
     seen: Vec<String>,
     saved: Option<String>,
+    /// Of a run that is shown, unless the FMU has no agents.
+    pub recorded: Option<Run>,
+    /// Why a file is not in its place.
+    failed: Option<anyhow::Error>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let ended = simulate(arguments, &Interrupt::watch())?;
+    let mut ended = simulate(arguments.job()?, &Interrupt::watch())?;
     let told = ended.tell();
+    // What was computed is told nevertheless.
+    ended.complete()?;
     let Some(time) = ended.stopped else { return told };
     let go_on = match &arguments.state {
         Some(path) if ended.saved.is_some() => format!("go on with --resume {}", path.display()),
@@ -150,13 +199,13 @@ const LONG: Duration = Duration::from_millis(100);
 ///
 /// FMUs are called by a thread of their own. If Ctrl-C finds a step under way that does not end within [`PATIENCE`],
 /// this one completes the files with what was recorded before; the step is given up with the program.
-pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<Ended> {
+pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let shared = Shared::default();
     let (done, ended) = channel();
     let thread = std::thread::Builder::new().name("run".into()).spawn({
-        let (arguments, interrupt, shared) = (arguments.clone(), interrupt.clone(), shared.clone());
+        let (interrupt, shared) = (interrupt.clone(), shared.clone());
         // Nobody listens any more to a run that was given up.
-        move || drop(done.send(step_and_record(&arguments, &interrupt, &shared)))
+        move || drop(done.send(step_and_record(job, &interrupt, &shared)))
     });
     let thread = thread.context("cannot start a thread")?;
     let mut pressed: Option<Instant> = None;
@@ -166,7 +215,7 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<Ended> {
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => match thread.join() {
                 Err(fault) => std::panic::resume_unwind(fault),
-                Ok(()) => bail!("the run ended without an answer"),
+                Ok(()) => bail!("the run ended without a result"),
             },
         }
         if interrupt.pressed()
@@ -178,30 +227,34 @@ pub fn simulate(arguments: &Arguments, interrupt: &Interrupt) -> Result<Ended> {
     }
 }
 
-fn step_and_record(arguments: &Arguments, interrupt: &Interrupt, shared: &Shared) -> Result<Ended> {
-    let [trajectories, outputs] = places_of(arguments)?;
-    let Prepared { mut system, trials, pushes, driven, mut progress, before, coupled } =
-        Prepared::of(arguments)?;
+fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<Ended> {
+    let Job { settings, places, state, until_still } = job;
+    let prepared = Prepared::of(&settings).map_err(refused)?;
+    let Prepared { mut system, trials, pushes, progress, before, coupled, warnings } = prepared;
+    for warning in &warnings {
+        note!("{}", warned(warning));
+    }
     let first = system.time();
+    let by = writers(before.as_ref().map_or("", |before| &before.lemons), &BUILD.whole());
     let about = vec![
-        ("lemons_version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("lemons_version", by.clone()),
         ("communication_step", format!("{:?}", progress.clock.step)),
         ("every", progress.every.to_string()),
     ];
     let recording = Recording { about, before: before.as_ref() };
-    let watch = Watch::create(&system, trials, &trajectories, &outputs, recording)?;
-    let state = arguments.state.clone();
+    let watch = Watch::create(&system, trials, places, recording)?;
     let file = state.map(|path| Ok::<_, anyhow::Error>((files::stage(&path)?, path))).transpose()?;
     let coupling = coupled.then(|| {
         let (components, connections) = (system.components().len(), system.connections());
-        let algorithm = arguments.algorithm;
+        let algorithm = system.algorithm();
         [
             format!("components         {components:>10}     ({connections} connections, {algorithm})"),
             format!("communication step {:>10} s", progress.clock.step),
         ]
     });
-    let mut kept = if file.is_some() { Some(Kept::of(&mut system, &progress)?) } else { None };
+    let kept = if file.is_some() { Some(Kept::of(&mut system, &progress)?) } else { None };
     let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
+    let bar = ProgressBar::new(progress.clock.steps.saturating_sub(progress.index)).with_style(style);
     shared.put(Underway {
         first,
         time: first,
@@ -210,29 +263,32 @@ fn step_and_record(arguments: &Arguments, interrupt: &Interrupt, shared: &Shared
         watch,
         file,
         at_hand: None,
-        bar: ProgressBar::new(progress.clock.steps.saturating_sub(progress.index)).with_style(style),
+        bar: bar.clone(),
         unzipped: system.components().iter().map(|c| c.fmu.directory().to_owned()).collect(),
     });
-    let mut stepping = Stepping { arguments, system: &mut system, pushes: &pushes, driven: &driven, shared };
-    let mut rest = arguments.until_still.then(|| Rest::after(pushes.end()));
-    let done = stepping.advance(&mut progress, interrupt, before.is_none(), &mut kept, &mut rest);
+    let rest = until_still.then(|| Rest::after(pushes.end()));
+    let begun = Instant::now();
+    let pushes = &pushes;
+    let mut stepping = Stepping { pushes, by: &by, shared, interrupt, progress, kept, rest, bar, begun };
+    let done = stepping.advance(&mut system, before.is_none());
     // What was simulated before a failure is worth having.
     let Underway { started, coupling, watch, file, .. } = shared.take().context("the run was given up")?;
     let wall = started.elapsed();
-    let records = watch.records(stepping.system);
-    let seen = watch.finish()?;
+    let records = watch.records(&system);
+    let Recorded { lines: seen, run: recorded, placed } = watch.finish();
     let saved = match file {
         Some((file, path)) => {
-            let kept = kept.as_ref().context("the run failed between two states");
-            let at_hand = kept.and_then(|kept| stepping.at_hand(&progress, kept, records));
+            let kept = stepping.kept.as_ref().context("the run failed between two states");
+            let at_hand = kept.and_then(|kept| stepping.at_hand(&system, kept, records));
             let at_hand = at_hand.with_context(|| path.display().to_string());
             at_hand.and_then(|at_hand| at_hand.write(file, &path)).map(Some)
         }
         None => Ok(None),
     };
     // States are given back while their FMUs are there.
-    drop(kept);
-    let done = done.and_then(|()| system.terminate());
+    drop(stepping.kept.take());
+    let (clock, rest) = (stepping.progress.clock, &stepping.rest);
+    let done = done.and_then(|()| Ok(system.terminate()?));
     for warning in system.warnings() {
         note!("{warning}");
     }
@@ -242,22 +298,39 @@ fn step_and_record(arguments: &Arguments, interrupt: &Interrupt, shared: &Shared
             Ok(None) => {}
             Err(why) => note!("warning: the run is not saved: {why:#}"),
         }
-        let stopped = format!("stopped at t = {:?} s; the results until then are written", system.time());
-        return Err(error.context(stopped));
+        let stopped = format!("stopped at t = {:?} s", system.time());
+        let quiet = nobody_listens(&error);
+        return Err(error.context(match placed {
+            Ok(()) => format!("{stopped}; the results until then are written"),
+            Err(why) => {
+                if !quiet {
+                    note!("lemons: {}", said(&why));
+                }
+                stopped
+            }
+        }));
     }
+    let (saved, kept) = saved.map_or_else(|error| (None, Err(error)), |saved| (saved, Ok(())));
     Ok(Ended {
         simulated: system.time() - first,
         wall,
-        stopped: (system.time() < progress.clock.until
-            && !rest.is_some_and(|rest| rest.is_over(system.time())))
+        stopped: (system.time() < clock.until
+            && !rest.as_ref().is_some_and(|rest| rest.is_over(system.time())))
         .then(|| system.time()),
         coupling,
         seen,
-        saved: saved?,
+        saved,
+        recorded,
+        failed: and_then(placed, kept).err(),
     })
 }
 
 impl Ended {
+    /// That all files are in their places.
+    pub fn complete(&mut self) -> Result<()> {
+        self.failed.take().map_or(Ok(()), Err)
+    }
+
     fn tell(&self) -> Result<()> {
         let seconds = self.wall.as_secs_f64();
         self.coupling.iter().try_for_each(|line| say!("{line}"))?;
@@ -272,8 +345,9 @@ impl Ended {
 }
 
 /// Where the trajectories and the outputs go, and as what.
-fn places_of(arguments: &Arguments) -> Result<[Place; 2]> {
+fn places_of(arguments: &Arguments) -> Result<Places> {
     let Arguments { output, outputs, format, .. } = arguments;
+    let format = format.map(Format::from);
     let common = format.or(output.as_deref().and_then(Format::of)).unwrap_or(Format::Csv);
     let place = |given: &Option<PathBuf>, name: &str| {
         let Some(path) = given else {
@@ -281,7 +355,7 @@ fn places_of(arguments: &Arguments) -> Result<[Place; 2]> {
             return Ok(Place { path, format: common });
         };
         match (Format::of(path), format) {
-            (Some(own), Some(wanted)) if own != *wanted => bail!(Misused(format!(
+            (Some(own), Some(wanted)) if own != wanted => bail!(Misused(format!(
                 "{}: ends in .{}, but --format is {}",
                 path.display(),
                 own.extension(),
@@ -294,104 +368,93 @@ fn places_of(arguments: &Arguments) -> Result<[Place; 2]> {
             (own, _) => Ok(Place { path: path.clone(), format: own.unwrap_or(common) }),
         }
     };
-    Ok([place(output, "trajectories")?, place(outputs, "outputs")?])
+    let (trajectories, outputs) = (place(output, "trajectories")?, place(outputs, "outputs")?);
+    Ok(Places::Files { trajectories, outputs })
 }
 
-/// A system that is stepped.
+/// A run as it is stepped: what was looked at, and what it takes to go on with it.
 struct Stepping<'a> {
-    arguments: &'a Arguments,
-    system: &'a mut System,
     pushes: &'a Pushes,
-    /// Fingerprint of the drive.
-    driven: &'a str,
+    /// Builds of this program that wrote what is recorded.
+    by: &'a str,
     shared: &'a Shared,
+    interrupt: &'a Interrupt,
+    progress: Progress,
+    /// `None` if the run is not saved, or failed between two states.
+    kept: Option<Kept>,
+    rest: Option<Rest>,
+    bar: ProgressBar,
+    /// When the step under way began.
+    begun: Instant,
+}
+
+impl Observer<System> for Stepping<'_> {
+    type Error = anyhow::Error;
+
+    /// Until Ctrl-C, or until all have come to rest.
+    fn goes_on(&mut self, system: &System) -> bool {
+        self.begun = Instant::now();
+        !self.interrupt.pressed() && !self.rest.as_ref().is_some_and(|rest| rest.is_over(system.time()))
+    }
+
+    fn look(&mut self, system: &mut System, reached: Reached) -> Result<()> {
+        let long = self.begun.elapsed() >= LONG;
+        // Until rows and state are both of the new point, no run can go on from it.
+        let before = self.kept.take();
+        if reached.regular {
+            self.progress.index = reached.steps;
+        }
+        let written = reached.steps.is_multiple_of(self.progress.every);
+        let (rest, point) = (&mut self.rest, if written { Point::Written } else { Point::Passed });
+        self.shared.with(|underway| {
+            underway.at_hand = None;
+            underway.watch.look(system, point)?;
+            underway.time = reached.time;
+            if let Some(rest) = rest {
+                rest.see(underway.time, underway.watch.moves());
+            }
+            Ok(())
+        })?;
+        if let Some(mut now) = before {
+            now.renew(system, &self.progress)?;
+            self.kept = Some(now);
+        }
+        if long {
+            self.put_by(system)?;
+        }
+        self.bar.set_message(format!("t = {:.2} s", reached.time));
+        self.bar.inc(1);
+        Ok(())
+    }
 }
 
 impl Stepping<'_> {
-    /// To the clock's end, or until Ctrl-C, or until all have come to rest; the last step is shortened to end there.
-    fn advance(
-        &mut self,
-        progress: &mut Progress,
-        interrupt: &Interrupt,
-        from_start: bool,
-        kept: &mut Option<Kept>,
-        rest: &mut Option<Rest>,
-    ) -> Result<()> {
-        let shared = self.shared;
-        let bar = shared.with(|underway| {
-            if from_start {
-                underway.watch.look(self.system, true)?;
-            }
-            Ok(underway.bar.clone())
-        })?;
-        self.put_by(progress, kept.as_ref())?;
-        let clock = progress.clock;
-        for k in progress.index..clock.steps {
-            if interrupt.pressed() || rest.as_ref().is_some_and(|rest| rest.is_over(self.system.time())) {
-                break;
-            }
-            self.pushes.send(&self.system.components()[0].instance, self.system.time())?;
-            let begun = Instant::now();
-            self.system.step_to(clock.end(k))?;
-            let long = begun.elapsed() >= LONG;
-            // Until rows and state are both of the new point, no run can go on from it.
-            let before = kept.take();
-            if self.system.time() == clock.point(k + 1) {
-                progress.index = k + 1;
-            }
-            shared.with(|underway| {
-                underway.at_hand = None;
-                underway.watch.look(self.system, (k + 1) % progress.every == 0)?;
-                underway.time = self.system.time();
-                if let Some(rest) = rest {
-                    rest.see(underway.time, underway.watch.moves());
-                }
-                Ok(())
-            })?;
-            if let Some(mut now) = before {
-                now.renew(self.system, progress)?;
-                *kept = Some(now);
-            }
-            if long {
-                self.put_by(progress, kept.as_ref())?;
-            }
-            bar.set_message(format!("t = {:.2} s", self.system.time()));
-            bar.inc(1);
+    /// Looks at the first point, unless the run goes on from there; steps to the end.
+    fn advance(&mut self, system: &mut System, from_start: bool) -> Result<()> {
+        if from_start {
+            self.shared.with(|underway| underway.watch.look(system, Point::Start))?;
         }
-        bar.finish_and_clear();
+        self.put_by(system)?;
+        let (clock, first) = (self.progress.clock, self.progress.index);
+        let _ = lemons_master::simulate(system, &clock, first, self.pushes, self)?;
+        self.bar.finish_and_clear();
         Ok(())
     }
 
     /// Where a run that is given up in the next step can be gone on with.
-    fn put_by(&self, progress: &Progress, kept: Option<&Kept>) -> Result<()> {
-        let Some(kept) = kept else { return Ok(()) };
-        let records = self.shared.with(|underway| Ok(underway.watch.records(self.system)))?;
-        let at_hand = self.at_hand(progress, kept, records)?;
+    fn put_by(&self, system: &System) -> Result<()> {
+        let Some(kept) = &self.kept else { return Ok(()) };
+        let records = self.shared.with(|underway| Ok(underway.watch.records(system)))?;
+        let at_hand = self.at_hand(system, kept, records)?;
         self.shared.with(|underway| {
             underway.at_hand = Some(at_hand);
             Ok(())
         })
     }
 
-    fn at_hand(&self, progress: &Progress, kept: &Kept, (crowd, outputs): Records) -> Result<AtHand> {
-        let states = kept.states.iter().map(State::bytes).collect::<Result<Vec<_>>>()?;
-        let Clock { start, step, until, .. } = progress.clock;
-        let saved = Saved {
-            format: Saved::FORMAT,
-            lemons: env!("CARGO_PKG_VERSION").to_owned(),
-            start,
-            step,
-            until,
-            index: kept.index,
-            time: kept.time,
-            every: progress.every,
-            algorithm: self.arguments.algorithm.to_string(),
-            wiring: wiring_of(self.system),
-            drive: self.driven.to_owned(),
-            component: Saved::components(self.system, &states),
-            crowd,
-            outputs,
-        };
+    fn at_hand(&self, system: &System, kept: &Kept, (crowd, outputs): Records) -> Result<AtHand> {
+        let (saved, states) = kept.saved(system, &self.progress, self.pushes, self.by)?;
+        let saved = Saved { crowd, outputs, ..saved };
         Ok(AtHand { saved, states })
     }
 }

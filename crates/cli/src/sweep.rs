@@ -2,15 +2,16 @@
 
 use crate::error::Misused;
 use crate::files::{self, Force};
-use crate::given::Given;
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::pack::write_fmu;
+use crate::version::BUILD;
+use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::files::Scratch;
 use crowd_mechanics::pack::Naming;
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_master::own_binary;
-use lemons_sweep::{Directory, Finished, Progress, Spec, sweep as run};
+use lemons_files::Scratch;
+use lemons_master::{Given, own_binary};
+use lemons_sweep::{Directory, Finished, How, Progress, Spec, sweep as run};
 use std::cell::Cell;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -18,28 +19,28 @@ use std::time::Instant;
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Arguments {
-    /// What is run, with which parameters, and what is measured
+    /// The sweep: what is simulated, with which parameters, and what is measured
     #[arg(value_name = "FILE.toml")]
     spec: PathBuf,
-    /// Where results are kept; one that holds a part of this sweep is gone on with. Default: the
-    /// file's name without its ending
+    /// Directory for the results. If it already holds a part of this sweep, the sweep continues.
+    /// Default: the name of FILE.toml without its extension
     #[arg(short, long, value_name = "DIRECTORY")]
     output: Option<PathBuf>,
-    /// How many points are simulated at once; default: one for each processor
+    /// Number of points that are simulated at the same time. Default: one for each processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// Simulate failed points again
     #[arg(long)]
     retry_failed: bool,
-    /// The table as CSV, too
+    /// Write the table of results as CSV, too
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
     #[command(flatten)]
     _force: Force,
 }
 
-const EXAMPLE: &str = r#"An example:
-  trial = "resources/Trial_push"   # or fmu = "crowd.fmu"; beside the file
+const EXAMPLE: &str = r#"An example of FILE.toml:
+  trial = "resources/Trial_push"   # or fmu = "crowd.fmu"; relative to this file
   until = 2.0                      # [s]
   # step = 0.01                    # [s]; else the Trial's TimeStep
   # drive = "push.csv"             # else the Trial's drive.csv; false: none
@@ -78,14 +79,6 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     spec.inputs.iter().for_each(|path| files::reads(path, &who));
     files::claim_directory(&output)?;
     arguments.csv.as_deref().map(files::claim_and_try).transpose()?;
-    let packed = Scratch::new().context("cannot make a temporary directory")?;
-    let fmu = if let Some(trial) = Given::find(&spec.model)? {
-        let path = packed.path().join("crowd.fmu");
-        write_fmu(&[trial], vec![own_binary()?], Naming::Structured, &path)?;
-        path
-    } else {
-        spec.model.clone()
-    };
     let threads = match arguments.threads {
         Some(threads) => usize::from(threads),
         None => std::thread::available_parallelism().map_or(1, usize::from),
@@ -108,17 +101,30 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         bar.set_position(at.done as u64);
     };
     let started = Instant::now();
-    let done = run(spec, &fmu, &output, (threads, arguments.retry_failed), interrupt.flag(), tell);
+    let by = BUILD.whole();
+    let how = How { threads, retry: arguments.retry_failed, by: &by };
+    // As `lemons pack` makes it, with its picture: sweeps of Python continue those of the command.
+    let packed = Scratch::new().context("cannot make a temporary directory")?;
+    let mut spec = spec;
+    if let Some(trial) = Given::find(&spec.model)? {
+        spec.model = packed.path().join("crowd.fmu");
+        write_fmu(&[trial], vec![own_binary()?], Naming::Structured, &spec.model)?;
+    }
+    let done = run(spec, &output, how, interrupt.flag(), tell);
     bar.finish_and_clear();
     let (kept, at) = match (done, newest.get()) {
         (Ok(done), _) => done,
-        (Err(error), Some(at)) => return Err(error.context(numbers(at))),
-        (Err(error), None) => return Err(error),
+        (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
+        (Err(lemons_sweep::Error::Master(error)), None) => return Err(trial_told(error.into())),
+        (Err(error), None) => return Err(error.into()),
     };
     let wall = started.elapsed().as_secs_f64();
     // Written before anything is said: who closes the pipe early has the file nevertheless.
     if let (Some(path), true) = (&arguments.csv, at.done == at.total) {
-        kept.write_csv(path)?;
+        let written = files::open(path).and_then(|file| Ok(kept.write_csv(file)?));
+        written.with_context(|| {
+            format!("cannot write {}; all points are kept in {}", path.display(), output.display())
+        })?;
     }
     let told = summary(&kept, at, wall, threads);
     if at.done < at.total {

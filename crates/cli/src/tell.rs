@@ -1,7 +1,9 @@
 //! What the command says: the one place that prints. A closed pipe or a full disk is an error, never a panic.
 
+use lemons_files::reader_left;
 use std::fmt::{self, Display};
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A line on standard output; its error is that of [`line()`].
 macro_rules! say {
@@ -29,21 +31,42 @@ fn not_said(error: io::Error) -> io::Error {
     io::Error::new(error.kind(), NotSaid(error))
 }
 
+/// Standard output is for results: what the command says goes to standard error.
+static ASIDE: AtomicBool = AtomicBool::new(false);
+
+/// From now on nothing but results goes to standard output.
+pub fn speak_aside() {
+    ASIDE.store(true, Ordering::Relaxed);
+}
+
 /// Standard output, whose errors say that they are its own.
-pub struct Out(io::StdoutLock<'static>);
+pub enum Out {
+    Own(io::StdoutLock<'static>),
+    Aside,
+}
 
 /// To write more than a line.
 pub fn out() -> Out {
-    Out(io::stdout().lock())
+    if ASIDE.load(Ordering::Relaxed) { Out::Aside } else { Out::Own(io::stdout().lock()) }
 }
 
 impl Write for Out {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.write(bytes).map_err(not_said)
+        match self {
+            Out::Own(out) => out.write(bytes).map_err(not_said),
+            // As of everything that is said there: perhaps nobody hears it.
+            Out::Aside => {
+                let _ = io::stderr().lock().write_all(bytes);
+                Ok(bytes.len())
+            }
+        }
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.0.flush().map_err(not_said)
+        match self {
+            Out::Own(out) => out.flush().map_err(not_said),
+            Out::Aside => Ok(()),
+        }
     }
 }
 
@@ -59,6 +82,9 @@ pub fn aside(text: fmt::Arguments) {
 
 /// Whether somebody closed the pipe (`lemons info … | head`): they have what they wanted.
 pub fn nobody_listens(error: &anyhow::Error) -> bool {
+    if reader_left() {
+        return true;
+    }
     error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).any(|error| {
         let own = error.get_ref().is_some_and(|inner| inner.is::<NotSaid>());
         own && error.kind() == io::ErrorKind::BrokenPipe

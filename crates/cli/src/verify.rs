@@ -1,5 +1,6 @@
 //! `lemons verify`: the mechanics against things it did not produce.
 
+use crate::error::said;
 use crate::tell;
 use anyhow::{Result, bail};
 use lemons_verify::Check;
@@ -7,10 +8,10 @@ use std::io::Write;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Only rows whose name contains this
+    /// Compute only rows whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// As the Markdown table of DESIGN.md
+    /// Print the Markdown table of DESIGN.md
     #[arg(long)]
     markdown: bool,
 }
@@ -42,7 +43,7 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
             writeln!(out, "    {against:46} {figure:>9.1e}  within {:>5.0e}  {verdict}", check.limit)?;
         }
         if let Some(error) = trouble {
-            writeln!(out, "    {error:#}")?;
+            writeln!(out, "    {}", said(&error.into()))?;
         }
         out.flush()?;
     }

@@ -1,17 +1,33 @@
 //! What a run records: trajectories of crowds, outputs of the others.
 
 use crate::connect::plain_names;
-use crate::crowd::{Crowd, agents_of};
+pub use crate::crowd_run::Recorded;
+use crate::crowd_run::{Crowd, Point, Target, agents_of};
+use crate::error::and_then;
+use crate::files;
 use crate::outputs::Outputs;
 use crate::recording::Recording;
 use crate::results::{Extent, Place};
-use anyhow::Result;
-use crowd_mechanics::trial::Trial;
+use anyhow::{Result, bail};
 use lemons_master::{CrowdRecord, System};
+use lemons_record::Wanted;
+use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
 
 /// What has been written of crowds and of the others.
 pub type Records = (Vec<CrowdRecord>, Option<Extent>);
+
+/// Where the records of a run go.
+pub enum Places {
+    Files {
+        /// Of crowds.
+        trajectories: Place,
+        /// Of the others.
+        outputs: Place,
+    },
+    /// Frames of a crowd that are wanted.
+    Memory(Wanted),
+}
 
 /// What is recorded of a run.
 pub struct Watch {
@@ -25,8 +41,7 @@ impl Watch {
     pub fn create(
         system: &System,
         trials: Vec<Option<Trial>>,
-        trajectories: &Place,
-        outputs: &Place,
+        places: Places,
         mut recording: Recording<'_>,
     ) -> Result<Watch> {
         let agents: Vec<usize> =
@@ -40,20 +55,32 @@ impl Watch {
                 others.push(place);
                 continue;
             }
-            let mut to = trajectories.clone();
-            if several {
-                to.path = with_name(&to.path, &names[place]);
-            }
+            let to = match &places {
+                Places::Files { trajectories, .. } if several => {
+                    if files::is_standard_output(&trajectories.path) {
+                        bail!("-o -: several crowds do not go to standard output together: -o FILE");
+                    }
+                    let path = with_name(&trajectories.path, &names[place]);
+                    Target::Table(Place { path, ..trajectories.clone() })
+                }
+                Places::Files { trajectories, .. } => Target::Table(trajectories.clone()),
+                Places::Memory(wanted) => Target::Memory(wanted.clone()),
+            };
             let name = several.then(|| system.components()[place].name.clone());
-            crowds.push((name, Crowd::create(system, place, agents[place], trial, &to, &mut recording)?));
+            crowds.push((name, Crowd::create(system, place, agents[place], trial, to, &mut recording)?));
         }
-        Ok(Watch { crowds, outputs: Outputs::create(system, others, outputs, &mut recording)? })
+        let outputs = match &places {
+            Places::Files { outputs, .. } => Outputs::create(system, others, outputs, &mut recording)?,
+            Places::Memory(_) => None,
+        };
+        Ok(Watch { crowds, outputs })
     }
 
-    /// At a communication point, whose rows may be wanted or not.
-    pub fn look(&mut self, system: &System, wanted: bool) -> Result<()> {
+    /// At a communication point.
+    pub fn look(&mut self, system: &System, point: Point) -> Result<()> {
+        let wanted = point != Point::Passed;
         for (_, crowd) in &mut self.crowds {
-            crowd.look(system, wanted)?;
+            crowd.look(system, point)?;
         }
         match &mut self.outputs {
             Some(outputs) if wanted => outputs.look(system),
@@ -75,17 +102,23 @@ impl Watch {
         (crowds.collect(), self.outputs.as_ref().map(Outputs::extent))
     }
 
-    /// Puts all files in their places; answers lines of the summary.
-    pub fn finish(self) -> Result<Vec<String>> {
-        let mut lines = Vec::new();
+    /// Puts each file in its place, also when that of another cannot be taken.
+    pub fn finish(self) -> Recorded {
+        let mut all = Recorded { lines: Vec::new(), run: None, placed: Ok(()) };
         for (name, crowd) in self.crowds {
-            lines.extend(name.map(|name| format!("crowd              {name}")));
-            lines.extend(crowd.finish()?);
+            all.lines.extend(name.map(|name| format!("crowd              {name}")));
+            let Recorded { lines, run, placed } = crowd.finish();
+            all.lines.extend(lines);
+            all.run = all.run.or(run);
+            all.placed = and_then(all.placed, placed);
         }
         if let Some(outputs) = self.outputs {
-            lines.push(outputs.finish()?);
+            match outputs.finish() {
+                Ok(line) => all.lines.push(line),
+                Err(error) => all.placed = and_then(all.placed, Err(error)),
+            }
         }
-        Ok(lines)
+        all
     }
 }
 

@@ -3,26 +3,10 @@
 mod common;
 
 use common::*;
-use crowd_mechanics::engine::vec2;
+use lemons_plane::vec2;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
-
-/// A copy of the default Trial.
-fn copy_trial(to: &Path) {
-    for part in [
-        "Parameters.xml",
-        "static/Agents.xml",
-        "static/Geometry.xml",
-        "static/Materials.xml",
-        "dynamic/AgentDynamics.xml",
-        "drive.csv",
-    ] {
-        let target = to.join(part);
-        fs::create_dir_all(target.parent().unwrap()).unwrap();
-        fs::copy(default_trial().join(part), target).unwrap();
-    }
-}
 
 /// An FMU of `trials.txt/` could not be loaded, one of `box\n/` held no such Trial.
 #[test]
@@ -69,6 +53,8 @@ fn a_zip_of_a_trial_serves_wherever_a_trial_does() {
     // It has no wishes: the Trial is read before these are missed.
     let decide = err(&lemons(at, &["decide", "box.zip", "-o", "d.fmu"]));
     assert!(decide.starts_with("lemons: there is no box.zip/decision.toml"), "{decide}");
+    decision_library();
+    fs::write(at.join("wishes.toml"), "waypoints = [{ x = 6.0, y = 2.5 }]\n").unwrap();
     let of = |arguments: &[&str]| out(&done(at, arguments));
     let check = of(&["check", "box.zip"]);
     assert!(check.starts_with("box.zip: 5 agents"), "{check}");
@@ -77,10 +63,18 @@ fn a_zip_of_a_trial_serves_wherever_a_trial_does() {
         done(at, &["run", from, "--until", "0.2", "-o", &format!("{to}.csv")]);
         done(at, &["pack", from, "-o", &format!("{to}.fmu")]);
         done(at, &["plot", from, "--at", "0.1", "-o", &format!("{to}.svg")]);
+        done(at, &["movie", from, "--until", "0.1", "-o", &format!("{to}.gif")]);
+        done(at, &["decide", from, "--plan", "wishes.toml", "-o", &format!("{to}_decides.fmu")]);
+        let sweep = format!(
+            "trial = {from:?}\nuntil = 0.05\n[parameters]\n\"agent[*].Mass\" = [70.0, 80.0]\n\
+             [measures]\nreach = {{ of = \"x\", take = \"reach\", agents = [\"4\"] }}\n"
+        );
+        fs::write(at.join(format!("{to}.toml")), sweep).unwrap();
+        done(at, &["sweep", &format!("{to}.toml"), "--csv", &format!("{to}_swept.csv")]);
         let (table, base) = (format!("{to}.csv"), format!("{to}.sqlite"));
         done(at, &["export", &table, &base, "--to", "jupedsim", "--trial", from]);
     }
-    for end in [".csv", ".fmu", ".svg"] {
+    for end in [".csv", ".fmu", ".svg", ".gif", "_decides.fmu", "_swept.csv"] {
         assert!(
             fs::read(at.join(format!("a{end}"))).unwrap() == fs::read(at.join(format!("b{end}"))).unwrap(),
             "{end}"
@@ -127,7 +121,118 @@ fn a_misspelt_key_of_decision_toml_is_an_error_with_the_right_one() {
     assert!(out(&output).contains("there is no agent with this Id"), "{}", out(&output));
 }
 
-/// What a call answers that must not wait for ever, nor read without end.
+/// What `lemons check` says of a Trial.
+fn checked(at: &Path, trial: &str) -> String {
+    out(&done(at, &["check", trial]))
+}
+
+/// Nobody saw that somebody stood within a pillar.
+#[test]
+fn an_agent_in_a_pillar_is_warned_of_by_the_names_of_both() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    copy_trial(&at.join("T"));
+    let geometry = at.join("T/static/Geometry.xml");
+    let text = fs::read_to_string(&geometry).unwrap();
+    let corners = [(0.95, 0.1), (1.25, 0.1), (1.25, -0.1), (0.95, -0.1), (0.95, 0.1)];
+    let corners: String = corners.iter().map(|(x, y)| format!("<Corner Coordinates=\"{x},{y}\"/>")).collect();
+    let pillar = format!("<Wall Id=\"pillar\" MaterialId=\"concrete\">{corners}</Wall></Geometry>");
+    fs::write(&geometry, text.replace("</Geometry>", &pillar)).unwrap();
+    let said = checked(at, "T");
+    let words = "AgentDynamics.xml: agent \"3\" stands inside the closed wall \"pillar\", around which 4 others stand";
+    assert!(said.contains(words), "{said}");
+}
+
+/// A misspelt `<Dynamics>` left an agent without a drive in silence.
+#[test]
+fn what_is_not_read_of_a_trial_is_warned_of() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    copy_trial(&at.join("T"));
+    let file = at.join("T/dynamic/AgentDynamics.xml");
+    let text = fs::read_to_string(&file).unwrap();
+    fs::write(&file, text.replace("<Dynamics ", "<Dynamcs ")).unwrap();
+    let said = checked(at, "T");
+    assert!(said.contains("<Dynamcs>: is not read in <Agent> (5 times); is <Dynamics> meant?"), "{said}");
+    assert!(said.ends_with(": 1 warning\n"), "{said}");
+}
+
+/// With a TimeStep of 50 s the push of 0.6 s moved nobody, in silence.
+#[test]
+fn a_drive_between_two_communication_points_is_warned_of() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    copy_trial(&at.join("T"));
+    let parameters = at.join("T/Parameters.xml");
+    let text = fs::read_to_string(&parameters).unwrap();
+    fs::write(&parameters, text.replace("TimeStep=\"0.05\"", "TimeStep=\"1.5\"")).unwrap();
+    let words = [
+        "drive",
+        "30 of 31 rows come between communication points, which are 1.5 s apart",
+        "at t = 0.3 s agent \"0\" has Fp.x = 1200.0",
+        "of 2.000e-2 s applies all rows",
+    ];
+    let said = checked(at, "T");
+    assert!(words.iter().all(|word| said.contains(word)) && said.ends_with(": 1 warning\n"), "{said}");
+    let run = ["run", "T", "--until", "3", "--set", "TimeStepMechanical=1e-4", "-o", "a.csv"];
+    let said = err(&done(at, &run));
+    assert!(words.iter().all(|word| said.contains(word)), "{said}");
+    // As the Trial is made, with a finer step, and without the push.
+    for more in [["--step", "0.05"], ["--step", "0.01"], ["--until", "0.1"]] {
+        let mut run = vec!["run", "T", "--set", "TimeStepMechanical=1e-4", "-o", "b.csv", "--force"];
+        run.extend(if more[0] == "--until" {
+            vec!["--no-drive", "--until", "3"]
+        } else {
+            vec![more[0], more[1], "--until", "0.1"]
+        });
+        let said = err(&done(at, &run));
+        assert!(!said.contains("rows come between"), "{said}");
+    }
+}
+
+/// Trials that are as they are meant.
+#[test]
+fn nothing_is_said_of_trials_that_are_in_order() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut trials = vec![root.join("resources/Trial_push"), root.join("resources/Trial_door")];
+    // A crowd is made around the pillar.
+    let wall = |id: &str, corners: &[(i32, i32)]| {
+        let corners = corners.iter().map(|(x, y)| format!("<Corner Coordinates=\"{x},{y}\"/>"));
+        format!("<Wall Id=\"{id}\" MaterialId=\"concrete\">{}</Wall>", corners.collect::<String>())
+    };
+    let hall = wall("hall", &[(0, 0), (6, 0), (6, 6), (0, 6), (0, 0)]);
+    let pillar = wall("pillar", &[(2, 2), (3, 2), (3, 4), (2, 4), (2, 2)]);
+    fs::write(at.join("hall.xml"), format!("<Geometry>{hall}{pillar}</Geometry>")).unwrap();
+    for (name, arguments) in [
+        ("open", &["-n", "20", "--density", "3"][..]),
+        ("box", &["-n", "20", "--box", "4x4", "--speed", "0.5"]),
+        ("hall", &["-n", "20", "--geometry", "hall.xml"]),
+    ] {
+        let made = at.join(name);
+        done(at, &[&["crowd", "--seed", "3", "-o", made.to_str().unwrap()], arguments].concat());
+        trials.push(made);
+    }
+    for trial in trials {
+        let said = checked(at, trial.to_str().unwrap());
+        assert!(said.ends_with(": no problem\n"), "{said}");
+    }
+    // Crowds of others: some of their people overlap at the start, and nothing else is said.
+    let shared = root.join("../shared/data");
+    for name in ["crowds/dense_100", "crowds/dense_1000", "crowds/sparse_100", "push_wed/Trial"] {
+        let trial = shared.join(name);
+        if !trial.is_dir() {
+            eprintln!("skipped: {} is not there", trial.display());
+            continue;
+        }
+        let said = checked(at, trial.to_str().unwrap());
+        let mut warnings = said.lines().filter(|line| line.starts_with("warning: "));
+        assert!(warnings.all(|line| line.contains("overlap at the start")), "{said}");
+    }
+}
+
+/// The output of a call that must not wait for ever, nor read without end.
 #[cfg(unix)]
 #[track_caller]
 fn at_last(directory: &Path, arguments: &[&str]) -> std::process::Output {

@@ -1,52 +1,21 @@
 //! The command as its users meet it: exit codes, messages, files.
 
+mod common;
+
+use common::{assert_code, copy_trial, default_trial, err, lemons, out};
+use lemons_master::{Observer, Prepared, Reached, Settings, System};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Command;
 use tempfile::TempDir;
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-fn default_trial() -> PathBuf {
-    root().join("resources/Trial_push")
-}
-
-fn lemons(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lemons")).args(arguments).current_dir(directory).output().unwrap()
-}
-
-fn out(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-fn err(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn assert_code(output: &Output, code: i32) {
-    assert_eq!(output.status.code(), Some(code), "{}{}", out(output), err(output));
-}
 
 /// A copy of the default Trial, with some text of one file replaced.
 fn trial(directory: &Path, name: &str, file: &str, from: &str, to: &str) -> String {
-    let path = directory.join(name);
-    let files = [
-        "Parameters.xml",
-        "static/Agents.xml",
-        "static/Geometry.xml",
-        "static/Materials.xml",
-        "dynamic/AgentDynamics.xml",
-        "drive.csv",
-    ];
-    for part in files {
-        let target = path.join(part);
-        fs::create_dir_all(target.parent().unwrap()).unwrap();
-        let text = fs::read_to_string(default_trial().join(part)).unwrap();
-        assert!(part != file || text.contains(from), "{part} has no {from}");
-        fs::write(target, if part == file { text.replacen(from, to, 1) } else { text }).unwrap();
-    }
+    copy_trial(&directory.join(name));
+    let path = directory.join(name).join(file);
+    let text = fs::read_to_string(&path).unwrap();
+    assert!(text.contains(from), "{file} has no {from}");
+    fs::write(path, text.replacen(from, to, 1)).unwrap();
     name.to_owned()
 }
 
@@ -60,8 +29,8 @@ fn a_push_goes_through_the_row() {
         "wall time",
         "real-time factor",
         "largest overlap",
-        "mean squeeze",
-        "peak squeeze",
+        "greatest step mean",
+        "greatest peak",
     ];
     for line in lines {
         assert!(out(&output).contains(line), "{}", out(&output));
@@ -91,7 +60,7 @@ fn the_greatest_squeeze_of_the_push_does_not_depend_on_the_time_step() {
         let run = ["run", trial.to_str().unwrap(), "--until", "0.8", "--step", step, "-o", &table];
         let output = lemons(directory.path(), &run);
         assert_code(&output, 0);
-        ["largest overlap", "peak squeeze, max"].map(|of| {
+        ["largest overlap", "greatest peak"].map(|of| {
             let text = out(&output);
             let line =
                 text.lines().find_map(|line| line.strip_prefix(of)).unwrap_or_else(|| panic!("{text}"));
@@ -111,7 +80,10 @@ fn the_greatest_squeeze_of_the_push_does_not_depend_on_the_time_step() {
 fn a_packed_fmu_runs_like_its_trial() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    assert_code(&lemons(at, &["pack", default_trial().to_str().unwrap(), "-o", "push.fmu"]), 0);
+    let packed = lemons(at, &["pack", default_trial().to_str().unwrap(), "-o", "push.fmu"]);
+    assert_code(&packed, 0);
+    let said = format!(" MB, by {}", out(&lemons(at, &["-V"])));
+    assert!(out(&packed).starts_with("push.fmu: ") && out(&packed).ends_with(&said), "{}", out(&packed));
     assert_code(&lemons(at, &["pack", default_trial().to_str().unwrap(), "-o", "again.fmu"]), 0);
     assert!(
         fs::read(at.join("push.fmu")).unwrap() == fs::read(at.join("again.fmu")).unwrap(),
@@ -313,7 +285,10 @@ fn export_writes_what_was_run_and_says_what_it_lacks() {
 
     for (arguments, expected) in [
         (&["none.csv", "x.txt", "--to", "pedpy"][..], "none.csv: "),
-        (&["trajectories.csv", "x", "--to", "series"], "trajectories.csv: give its Trial or FMU: --trial"),
+        (
+            &["trajectories.csv", "x", "--to", "series"],
+            "trajectories.csv: give the Trial or FMU of the run with --trial",
+        ),
         (&["trajectories.csv", "x", "--to", "chaos", "--trial", "none"], "none"),
         (&["own/static", "x", "--to", "chaos"], "own/static: holds no series"),
         (&["trajectories.csv", "trajectories.csv", "--to", "pedpy"], "lemons export reads it"),
@@ -388,6 +363,35 @@ fn a_library_that_is_cut_off_is_refused_and_not_loaded() {
     }
 }
 
+/// The library beside the command is packed and loaded without being named.
+#[test]
+#[cfg(unix)]
+fn a_cut_off_library_beside_the_command_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let library = crowd_library(at);
+    fs::create_dir(at.join("bin")).unwrap();
+    fs::copy(env!("CARGO_BIN_EXE_lemons"), at.join("bin/lemons")).unwrap();
+    let names = ["libcrowd_mechanics.so", "libcrowd_mechanics.dylib"];
+    let name = names[usize::from(cfg!(target_os = "macos"))];
+    let place = at.join("bin").join(name);
+    let trial = default_trial();
+    let trial = trial.to_str().unwrap();
+    for part in [1, 50, 100] {
+        fs::write(&place, &library[..library.len() * part / 100 - 1]).unwrap();
+        for call in [&["pack", trial, "-o", "x.fmu"][..], &["run", trial, "--until", "0.1"]] {
+            let output = Command::new(at.join("bin/lemons")).args(call).current_dir(at).output().unwrap();
+            assert_code(&output, 1);
+            let said = err(&output);
+            assert!(said.contains(name) && said.contains(": is cut off: "), "{call:?} {part}: {said}");
+            assert!(!at.join("x.fmu").exists() && !at.join("trajectories.csv").exists());
+        }
+    }
+    fs::write(&place, &library).unwrap();
+    let mut whole = Command::new(at.join("bin/lemons"));
+    assert_code(&whole.args(["pack", trial, "-o", "x.fmu"]).current_dir(at).output().unwrap(), 0);
+}
+
 #[test]
 fn decide_says_what_it_needs_and_what_it_doubts() {
     let directory = TempDir::new().unwrap();
@@ -426,7 +430,7 @@ fn decide_says_what_it_needs_and_what_it_doubts() {
         let output = lemons(at, &[&decide[..], &["--binary", wrong]].concat());
         assert_code(&output, 1);
         assert!(
-            err(&output).contains(&format!("--binary {wrong}: is no shared library")),
+            err(&output).contains(&format!("--binary {wrong}: is not a shared library")),
             "{}",
             err(&output)
         );
@@ -461,7 +465,7 @@ fn wrong_kinds_of_files_are_called_what_they_are() {
         ("empty", "is an empty file"),
         ("binary", "is a binary file"),
         ("program", "is a program or a library"),
-        ("a.run", "is a saved run (--resume)"),
+        ("a.run", "is a saved run"),
         ("push.fmu", "is an FMU"),
         ("t.parquet", "is a table in Parquet"),
         ("damaged.zip", "damaged"),
@@ -499,6 +503,10 @@ fn wrong_kinds_of_files_are_called_what_they_are() {
             }
         }
     }
+    let said = err(&lemons(at, &["run", "a.run"]));
+    let wanted =
+        "a.run: is a saved run, not a Trial directory, an FMU or an SSP; lemons run --resume continues it";
+    assert!(said.contains(wanted), "{said}");
     for name in ["x", "x.fmu", "x.ssp", "m.gif", "plot.png", "trajectories.csv"] {
         assert!(!at.join(name).exists(), "{name}");
     }
@@ -546,4 +554,58 @@ fn messages_name_no_temporary_path() {
     let output = lemons(at, &["run", "close", "--until", "0.1"]);
     assert_code(&output, 0);
     assert!(err(&output).contains("warning: close/dynamic/AgentDynamics.xml: "), "{}", err(&output));
+}
+
+/// The poses of a run, in bits.
+struct Poses(Vec<[u64; 4]>);
+
+impl Observer<System> for Poses {
+    type Error = lemons_master::Error;
+
+    fn look(&mut self, system: &mut System, reached: Reached) -> Result<(), Self::Error> {
+        let crowd = &system.components()[0].instance;
+        for i in 0..5 {
+            let mut pose = [0.0; 3];
+            let names = ["Position.x", "Position.y", "Theta"].map(|name| format!("agent[{i}].{name}"));
+            let references = names.iter().map(|name| crowd.reference(name)).collect::<Result<Vec<_>, _>>()?;
+            crowd.get_real(&references, &mut pose)?;
+            self.0.push([reached.time, pose[0], pose[1], pose[2]].map(f64::to_bits));
+        }
+        Ok(())
+    }
+}
+
+/// A program that has no command line gets what the command writes.
+#[test]
+fn settings_give_the_bits_that_the_command_writes() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let good = default_trial();
+    let parameter = "contact.human_naked.human_naked.KineticFriction";
+    let set = format!("{parameter}=0.2");
+    assert_code(
+        &lemons(at, &["run", good.to_str().unwrap(), "--until", "1.2", "--set", &set, "-o", "t.csv"]),
+        0,
+    );
+    let table = fs::read_to_string(at.join("t.csv")).unwrap();
+    let rows = table.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit()));
+    let header: Vec<&str> = table.lines().find(|line| line.contains(",x")).unwrap().split(',').collect();
+    let columns = ["t", "x", "y", "theta"].map(|name| {
+        // Perhaps with its unit.
+        let named = |column: &&str| column.split_whitespace().next() == Some(name);
+        header.iter().position(named).unwrap_or_else(|| panic!("{name}: {header:?}"))
+    });
+    let rows = rows.map(|row| {
+        let cells: Vec<&str> = row.split(',').collect();
+        columns.map(|place| cells[place].parse::<f64>().unwrap().to_bits())
+    });
+    // The first rows are those of the start.
+    let written: Vec<[u64; 4]> = rows.skip(5).collect();
+    let parameters = vec![(parameter.to_owned(), "0.2".to_owned())];
+    let settings = Settings { parameters, until: Some(1.2), ..Settings::of(good) };
+    let mut run = Prepared::of(&settings).unwrap();
+    let mut poses = Poses(Vec::new());
+    let _ = run.simulate(&mut poses).unwrap();
+    assert_eq!(written.len(), 5 * 24);
+    assert!(written == poses.0, "other bits");
 }

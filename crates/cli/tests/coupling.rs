@@ -75,7 +75,7 @@ fn a_controller_that_wants_nothing_changes_nothing() {
         "simulated time          0.500 s",
     ];
     assert_eq!(said.lines().take(3).collect::<Vec<_>>(), expected, "{said}");
-    let lines = ["wall time", "real-time factor", "largest overlap", "peak squeeze, max ", "trajectories  "];
+    let lines = ["wall time", "real-time factor", "largest overlap", "greatest peak ", "trajectories  "];
     for line in lines {
         assert!(said.contains(line), "{said}");
     }
@@ -146,9 +146,9 @@ fn results_go_into_files_of_their_own() {
     let before = fs::read(at.join("coupled.ssp")).unwrap();
     let absolute = at.join("trajectories.csv");
     for (options, words) in [
-        (["--outputs", "./trajectories.csv"], "other results go there"),
-        (["--outputs", "sub/../trajectories.csv"], "other results go there"),
-        (["--outputs", absolute.to_str().unwrap()], "other results go there"),
+        (["--outputs", "./trajectories.csv"], "another result goes there"),
+        (["--outputs", "sub/../trajectories.csv"], "another result goes there"),
+        (["--outputs", absolute.to_str().unwrap()], "another result goes there"),
         (["--outputs", "./coupled.ssp"], "lemons run reads it"),
         (["-o", "coupled.ssp"], "lemons run reads it"),
     ] {
@@ -169,7 +169,7 @@ fn results_go_into_files_of_their_own() {
     write_zip(&at.join("three.ssp"), &files);
     let three = ["run", "three.ssp", "--until", "0.1", "-o", "t.csv", "--outputs"];
     let said = err(&lemons(at, &[&three[..], &["./t_right.csv"]].concat()));
-    assert!(said.contains("./t_right.csv: other results go there"), "{said}");
+    assert!(said.contains("./t_right.csv: another result goes there"), "{said}");
     out(&lemons(at, &[&three[..], &["t.csv"]].concat()));
 }
 
@@ -201,7 +201,10 @@ fn what_is_no_fmu_is_called_what_it_is() {
     assert!(said.contains("coupled.ssp: this is an SSP archive: lemons run FILE.ssp"), "{said}");
     write_zip(&at.join("some.zip"), &[("text", b"")]);
     let said = err(&lemons(at, &["run", "some.zip"]));
-    assert!(said.contains("some.zip: there is no Parameters.xml in it: no zip of a Trial"), "{said}");
+    assert!(
+        said.contains("some.zip: it contains no Parameters.xml, so it is not a zip of a Trial"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -251,6 +254,43 @@ fn mistakes_have_clear_messages() {
     assert!(
         fs::read_dir(at).unwrap().all(|file| !file.unwrap().file_name().to_string_lossy().starts_with('.'))
     );
+}
+
+/// The end of a run comes from the SSP where `--until` does not say it.
+#[test]
+fn an_ssp_that_never_ends_is_refused_by_its_name() {
+    let directory = fmus(true);
+    let at = directory.path();
+    out(&lemons(at, &CONNECT));
+    let mut from = zip::ZipArchive::new(fs::File::open(at.join("coupled.ssp")).unwrap()).unwrap();
+    let mut text = String::new();
+    let structure = "SystemStructure.ssd";
+    std::io::Read::read_to_string(&mut from.by_name(structure).unwrap(), &mut text).unwrap();
+    let begin = text.find("<ssd:DefaultExperiment").unwrap();
+    let end = begin + text[begin..].find('>').unwrap() + 1;
+    for (stop, said) in [
+        ("1e300", "coupled.ssp: from 0.0 to 1e300 s there are "),
+        ("1e9999", "coupled.ssp: SystemStructure.ssd:"),
+        ("nan", "coupled.ssp: SystemStructure.ssd:"),
+        ("-1e300", "nothing to simulate: it starts at 0.0 s and stops at -1e300 s"),
+    ] {
+        let experiment = format!("<ssd:DefaultExperiment startTime=\"0\" stopTime=\"{stop}\"/>");
+        let text = format!("{}{experiment}{}", &text[..begin], &text[end..]);
+        let mut zip = zip::ZipWriter::new(fs::File::create(at.join("endless.zip")).unwrap());
+        for k in 0..from.len() {
+            let entry = from.by_index_raw(k).unwrap();
+            if entry.name().unwrap() != structure {
+                zip.raw_copy_file(entry).unwrap();
+            }
+        }
+        zip.start_file(structure, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
+        zip.finish().unwrap();
+        fs::rename(at.join("endless.zip"), at.join("coupled.ssp")).unwrap();
+        let refused = err(&lemons(at, &["run", "coupled.ssp"]));
+        assert!(refused.contains(said), "{stop}: {refused}");
+        assert!(!at.join("trajectories.csv").exists());
+    }
 }
 
 #[test]

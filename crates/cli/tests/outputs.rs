@@ -8,7 +8,7 @@ mod roles;
 use common::{assert_code, command, decision_library, default_trial, done, err, lemons, out};
 use roles::{ROLES, Role};
 use std::fs::File;
-use std::os::unix::fs::FileTypeExt;
+use std::os::unix::fs::{FileTypeExt, symlink};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -274,6 +274,10 @@ fn what_is_no_regular_file_is_written_not_replaced() {
     assert!(pack.wait().unwrap().success());
 }
 
+fn writes(role: Role) -> bool {
+    matches!(role, Role::Writes | Role::Shows | Role::WritesInto)
+}
+
 /// What clap wants of a command beside two of its arguments.
 fn needed(command: &str) -> (&'static [&'static str], &'static [&'static str]) {
     match command {
@@ -318,7 +322,7 @@ fn run_line(place: &Path, line: &[String]) -> Output {
 fn no_output_of_any_command_overwrites_an_input() {
     let directory = TempDir::new().unwrap();
     let place = directory.path();
-    std::os::unix::fs::symlink(place, place.join("alias")).unwrap();
+    symlink(place, place.join("alias")).unwrap();
     std::fs::write(place.join("input"), "precious").unwrap();
     std::fs::hard_link(place.join("input"), place.join("same_file")).unwrap();
     let mut tried = 0;
@@ -328,8 +332,7 @@ fn no_output_of_any_command_overwrites_an_input() {
                 .iter()
                 .filter(|argument| matches!(argument.2, Role::Reads | Role::ReadsAfterEquals | Role::GoesOn))
         };
-        let outputs =
-            arguments.iter().filter(|argument| matches!(argument.2, Role::Writes | Role::WritesInto));
+        let outputs = arguments.iter().filter(|argument| writes(argument.2));
         for (output, input) in outputs.flat_map(|output| inputs().map(move |input| (output, input))) {
             // A run may be saved over the one that it goes on from.
             if (input.2, output.0) == (Role::GoesOn, "state") {
@@ -354,14 +357,14 @@ fn no_output_of_any_command_overwrites_an_input() {
 fn no_two_outputs_of_a_command_go_into_one_file() {
     let directory = TempDir::new().unwrap();
     let place = directory.path();
-    std::os::unix::fs::symlink(place, place.join("alias")).unwrap();
+    symlink(place, place.join("alias")).unwrap();
     let trial = default_trial();
     let trial = trial.to_str().unwrap();
     for command in ["crowd", "person", "run"] {
         let (_, arguments) = ROLES.iter().find(|(name, _)| *name == command).unwrap();
         let outputs: Vec<&str> = arguments
             .iter()
-            .filter(|argument| argument.2 == Role::Writes)
+            .filter(|argument| matches!(argument.2, Role::Writes | Role::Shows))
             .map(|argument| argument.0)
             .collect();
         for (k, one) in outputs.iter().enumerate() {
@@ -376,7 +379,11 @@ fn no_two_outputs_of_a_command_go_into_one_file() {
                 }
                 let done = run_line(place, &line);
                 assert_code(&done, 1);
-                assert!(err(&done).contains("made.csv: other results go there"), "{line:?}: {}", err(&done));
+                assert!(
+                    err(&done).contains("made.csv: another result goes there"),
+                    "{line:?}: {}",
+                    err(&done)
+                );
                 assert!(!place.join("made.csv").exists());
             }
         }
@@ -476,11 +483,11 @@ fn results_of_another_trial_or_changed_ones_are_not_replaced() {
         assert_eq!(err(&said), expected);
         assert_eq!(table(), before);
     };
-    refused("second", "it is of something else, `lemons run first --until 0.1` wrote it");
+    refused("second", "it was made from something else, by `lemons run first --until 0.1`");
     done(place, &["run", "second", "--until", "0.1", "--force"]);
     // Now it is the second one's.
     done(place, &run("second"));
-    refused("first", "it is of something else, `lemons run second --until 0.1` wrote it");
+    refused("first", "it was made from something else, by `lemons run second --until 0.1`");
     std::fs::write(place.join("trajectories.csv"), "my notes").unwrap();
     refused("second", "it was changed after `lemons run second --until 0.1` wrote it");
     std::fs::remove_file(place.join("trajectories.csv")).unwrap();
@@ -496,7 +503,8 @@ fn results_of_another_trial_or_changed_ones_are_not_replaced() {
         std::fs::write(place.join(output), "not ours").unwrap();
         let said = lemons(place, &command);
         assert_code(&said, 1);
-        let expected = format!("cannot write {output}: it is there already, and lemons does not know it");
+        let expected =
+            format!("cannot write {output}: it exists already, and lemons has no record of writing it");
         assert!(err(&said).contains(&expected), "{}", err(&said));
         assert_eq!(std::fs::read_to_string(place.join(output)).unwrap(), "not ours");
         std::fs::write(place.join(output), "").unwrap();
@@ -538,4 +546,389 @@ fn a_trial_that_was_edited_by_hand_is_not_replaced() {
     assert!(err(&said).contains("AgentInteractions.xml"), "{}", err(&said));
     std::fs::remove_file(place.join("T/dynamic/AgentInteractions.xml")).unwrap();
     done(place, &["crowd", "--number", "4", "--box", "3x3", "-o", "T"]);
+}
+
+fn mkfifo(path: &Path) {
+    assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
+}
+
+fn piped(place: &Path, arguments: &[&str]) -> Child {
+    command(place, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Its output; it must end.
+#[track_caller]
+fn ended(mut child: Child) -> Output {
+    let started = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if started.elapsed() > Duration::from_secs(60) {
+            child.kill().unwrap();
+            panic!("it does not end: {}", err(&child.wait_with_output().unwrap()));
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child.wait_with_output().unwrap()
+}
+
+fn text(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// The stamps were compared when the run began only: what the user wrote in the hour after was lost.
+#[test]
+fn results_that_are_edited_while_the_command_runs_are_not_replaced() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    let trial = default_trial();
+    let run = ["run", trial.to_str().unwrap(), "--until", "0.1"];
+    // The run waits for who reads its state when the trajectories are claimed.
+    mkfifo(&place.join("state"));
+    let (table, new) = (place.join("trajectories.csv"), place.join("trajectories_new.csv"));
+    for before in [false, true] {
+        if before {
+            done(place, &[&run[..], &["--force"]].concat());
+        }
+        let child = piped(place, &[&run[..], &["--state", "state"]].concat());
+        wait_for(|| !begun(place).is_empty());
+        std::fs::write(&table, "my notes").unwrap();
+        assert!(std::fs::read(place.join("state")).unwrap().starts_with(b"PK"), "the run is saved");
+        let output = ended(child);
+        assert_code(&output, 1);
+        let expected = "lemons: cannot write trajectories.csv: another program changed it while this command \
+                        ran, so it was not replaced; the new content is in trajectories_new.csv\n";
+        assert_eq!(err(&output), expected);
+        assert!(out(&output).contains("greatest peak"), "what was computed is told: {}", out(&output));
+        assert_eq!(text(&table), "my notes");
+        let kept = text(&new);
+        assert!(begun(place).is_empty());
+        // It is nobody's but the user's.
+        assert_code(&lemons(place, &run), 1);
+        assert_eq!(text(&table), "my notes");
+        std::fs::remove_file(&new).unwrap();
+        done(place, &[&run[..], &["-o", "again.csv"]].concat());
+        assert_eq!(text(&place.join("again.csv")), kept, "nothing of the results is lost");
+        if before {
+            // Who asks for it gets it.
+            let child = piped(place, &[&run[..], &["--state", "state", "--force"]].concat());
+            wait_for(|| !begun(place).is_empty());
+            std::fs::write(&table, "my notes").unwrap();
+            std::fs::read(place.join("state")).unwrap();
+            assert_code(&ended(child), 0);
+            assert_eq!(text(&table), kept);
+        }
+    }
+}
+
+/// Whatever had another stamp at the end was taken for the run's.
+#[test]
+fn what_the_user_wrote_during_an_interrupted_run_is_not_taken_for_its_result() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    let trial = default_trial();
+    let run = ["run", trial.to_str().unwrap(), "--until", "0.1"];
+    mkfifo(&place.join("state"));
+    let child = piped(place, &[&run[..], &["--state", "state"]].concat());
+    wait_for(|| !begun(place).is_empty());
+    std::fs::write(place.join("trajectories.csv"), "my notes").unwrap();
+    send("-INT", &child);
+    assert_code(&ended(child), 130);
+    let output = lemons(place, &run);
+    assert_code(&output, 1);
+    assert!(err(&output).contains("lemons has no record of writing it"), "{}", err(&output));
+    assert_eq!(text(&place.join("trajectories.csv")), "my notes");
+}
+
+/// A Trial is replaced as a whole or not at all.
+#[test]
+fn a_trial_that_is_edited_while_a_crowd_is_made_is_not_replaced() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    let crowd = ["crowd", "--number", "3", "-o", "T"];
+    mkfifo(&place.join("people"));
+    for there in [true, false] {
+        if there {
+            done(place, &crowd);
+        } else {
+            std::fs::remove_dir_all(place.join("T")).unwrap();
+        }
+        let made = ["--seed", "2", "--zip", "T.zip", "--svg", "T.svg", "--population", "people"];
+        let child = piped(place, &[&crowd[..], &made].concat());
+        // It waits for who reads the population; all is claimed then.
+        std::thread::sleep(Duration::from_millis(300));
+        std::fs::create_dir_all(place.join("T/static")).unwrap();
+        std::fs::write(place.join("T/Parameters.xml"), "mine").unwrap();
+        let edited = content(&place.join("T"));
+        let population = text(&place.join("people"));
+        assert!(population.lines().count() == 4, "{population}");
+        let output = ended(child);
+        assert_code(&output, 1);
+        let expected = "T/Parameters.xml: cannot be written: another program changed it while this command ran, \
+                        so it was not replaced; \
+                        the new content is in T_new\n";
+        assert!(err(&output).ends_with(expected), "{}", err(&output));
+        assert!(content(&place.join("T")) == edited);
+        done(place, &["check", "T_new"]);
+        assert_code(&lemons(place, &crowd), 1);
+        assert!(content(&place.join("T")) == edited);
+        // The others are there.
+        done(place, &["check", "T.zip"]);
+        for file in ["T.zip", "T.svg"] {
+            std::fs::remove_file(place.join(file)).unwrap();
+        }
+        std::fs::remove_dir_all(place.join("T_new")).unwrap();
+        assert!(begun(place).is_empty());
+    }
+    // What somebody made there meanwhile may be no Trial at all.
+    std::fs::remove_dir_all(place.join("T")).unwrap();
+    let child = piped(place, &[&crowd[..], &["--population", "people"]].concat());
+    std::thread::sleep(Duration::from_millis(300));
+    std::fs::create_dir(place.join("T")).unwrap();
+    std::fs::write(place.join("T/notes"), "mine").unwrap();
+    text(&place.join("people"));
+    let output = ended(child);
+    assert_code(&output, 1);
+    assert!(err(&output).ends_with("the Trial is in T_new\n"), "{}", err(&output));
+    done(place, &["check", "T_new"]);
+    assert_eq!(content(&place.join("T")).len(), 1);
+}
+
+/// "nothing was written" was said of it, and what was complete was a stranger's for the next run.
+#[test]
+fn an_interrupt_between_files_says_which_are_complete() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    let trial = default_trial();
+    done(place, &["run", trial.to_str().unwrap(), "--until", "0.1", "-o", "run.csv"]);
+    let table = text(&place.join("run.csv"));
+    let mut lines = table.lines();
+    let header = lines.next().unwrap();
+    let row = lines.next().unwrap().splitn(3, ',').nth(2).unwrap();
+    let mut many = format!("{header}\n");
+    for time in ["0.0", "0.5"] {
+        (0..70).for_each(|id| many += &format!("{time},{id},{row}\n"));
+    }
+    std::fs::write(place.join("many.csv"), many).unwrap();
+    // Of 64 at a time the second part waits for who reads one of them.
+    std::fs::create_dir(place.join("out")).unwrap();
+    let pipe = place.join("out/traj065.csv");
+    mkfifo(&pipe);
+    let export = ["export", "many.csv", "out", "--to", "chaos"];
+    let child = piped(place, &export);
+    wait_for(|| place.join("out/traj063.csv").exists() && !begun(&place.join("out")).is_empty());
+    send("-INT", &child);
+    let output = ended(child);
+    assert_code(&output, 130);
+    let expected = "lemons: interrupted: 64 files are complete, from out/traj000.csv to out/traj063.csv, \
+                    nothing else was written\n";
+    assert_eq!(err(&output), expected);
+    assert!(begun(&place.join("out")).is_empty() && !place.join("out/traj064.csv").exists());
+    // They are its own: the same command replaces them.
+    std::fs::remove_file(pipe).unwrap();
+    done(place, &export);
+}
+
+/// It waited for a reader and looked at nothing else: the second signal ended it.
+#[test]
+fn a_pipe_that_nobody_reads_is_left_at_the_first_signal() {
+    let directory = workshop();
+    let place = directory.path();
+    let trial = default_trial();
+    let trial = trial.to_str().unwrap();
+    let names = ["pipe.csv", "pipe.png", "pipe.gif", "pipe.run", "pipe.zip", "pipe.fmu"];
+    names.iter().for_each(|name| mkfifo(&place.join(name)));
+    let temporary = place.join("tmp");
+    std::fs::create_dir(&temporary).unwrap();
+    for arguments in [
+        &["run", trial, "--until", "0.1", "-o", "pipe.csv"][..],
+        &["run", trial, "--until", "0.1", "-o", "some.csv", "--state", "pipe.run"],
+        &["plot", trial, "--at", "0", "-o", "pipe.png"],
+        &["movie", trial, "--until", "0.1", "-o", "pipe.gif"],
+        &["crowd", "-n", "3", "--zip", "pipe.zip"],
+        &["crowd", "-n", "3", "--fmu", "pipe.fmu"],
+        &["pack", trial, "-o", "pipe.fmu"],
+    ] {
+        let mut begin = command(place, arguments);
+        begin.env("TMPDIR", &temporary).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = begin.spawn().unwrap();
+        // Nothing tells that it waits.
+        std::thread::sleep(Duration::from_millis(1500));
+        send("-INT", &child);
+        let output = ended(child);
+        assert_code(&output, 130);
+        assert_eq!(err(&output), "lemons: interrupted: nothing was written\n", "{arguments:?}");
+        assert!(!place.join("some.csv").exists() && begun(place).is_empty(), "{arguments:?}");
+        assert_eq!(begun(&temporary), [""; 0], "{arguments:?}");
+    }
+    let sweep = ["sweep", "sweep.toml", "--csv", "pipe.csv"];
+    let child = piped(place, &sweep);
+    wait_for(|| place.join("sweep/table.parquet").exists());
+    std::thread::sleep(Duration::from_millis(300));
+    send("-INT", &child);
+    assert_code(&ended(child), 130);
+}
+
+/// As `nohup` and a shell's `&` start programs: handlers were installed whatever had been set before.
+#[test]
+fn signals_that_are_ignored_when_it_starts_do_not_end_a_run() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    let trial = default_trial();
+    for (signal, start) in
+        [("-HUP", "trap '' HUP; exec \"$0\" \"$@\""), ("-INT", "\"$0\" \"$@\" & echo $!; wait $!")]
+    {
+        let file = place.join(format!("run{signal}.csv"));
+        let mut shell = Command::new("sh");
+        shell.args(["-c", start, env!("CARGO_BIN_EXE_lemons"), "run", trial.to_str().unwrap()]);
+        shell.args(["--until", "100000", "--force", "-o"]).arg(&file).current_dir(place);
+        let mut child = shell.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let pid = match signal {
+            "-INT" => {
+                let mut line = String::new();
+                let out = child.stdout.as_mut().unwrap();
+                std::io::BufRead::read_line(&mut std::io::BufReader::new(out), &mut line).unwrap();
+                line.trim().to_owned()
+            }
+            _ => child.id().to_string(),
+        };
+        let length = || {
+            let own = std::fs::read_dir(place).unwrap().map(|entry| entry.unwrap());
+            let own = own.filter(|entry| entry.file_name().to_string_lossy().starts_with(".lemons-"));
+            own.filter_map(|entry| Some(entry.metadata().ok()?.len())).max().unwrap_or(0)
+        };
+        let kill = |signal: &str| {
+            assert!(Command::new("kill").args([signal, &pid]).status().unwrap().success());
+        };
+        wait_for(|| length() > 8_000);
+        kill(signal);
+        // Far more steps than are made before a signal is seen.
+        let then = length();
+        wait_for(|| length() > then + 200_000 || file.exists());
+        assert!(!file.exists(), "{signal} ended it");
+        kill("-TERM");
+        wait_for(|| file.exists());
+        assert!(text(&file).len() > 200_000);
+        child.wait().unwrap();
+    }
+}
+
+/// The link was replaced by a file.
+#[test]
+fn a_link_to_a_file_that_is_yet_to_be_made_leads_there() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    std::fs::create_dir(place.join("disk")).unwrap();
+    symlink("disk/run.csv", place.join("link.csv")).unwrap();
+    symlink("link.csv", place.join("second.csv")).unwrap();
+    symlink(place.join("disk/crowd"), place.join("crowd")).unwrap();
+    symlink("circle.csv", place.join("round.csv")).unwrap();
+    symlink("round.csv", place.join("circle.csv")).unwrap();
+    symlink("nowhere/run.csv", place.join("lost.csv")).unwrap();
+    let trial = default_trial();
+    let run =
+        |to: &'static str| ["run", trial.to_str().unwrap(), "--until", "0.1", "-o", to].map(str::to_owned);
+    let run = |to| lemons(place, &run(to).each_ref().map(String::as_str));
+    assert_code(&run("second.csv"), 0);
+    assert!(text(&place.join("disk/run.csv")).starts_with("t,id,"));
+    // By whatever name, it is the file of the same command.
+    for name in ["link.csv", "disk/run.csv", "second.csv"] {
+        assert_code(&run(name), 0);
+    }
+    done(place, &["crowd", "-n", "3", "-o", "crowd"]);
+    done(place, &["check", "disk/crowd"]);
+    for link in ["link.csv", "second.csv", "crowd"] {
+        assert!(place.join(link).symlink_metadata().unwrap().is_symlink(), "{link}");
+    }
+    let both = ["person", "--breadth", "49", "--depth", "25", "--stature", "1.75", "--mass", "70"];
+    let both = lemons(place, &[&both[..], &["--wkt", "new.wkt", "--geojson", "new.wkt"]].concat());
+    assert!(err(&both).contains("another result goes there"), "{}", err(&both));
+    for name in ["round.csv", "lost.csv"] {
+        let output = run(name);
+        assert_code(&output, 1);
+        assert!(err(&output).starts_with(&format!("lemons: cannot write {name}: ")), "{}", err(&output));
+        assert!(place.join(name).symlink_metadata().unwrap().is_symlink());
+    }
+}
+
+/// It made a file called `-`.
+#[test]
+fn a_dash_is_standard_output_or_refused() {
+    let directory = workshop();
+    let place = directory.path();
+    let trial = default_trial();
+    let trial = trial.to_str().unwrap();
+    let mut refused = 0;
+    for (command, arguments) in ROLES {
+        for (id, spelled, _) in
+            arguments.iter().filter(|argument| matches!(argument.2, Role::Writes | Role::WritesInto))
+        {
+            let line = pair(command, [(id, "-"), ("", "")]);
+            let output = run_line(place, &line);
+            assert_code(&output, 2);
+            let expected = format!(
+                "lemons: {spelled} -: this result cannot go to standard output; for a file of this name, write ./-\n"
+            );
+            assert_eq!(err(&output), expected, "{line:?}");
+            refused += 1;
+        }
+    }
+    assert!(refused > 8);
+    // The command's own words are elsewhere.
+    let shown = |arguments: &[&str], said: &str| {
+        let output = done(place, arguments);
+        assert!(err(&output).contains(said), "{arguments:?}: {}", err(&output));
+        out(&output)
+    };
+    done(place, &["run", trial, "--until", "0.1", "-o", "a.csv"]);
+    let table = text(&place.join("a.csv"));
+    assert_eq!(shown(&["run", trial, "--until", "0.1", "-o", "-"], "simulated time"), table);
+    done(place, &["export", "a.csv", "a.txt", "--to", "pedpy"]);
+    assert_eq!(shown(&["export", "a.csv", "-", "--to", "pedpy"], "5 agents"), text(&place.join("a.txt")));
+    done(place, &["sweep", "sweep.toml", "--csv", "swept.csv"]);
+    assert_eq!(shown(&["sweep", "sweep.toml", "--csv", "-"], "succeeded"), text(&place.join("swept.csv")));
+    let person = ["person", "--breadth", "49", "--depth", "25", "--stature", "1.75", "--mass", "70"];
+    for option in ["--obj", "--stl", "--geojson", "--wkt", "--svg", "--pdf"] {
+        done(place, &[&person[..], &[option, "person"]].concat());
+        let output = done(place, &[&person[..], &[option, "-"]].concat());
+        assert!(output.stdout == std::fs::read(place.join("person")).unwrap(), "{option}");
+        assert!(err(&output).contains("moment of inertia"), "{}", err(&output));
+        std::fs::remove_file(place.join("person")).unwrap();
+    }
+    let output = lemons(place, &[&person[..], &["--wkt", "-", "--svg", "-"]].concat());
+    assert_code(&output, 1);
+    assert_eq!(err(&output), "lemons: cannot write -: another result goes there\n");
+    let output = lemons(place, &["export", "a.csv", "-", "--to", "jupedsim"]);
+    assert_code(&output, 2);
+    assert!(!place.join("-").exists());
+    // Who closes it early has what they wanted.
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    for format in ["csv", "parquet"] {
+        let run = ["run", trial, "--until", "2", "-o", "-", "--format", format];
+        let writer = writer.try_clone().unwrap();
+        let output = command(place, &run).stdout(writer).stderr(Stdio::piped()).output().unwrap();
+        assert_code(&output, 0);
+        assert!(!err(&output).contains("lemons:"), "{format}: {}", err(&output));
+    }
+    done(place, &["run", trial, "--until", "0.1", "-o", "./-"]);
+    assert_eq!(text(&place.join("-")), table);
+}
+
+/// It spoke of files that stay, and are used, in a Trial that it then did not write.
+#[test]
+fn a_refused_crowd_says_why_and_nothing_else() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    let crowd = ["crowd", "-n", "3", "-o", "T"];
+    done(place, &crowd);
+    std::fs::write(place.join("T/decision.toml"), "waypoints = [{ x = 6, y = 2 }]\n").unwrap();
+    let kept = "warning: T/decision.toml of the Trial that was there stays, and is used\n";
+    assert_eq!(err(&done(place, &crowd)), kept);
+    std::fs::write(place.join("T/static/Geometry.xml"), "mine").unwrap();
+    let output = lemons(place, &crowd);
+    assert_code(&output, 1);
+    let said = err(&output);
+    assert!(
+        said.starts_with("lemons: cannot write T/static/Geometry.xml: ") && said.lines().count() == 1,
+        "{said}"
+    );
 }

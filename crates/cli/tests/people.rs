@@ -1,7 +1,7 @@
 //! `lemons crowd` and `lemons person` as their users meet them.
 
-use crowd_mechanics::trial::Trial;
-use lemons_crowd::{LightShapes, read_light_xml};
+use crowd_mechanics::setup;
+use lemons_people::{LightShapes, read_light_xml};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -74,7 +74,7 @@ fn a_made_crowd_passes_check_packs_and_runs_without_a_warning() {
         "{}",
         out(&check)
     );
-    let (trial, _) = Trial::read(&at.join("Trial_made")).unwrap();
+    let (trial, _) = setup::read(&at.join("Trial_made")).unwrap();
     assert_eq!((trial.parameters.time_step_mechanical, trial.parameters.time_step), (step, 0.01));
     // Alone, everybody would walk at 0.5 m/s along x.
     for (agent, moving) in trial.agents.iter().zip(&trial.dynamics) {
@@ -90,7 +90,7 @@ fn a_made_crowd_passes_check_packs_and_runs_without_a_warning() {
         let run = lemons(at, &["run", input, "--until", "0.5", "--force"]);
         assert_code(&run, 0);
         assert_eq!(err(&run), "");
-        assert!(figure(&out(&run), "peak squeeze, max") > 1.0, "they press against the wall: {}", out(&run));
+        assert!(figure(&out(&run), "greatest peak") > 1.0, "they press against the wall: {}", out(&run));
     }
 }
 
@@ -161,7 +161,7 @@ fn the_same_seed_gives_the_same_bytes() {
     let triangles = obj.lines().filter(|line| line.starts_with("f ")).count();
     let stl = fs::read(at.join("first/crowd.stl")).unwrap();
     assert_eq!(stl.len(), 84 + 50 * triangles);
-    let (trial, _) = Trial::read(&at.join("first/T")).unwrap();
+    let (trial, _) = setup::read(&at.join("first/T")).unwrap();
     assert!(trial.geometry.walls.is_empty());
     let left: Vec<_> =
         fs::read_dir(at.join("first")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
@@ -179,7 +179,7 @@ fn every_way_to_place_and_to_choose_people() {
         narrow(&out(&made));
         let check = lemons(at, &["check", "T"]);
         assert!(out(&check).ends_with(": no problem\n"), "{}", out(&check));
-        Trial::read(&at.join("T")).unwrap().0
+        setup::read(&at.join("T")).unwrap().0
     };
     let rows = made(&[
         "-n",
@@ -357,7 +357,7 @@ fn mistakes_name_the_option_and_the_value() {
         (
             &[&person[..], &["--obj", "same", "--stl", "same"]].concat(),
             1,
-            &["cannot write same: other results go there"],
+            &["cannot write same: another result goes there"],
         ),
         (&["crowd"], 2, &["--number", "--density"]),
         (&["crowd", "-n", "0"], 2, &["--number", "0"]),
@@ -396,7 +396,7 @@ fn mistakes_name_the_option_and_the_value() {
         (
             &["crowd", "-n", "5", "--custom", "metres.toml"],
             1,
-            &["metres.toml", "male statistics, stature: min = 0.014", "people measure 0.3 to 3 m"],
+            &["metres.toml", "male statistics, stature: min = 0.014", "measures of people are 0.3 to 3 m"],
         ),
         (
             &["crowd", "-n", "5", "--geometry", "open.xml"],
@@ -408,8 +408,8 @@ fn mistakes_name_the_option_and_the_value() {
             1,
             &["wall w", "\"cheese\"", "concrete"],
         ),
-        (&["crowd", "-n", "5", "-o", "letters"], 1, &["letters", "no Trial", "--force"]),
-        (&["crowd", "-n", "5", "-o", "letter"], 1, &["letter", "no directory"]),
+        (&["crowd", "-n", "5", "-o", "letters"], 1, &["letters", "not a Trial", "--force"]),
+        (&["crowd", "-n", "5", "-o", "letter"], 1, &["letter", "not a directory"]),
         (&["crowd", "-n", "5", "--sections", "1.2,9", "--population", "p.csv"], 2, &["--sections", "9"]),
     ];
     for (arguments, code, words) in cases {
@@ -511,7 +511,7 @@ fn a_trial_replaces_a_trial_and_keeps_what_else_is_there() {
     assert_code(&lemons(at, &["crowd", "-n", "3", "-o", "T"]), 0);
     fs::write(at.join("T/decision.toml"), "mine").unwrap();
     assert_code(&lemons(at, &["crowd", "-n", "4", "-o", "T/"]), 0);
-    assert_eq!(Trial::read(&at.join("T")).unwrap().0.agents.len(), 4);
+    assert_eq!(setup::read(&at.join("T")).unwrap().0.agents.len(), 4);
     assert_eq!(fs::read_to_string(at.join("T/decision.toml")).unwrap(), "mine");
 }
 

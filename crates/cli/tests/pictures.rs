@@ -54,6 +54,41 @@ fn places(svg: &str) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// Without a table in between: the same numbers, so the same picture but for the name of its source.
+#[test]
+fn a_run_that_is_made_to_be_shown_is_the_run_of_the_table() {
+    let directory = push();
+    let at = directory.path();
+    for what in [
+        &["--at", "0.33,0.7,1", "--forces"][..],
+        &["--at", "0,1", "--trails=0.5"],
+        &["--series", "x,speed,squeeze", "--until", "1"],
+    ] {
+        let made = svg(at, &[&["push"], what].concat());
+        let read = svg(at, &[&["trajectories.csv", "--trial", "push"], what].concat());
+        let nameless = |svg: &str| svg.replace("trajectories.csv", "push");
+        assert!(nameless(&made) == nameless(&read), "{what:?}");
+    }
+}
+
+/// Where nobody touches anybody a bar from 0 to 1 N stood below.
+#[test]
+fn a_picture_without_a_contact_says_so_instead_of_a_bar() {
+    let directory = push();
+    let at = directory.path();
+    for (arguments, said) in [
+        (&["push", "--at", "0,0.05", "--fill", "squeeze"][..], "mean squeeze: 0 N everywhere"),
+        (&["push", "--at", "0,0.05", "--fill", "contacts"], "contacts: 0 everywhere"),
+        (&["push", "--at", "0", "--fill", "speed"], "speed: 0 m/s everywhere"),
+    ] {
+        let text = svg(at, arguments);
+        assert!(labels(&text).contains(&said), "{:?}", labels(&text));
+        assert!(!text.contains("colour-bar"), "{arguments:?}");
+    }
+    let text = svg(at, &["push", "--at", "0,0.4", "--fill", "squeeze"]);
+    assert!(text.contains("colour-bar") && !text.contains("everywhere"));
+}
+
 #[test]
 fn a_scene_is_where_the_run_was() {
     let directory = push();
@@ -171,7 +206,7 @@ fn squeeze_is_the_mean_of_a_step_and_peak_its_largest() {
         let plot =
             ["plot", "series", "--trial", "push", "--at", "0.4", "--fill", fill, "-o", "a.svg", "--force"];
         let told = done(at, &plot);
-        assert!(err(&told).contains("shown is the squeeze at the time"), "{}", err(&told));
+        assert!(err(&told).contains("the squeeze at this time is shown instead"), "{}", err(&told));
         let text = fs::read_to_string(at.join("a.svg")).unwrap();
         let sample = high(&text, "squeeze at the time (N)");
         assert!((sample / greatest("normal_force") - 1.0).abs() < 0.01, "{sample}");
@@ -249,7 +284,7 @@ fn mistakes_have_clear_messages() {
     fs::write(at.join("bare.csv"), bare).unwrap();
     for (arguments, code, expected) in [
         (&["plot", "push", "-o", "a.jpg"][..], 2, "a.jpg: pictures are .png, .svg or .pdf"),
-        (&["plot", "trajectories.csv"], 1, "give the Trial or FMU that ran"),
+        (&["plot", "trajectories.csv"], 1, "give the Trial or FMU of the run"),
         (
             &["plot", "trajectories.csv", "--trial", "push", "--at", "2"],
             1,
@@ -263,7 +298,7 @@ fn mistakes_have_clear_messages() {
         (&["plot", "push", "--set", "agent[0].Speed=3"], 1, "no variable \"agent[0].Speed\""),
         (&["plot", "trajectories.csv", "--trial", "push", "--step", "0.1"], 2, "--step"),
         (&["plot", "push", "--measured", "strangers.csv"], 1, "there is no agent \"nobody\""),
-        (&["plot", "bare.csv", "--series", "squeeze"], 1, "does not say the mean squeeze"),
+        (&["plot", "bare.csv", "--series", "squeeze"], 1, "does not contain the mean squeeze"),
         (&["plot", "trajectories.csv", "--series", "x", "--agents", "9"], 1, "no agent \"9\""),
         (
             &["plot", "trajectories.csv", "--trial", "push", "--density", "--from", "3"],
@@ -362,9 +397,11 @@ fn an_interrupted_movie_leaves_nothing() {
         names.sort();
         names
     };
+    let temporary = TempDir::new().unwrap();
     let before = names();
     let long = ["--speed-up", "0.001", "-o", "a.gif", "--forces"];
     let mut running = command(at, &[&["movie", "trajectories.csv", "--trial", "push"], &long[..]].concat())
+        .env("TMPDIR", temporary.path())
         .spawn()
         .unwrap();
     // The movie is begun when its hidden file is there.
@@ -375,6 +412,7 @@ fn an_interrupted_movie_leaves_nothing() {
     assert!(signal.unwrap().success());
     assert_eq!(running.wait().unwrap().code(), Some(130));
     assert_eq!(names(), before);
+    assert_eq!(fs::read_dir(temporary.path()).unwrap().count(), 0);
 }
 
 /// One who is pushed for half a second and stands soon after, in a run of 8 s.

@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::command;
-use crowd_mechanics::trial::Trial;
-use lemons_export::Run;
+use common::{command, out};
+use crowd_mechanics::setup;
+use lemons_record::Run;
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -99,7 +99,7 @@ fn ctrl_c_leaves_valid_results_and_the_run_goes_on_bit_for_bit() {
     let next = format!("--resume push.run --until {:?} -o rest.csv", (last + 21) as f64 * 0.05);
     let summary = push(at, &next, 0);
     assert!(summary.contains("rest.csv   (what came after the saved run)"), "{summary}");
-    for name in ["largest overlap", "mean squeeze, max", "peak squeeze, max"] {
+    for name in ["largest overlap", "greatest step mean", "greatest peak"] {
         assert_eq!(line(&summary, name), line(&whole, name));
     }
     assert_eq!(String::from_utf8(read(at, "rest.csv")).unwrap().lines().count(), 1 + 5);
@@ -176,7 +176,7 @@ fn broken_parquet_is_refused_without_a_panic() {
     };
     for length in [4, 5, 8, 12, good.len() / 2, good.len() - 1] {
         let message = said(&good[..length]).unwrap_err();
-        assert!(message.contains("bad.parquet: is no sound Parquet: "), "{message}");
+        assert!(message.contains("bad.parquet: is not valid Parquet: "), "{message}");
     }
     let mut refused = 0;
     for place in 4..good.len() {
@@ -187,6 +187,31 @@ fn broken_parquet_is_refused_without_a_panic() {
         }
     }
     assert!(refused > good.len() / 4, "{refused} of {}", good.len());
+}
+
+/// Two people who overlap at the start and part: the squeeze of that instant was called a mean over a step to 0.000 s.
+#[test]
+fn the_greatest_mean_is_of_a_step_and_not_of_the_start() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let (mut trial, _) = setup::read(Path::new(&crate::trial())).unwrap();
+    trial.dynamics[1].position.x -= 0.08;
+    trial.write(&at.join("T")).unwrap();
+    let summary = said(&lemons(at, &["run", "T", "--until", "0.2", "--no-drive"]), 0);
+    let run = Run::read_table(&at.join("trajectories.csv")).unwrap();
+    let means = |range: &[lemons_record::Frame]| {
+        let seen = range.iter().flat_map(|frame| frame.observed.iter().flatten());
+        seen.map(|seen| seen.of_step.as_ref().unwrap().mean_normal_force).fold(0.0, f64::max)
+    };
+    let (start, steps) = (means(&run.frames[..1]), means(&run.frames[1..]));
+    assert!(start > 1.5 * steps && steps > 0.0, "{start} {steps}");
+    let line = summary.lines().find(|line| line.starts_with("greatest step mean")).unwrap();
+    assert!(
+        line.contains(&format!(" {steps:.1} N   (squeeze of agent ")) && line.ends_with(", step to 0.050 s)"),
+        "{line}"
+    );
+    let peak = summary.lines().find(|line| line.starts_with("greatest peak")).unwrap();
+    assert!(peak.ends_with(", step to 0.050 s)"), "{peak}");
 }
 
 #[test]
@@ -201,7 +226,7 @@ fn every_nth_point_is_written_and_all_are_looked_at() {
     let wanted: Vec<&str> = lines[1..].chunks(5).step_by(3).flatten().copied().collect();
     assert_eq!(third.lines().skip(1).collect::<Vec<_>>(), wanted);
     assert_eq!(third.lines().next(), Some(lines[0]));
-    for name in ["largest overlap", "mean squeeze, max", "peak squeeze, max"] {
+    for name in ["largest overlap", "greatest step mean", "greatest peak"] {
         let line = |text: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
         assert_eq!(line(&all), line(&some));
     }
@@ -255,12 +280,17 @@ fn saved_runs_are_hostile_until_checked() {
         ("index = 10", "index = 9000000000000000000", "time: 0.5: must be"),
         ("every = 1", "every = 0", "every: 0"),
         ("until = 0.5", "until = nan", "until: NaN"),
-        ("rows = 55", "rows = 54", "it has 55 rows, the saved run has written 54"),
-        ("last = 0.5", "last = 0.45", "its last row is of t = 0.5 s, that of the saved run of t = 0.45 s"),
+        ("rows = 55", "rows = 54", "it has 55 rows, not the 54 that were written before"),
+        ("last = 0.5", "last = 0.45", "its last row is of t = 0.5 s, not of t = 0.45 s"),
         ("last = 0.5", "last = nan", "last: NaN"),
         ("largest_overlap = ", "largest_overlap = -", "largest_overlap: -"),
-        ("agent = ", "agent = 7", "speaks of an agent"),
-        ("state = \"state-0\"", "state = \"../x\"", "there is no \"../x\" in it"),
+        ("agent = ", "agent = 7", "contains an agent"),
+        ("state = \"state-0\"", "state = \"../x\"", "it contains no \"../x\""),
+        (
+            "state = \"state-0\"",
+            "state = \"run.toml\"",
+            "run.toml: state: \"run.toml\": component \"crowd\" has no entry of its own",
+        ),
         ("bytes = ", "bytes = 1", "state-0: has not the 1"),
         ("every = 1", "every = 1\nevil = 1", "evil"),
         ("guid = \"{", "guid = \"{0", "the saved run is of"),
@@ -270,7 +300,7 @@ fn saved_runs_are_hostile_until_checked() {
             "[[component]]\nname = \"other\"\nmodel = \"\"\nguid = \"\"\nstate = \"state-0\"\nbytes = 1\n\n[[component]]",
             "run.toml: state: \"state-0\": is that of component \"other\" and of \"crowd\"",
         ),
-        ("component = \"crowd\"", "component = \"x\"", "it says nothing of the crowd \"crowd\""),
+        ("component = \"crowd\"", "component = \"x\"", "it has no entry for the crowd \"crowd\""),
     ] {
         let said = text(from, to);
         assert!(said.contains("run") && said.contains(words), "{from} -> {to}: {said}");
@@ -307,6 +337,39 @@ fn saved_runs_are_hostile_until_checked() {
     assert!(push(at, "--resume none.run", 1).contains("none.run"));
 }
 
+/// A run of days must not be lost to an update of the program; the files say who wrote them.
+#[test]
+fn a_run_of_another_build_of_the_program_goes_on_and_all_builds_are_named() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let built = |name: &str| {
+        let reader = lemons_columns::Reader::open(File::open(at.join(name)).unwrap()).unwrap();
+        reader.about("lemons_version").unwrap().to_owned()
+    };
+    push(at, "--until 0.5 --state push.run --format parquet", 0);
+    let own = built("trajectories.parquet");
+    let word = |k: usize| own.split(['(', ')', ' ']).nth(k).map(str::to_owned);
+    let shown = out(&lemons(at, &["-V"]));
+    assert!(shown.starts_with(&format!("lemons {}", env!("CARGO_PKG_VERSION"))), "{shown}");
+    assert_eq!(word(0).as_deref(), Some(env!("CARGO_PKG_VERSION")));
+    // The commit is whole in files.
+    let commit = word(2).unwrap_or_default();
+    assert!(commit.is_empty() || shown.contains(&commit[..commit.len().min(7)]), "{own}: {shown}");
+    forged(at, "push.run", |name, bytes| match name {
+        "run.toml" => {
+            let text = String::from_utf8(bytes).unwrap();
+            let said = format!("lemons = \"{own}\"");
+            assert!(text.contains(&said), "{text}");
+            text.replace(&said, "lemons = \"0.1.0 (0123456 2026-01-01)\"").into_bytes()
+        }
+        _ => bytes,
+    });
+    push(at, "--until 1 --resume forged.run --state later.run --format parquet", 0);
+    assert_eq!(built("trajectories.parquet"), format!("0.1.0 (0123456 2026-01-01); {own}"));
+    push(at, "--until 1.5 --resume later.run --format parquet", 0);
+    assert_eq!(built("trajectories.parquet"), format!("0.1.0 (0123456 2026-01-01); {own}"));
+}
+
 #[test]
 fn a_run_goes_on_as_it_went_or_not_at_all() {
     let directory = TempDir::new().unwrap();
@@ -318,17 +381,17 @@ fn a_run_goes_on_as_it_went_or_not_at_all() {
         (
             "--set agent[0].Mass=80",
             2,
-            "--set agent[0].Mass=80 with --resume: parameters are in the saved run",
+            "--set agent[0].Mass=80 with --resume: the saved run contains its parameters",
         ),
         ("--threads 2", 2, "--threads 2 with --resume"),
         ("--step 0.1", 1, "--step 0.1: the saved run has a communication step of 0.05 s"),
         ("--every 2", 1, "--every 2: the saved run has --every 1"),
-        ("--drive drive.csv", 1, "driven otherwise"),
-        ("--no-drive", 1, "driven otherwise"),
+        ("--drive drive.csv", 1, "the saved run had another drive"),
+        ("--no-drive", 1, "the saved run had another drive"),
         ("--until 0.5", 1, "nothing to simulate: the saved run is at 0.5 s"),
         ("", 1, "nothing to simulate"),
         ("--until 1 --algorithm gauss-seidel", 1, "--algorithm: the saved run has Jacobi, not Gauss-Seidel"),
-        ("--until 1 --state trajectories.csv", 1, "trajectories.csv: other results go there"),
+        ("--until 1 --state trajectories.csv", 1, "trajectories.csv: another result goes there"),
     ] {
         let until = if options.contains("--until") || options.is_empty() { "" } else { " --until 1" };
         let said = push(at, &format!("--resume push.run {options}{until}"), code);
@@ -348,7 +411,7 @@ fn a_run_goes_on_as_it_went_or_not_at_all() {
         assert_eq!(read(at, "trajectories.csv"), text.as_bytes());
     }
     // Another crowd.
-    let (mut other, _) = Trial::read(Path::new(&trial())).unwrap();
+    let (mut other, _) = setup::read(Path::new(&trial())).unwrap();
     other.agents[0].id = "other".into();
     other.write(&at.join("other")).unwrap();
     let message =
@@ -363,7 +426,7 @@ fn a_run_goes_on_as_it_went_or_not_at_all() {
     other.write(&at.join("elsewhere/Trial_push")).unwrap();
     let again = ["run", "elsewhere/Trial_push", "--resume", "push.run", "--no-drive", "--until", "1"];
     let message = said(&lemons(at, &again), 1);
-    assert!(message.contains("is not what it was when the state was saved"), "{message}");
+    assert!(message.contains("has changed since the state was saved"), "{message}");
     assert!(names(at).iter().all(|name| !name.starts_with('.')), "{:?}", names(at));
 }
 

@@ -50,6 +50,9 @@ fn a_point_is_what_a_run_with_its_parameters_is() {
     let said = out(&done(at, &["sweep", "push.toml", "--csv", "table.csv"]));
     assert!(said.contains("points                      4     (4 now, 0 before)"), "{said}");
     assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
+    let table = lemons_columns::Reader::open(fs::File::open(at.join("push/table.parquet")).unwrap()).unwrap();
+    let by = table.about("lemons_version").unwrap();
+    assert!(by.starts_with(env!("CARGO_PKG_VERSION")), "{by}");
     let rows = read_csv(&at.join("table.csv"));
     assert_eq!(rows.len(), 4);
     for (k, row) in rows.iter().enumerate() {
@@ -193,9 +196,14 @@ fn mistakes_have_clear_messages() {
     let good = fs::read_to_string(at.join("push.toml")).unwrap();
     let table = fs::read(at.join("push/table.parquet")).unwrap();
     for (from, to, directory, expected) in [
-        ("until = 0.1", "until = 0.2", "push", "push holds another sweep: until not as in its sweep.json"),
-        ("[0, 0.4]", "[0, 0.5]", "push", "points not as in its sweep.json"),
-        ("take = \"max\"", "take = \"min\"", "push", "measure not as in its sweep.json"),
+        (
+            "until = 0.1",
+            "until = 0.2",
+            "push",
+            "push contains another sweep: its sweep.json differs in until",
+        ),
+        ("[0, 0.4]", "[0, 0.5]", "push", "its sweep.json differs in points"),
+        ("take = \"max\"", "take = \"min\"", "push", "its sweep.json differs in measure"),
         ("agent[*].Mass", "agent[9].Mass", "new", "the FMU has no variable \"agent[9].Mass\""),
         ("agents = [\"4\"]", "agents = [\"7\"]", "new", "measures: moved: there is no agent \"7\""),
         ("agents = [\"4\"]", "", "new", "measures: moved"),

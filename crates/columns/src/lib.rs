@@ -1,95 +1,106 @@
 //! Flat tables in Parquet: rows of numbers and texts, as other programs read and write them.
 //!
-//! A [`Writer`] takes rows of [`Cell`]s, a [`Reader`] gives them back. What is said of a column – its unit, say –
-//! stands in the file's metadata under the key `columns`, as JSON: `{"x": {"unit": "m"}}`. The same rows give the
-//! same bytes.
+//! A `Writer` takes rows of [`Cell`]s, a `Reader` returns them. Attributes of a column, such as its unit, are in
+//! the metadata of the file under the key `columns`, as JSON: `{"x": {"unit": "m"}}`. The same rows give the same
+//! bytes.
+//!
+//! Both need the feature `parquet`, which is on by default. Without it there are only the types of cells and columns,
+//! and nothing of C is built.
 
+#[cfg(feature = "parquet")]
+mod header;
+#[cfg(feature = "parquet")]
 mod page;
+#[cfg(feature = "parquet")]
 mod read;
+#[cfg(feature = "parquet")]
 mod write;
 
+#[cfg(feature = "parquet")]
 pub use read::{Batch, Batches, Found, Reader};
+#[cfg(feature = "parquet")]
 pub use write::Writer;
 
-/// The key in the metadata of a file that says something of its columns.
+/// The key in the metadata of a file for attributes of columns.
+#[cfg(feature = "parquet")]
 const COLUMNS: &str = "columns";
 
-/// What a column holds.
+/// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Doubles.
     Real,
-    /// Of 32 bits.
+    /// 32-bit integers.
     Integer,
-    /// Of 64 bits.
+    /// 64-bit integers.
     Long,
-    /// True or false.
+    /// Booleans.
     Boolean,
-    /// UTF-8.
+    /// UTF-8 texts.
     Text,
 }
 
 /// A value in a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cell<'a> {
-    /// Of a column of [`Kind::Real`].
+    /// A value of a [`Kind::Real`] column.
     Real(f64),
-    /// Of a column of [`Kind::Integer`].
+    /// A value of a [`Kind::Integer`] column.
     Integer(i32),
-    /// Of a column of [`Kind::Long`].
+    /// A value of a [`Kind::Long`] column.
     Long(i64),
-    /// Of a column of [`Kind::Boolean`].
+    /// A value of a [`Kind::Boolean`] column.
     Boolean(bool),
-    /// Of a column of [`Kind::Text`].
+    /// A value of a [`Kind::Text`] column.
     Text(&'a str),
-    /// Of a column in which values may be missing.
+    /// A missing value of an optional column.
     Missing,
 }
 
 /// A column to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
-    /// No two of a table have the same.
+    /// Name, unique in the table.
     pub name: String,
-    /// Of all its values.
+    /// Type of all its values.
     pub kind: Kind,
     /// Whether values may be missing.
     pub optional: bool,
-    /// Whether values come again and again, so that a dictionary of them is worth while.
+    /// Whether the same values occur many times, so that a dictionary saves space.
     pub repeats: bool,
-    /// What is said of it: `("unit", "m")`.
+    /// Its attributes, such as `("unit", "m")`.
     pub about: Vec<(&'static str, String)>,
 }
 
 /// Why a table cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// It is damaged.
-    #[error("{}is no sound Parquet: {why}", after(*rows))]
+    /// The file is damaged.
+    #[error("{}is not valid Parquet: {why}", after(*rows))]
     Unsound {
-        /// That many were sound.
+        /// Number of rows that were read before.
         rows: u64,
         /// What is wrong.
         why: String,
     },
-    /// It is written in a way that is not known here.
-    #[error("is Parquet of a kind that is not read here: {0}")]
+    /// The file uses a feature that is not supported.
+    #[error("is Parquet with a feature that is not supported: {0}")]
     Unknown(String),
-    /// Two columns have one name.
+    /// Two columns have the same name.
     #[error("there are two columns {0:?}")]
     Twice(String),
-    /// A row is not of the table.
-    #[error("column {column}: {cell} is not of its type")]
+    /// A value does not have the type of its column.
+    #[error("column {column}: the value {cell} has the wrong type")]
     Cell {
-        /// Its name.
+        /// Name of the column.
         column: String,
-        /// What was to be written.
+        /// The value.
         cell: String,
     },
-    /// A row has fewer cells than there are columns.
-    #[error("a row has no cell for column {0}")]
+    /// A row has fewer values than there are columns.
+    #[error("a row has no value for column {0}")]
     Short(String),
-    /// The system does not let it be read or written.
+    /// The file cannot be read or written.
     #[error("{0}")]
     System(String),
 }

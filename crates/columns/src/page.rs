@@ -1,14 +1,14 @@
-//! The pages of a file, as far as they can be believed.
+//! The pages of a file whose headers are plausible.
 
 use parquet::basic::Encoding;
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::errors::{ParquetError, Result};
 
-/// Pages of a column from which the crate would allocate what their headers claim, whatever they hold, are refused; those
-/// of no values, which it takes for the end, are left out.
+/// Refuses pages for which the `parquet` crate would allocate as much as their headers claim, whatever they contain.
+/// Skips pages without values, which that crate takes for the end of the column.
 pub(crate) struct Checked {
     pub pages: Box<dyn PageReader>,
-    /// \[byte\] a value in a dictionary has at least.
+    /// \[byte\] Smallest size of a value in a dictionary.
     pub width: usize,
 }
 
@@ -19,7 +19,9 @@ impl PageReader for Checked {
             match &page {
                 Page::DictionaryPage { buf, num_values, .. } => {
                     if (*num_values as usize).saturating_mul(self.width) > buf.len() {
-                        return Err(ParquetError::General("a dictionary claims more than it holds".into()));
+                        return Err(ParquetError::General(
+                            "a dictionary claims more values than it contains".into(),
+                        ));
                     }
                 }
                 Page::DataPage { num_values: 0, .. } | Page::DataPageV2 { num_values: 0, .. } => continue,

@@ -1,5 +1,6 @@
-//! A file -> its rows.
+//! Reads the rows of a file.
 
+use crate::header::{Headed, TAIL, check_footer};
 use crate::page::Checked;
 use crate::{COLUMNS, Cell, Kind, TableError};
 use parquet::basic::{ConvertedType, LogicalType, Type as Physical};
@@ -14,21 +15,21 @@ use serde_json::{Map, Value};
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Rows that are read together.
+/// Number of rows that are read together.
 const BATCH: usize = 1 << 13;
 
-/// Reads a table of whatever program.
+/// Reads a table that any program may have written.
 pub struct Reader {
-    file: SerializedFileReader<File>,
+    file: SerializedFileReader<Headed>,
     columns: Vec<Found>,
 }
 
-/// A column that a file has.
+/// A column of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
-    /// Of a column within another one, both with a point between them.
+    /// Name; for a nested column the names on its path, joined by points.
     pub name: String,
-    /// `None` for what is no number, no text and not true or false: times of day, lists, …
+    /// Type; `None` for values that are not numbers, texts or booleans, such as times and lists.
     pub kind: Option<Kind>,
     /// Whether values may be missing.
     pub optional: bool,
@@ -36,7 +37,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// What is said of it under this key.
+    /// Returns the attribute with this key.
     pub fn about(&self, key: &str) -> Option<&str> {
         self.about.get(key)?.as_str()
     }
@@ -50,7 +51,7 @@ pub struct Batch {
 
 struct Values {
     data: Data,
-    /// Of an optional column: where there is none.
+    /// For an optional column: whether each value is missing.
     missing: Vec<bool>,
 }
 
@@ -59,17 +60,17 @@ enum Data {
     Integers(Vec<i32>),
     Longs(Vec<i64>),
     Booleans(Vec<bool>),
-    /// All of them UTF-8; equal ones share their bytes.
+    /// All texts are UTF-8; equal ones share their bytes.
     Texts(Vec<ByteArray>),
 }
 
 impl Batch {
-    /// How many there are.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Of the k-th column that was asked for.
+    /// Returns a value of the k-th requested column.
     ///
     /// # Panics
     /// There is no such column, or no such row.
@@ -87,7 +88,7 @@ impl Batch {
         }
     }
 
-    /// All cells of a row, in the order of the columns that were asked for.
+    /// Returns all values of a row, in the order of the requested columns.
     ///
     /// # Panics
     /// There is no such row.
@@ -97,13 +98,14 @@ impl Batch {
 }
 
 impl Reader {
-    /// Of a file that is open for reading.
+    /// Opens a table in a file that is open for reading.
     ///
     /// # Errors
-    /// It is no table in Parquet, or a damaged one.
+    /// The file is not a table in Parquet, or it is damaged.
     pub fn open(file: File) -> Result<Reader, TableError> {
         let length = file.metadata().map_err(|error| TableError::System(error.to_string()))?.len();
-        let file = guarded(|| SerializedFileReader::new(file)).map_err(|fault| fault.after(0))?;
+        let open = || check_footer(&file).and_then(|()| SerializedFileReader::new(Headed(file)));
+        let file = guarded(open).map_err(|fault| fault.after(0))?;
         check_places(file.metadata(), length).map_err(|why| Fault::Unsound(why).after(0))?;
         let said = said_of_columns(file.metadata());
         let columns = file.metadata().file_metadata().schema_descr().columns().iter().map(|column| {
@@ -116,15 +118,20 @@ impl Reader {
         Ok(Reader { file, columns })
     }
 
-    /// In the order of the file.
+    /// Returns the text in the metadata of the file under a key.
+    pub fn about(&self, key: &str) -> Option<&str> {
+        said_of_table(self.file.metadata(), key)
+    }
+
+    /// Returns the columns, in the order of the file.
     pub fn columns(&self) -> &[Found] {
         &self.columns
     }
 
-    /// The rows of these columns, in the order in which they are given here.
+    /// Returns the rows of some columns, in the order given here.
     ///
     /// # Panics
-    /// There is no such column, or it has no kind.
+    /// There is no such column, or its type is `None`.
     pub fn batches(&self, columns: &[usize]) -> Batches<'_> {
         for &place in columns {
             assert!(
@@ -149,7 +156,7 @@ impl Reader {
             let column = self.file.metadata().file_metadata().schema_descr().column(place);
             let width = match column.physical_type() {
                 Physical::BOOLEAN => 1,
-                // A text has its length before it.
+                // The length of a text precedes it.
                 Physical::INT32 | Physical::FLOAT | Physical::BYTE_ARRAY => 4,
                 _ => 8,
             };
@@ -161,14 +168,14 @@ impl Reader {
     }
 }
 
-/// The rows of a table, some thousands at a time. After an error there are no more.
+/// The rows of a table, some thousands at a time. After an error it ends.
 pub struct Batches<'a> {
     reader: &'a Reader,
     wanted: Vec<usize>,
-    /// The group of rows that is read, and how far.
+    /// The row group that is being read, and the number of its rows that were read.
     group: usize,
     sources: Option<Vec<Source>>,
-    /// So far.
+    /// Number of rows that were read.
     rows: u64,
     done: bool,
 }
@@ -192,7 +199,7 @@ impl Batches<'_> {
                 return if all {
                     Ok(None)
                 } else {
-                    Err(Fault::Unsound(format!("it says that it has {said} rows")))
+                    Err(Fault::Unsound(format!("its metadata says {said} rows")))
                 };
             }
             self.sources = Some(guarded(|| self.reader.open_columns(self.group, &self.wanted))?);
@@ -213,7 +220,7 @@ impl Iterator for Batches<'_> {
     }
 }
 
-/// The crate panics at some broken files.
+/// Catches panics: the `parquet` crate panics on some damaged files.
 fn guarded<T>(what: impl FnOnce() -> Parquet<T>) -> Result<T, Fault> {
     match catch_unwind(AssertUnwindSafe(what)) {
         Ok(done) => done.map_err(|error| match error {
@@ -224,17 +231,17 @@ fn guarded<T>(what: impl FnOnce() -> Parquet<T>) -> Result<T, Fault> {
             ParquetError::External(error) => Fault::Unsound(error.to_string()),
             error => Fault::Unsound(error.to_string()),
         }),
-        Err(_) => Err(Fault::Unsound("it contradicts itself".into())),
+        Err(_) => Err(Fault::Unsound("it is inconsistent".into())),
     }
 }
 
-/// So the crate says that it was built without a way to compress.
+/// The message of the `parquet` crate when it was built without a compression method.
 const UNBUILT: &str = "Disabled feature at compile time:";
 
 /// What is wrong with a file.
 enum Fault {
     Unsound(String),
-    /// It may be sound.
+    /// A feature that is not supported; the file may be valid.
     Unknown(String),
 }
 
@@ -247,24 +254,28 @@ impl Fault {
     }
 }
 
-/// Whether the parts of a file lie in it: the crate panics where they begin or end before its start.
+/// Checks that the parts of a file lie inside it: the `parquet` crate panics if they begin or end before its start.
 fn check_places(metadata: &ParquetMetaData, length: u64) -> Result<(), String> {
     for column in metadata.row_groups().iter().flat_map(|group| group.columns()) {
         let first = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
         let inside = [first, column.data_page_offset(), column.compressed_size(), column.num_values()];
         let end = first.checked_add(column.compressed_size()).and_then(|end| u64::try_from(end).ok());
-        if inside.iter().any(|number| *number < 0) || end.is_none_or(|end| end > length) {
-            return Err(format!("column {}: lies outside of the file", column.column_path().string()));
+        if inside.iter().any(|number| *number < 0) || end.is_none_or(|end| end > length.saturating_sub(TAIL))
+        {
+            return Err(format!("column {}: is outside the file", column.column_path().string()));
         }
     }
     Ok(())
 }
 
-/// Nothing, if another program has something else under our key.
-fn said_of_columns(metadata: &ParquetMetaData) -> Map<String, Value> {
+fn said_of_table<'a>(metadata: &'a ParquetMetaData, key: &str) -> Option<&'a str> {
     let all = metadata.file_metadata().key_value_metadata().map(Vec::as_slice).unwrap_or_default();
-    let said = all.iter().find(|entry| entry.key == COLUMNS).and_then(|entry| entry.value.as_deref());
-    said.and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
+    all.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.as_deref())
+}
+
+/// Attributes of columns; empty if another program uses our key for something else.
+fn said_of_columns(metadata: &ParquetMetaData) -> Map<String, Value> {
+    said_of_table(metadata, COLUMNS).and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
 }
 
 fn kind(column: &ColumnDescriptor) -> Option<Kind> {
@@ -295,27 +306,27 @@ fn kind(column: &ColumnDescriptor) -> Option<Kind> {
     }
 }
 
-/// What comes next of a column.
+/// The remaining values of a column.
 struct Source {
     reader: ColumnReader,
-    /// Its numbers of 32 bits have no sign.
+    /// Whether its 32-bit integers are unsigned.
     unsigned: bool,
 }
 
-/// Some rows of each column, as many as there are; none at the end of the group.
+/// Reads some rows of each column, as many as possible; none at the end of the group.
 fn read_batch(sources: &mut [Source]) -> Parquet<Batch> {
     let columns = sources.iter_mut().map(values).collect::<Parquet<Vec<_>>>()?;
     let mut lengths = columns.iter().map(|values| values.data.len());
     let rows = lengths.next().unwrap_or(0);
     if lengths.any(|length| length != rows) {
-        return Err(ParquetError::General("its columns are not equally long".into()));
+        return Err(ParquetError::General("its columns have different lengths".into()));
     }
     Ok(Batch { columns, rows })
 }
 
 fn values(source: &mut Source) -> Parquet<Values> {
     use ColumnReader::*;
-    let other = || Err(ParquetError::General("a column is of another type than it says".into()));
+    let other = || Err(ParquetError::General("a column has another type than its metadata says".into()));
     let (data, missing) = match (&mut source.reader, source.unsigned) {
         (DoubleColumnReader(reader), _) => typed(reader, Data::Reals, Ok, 0.0)?,
         (FloatColumnReader(reader), _) => typed(reader, Data::Reals, |value| Ok(value.into()), 0.0)?,
@@ -326,7 +337,7 @@ fn values(source: &mut Source) -> Parquet<Values> {
         (Int64ColumnReader(reader), _) => typed(reader, Data::Longs, Ok, 0)?,
         (BoolColumnReader(reader), _) => typed(reader, Data::Booleans, Ok, false)?,
         (ByteArrayColumnReader(reader), _) => {
-            // `ByteArray::default()` has no bytes at all, and must not be asked for them.
+            // `ByteArray::default()` has no bytes at all; reading it panics.
             let empty = ByteArray::from(Vec::new());
             typed(reader, Data::Texts, |bytes: ByteArray| bytes.as_utf8().map(|_| bytes.clone()), empty)?
         }
@@ -335,7 +346,7 @@ fn values(source: &mut Source) -> Parquet<Values> {
     Ok(Values { data, missing })
 }
 
-/// `none` stands where a value is missing.
+/// `none` replaces a missing value.
 fn typed<T: DataType, V: Clone>(
     reader: &mut ColumnReaderImpl<T>,
     data: impl Fn(Vec<V>) -> Data,
@@ -345,7 +356,7 @@ fn typed<T: DataType, V: Clone>(
     let (mut read, mut levels) = (Vec::new(), Vec::new());
     let mut rows = 0;
     while rows < BATCH {
-        // To the end of a page at most.
+        // Reads to the end of a page at most.
         let (more, _, _) = reader.read_records(BATCH - rows, Some(&mut levels), None, &mut read)?;
         if more == 0 {
             break;

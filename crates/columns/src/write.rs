@@ -1,4 +1,4 @@
-//! Rows -> a file.
+//! Writes rows to a file.
 
 use crate::{COLUMNS, Cell, Column, Kind, TableError};
 use parquet::basic::{
@@ -15,24 +15,24 @@ use std::collections::{HashMap, HashSet};
 use std::io::Write;
 use std::sync::Arc;
 
-/// Cells that are held in memory until they are written as a row group, some 16 MB.
+/// Number of values that are kept in memory until they are written as a row group, about 16 MB.
 const GROUP: usize = 1 << 21;
-/// Texts of a column of which one copy is kept.
+/// Number of texts of a column of which one shared copy is kept.
 const KNOWN: usize = 1 << 14;
 
-/// Writes a table. It is complete when [`Writer::finish`] says so, and of no use after an error.
+/// Writes a table. It is complete after [`Writer::finish`]. After an error it cannot be used any more.
 pub struct Writer<W: Write + Send> {
     out: SerializedFileWriter<W>,
     columns: Vec<(Column, Values)>,
-    /// Rows of a full group, and how many there are of the next one.
+    /// Number of rows of a full group, and of the group in memory.
     group: usize,
     rows: usize,
 }
 
-/// Values that are not yet written.
+/// Values that are not written yet.
 struct Values {
     data: Data,
-    /// Of an optional column, for each row: 1 where there is a value, else 0.
+    /// For an optional column, for each row: 1 if there is a value, else 0.
     levels: Vec<i16>,
 }
 
@@ -45,10 +45,10 @@ enum Data {
 }
 
 impl<W: Write + Send> Writer<W> {
-    /// An empty table with these columns. `about` goes into the metadata of the file.
+    /// Creates an empty table with these columns. `about` is written into the metadata of the file.
     ///
     /// # Errors
-    /// Two columns have one name, or the file cannot be written.
+    /// Two columns have the same name, or the file cannot be written.
     pub fn create(file: W, columns: &[Column], about: &[(&str, String)]) -> Result<Writer<W>, TableError> {
         let mut names = HashSet::new();
         if let Some(column) = columns.iter().find(|column| !names.insert(&column.name)) {
@@ -65,10 +65,10 @@ impl<W: Write + Send> Writer<W> {
         Ok(Writer { out, columns, group, rows: 0 })
     }
 
-    /// One row more.
+    /// Adds a row.
     ///
     /// # Errors
-    /// A cell is not of its column, or the file cannot be written.
+    /// A value does not fit its column, or the file cannot be written.
     pub fn row<'a>(&mut self, cells: impl IntoIterator<Item = Cell<'a>>) -> Result<(), TableError> {
         let mut cells = cells.into_iter();
         for (column, values) in &mut self.columns {
@@ -94,10 +94,10 @@ impl<W: Write + Send> Writer<W> {
         Ok(())
     }
 
-    /// Completes the file.
+    /// Completes the file and returns it.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn finish(mut self) -> Result<W, TableError> {
         self.flush().map_err(system)?;
         self.out.into_inner().map_err(system)
@@ -124,7 +124,7 @@ impl Values {
             (Data::Longs(values), Cell::Long(value)) => values.push(value),
             (Data::Booleans(values), Cell::Boolean(value)) => values.push(value),
             (Data::Texts { values, known }, Cell::Text(text)) => {
-                // A copy of an array of bytes is one reference more.
+                // A copy of a `ByteArray` only counts references.
                 let value = known.get(text).cloned().unwrap_or_else(|| {
                     let value = ByteArray::from(text.as_bytes().to_vec());
                     if known.len() < KNOWN {
@@ -211,14 +211,14 @@ fn properties(columns: &[Column], about: &[(&str, String)]) -> Result<WriterProp
         let path = ColumnPath::new(vec![column.name.clone()]);
         properties = properties.set_column_dictionary_enabled(path.clone(), false);
         if column.kind == Kind::Real {
-            // Such numbers hardly come twice, but their first bytes are alike.
+            // Such numbers are rarely equal, but their first bytes are similar.
             properties = properties.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT);
         }
     }
     Ok(properties.build())
 }
 
-/// What the crate says of a file that cannot be written.
+/// The error of a file that cannot be written.
 fn system(error: ParquetError) -> TableError {
     match error {
         ParquetError::External(error) => TableError::System(error.to_string()),

@@ -64,6 +64,7 @@ fn rows_come_back_bit_for_bit() {
     for rows in [0, 1, 9, (1 << 13) + 1, 400_000] {
         let bytes = written(rows);
         let reader = opened(&bytes).unwrap();
+        assert_eq!((reader.about("trial"), reader.about("other")), (Some("push \"é\""), None));
         for (found, column) in reader.columns().iter().zip(columns()) {
             assert_eq!(
                 (&found.name, found.kind, found.optional),
@@ -99,11 +100,17 @@ fn rows_of_another_table_are_refused() {
     let begin = || Writer::create(Vec::new(), &columns(), &[]).unwrap();
     let mut wrong = row(0, "a");
     wrong[3] = Cell::Missing;
-    assert_eq!(begin().row(wrong).unwrap_err().to_string(), "column long: Missing is not of its type");
+    assert_eq!(
+        begin().row(wrong).unwrap_err().to_string(),
+        "column long: the value Missing has the wrong type"
+    );
     wrong[3] = Cell::Real(1.0);
-    assert_eq!(begin().row(wrong).unwrap_err().to_string(), "column long: Real(1.0) is not of its type");
+    assert_eq!(
+        begin().row(wrong).unwrap_err().to_string(),
+        "column long: the value Real(1.0) has the wrong type"
+    );
     let short = begin().row(row(0, "a").into_iter().take(2)).unwrap_err();
-    assert_eq!(short.to_string(), "a row has no cell for column n");
+    assert_eq!(short.to_string(), "a row has no value for column n");
 }
 
 /// Read to the end: how many rows, or what is wrong.
@@ -120,7 +127,7 @@ fn damaged_files_are_refused_or_read_whole() {
     assert_eq!(rows(&good), Ok(60));
     for length in [0, 4, 12, good.len() / 2, good.len() - 1] {
         let message = rows(&good[..length]).unwrap_err();
-        assert!(message.starts_with("is no sound Parquet: "), "{message}");
+        assert!(message.starts_with("is not valid Parquet: "), "{message}");
     }
     let mut refused = 0;
     for place in 0..good.len() {
@@ -130,13 +137,49 @@ fn damaged_files_are_refused_or_read_whole() {
             match rows(&bytes) {
                 Ok(rows) => assert_eq!(rows, 60, "byte {place}"),
                 Err(message) => {
-                    assert!(message.contains("is no sound Parquet: "), "{message}");
+                    assert!(message.contains("is not valid Parquet: "), "{message}");
                     refused += 1;
                 }
             }
         }
     }
     assert!(refused > good.len() / 4, "{refused} of {}", good.len());
+}
+
+/// They were gone through, each by a call of the system: 1.4 kB could take over ten minutes.
+#[test]
+fn lists_of_more_elements_than_the_file_has_bytes_are_refused() {
+    let said = |bytes: &[u8]| match rows(bytes) {
+        Ok(rows) => panic!("{rows} rows"),
+        Err(said) => said,
+    };
+    let good = written(10);
+    // A field that nobody knows: a list of 10^6 doubles.
+    let mut bytes = good.clone();
+    bytes.splice(4..10, [0xf9, 0xf7, 0xc0, 0x84, 0x3d, 0]);
+    assert!(
+        said(&bytes).ends_with("the header of a page claims more data than the file has"),
+        "{}",
+        said(&bytes)
+    );
+    for (element, expected) in [
+        (0xf7, "the footer claims more data than the file has"),
+        (0xf2, "the footer has a list of booleans"),
+        (0xf1, "the footer has a list of booleans"),
+        (0xf9, "the footer claims more data than the file has"),
+        (0xff, "the footer has a value of an unknown type"),
+    ] {
+        let mut bytes = good.clone();
+        let end = bytes.len() - 8;
+        let size = u32::from_le_bytes(bytes[end..end + 4].try_into().unwrap()) + 5;
+        bytes[end..end + 4].copy_from_slice(&size.to_le_bytes());
+        // Before the end of the last structure.
+        bytes.splice(end - 1..end - 1, [0xf9, element, 0xc0, 0x84, 0x3d]);
+        assert!(said(&bytes).ends_with(expected), "{}", said(&bytes));
+    }
+    let mut bytes = good;
+    bytes.splice(4..10, [0x99; 6]);
+    said(&bytes);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The shared library of the Decision FMU: the FMI 2.0 C functions of [`Decision`](lemons_decision::Decision).
 //!
-//! A crate of its own: a program that links both this and the crowd's library would have each function twice.
+//! It is a separate crate, because a program that linked both this and the crowd's library would have each function
+//! twice.
 
 #![allow(unsafe_code)] // the C boundary
 #![allow(non_snake_case)] // FMI's own names

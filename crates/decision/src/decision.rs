@@ -1,4 +1,4 @@
-//! The model behind the FMU: poses in, drives out.
+//! The model of the FMU: poses are inputs, drives are outputs.
 
 use crate::plan::{Plan, PlanError};
 use crate::rule::{Pose, Walker};
@@ -11,19 +11,19 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// The plan's place in the FMU's resources.
+/// Name of the plan's file in the FMU's resources.
 pub const PLAN_FILE: &str = "decision.toml";
 
-/// Which number of the model a variable is; most belong to an agent.
+/// The quantity of a variable; most belong to an agent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Of one agent.
+    /// A quantity of one agent.
     Agent(usize, AgentQuantity),
-    /// How many agents have reached their last way-point.
+    /// Number of agents that have reached their last way-point.
     Arrived,
 }
 
-/// A number of one agent.
+/// A quantity of one agent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // the names of the variables
 pub enum AgentQuantity {
@@ -97,7 +97,7 @@ const ROWS: [Row; 12] = {
     ]
 };
 
-/// The variables of a plan's FMU; a value reference is a place in it.
+/// Returns the variables of a plan's FMU; the value reference of a variable is its index.
 pub fn table(plan: &Plan) -> Vec<Variable<Quantity>> {
     let mut table = vec![Variable {
         name: "Arrived".into(),
@@ -141,16 +141,16 @@ pub fn table(plan: &Plan) -> Vec<Variable<Quantity>> {
     table
 }
 
-/// Which variables count as known.
+/// The variables that count as known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
-    /// While it runs.
+    /// During the simulation.
     Inputs,
-    /// In initialization.
+    /// During initialization.
     InputsAndParameters,
 }
 
-/// The places of the known variables that the output at a place depends on, ascending.
+/// Returns the indices of the known variables on which an output depends, ascending.
 pub fn dependencies(table: &[Variable<Quantity>], output: usize, known: Known) -> Vec<usize> {
     use AgentQuantity::*;
     let agent_of = |variable: &Variable<Quantity>| match variable.quantity {
@@ -165,7 +165,7 @@ pub fn dependencies(table: &[Variable<Quantity>], output: usize, known: Known) -
                 | (Theta | MomentOfInertia | AngularDamping, Quantity::Agent(_, Mp))
         )
     };
-    // An agent's variables stand side by side; what belongs to none depends on all.
+    // The variables of an agent are adjacent. A variable of no agent depends on all.
     let places = match agent_of(&table[output]) {
         None => 0..table.len(),
         agent => {
@@ -186,47 +186,47 @@ pub fn dependencies(table: &[Variable<Quantity>], output: usize, known: Known) -
         .collect()
 }
 
-/// Why a decision cannot be made.
+/// Why the FMU fails.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum DecisionError {
     #[error(transparent)]
     Location(#[from] LocationError),
-    #[error("the resource location {location:?} leads to {path:?}, where there is no {PLAN_FILE}")]
+    #[error("the resource location {location:?} is {path:?}, which has no {PLAN_FILE}")]
     NoPlan { location: String, path: PathBuf },
     #[error("{path}: {error}", path = path.display())]
     Read { path: PathBuf, error: std::io::Error },
     #[error("{path}: {error}", path = path.display())]
     Plan { path: PathBuf, error: PlanError },
-    #[error("the state belongs to another model: its plan is not this one")]
+    #[error("the state belongs to another model, with another plan")]
     OtherPlan,
-    #[error("{agent}: {name} is not finite: mass, desired speed, damping or a way-point is absurd")]
+    #[error("{agent}: {name} is not finite: check mass, desired speed, damping and way-points")]
     NotFinite { agent: String, name: &'static str },
     #[error(
-        "the state is damaged or not one of this FMU: other agents or way-points, or numbers that nobody can set"
+        "the state is damaged or is not a state of this FMU: it has other agents or way-points, or impossible values"
     )]
     Saved,
 }
 
-/// All that a decision is, apart from where its resources lie.
+/// The saved state, without the location of the resources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Saved {
-    /// Of the plan that it started from.
+    /// Fingerprint of the plan.
     fingerprint: u128,
     agents: Vec<Agent>,
 }
 
-/// An agent while the FMU lives; also what is saved of it.
+/// An agent during the simulation, and in a saved state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Agent {
     pose: Pose,
     walker: Walker,
-    /// Committed by steps: what was reached stays so.
+    /// Index of the next way-point. It is updated by steps: a way-point that was reached stays reached.
     next: usize,
 }
 
 impl Agent {
-    /// The way-point that it walks to, seen from the present pose.
+    /// Index of the next way-point, seen from the present pose.
     fn next(&self) -> usize {
         self.walker.next(self.next, self.pose)
     }
@@ -235,13 +235,13 @@ impl Agent {
 /// The paper's eq. 4 for a crowd.
 pub struct Decision {
     plan: Plan,
-    /// Of the plan.
+    /// Fingerprint of the plan.
     fingerprint: u128,
     agents: Vec<Agent>,
 }
 
 impl Decision {
-    /// At the start of a plan.
+    /// Makes the model at the start of a plan.
     pub fn new(plan: Plan) -> Decision {
         let agents =
             plan.agents.iter().map(|agent| Agent { pose: agent.pose, walker: agent.walker.clone(), next: 0 });
@@ -249,7 +249,7 @@ impl Decision {
         Decision { agents: agents.collect(), plan, fingerprint }
     }
 
-    /// Where a number that can be set stands; `None` for a computed one.
+    /// Returns the number behind a quantity that can be set; `None` for a computed one.
     pub(crate) fn place(&mut self, quantity: Quantity) -> Option<&mut f64> {
         let Quantity::Agent(i, quantity) = quantity else { return None };
         let Agent { pose, walker, .. } = self.agents.get_mut(i)?;
@@ -348,7 +348,7 @@ impl Model for Decision {
         Ok(())
     }
 
-    /// The poses are those at the beginning of the step: what is reached there stays so.
+    /// The poses are those at the beginning of the step; way-points reached there stay reached.
     fn advance(&mut self, _: f64, _: f64) -> Result<(), StepError<DecisionError>> {
         for agent in &mut self.agents {
             agent.next = agent.next();

@@ -1,4 +1,4 @@
-//! Where people want to go: the paper's eq. 4 with way-points, as an FMI 2.0 FMU.
+//! Propulsion of people: the paper's eq. 4 with way-points, as an FMI 2.0 FMU.
 //!
 //! Each agent walks from way-point to way-point at its desired speed:
 //!
@@ -6,16 +6,16 @@
 //! Fp = m v₀ e_target / t_transl        Mp = −I δθ / t_rot²
 //! ```
 //!
-//! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 4). `e_target` is the unit vector to the way-point, `δθ` the angle
-//! from there to where the agent looks, in (−π, π]. After the last way-point it drives no more.
+//! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 4). `e_target` is the unit vector to the way-point. `δθ` is the angle from
+//! this direction to the gaze, in (−π, π]. After the last way-point the drive is zero.
 //!
-//! Poses come in, drives go out under the names that the crowd's FMU has them, so the two connect by name.
-//! The rooms, each importing only from those above it:
+//! Poses are inputs, drives are outputs. They have the same names as in the crowd's FMU, so that the two can be
+//! connected by name. The modules; each imports only from those above it:
 //!
 //! - [`rule`]: eq. 4 and the way-points
-//! - [`plan`]: what is known before the start, as TOML
-//! - [`decision`]: the model behind the FMU
-//! - [`pack`]: a plan and binaries -> an `.fmu`
+//! - [`plan`]: the data before the start, as TOML
+//! - [`decision`]: the model of the FMU
+//! - [`pack`]: writes an `.fmu` from a plan and binaries
 
 pub mod decision;
 pub mod pack;

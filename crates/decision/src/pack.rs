@@ -1,10 +1,11 @@
-//! A plan and binaries -> an `.fmu`.
+//! Writes an `.fmu` from a plan and binaries.
 
 use crate::decision::{Decision, Known, PLAN_FILE, dependencies, table};
 use crate::plan::{Plan, PlanError};
 use lemons_fmi2::archive::{Archive, ArchiveError, Binary};
-use lemons_fmi2::description::{Description, Naming, number};
+use lemons_fmi2::description::{Description, Naming};
 use lemons_fmi2::variables::guid;
+use lemons_xml::number;
 use std::io::{Seek, Write};
 use thiserror::Error;
 
@@ -15,7 +16,7 @@ pub const MODEL_IDENTIFIER: &str = "Decision";
 /// \[s\] `DefaultExperiment.stopTime`
 const DEFAULT_STOP_TIME: f64 = 30.0;
 
-/// Why nothing was packed.
+/// Why an FMU could not be written.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum PackError {
@@ -25,7 +26,7 @@ pub enum PackError {
     Plan(#[from] PlanError),
 }
 
-/// The model description of a plan's FMU.
+/// Returns the model description of a plan's FMU.
 pub fn model_description(plan: &Plan, naming: Naming) -> String {
     let table = table(plan);
     let mut decision = Decision::new(plan.clone());
@@ -50,7 +51,7 @@ pub fn model_description(plan: &Plan, naming: Naming) -> String {
 /// Writes the FMU of a plan.
 ///
 /// # Errors
-/// [`PackError`]
+/// A binary cannot be read, or the FMU cannot be written; see [`PackError`].
 pub fn write_fmu(
     plan: &Plan,
     naming: Naming,

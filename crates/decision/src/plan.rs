@@ -1,6 +1,6 @@
-//! What is known before the start: a user's wishes, and the plan that they become with the people of a Trial.
+//! The data before the start: a user's wishes, and the plan for the people of a Trial that follows from them.
 //!
-//! Both are TOML. Wishes name way-points and speeds, for everybody or for some agents by their Id:
+//! Both are TOML. Wishes give way-points and speeds, for all agents or for some agents by their Id:
 //!
 //! ```toml
 //! desired_speed = 1.34                               # [m/s]
@@ -10,19 +10,20 @@
 //! desired_speed = 0.9
 //! ```
 //!
-//! A plan, `decision.toml` in the FMU's resources, says all of every agent.
+//! A plan (`decision.toml` in the FMU's resources) gives everything for each agent.
 
 use crate::rule::{Pose, Walker, Waypoint};
+use lemons_files::words;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use thiserror::Error;
 
-/// \[m\] of a way-point that names none.
+/// \[m\] Radius of a way-point that gives none.
 const DEFAULT_RADIUS: f64 = 0.3;
-/// \[m/s\] Of pedestrians who walk freely, on average (Weidmann 1993).
+/// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
 const DEFAULT_SPEED: f64 = 1.34;
 
-/// What is wrong with wishes or a plan; the messages do not name the file.
+/// What is wrong with wishes or a plan. The messages do not name the file.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum PlanError {
@@ -32,13 +33,13 @@ pub enum PlanError {
     Value { place: String, key: &'static str, value: String, must: &'static str },
     #[error("agents.{0}: there is no agent with this Id")]
     UnknownAgent(String),
-    #[error("agent {0:?} has no way-point: give `waypoints` for everybody, or in [agents.{0}]")]
+    #[error("agent {0:?} has no way-point: give `waypoints` for all agents, or in [agents.{0}]")]
     NoWaypoint(String),
-    #[error("there is no agent")]
+    #[error("there are no agents")]
     Empty,
 }
 
-/// What a user wants people to do.
+/// A user's settings for the FMU.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wishes {
@@ -48,7 +49,7 @@ pub struct Wishes {
     agents: BTreeMap<String, Wish>,
 }
 
-/// Of one agent; what it does not say is as for everybody.
+/// Settings of one agent; missing ones are those of all agents.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Wish {
@@ -65,60 +66,56 @@ struct WantedWaypoint {
 }
 
 impl Wishes {
-    /// From TOML.
+    /// Reads TOML.
     ///
     /// # Errors
-    /// No TOML, unknown words, numbers of another type; with line and column.
+    /// The text is not TOML, or has unknown keys or values of the wrong type; with line and column.
     pub fn from_toml(text: &str) -> Result<Wishes, PlanError> {
         toml::from_str(text).map_err(|error| PlanError::Toml(explained(&error)))
     }
 }
 
-/// What is wrong, and of a word that nobody knows the one that was meant perhaps.
+/// Returns the message, with a suggestion for an unknown key.
 fn explained(error: &toml::de::Error) -> String {
-    // The words stand between backticks: first the unknown one, then those that are expected.
+    // The keys are between backticks: first the unknown one, then the expected ones.
     let said = error.to_string();
-    let mut words = error.message().split('`').skip(1).step_by(2);
-    let unknown = words.next().filter(|_| error.message().starts_with("unknown field"));
-    let meant = unknown.and_then(|unknown| {
-        let near = words.map(|word| (strsim::damerau_levenshtein(unknown, word), word));
-        near.filter(|(apart, word)| 3 * apart <= word.len().max(6)).min().map(|(_, word)| word)
-    });
-    match meant {
+    let mut expected = error.message().split('`').skip(1).step_by(2);
+    let unknown = expected.next().filter(|_| error.message().starts_with("unknown field"));
+    match unknown.and_then(|unknown| words::meant(unknown, expected)) {
         Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
         None => said,
     }
 }
 
-/// An agent of a Trial, as far as a decision needs to know it.
+/// The data of an agent of a Trial that are needed here.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Person {
-    /// Of Agents.xml.
+    /// Id in Agents.xml.
     pub id: String,
-    /// \[kg\]
+    /// \[kg\] mass.
     pub mass: f64,
-    /// \[kg.m2\]
+    /// \[kg.m2\] moment of inertia.
     pub moment_of_inertia: f64,
-    /// \[1/s\]
+    /// \[1/s\] inverse relaxation time of the velocity, 1/t_transl.
     pub floor_damping: f64,
-    /// \[1/s\]
+    /// \[1/s\] inverse relaxation time of the angular velocity, 1/t_rot.
     pub angular_damping: f64,
-    /// Where it stands at the start.
+    /// Pose at the start.
     pub pose: Pose,
 }
 
 /// An agent of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Planned {
-    /// Of Agents.xml.
+    /// Id in Agents.xml.
     pub id: String,
     /// Start values of the inputs.
     pub pose: Pose,
-    /// What the rule needs.
+    /// The data for the rule.
     pub walker: Walker,
 }
 
-/// All that the FMU starts from.
+/// The initial data of the FMU.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
@@ -129,10 +126,10 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The wishes of these people.
+    /// Makes a plan from wishes for these people.
     ///
     /// # Errors
-    /// A wish for nobody, an agent without way-points, numbers that make no sense.
+    /// There is a wish for an unknown agent, an agent without way-points, or a number out of range.
     pub fn new(people: &[Person], wishes: &Wishes, time_step: f64) -> Result<Plan, PlanError> {
         if let Some(unknown) = wishes.agents.keys().find(|id| people.iter().all(|person| person.id != **id)) {
             return Err(PlanError::UnknownAgent(unknown.clone()));
@@ -162,18 +159,18 @@ impl Plan {
         Plan { time_step, agents: agents.collect::<Result<_, PlanError>>()? }.checked()
     }
 
-    /// From TOML.
+    /// Reads TOML.
     ///
     /// # Errors
-    /// As [`Wishes::from_toml`], or numbers that make no sense.
+    /// Those of [`Wishes::from_toml`], or numbers out of range.
     pub fn from_toml(text: &str) -> Result<Plan, PlanError> {
         toml::from_str::<Plan>(text).map_err(|error| PlanError::Toml(error.to_string()))?.checked()
     }
 
-    /// As TOML; every number reads back to the same double.
+    /// Returns TOML. Every number is read back as the same double.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The plan cannot be written.
     pub fn to_toml(&self) -> Result<String, PlanError> {
         toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
     }

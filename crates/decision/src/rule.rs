@@ -1,61 +1,62 @@
 //! The rule: eq. 4 of the paper, and when a way-point is reached.
 //!
-//! `libm` instead of the platform's arctangent: the same bits on every machine.
+//! It uses `libm` instead of the platform's arctangent, so that the result is the same bits on every machine.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// A place to walk to.
+/// A way-point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Waypoint {
-    /// \[m\]
+    /// \[m\] x.
     pub x: f64,
-    /// \[m\]
+    /// \[m\] y.
     pub y: f64,
-    /// \[m\] ≥ 0: it is reached when the centre of mass is this near.
+    /// \[m\] Radius, ≥ 0: the way-point is reached when the centre of mass is within it.
     pub radius: f64,
 }
 
-/// Where a body is and where it looks.
+/// Position and orientation of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Pose {
-    /// \[m\]
+    /// \[m\] x of the centre of mass.
     pub x: f64,
-    /// \[m\]
+    /// \[m\] y of the centre of mass.
     pub y: f64,
-    /// \[rad\]
+    /// \[rad\] direction of the gaze, from the x axis.
     pub theta: f64,
 }
 
-/// What an agent does to be moved.
+/// Propulsion force and torque of an agent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Drive {
-    /// \[N\]
+pub struct Propulsion {
+    /// \[N\] force along x and y.
     pub force: [f64; 2],
-    /// \[N.m\]
+    /// \[N.m\] torque.
     pub torque: f64,
 }
 
-/// What the rule needs to know of a walker.
+/// The data of an agent for the rule.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Walker {
-    /// \[kg\]
+    /// \[kg\] mass.
     pub mass: f64,
-    /// \[kg.m2\]
+    /// \[kg.m2\] moment of inertia.
     pub moment_of_inertia: f64,
-    /// \[1/s\] 1/t_transl
+    /// \[1/s\] 1/t_transl, inverse relaxation time of the velocity.
     pub floor_damping: f64,
-    /// \[1/s\] 1/t_rot
+    /// \[1/s\] 1/t_rot, inverse relaxation time of the angular velocity.
     pub angular_damping: f64,
-    /// \[m/s\]
+    /// \[m/s\] desired speed v₀.
     pub desired_speed: f64,
-    /// In their order.
+    /// Way-points, in order.
     pub waypoints: Vec<Waypoint>,
 }
 
 impl Walker {
-    /// The way-point that is next at a pose, if `next` was so before; their number after the last one.
+    /// Returns the index of the next way-point at a pose, if it was `next` before; the number of way-points after the
+    /// last one.
     pub fn next(&self, mut next: usize, pose: Pose) -> usize {
         while let Some(waypoint) = self.waypoints.get(next) {
             let distance = libm::hypot(waypoint.x - pose.x, waypoint.y - pose.y);
@@ -67,24 +68,24 @@ impl Walker {
         next
     }
 
-    /// Eq. 4 towards the way-point `next`; nothing after the last one.
-    pub fn drive(&self, next: usize, pose: Pose) -> Drive {
-        let Some(waypoint) = self.waypoints.get(next) else { return Drive::default() };
+    /// Returns the propulsion of eq. 4 towards the way-point `next`; zero after the last one.
+    pub fn drive(&self, next: usize, pose: Pose) -> Propulsion {
+        let Some(waypoint) = self.waypoints.get(next) else { return Propulsion::default() };
         let (dx, dy) = (waypoint.x - pose.x, waypoint.y - pose.y);
         let distance = libm::hypot(dx, dy);
         if distance == 0.0 {
-            return Drive::default();
+            return Propulsion::default();
         }
         let push = self.mass * self.desired_speed * self.floor_damping;
         let mismatch = wrapped(pose.theta - libm::atan2(dy, dx));
-        Drive {
+        Propulsion {
             force: [push * (dx / distance), push * (dy / distance)],
             torque: -self.moment_of_inertia * mismatch * self.angular_damping * self.angular_damping,
         }
     }
 }
 
-/// An angle \[rad\] in (−π, π].
+/// Returns the same angle \[rad\] in (−π, π].
 fn wrapped(angle: f64) -> f64 {
     let turned = angle.rem_euclid(2.0 * PI);
     if turned > PI { turned - 2.0 * PI } else { turned }
@@ -134,7 +135,7 @@ mod tests {
         assert_eq!(walker.next(0, at(0.85)), 2, "the second is near as well");
         assert_eq!(walker.next(2, at(0.0)), 2, "what was reached stays so");
         assert_eq!(walker.next(2, at(4.6)), 3);
-        assert_eq!(walker.drive(3, at(4.6)), Drive::default());
+        assert_eq!(walker.drive(3, at(4.6)), Propulsion::default());
         assert_eq!(walker.next(0, at(f64::NAN)), 0);
     }
 
@@ -142,7 +143,7 @@ mod tests {
     fn on_the_waypoint_there_is_no_direction() {
         let walker = walker(&[(1.0, 2.0, 0.0)]);
         let there = Pose { x: 1.0, y: 2.0, theta: 0.3 };
-        assert_eq!(walker.drive(0, there), Drive::default());
+        assert_eq!(walker.drive(0, there), Propulsion::default());
         assert_eq!(walker.next(0, there), 1);
     }
 }

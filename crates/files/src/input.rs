@@ -1,7 +1,7 @@
-//! Reading a file that may be anything: a pipe that nobody writes, a link to an endless device, a file of a terabyte.
+//! Reads files that may be anything: a pipe that nobody writes to, a link to an endless device, a file of a terabyte.
 //!
-//! What is found by its name (the files of a Trial or of an FMU) must be a regular file: to open anything else could
-//! wait for ever. What a user names may be a pipe or a device. Both are read up to a limit.
+//! A file that is found by its name (a file of a Trial or of an FMU) must be a regular file, because opening anything
+//! else could wait for ever. A file that the user names may also be a pipe or a device. Both are read up to a limit.
 
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, ErrorKind, Read};
@@ -9,29 +9,29 @@ use std::path::Path;
 
 /// \[byte\] The largest file of a Trial: ten times that of 100 000 agents.
 pub const LARGEST_TRIAL_FILE: u64 = 1_000_000_000;
-/// \[byte\] The largest file of settings: decision.toml, sweep.toml, a population.
+/// \[byte\] The largest settings file: decision.toml, sweep.toml, a population.
 pub const LARGEST_SETTINGS: u64 = 64_000_000;
-/// \[byte\] The largest drive file, table of points or of measured trajectories.
+/// \[byte\] The largest drive file, table of points or table of measured trajectories.
 pub const LARGEST_DRIVE: u64 = 500_000_000;
-/// \[byte\] The longest table that comes out of a pipe; one in a file may be of any length.
+/// \[byte\] The longest table from a pipe. A table in a file may have any length.
 pub const LARGEST_PIPED_TABLE: u64 = 10_000_000_000;
-/// \[byte\] The largest binary or FMU that is read whole.
+/// \[byte\] The largest binary or FMU that is read completely into memory.
 pub const LARGEST_BINARY: u64 = 4_000_000_000;
 
-/// Opens a regular file, and nothing else, without waiting.
+/// Opens a regular file without waiting, and refuses anything else.
 ///
 /// # Errors
-/// It cannot be opened, or it is no regular file.
+/// The file cannot be opened, or it is not a regular file.
 pub fn open(path: &Path) -> io::Result<File> {
     let mut options = File::options();
     options.read(true);
-    // Opening a pipe would wait for somebody to write; a terminal must not become the process's own.
+    // Opening a pipe would wait for a writer. A terminal must not become the controlling terminal of the process.
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK | libc::O_NOCTTY);
-    // A device can do something when it is opened.
+    // Opening a device can have side effects.
     check(&path.metadata()?)?;
     let file = options.open(path)?;
-    // Another one may lie there by now.
+    // Meanwhile another file may have this name.
     check(&file.metadata()?)?;
     Ok(file)
 }
@@ -61,23 +61,23 @@ fn what(_: FileType) -> &'static str {
     "a pipe or a device"
 }
 
-/// As [`open`], to read at most so many bytes.
+/// Opens a regular file as [`open`] does, to read at most `largest` bytes.
 ///
 /// # Errors
-/// As [`open`], or it is larger.
+/// Those of [`open`], or the file is larger.
 pub fn open_found(path: &Path, largest: u64) -> io::Result<Bounded<File>> {
     let file = open(path)?;
     if file.metadata()?.len() > largest {
         return Err(too_large(largest));
     }
-    // It may grow.
+    // The file may grow.
     Ok(Bounded::new(file, largest))
 }
 
-/// The content of a regular file of at most so many bytes.
+/// Returns the content of a regular file of at most `largest` bytes.
 ///
 /// # Errors
-/// It cannot be read, is no regular file or is larger.
+/// The file cannot be read, is not a regular file, or is larger.
 pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
     let mut file = open_found(path, largest)?;
     let mut bytes = Vec::new();
@@ -87,38 +87,38 @@ pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// As [`read`], of UTF-8 text.
+/// Returns the UTF-8 text of a file; else as [`read`].
 ///
 /// # Errors
-/// As [`read`], or it is no such text.
+/// Those of [`read`], or the file is not UTF-8 text.
 pub fn read_text(path: &Path, largest: u64) -> io::Result<String> {
     text(read(path, largest)?)
 }
 
-/// Opens what a user names: a regular file, or a pipe or device, whose writer is waited for.
+/// Opens a file that the user names: a regular file, a pipe or a device. It waits for the writer of a pipe.
 ///
 /// # Errors
-/// It cannot be opened.
+/// The file cannot be opened.
 pub fn open_given(path: &Path, largest: u64) -> io::Result<Bounded<File>> {
     let there = path.metadata()?;
     let file = if there.is_file() || there.is_dir() { open(path)? } else { File::open(path)? };
     Ok(Bounded::new(file, largest))
 }
 
-/// The content of what a user names, of at most so many bytes.
+/// Returns the content of a file that the user names, of at most `largest` bytes.
 ///
 /// # Errors
-/// It cannot be read, or is larger.
+/// The file cannot be read, or is larger.
 pub fn read_given(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open_given(path, largest)?.read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// As [`read_given`], of UTF-8 text.
+/// Returns the UTF-8 text of a file that the user names; else as [`read_given`].
 ///
 /// # Errors
-/// As [`read_given`], or it is no such text.
+/// Those of [`read_given`], or the file is not UTF-8 text.
 pub fn read_given_text(path: &Path, largest: u64) -> io::Result<String> {
     text(read_given(path, largest)?)
 }
@@ -128,11 +128,11 @@ fn text(bytes: Vec<u8>) -> io::Result<String> {
 }
 
 fn too_large(largest: u64) -> io::Error {
-    let message = format!("it is larger than {} MB, the most that is read", largest as f64 / 1e6);
+    let message = format!("it is larger than {} MB, the limit", largest as f64 / 1e6);
     io::Error::new(ErrorKind::FileTooLarge, message)
 }
 
-/// Hands out so many bytes; what goes on after them is an error, not an end.
+/// Reads up to a limit. If there are more bytes after that, it returns an error, not the end of the file.
 #[derive(Debug)]
 pub struct Bounded<R> {
     inner: R,
@@ -141,7 +141,7 @@ pub struct Bounded<R> {
 }
 
 impl<R: Read> Bounded<R> {
-    /// Of what is read from `inner`.
+    /// Limits reading from `inner` to `largest` bytes.
     pub fn new(inner: R, largest: u64) -> Bounded<R> {
         Bounded { inner, left: largest, largest }
     }
@@ -153,7 +153,7 @@ impl<R: Read> Read for Bounded<R> {
             return Ok(0);
         }
         if self.left == 0 {
-            // One byte more tells too large from just fitting.
+            // Reading one more byte distinguishes a file that is too large from one that just fits.
             return match self.inner.read(&mut [0])? {
                 0 => Ok(0),
                 _ => Err(too_large(self.largest)),
@@ -177,7 +177,7 @@ mod tests {
         std::fs::write(&path, [7; 10]).unwrap();
         assert_eq!(read(&path, 10).unwrap(), [7; 10]);
         assert_eq!(read_given(&path, 10).unwrap(), [7; 10]);
-        let said = "it is larger than 0.000009 MB, the most that is read";
+        let said = "it is larger than 0.000009 MB, the limit";
         assert_eq!(read(&path, 9).unwrap_err().to_string(), said);
         assert_eq!(read_given(&path, 9).unwrap_err().to_string(), said);
         assert_eq!(read(directory.path(), 9).unwrap_err().kind(), ErrorKind::IsADirectory);
@@ -194,7 +194,7 @@ mod tests {
         let link = directory.path().join("link");
         std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
         assert_eq!(read(&link, 9).unwrap_err().to_string(), "it is a device, not a regular file");
-        let said = "it is larger than 1 MB, the most that is read";
+        let said = "it is larger than 1 MB, the limit";
         assert_eq!(read_given(&link, 1_000_000).unwrap_err().to_string(), said);
         let (to, writer) = (pipe.clone(), std::thread::spawn(move || std::fs::write(pipe, "text").unwrap()));
         assert_eq!(read_given_text(&to, 4).unwrap(), "text");

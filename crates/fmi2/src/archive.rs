@@ -1,4 +1,4 @@
-//! An `.fmu`: the same content gives the same bytes, so a packaged FMU can serve as a regression artifact.
+//! Writes an `.fmu`. The same content gives the same bytes, so that FMUs can be compared.
 
 use lemons_files::input;
 use std::io::{Seek, Write};
@@ -7,13 +7,13 @@ use thiserror::Error;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// Why nothing was packed.
+/// Why an FMU could not be written.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum ArchiveError {
     #[error("no binary was given: an FMU needs at least one")]
     NoBinary,
-    #[error("{0:?} is no FMI 2.0 platform (linux64, win64, darwin64, aarch64-linux, …)")]
+    #[error("{0:?} is not an FMI 2.0 platform (linux64, win64, darwin64, aarch64-linux, …)")]
     Platform(String),
     #[error("cannot read {path}: {error}")]
     Read { path: PathBuf, error: std::io::Error },
@@ -26,7 +26,7 @@ pub enum ArchiveError {
 /// A shared library for one platform.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Binary {
-    /// FMI's name: "linux64", "win64", "darwin64", …
+    /// The platform's name in FMI: "linux64", "win64", "darwin64", …
     pub platform: String,
     /// The library.
     pub path: PathBuf,
@@ -45,7 +45,7 @@ const PLATFORMS: [(&str, &str); 9] = [
     ("x86_64-darwin", "dylib"),
 ];
 
-/// FMI's name of the platform that this program runs on, if it has one.
+/// Returns the FMI name of the platform on which this program runs, if it has one.
 pub fn host_platform() -> Option<&'static str> {
     match (std::env::consts::OS, std::env::consts::ARCH) {
         ("linux", "x86_64") => Some("linux64"),
@@ -61,7 +61,7 @@ pub fn host_platform() -> Option<&'static str> {
 pub struct Archive<W: Write + Seek>(ZipWriter<W>);
 
 impl<W: Write + Seek> Archive<W> {
-    /// Begins with the description, the documentation and the binaries.
+    /// Starts the archive and writes the description, the documentation and the binaries.
     ///
     /// # Errors
     /// [`ArchiveError`]
@@ -115,10 +115,10 @@ impl<W: Write + Seek> Archive<W> {
     }
 }
 
-/// The content of a file.
+/// Returns the content of a file.
 ///
 /// # Errors
-/// It cannot be read; the error names it.
+/// The file cannot be read; the error names it.
 pub fn read(path: &Path) -> Result<Vec<u8>, ArchiveError> {
     input::read(path, input::LARGEST_BINARY)
         .map_err(|error| ArchiveError::Read { path: path.to_owned(), error })

@@ -2,7 +2,7 @@
 //! [`export!`](crate::export) gives them their C names.
 //!
 //! Nothing here panics, prints, exits or leaks across the boundary: a panic inside becomes `fmi2Fatal`
-//! with a message, and the instance answers nothing but `fmi2FreeInstance` from then on.
+//! with a message, and from then on the instance refuses all calls but `fmi2FreeInstance`.
 //!
 //! # Safety
 //! All functions take pointers as FMI 2.0 defines them: an instance is one that `fmi2Instantiate` gave
@@ -80,7 +80,7 @@ impl Log {
     }
 }
 
-/// What a `fmi2Component` points to.
+/// The object behind an `fmi2Component`.
 struct Component<M: Model> {
     slave: Slave<M>,
     log: Log,
@@ -98,7 +98,7 @@ impl<M: Model> Component<M> {
     }
 }
 
-/// Why a call is refused.
+/// Why a call is refused or fails.
 enum Refusal<M: Model> {
     Slave(SlaveError<M::Error>),
     Null(&'static str),
@@ -108,7 +108,7 @@ enum Refusal<M: Model> {
         given: usize,
         needed: usize,
     },
-    /// Answered, but there is nothing to tell.
+    /// The call is allowed, but there is no result.
     Discard(&'static str),
 }
 
@@ -144,21 +144,21 @@ impl<M: Model> std::fmt::Display for Refusal<M> {
                 write!(f, "no log category {name:?}; there are {}", known.join(", "))
             }
             Refusal::BufferSize { given, needed } => {
-                write!(f, "the buffer holds {given} bytes, the state needs {needed}")
+                write!(f, "the buffer has {given} bytes, but the state needs {needed}")
             }
             Refusal::Discard(why) => f.write_str(why),
         }
     }
 }
 
-/// Silences the panic hook: this library prints nothing into its host. The hook holds nothing, so
-/// nothing is left behind when the library is unloaded.
+/// Removes the panic hook, so that this library prints nothing in its host. The hook has no state, so nothing is left
+/// when the library is unloaded.
 pub fn silence_panics() {
     static ONCE: std::sync::Once = std::sync::Once::new();
     ONCE.call_once(|| std::panic::set_hook(Box::new(|_| {})));
 }
 
-/// Runs a call on an instance; no panic and no error gets past here.
+/// Runs a call on an instance. No panic and no error leaves it.
 fn call<M: Model>(
     instance: *mut c_void,
     name: &str,
@@ -191,7 +191,7 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     format!("a fault of the FMU itself: {}", text.unwrap_or("no message"))
 }
 
-/// An array of the importer's.
+/// An array that belongs to the importer.
 ///
 /// # Safety
 /// `pointer` is NULL or leads to `length` elements that live through the call.
@@ -204,10 +204,10 @@ unsafe fn array<'a, T>(pointer: *const T, length: usize, what: &'static str) -> 
     }
 }
 
-/// An array of the importer's to write into.
+/// An array of the importer's that is written to.
 ///
 /// # Safety
-/// As [`array`], and nobody else uses it during the call.
+/// As [`array`], and no other code uses the elements during the call.
 unsafe fn array_mut<'a, T>(pointer: *mut T, length: usize, what: &'static str) -> Result<&'a mut [T], Bad> {
     match (pointer.is_null(), length) {
         (_, 0) => Ok(&mut []),
@@ -217,7 +217,7 @@ unsafe fn array_mut<'a, T>(pointer: *mut T, length: usize, what: &'static str) -
     }
 }
 
-/// A text of the importer's.
+/// A text that belongs to the importer.
 ///
 /// # Safety
 /// `pointer` is NULL or leads to a text that ends in a zero and lives through the call.
@@ -258,7 +258,7 @@ pub unsafe fn instantiate<M: Model>(
         logger: functions.logger,
         environment: functions.component_environment,
         instance_name: CString::new(name.as_ref().map_or("", |name| *name)).unwrap_or_default(),
-        // Why a call was refused is always told; debug logging is `loggingOn`'s.
+        // Reasons of refused calls are always logged; `loggingOn` switches debug messages.
         wanted: [true, true, true, logging_on != 0],
     };
     let made = catch_unwind(AssertUnwindSafe(|| {
@@ -515,7 +515,7 @@ pub unsafe fn get_fmu_state<M: Model>(instance: *mut c_void, state: *mut *mut c_
     })
 }
 
-/// Puts a snapshot behind a state pointer of the importer's.
+/// Stores a snapshot behind a state pointer of the importer.
 fn put<S>(place: &mut *mut c_void, snapshot: Snapshot<S>) {
     // SAFETY: NULL or a state that an earlier call boxed.
     match unsafe { place.cast::<Snapshot<S>>().as_mut() } {
@@ -674,19 +674,19 @@ pub unsafe fn cancel_step<M: Model>(instance: *mut c_void) -> Status {
 const LAST_SUCCESSFUL_TIME: c_int = 2;
 const TERMINATED: c_int = 3;
 
-/// Asks for a status; those that are about pending steps do not apply to a synchronous slave.
+/// Returns a status. Those about pending steps do not apply to a synchronous slave.
 fn status<M: Model, T>(
     instance: *mut c_void,
     name: &str,
     value: *mut T,
-    answer: impl FnOnce(&Slave<M>) -> Option<T>,
+    read: impl FnOnce(&Slave<M>) -> Option<T>,
 ) -> Status {
     call::<M>(instance, name, |component| {
         component.slave.check(Function::GetStatus)?;
         // SAFETY: NULL or the place of a value.
         let place = unsafe { value.as_mut() }.ok_or(Refusal::Null("value"))?;
-        *place =
-            answer(&component.slave).ok_or(Refusal::Discard("fmi2DoStep never answers fmi2Pending here"))?;
+        *place = read(&component.slave)
+            .ok_or(Refusal::Discard("fmi2DoStep never returns fmi2Pending in this FMU"))?;
         Ok(())
     })
 }

@@ -1,9 +1,9 @@
 //! The 34 functions of an FMI 2.0 co-simulation FMU under their C names.
 
-/// Exports the 34 functions for a [`Model`](crate::Model), named by its full path (`crate::…`). Once in a
-/// shared library, in a file of its own that allows `unsafe_code`.
+/// Exports the 34 functions for a [`Model`](crate::Model), which is given by its full path (`crate::…`). Use it once in
+/// a shared library, in a file of its own that allows `unsafe_code`.
 ///
-/// They are unsafe as FMI's contract is: see [`component`](crate::component).
+/// The functions are unsafe, because FMI requires callers to follow rules: see [`component`](crate::component).
 #[macro_export]
 macro_rules! export {
     ($model:path) => {
@@ -110,11 +110,11 @@ macro_rules! export {
             ) -> Status;
         }
     };
-    (@functions $model:path; $($name:ident = $body:ident($($argument:ident: $type:ty),*) $(-> $answer:ty)?;)*) => {
+    (@functions $model:path; $($name:ident = $body:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*) => {
         $(
             #[doc = concat!("`", stringify!($name), "`")]
             #[unsafe(no_mangle)]
-            pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $answer)? {
+            pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
                 // SAFETY: the importer keeps FMI's contract, which is the body's.
                 unsafe { $crate::component::$body::<$model>($($argument),*) }
             }

@@ -1,16 +1,16 @@
-//! The FMI 2.0 co-simulation boundary, once for every FMU of this repository.
+//! The FMI 2.0 co-simulation interface of all FMUs of this repository.
 //!
-//! What an FMU simulates is a [`Model`]; everything that FMI asks of it beyond that is here, each room
-//! importing only from those above it:
+//! What an FMU simulates is a [`Model`]. Everything else that FMI requires is here. The modules; each imports only from
+//! those above it:
 //!
 //! - [`variables`]: the table of variables, its types, units and GUID
 //! - [`lifecycle`]: which function is allowed in which state, as data
 //! - [`model`]: what a model must offer
-//! - [`slave`]: one instance: lifecycle, variables, stepping, states
+//! - [`slave`]: one instance, with lifecycle, variables, stepping and states
 //! - [`description`]: table -> `modelDescription.xml`
 //! - [`location`]: resource URI -> directories
 //! - [`archive`]: an `.fmu`, the same bytes for the same content
-//! - [`component`]: the C functions' bodies: pointers in, statuses out
+//! - [`component`]: the bodies of the C functions, which check pointers and return statuses
 //! - [`export!`](crate::export): the 34 C functions for a model
 
 pub mod archive;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The slave's states (FMI 2.0, section 4.2.4). A slave that steps synchronously knows no others.
+/// The states of the slave (FMI 2.0, section 4.2.4). A slave with synchronous steps has no others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// After `fmi2Instantiate` or `fmi2Reset`.
@@ -38,7 +38,7 @@ pub enum Function {
     GetStatus,
 }
 
-/// Where FMI 2.0 (section 4.2.4) allows a function.
+/// Returns the states in which FMI 2.0 (section 4.2.4) allows a function.
 pub fn allowed(function: Function) -> &'static [Phase] {
     use Phase::*;
     match function {

@@ -4,22 +4,22 @@ use percent_encoding::percent_decode_str;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why a location leads nowhere.
+/// Why a resource location cannot be used.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum LocationError {
     #[error("no resource location was given")]
     Missing,
-    #[error("the resource location {0:?} is no file URI and no path")]
+    #[error("the resource location {0:?} is neither a file URI nor a path")]
     Uri(String),
 }
 
-/// The directories that a resource location may mean, most likely first; at least one. Importers give
-/// `file:///…`, `file:/…`, `file://localhost/…` or a bare path; percent-encoded or not; with or without
-/// a trailing slash or the last part, `resources`.
+/// Returns the directories that a resource location may mean, most likely first; at least one. Importers give
+/// `file:///…`, `file:/…`, `file://localhost/…` or a plain path; percent-encoded or not; with or without a trailing
+/// slash or the last part, `resources`.
 ///
 /// # Errors
-/// No location, or an URI of another kind.
+/// There is no location, or it is not a file URI.
 pub fn directories(location: &str) -> Result<Vec<PathBuf>, LocationError> {
     let paths = paths(location)?;
     Ok(paths.into_iter().flat_map(|path| [path.clone(), path.join("resources")]).collect())
@@ -46,13 +46,13 @@ fn paths(location: &str) -> Result<Vec<PathBuf>, LocationError> {
                 None => rest,
             }
         }
-        // A scheme of one letter is a drive.
+        // A scheme of one letter is a Windows drive.
         None if uri.find("://").is_some_and(|colon| colon > 1) => return Err(refused()),
         None => uri,
     };
     let path = if cfg!(windows) { path.strip_prefix('/').unwrap_or(path) } else { path };
     let decoded = percent_decode_str(path).decode_utf8_lossy().into_owned();
-    // Some importers do not encode: there a percent sign is itself.
+    // Some importers do not encode: a percent sign is then literal.
     let mut paths = vec![PathBuf::from(&decoded)];
     if decoded != path {
         paths.push(PathBuf::from(path));

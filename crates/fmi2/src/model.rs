@@ -7,7 +7,7 @@ use std::error::Error;
 use std::fmt::Debug;
 use uuid::Uuid;
 
-/// A number that tells contents apart: by it a saved state knows what it was saved of.
+/// Returns a hash of a content. A saved state contains it, to check that it is restored into the same model.
 pub fn fingerprint(content: &[u8]) -> u128 {
     Uuid::new_v5(&Uuid::NAMESPACE_OID, content).as_u128()
 }
@@ -15,52 +15,52 @@ pub fn fingerprint(content: &[u8]) -> u128 {
 /// Why a model did not advance.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StepError<E> {
-    /// Nothing has changed; another step may be tried.
+    /// The model is unchanged; another step may be tried.
     Refused(E),
-    /// The model may be in any condition; a saved state or a reset leads back.
+    /// The model may be in any condition; only a saved state or a reset helps.
     Failed(E),
 }
 
-/// The model behind an FMU, as [`Slave`](crate::Slave) drives it: the slave sees to lifecycle, value
-/// references, types, domains and times; a model is asked only for what is allowed and well-formed.
+/// The model behind an FMU, called by [`Slave`](crate::Slave). The slave checks lifecycle, value references, types,
+/// domains and times. The model gets only calls that are allowed and well-formed.
 pub trait Model: Sized + Send {
-    /// Which number of the model a variable is.
+    /// Identifies the quantity behind a variable.
     type Quantity: Copy + Debug + Send + Sync;
-    /// All that the model's future depends on: its part of FMI's "FMU state".
+    /// Everything on which the model's future depends: its part of the FMU state.
     type Saved: Clone + Debug + PartialEq + Serialize + DeserializeOwned;
-    /// Its refusals; nothing has changed then, if not said otherwise.
+    /// Why a call is refused. The model is then unchanged, if not stated otherwise.
     type Error: Error + Send + Sync + 'static;
 
     /// `canInterpolateInputs`
     const INTERPOLATES_INPUTS: bool;
-    /// Raised whenever [`Model::Saved`] changes.
+    /// Version of the format; increased whenever [`Model::Saved`] changes.
     const STATE_VERSION: u32;
 
-    /// From the resource location that an importer gives, as it is.
+    /// Loads the model from the resource location, exactly as the importer gives it.
     ///
     /// # Errors
-    /// Resources that are missing or broken.
+    /// The resources are missing or damaged.
     fn load(location: &str) -> Result<Self, Self::Error>;
 
-    /// Its variables; the same as long as it lives.
+    /// Returns the variables. They never change during the life of the model.
     fn table(&self) -> Vec<Variable<Self::Quantity>>;
 
-    /// Warnings since they were last taken.
+    /// Returns the warnings since the last call.
     fn take_warnings(&mut self) -> Vec<String>;
 
-    /// The value of a Real.
+    /// Returns the value of a Real.
     ///
     /// # Errors
-    /// Values that together make no model to compute it from.
+    /// The values that were set do not fit together, so that the Real cannot be computed.
     fn real(&mut self, quantity: Self::Quantity) -> Result<f64, Self::Error>;
 
-    /// The value of an Integer.
+    /// Returns the value of an Integer.
     ///
     /// # Errors
-    /// As [`Model::real`].
+    /// Those of [`Model::real`].
     fn integer(&mut self, quantity: Self::Quantity) -> Result<i32, Self::Error>;
 
-    /// The value of a String.
+    /// Returns the value of a String.
     fn string(&self, quantity: Self::Quantity) -> &str;
 
     /// Sets a Real that can be set in the present phase to a value of its domain.
@@ -72,37 +72,37 @@ pub trait Model: Sized + Send {
     /// Sets Strings, all or none.
     ///
     /// # Errors
-    /// A text that is no value of its variable.
+    /// A text is not a value of its variable.
     fn set_strings(&mut self, values: &[(Self::Quantity, &str)]) -> Result<(), Self::Error>;
 
     /// Lets an input vary linearly over the next step, at a rate per second. Called only if
     /// [`Model::INTERPOLATES_INPUTS`].
     fn set_rate(&mut self, _input: Self::Quantity, _rate: f64) {}
 
-    /// What was set becomes what is simulated.
+    /// Ends initialization: the model is built from the values that were set.
     ///
     /// # Errors
-    /// Values that together make no model.
+    /// The values that were set do not fit together.
     fn initialize(&mut self) -> Result<(), Self::Error>;
 
-    /// Advances over a step \[s\], positive and finite, to a communication point \[s\].
+    /// Advances by a step \[s\], which is positive and finite, to a communication point \[s\].
     ///
     /// # Errors
     /// [`StepError`] says whether anything has changed.
     fn advance(&mut self, step: f64, to: f64) -> Result<(), StepError<Self::Error>>;
 
-    /// Back to where [`Model::load`] left it.
+    /// Returns to the state after [`Model::load`].
     ///
     /// # Errors
-    /// Resources that have become unreadable.
+    /// The resources can no longer be read.
     fn reset(&mut self) -> Result<(), Self::Error>;
 
-    /// See [`Model::Saved`].
+    /// Returns the state; see [`Model::Saved`].
     fn save(&self) -> Self::Saved;
 
-    /// Goes back to what was saved, here or in another instance of the same interface.
+    /// Restores a state that was saved by this instance, or by another one with the same interface.
     ///
     /// # Errors
-    /// Something that no instance of this model can have saved.
+    /// The state cannot have been saved by an instance of this model.
     fn restore(&mut self, saved: &Self::Saved) -> Result<(), Self::Error>;
 }

@@ -1,6 +1,6 @@
-//! One FMU instance, whatever the C interface: lifecycle, variables, stepping, states.
+//! One FMU instance without the C interface: lifecycle, variables, stepping and states.
 //!
-//! Every refused call leaves the instance as it was.
+//! A call that is refused does not change the instance.
 
 use crate::lifecycle::{Function, Phase, allowed};
 use crate::model::{Model, StepError};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use uuid::Uuid;
 
-/// Why a call was refused or failed; `E` are the model's reasons.
+/// Why a call was refused or failed; `E` is the error type of the model.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
 pub enum SlaveError<E> {
@@ -25,7 +25,7 @@ pub enum SlaveError<E> {
     Value { name: String, value: String, must: &'static str },
     #[error("{name} cannot be set {when}")]
     NotSettable { name: String, when: &'static str },
-    #[error("{name} is no input: it has no derivative to set")]
+    #[error("{name} is not an input, so its derivative cannot be set")]
     NoInput { name: String },
     #[error("the derivative of order {order} of {name}: inputs are interpolated with order 1")]
     Order { name: String, order: i32 },
@@ -41,7 +41,7 @@ pub enum SlaveError<E> {
     CommunicationPoint { given: f64, expected: f64 },
     #[error("a step from {from:?} s of {step:?} s goes beyond the stop time {stop:?} s")]
     BeyondStopTime { from: f64, step: f64, stop: f64 },
-    #[error("the state is damaged or not one of this FMU: {0}")]
+    #[error("the state is damaged or is not a state of this FMU: {0}")]
     Snapshot(&'static str),
     #[error("the state belongs to another model: {0}")]
     OtherModel(&'static str),
@@ -51,14 +51,14 @@ pub enum SlaveError<E> {
     Model(#[from] E),
 }
 
-/// When the simulation begins and, perhaps, ends \[s\].
+/// Start time and, if given, stop time of the simulation \[s\].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Experiment {
     start: f64,
     stop: Option<f64>,
 }
 
-/// All that an instance is, apart from where its resources lie: FMI's "FMU state".
+/// The complete state of an instance without the location of its resources: FMI's "FMU state".
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot<S> {
     phase: Phase,
@@ -67,7 +67,7 @@ pub struct Snapshot<S> {
     model: S,
 }
 
-/// What every call asks of a variable, without what only messages need: calls visit thousands of them.
+/// The part of a variable that every call needs, without what only messages need: calls read thousands of them.
 #[derive(Clone, Copy)]
 struct Row<Q> {
     quantity: Q,
@@ -109,7 +109,7 @@ impl<Q: Copy> Row<Q> {
 pub struct Slave<M: Model> {
     model: M,
     table: Vec<Variable<M::Quantity>>,
-    /// Of `table`.
+    /// The rows of `table`.
     rows: Vec<Row<M::Quantity>>,
     guid: Uuid,
     phase: Phase,
@@ -120,10 +120,10 @@ pub struct Slave<M: Model> {
 type Answer<M, T> = Result<T, SlaveError<<M as Model>::Error>>;
 
 impl<M: Model> Slave<M> {
-    /// A new instance of a model.
+    /// Makes an instance of a model.
     ///
     /// # Errors
-    /// A GUID that is not the model's.
+    /// The GUID is not that of the model.
     pub fn new(model: M, given_guid: &str) -> Answer<M, Slave<M>> {
         let table = model.table();
         let guid = guid(&table);
@@ -136,20 +136,20 @@ impl<M: Model> Slave<M> {
         Ok(Slave { model, table, rows, guid, phase: Phase::Instantiated, time: 0.0, experiment: None })
     }
 
-    /// \[s\] the present communication point.
+    /// Returns the current communication point \[s\].
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// Warnings since they were last taken.
+    /// Returns the warnings since the last call.
     pub fn take_warnings(&mut self) -> Vec<String> {
         self.model.take_warnings()
     }
 
-    /// Whether the phase allows a function.
+    /// Checks that a function is allowed in the current phase.
     ///
     /// # Errors
-    /// It does not.
+    /// It is not allowed.
     pub fn check(&self, function: Function) -> Answer<M, ()> {
         if allowed(function).contains(&self.phase) {
             Ok(())
@@ -158,10 +158,10 @@ impl<M: Model> Slave<M> {
         }
     }
 
-    /// `fmi2SetupExperiment`: when the simulation begins and, perhaps, ends \[s\].
+    /// `fmi2SetupExperiment`: start time and, if given, stop time of the simulation \[s\].
     ///
     /// # Errors
-    /// Wrong phase, times that are not finite or in the wrong order.
+    /// Wrong phase; times that are not finite or are in the wrong order.
     pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Answer<M, ()> {
         self.check(Function::SetupExperiment)?;
         if !start.is_finite() {
@@ -188,7 +188,7 @@ impl<M: Model> Slave<M> {
     /// `fmi2ExitInitializationMode`
     ///
     /// # Errors
-    /// Wrong phase, or values that together make no model.
+    /// Wrong phase, or values that do not fit together.
     pub fn exit_initialization(&mut self) -> Answer<M, ()> {
         self.check(Function::ExitInitializationMode)?;
         self.model.initialize()?;
@@ -209,7 +209,7 @@ impl<M: Model> Slave<M> {
     /// `fmi2Reset`: back to the state after instantiation.
     ///
     /// # Errors
-    /// Wrong phase, or resources that have become unreadable.
+    /// Wrong phase, or resources that can no longer be read.
     pub fn reset(&mut self) -> Answer<M, ()> {
         self.check(Function::Reset)?;
         self.model.reset()?;
@@ -234,7 +234,7 @@ impl<M: Model> Slave<M> {
     /// `fmi2GetReal`
     ///
     /// # Errors
-    /// Wrong phase, unknown references; in initialization, values that together make no model.
+    /// Wrong phase or unknown references; in initialization, values that do not fit together.
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Answer<M, ()> {
         self.check(Function::Get)?;
         for (&reference, value) in references.iter().zip(values) {
@@ -247,7 +247,7 @@ impl<M: Model> Slave<M> {
     /// `fmi2GetInteger`
     ///
     /// # Errors
-    /// As [`Slave::get_real`].
+    /// Those of [`Slave::get_real`].
     pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
         self.check(Function::Get)?;
         for (&reference, value) in references.iter().zip(values) {
@@ -270,7 +270,7 @@ impl<M: Model> Slave<M> {
         texts.collect()
     }
 
-    /// Refuses to set what can never be set, or no longer.
+    /// Refuses to set variables that cannot be set in this phase.
     #[inline]
     fn check_settable(&self, reference: u32, role: Role) -> Answer<M, ()> {
         if role == Role::Input {
@@ -300,7 +300,7 @@ impl<M: Model> Slave<M> {
     /// `fmi2SetReal`
     ///
     /// # Errors
-    /// Wrong phase, unknown references, values out of their domain; then none of them is set.
+    /// Wrong phase, unknown references, or values outside their domain. Then none of them is set.
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Answer<M, ()> {
         self.check(Function::Set)?;
         for (&reference, &value) in references.iter().zip(values) {
@@ -316,7 +316,7 @@ impl<M: Model> Slave<M> {
     /// `fmi2SetInteger`
     ///
     /// # Errors
-    /// As [`Slave::set_real`].
+    /// Those of [`Slave::set_real`].
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Answer<M, ()> {
         self.check(Function::Set)?;
         for (&reference, &value) in references.iter().zip(values) {
@@ -331,7 +331,7 @@ impl<M: Model> Slave<M> {
     /// `fmi2SetString`
     ///
     /// # Errors
-    /// As [`Slave::set_real`]; texts that are no values of their variables.
+    /// Those of [`Slave::set_real`]; a text is not a value of its variable.
     pub fn set_string(&mut self, references: &[u32], values: &[&str]) -> Answer<M, ()> {
         self.check(Function::Set)?;
         let mut texts = Vec::with_capacity(references.len());
@@ -344,11 +344,11 @@ impl<M: Model> Slave<M> {
     }
 
     /// `fmi2SetRealInputDerivatives`: over the next step the inputs vary linearly, at these rates per
-    /// second, from the values that they have at its beginning. A rate counts for one step.
+    /// second, from their values at its start. A rate is used for one step.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, variables that are no inputs, orders other than 1, rates that are
-    /// not finite, or a model that holds its inputs; then nothing is set.
+    /// Wrong phase, unknown references, variables that are not inputs, orders other than 1, rates that are not finite,
+    /// or a model that does not interpolate inputs. Then nothing is set.
     pub fn set_input_derivatives(
         &mut self,
         references: &[u32],
@@ -382,15 +382,15 @@ impl<M: Model> Slave<M> {
     /// `fmi2DoStep`: from the communication point `from` over `step`, both \[s\].
     ///
     /// # Errors
-    /// Wrong phase, a communication point that is not the slave's time, a step that is not positive or
-    /// passes the stop time, or that the model refuses: nothing has changed. If the model fails in the
-    /// step, the slave is in the error state.
+    /// Wrong phase, a communication point that is not the slave's time, or a step that is not positive, goes beyond the
+    /// stop time, or is refused by the model. Then nothing has changed. If the model fails during the step, the slave is
+    /// in the error state.
     pub fn do_step(&mut self, from: f64, step: f64) -> Answer<M, ()> {
         self.check(Function::DoStep)?;
         if !(step > 0.0 && step.is_finite()) {
             return Err(SlaveError::StepSize(step));
         }
-        // Masters add up their own times; half a step off is another communication point.
+        // Masters add up their own times. A difference of half a step is another communication point.
         let tolerance = (1e-5 * from.abs().max(step)).min(0.5 * step);
         if (from - self.time).abs() > tolerance || from.is_nan() {
             return Err(SlaveError::CommunicationPoint { given: from, expected: self.time });
@@ -428,7 +428,7 @@ impl<M: Model> Slave<M> {
     /// `fmi2SetFMUstate`
     ///
     /// # Errors
-    /// Wrong phase, a snapshot of another model or of times that no instance can have; then nothing has changed.
+    /// Wrong phase, a snapshot of another model, or one with impossible times. Then nothing has changed.
     pub fn restore(&mut self, snapshot: &Snapshot<M::Saved>) -> Answer<M, ()> {
         self.check(Function::State)?;
         let possible = snapshot.experiment.is_none_or(|Experiment { start, stop }| {
@@ -442,11 +442,10 @@ impl<M: Model> Slave<M> {
         Ok(())
     }
 
-    /// `fmi2SerializeFMUstate`: a snapshot as bytes of a format of its own: magic, version, GUID, length,
-    /// content, checksum.
+    /// `fmi2SerializeFMUstate`: a snapshot as bytes: magic number, version, GUID, length, content, checksum.
     ///
     /// # Errors
-    /// A snapshot that cannot be written.
+    /// The snapshot cannot be serialised.
     pub fn serialize(&self, snapshot: &Snapshot<M::Saved>) -> Answer<M, Vec<u8>> {
         let content =
             postcard::to_stdvec(snapshot).map_err(|_| SlaveError::Snapshot("it cannot be written"))?;
@@ -464,14 +463,14 @@ impl<M: Model> Slave<M> {
     /// `fmi2DeSerializeFMUstate`
     ///
     /// # Errors
-    /// Bytes that are damaged, of another version or of another model.
+    /// The bytes are damaged, or belong to another version or another model.
     pub fn deserialize(&self, bytes: &[u8]) -> Answer<M, Snapshot<M::Saved>> {
         self.check(Function::State)?;
         let take = |from: usize, length: usize| {
             bytes.get(from..from + length).ok_or(SlaveError::Snapshot("it is cut off"))
         };
         if take(0, 8)? != MAGIC {
-            return Err(SlaveError::Snapshot("it does not begin like one"));
+            return Err(SlaveError::Snapshot("it does not begin like a state"));
         }
         if take(8, 4)? != Self::version().to_le_bytes() {
             return Err(SlaveError::Snapshot("another version of the format"));
@@ -480,7 +479,7 @@ impl<M: Model> Slave<M> {
             return Err(SlaveError::OtherModel("it was saved by an FMU with another GUID"));
         }
         let length = take(28, 8)?.try_into().map(u64::from_le_bytes).unwrap_or(u64::MAX);
-        // Importers may hand over a buffer longer than what was written.
+        // Importers may pass a buffer longer than the written state.
         let end = usize::try_from(length).ok().and_then(|length| HEADER.checked_add(length));
         let end = end.filter(|end| *end < bytes.len()).ok_or(SlaveError::Snapshot("it is cut off"))?;
         if take(end, 4)? != crc32fast::hash(&bytes[..end]).to_le_bytes() {
@@ -490,14 +489,14 @@ impl<M: Model> Slave<M> {
             .map_err(|_| SlaveError::Snapshot("its content is malformed"))
     }
 
-    /// The format's version and the model's, in one number.
+    /// The versions of this format and of the model, in one number.
     fn version() -> u32 {
         FORMAT << 16 | M::STATE_VERSION
     }
 }
 
 const MAGIC: &[u8; 8] = b"LEMONSst";
-/// Raised whenever [`Snapshot`] changes.
+/// Increased whenever [`Snapshot`] changes.
 const FORMAT: u32 = 2;
 /// Magic, version, GUID, length.
 const HEADER: usize = 8 + 4 + 16 + 8;

@@ -1,19 +1,19 @@
-//! The table of an FMU's variables: name, type, causality, unit, which quantity.
+//! The table of an FMU's variables: name, type, causality, unit and quantity.
 //!
 //! A variable's value reference is its place in the table.
 
 use uuid::Uuid;
 
-/// What a variable is to its importer.
+/// Causality, variability and `initial` of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// Continuous input; settable at any time.
+    /// Continuous input; it can be set at any time.
     Input,
     /// Output whose start value can be set until initialization ends (`initial="exact"`).
     Exact,
     /// Output that the FMU computes (`initial="calculated"`).
     Calculated,
-    /// Fixed parameter; settable until initialization ends.
+    /// Fixed parameter; it can be set until initialization ends.
     Parameter,
 }
 
@@ -42,7 +42,7 @@ impl Kind {
 /// A unit, with the exponents of its base units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unit {
-    /// As importers show it.
+    /// The name that importers show.
     pub name: &'static str,
     /// Exponents of kg, m, s and rad.
     pub base: [i32; 4],
@@ -72,7 +72,7 @@ pub mod units {
     pub const ONE: Unit = unit("1", 0, 0, 0, 0);
 }
 
-/// The numbers that a quantity may take.
+/// The domain of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Domain {
     /// Any finite number.
@@ -84,10 +84,10 @@ pub enum Domain {
 }
 
 impl Domain {
-    /// Whether the number is in the domain; otherwise what it must be.
+    /// Checks that the number is in the domain.
     ///
     /// # Errors
-    /// The words that complete "must be …".
+    /// It is not. The text completes the message "must be …".
     pub fn check(self, value: f64) -> Result<(), &'static str> {
         match self {
             _ if !value.is_finite() => Err("finite"),
@@ -98,24 +98,24 @@ impl Domain {
     }
 }
 
-/// A row of the table; `Q` says which number of the model it is.
+/// A row of the table; `Q` identifies the quantity of the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable<Q> {
     /// Structured name.
     pub name: String,
-    /// Which number of the model.
+    /// The quantity of the model.
     pub quantity: Q,
     /// FMI type.
     pub kind: Kind,
     /// Causality, variability and `initial` in one.
     pub role: Role,
-    /// Numbers it may take.
+    /// The values that it can have.
     pub domain: Domain,
-    /// For people.
+    /// Description for users.
     pub description: String,
 }
 
-/// The GUID of the interface: it changes with names, types and value references, and with nothing else.
+/// The GUID of the interface. It depends on names, types, value references and causalities only.
 pub fn guid<Q>(table: &[Variable<Q>]) -> Uuid {
     /// Makes interfaces of other programs with the same words another GUID.
     const NAMESPACE: Uuid = Uuid::from_u128(0x6c65_6d6f_6e73_4d75_8f63_726f_7764_3031);

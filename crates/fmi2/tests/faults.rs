@@ -1,15 +1,14 @@
-//! A model that panics: the host is told in words, and the instance answers nothing but fmi2FreeInstance.
+//! A model that panics: the host is told in words, and the instance refuses all calls but fmi2FreeInstance.
 //! FMI's state "fatal", the column of section 4.2.4 that no call of a sound model reaches.
 
-#![allow(unsafe_code)] // calls the bodies of the C functions
+#![allow(unsafe_code)] // calls the C functions
 
-use lemons_fmi2::component::*;
 use lemons_fmi2::lifecycle::Phase;
 use lemons_fmi2::variables::{Domain, Kind, Role, Variable, guid, units};
-use lemons_fmi2::{Model, Status, StepError};
-use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use lemons_fmi2::{Model, StepError};
+use lemons_testing::fmi2::{FATAL, Functions, Log, Message, OK};
+use std::ffi::{CStr, CString, c_int, c_void};
 use std::ptr::{null, null_mut};
-use std::sync::Mutex;
 
 /// Its one variable is an input; at 13 it breaks.
 struct Brittle {
@@ -100,149 +99,115 @@ impl Model for Brittle {
     }
 }
 
-type Log = Mutex<Vec<(Status, String)>>;
-
-/// All messages come as one text for "%s": a callee of six fixed pointers finds it where a variadic one
-/// would, by the C calling conventions of x86_64 and aarch64.
-unsafe extern "C" fn log(
-    environment: *mut c_void,
-    _: *const c_char,
-    status: Status,
-    _: *const c_char,
-    _: *const c_char,
-    text: *const c_char,
-) {
-    let (log, text) = unsafe { (&*environment.cast::<Log>(), CStr::from_ptr(text)) };
-    log.lock().unwrap().push((status, text.to_string_lossy().into_owned()));
-}
-
-fn instantiate_at(location: &CStr, log_to: &Log) -> *mut c_void {
-    let callbacks = CallbackFunctions {
-        // SAFETY: see `log`.
-        logger: Some(unsafe {
-            std::mem::transmute::<
-                unsafe extern "C" fn(
-                    *mut c_void,
-                    *const c_char,
-                    Status,
-                    *const c_char,
-                    *const c_char,
-                    *const c_char,
-                ),
-                unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, ...),
-            >(log)
-        }),
-        allocate_memory: null(),
-        free_memory: null(),
-        step_finished: null(),
-        component_environment: std::ptr::from_ref(log_to).cast_mut().cast(),
-    };
+fn instantiate_at(c: &Functions, location: &CStr, log: &Log) -> *mut c_void {
     let guid = CString::new(guid(&Brittle { x: 0.0 }.table()).braced().to_string()).unwrap();
-    unsafe {
-        instantiate::<Brittle>(c"brittle".as_ptr(), 1, guid.as_ptr(), location.as_ptr(), &callbacks, 0, 0)
-    }
+    let callbacks = log.callbacks();
+    // SAFETY: texts that end with a zero; the log outlives the instance.
+    unsafe { (c.fmi2Instantiate)(c"brittle".as_ptr(), 1, guid.as_ptr(), location.as_ptr(), &callbacks, 0, 0) }
 }
 
-type M = Brittle;
-type Call = unsafe fn(*mut c_void) -> Status;
+type Call = unsafe fn(&Functions, *mut c_void) -> c_int;
 
-/// Every function that takes an instance and answers a status, with arguments that are right elsewhere.
+/// Every function that takes an instance and returns a status, with arguments that are right elsewhere.
 const CALLS: [(&str, Call); 31] = {
     static VALUE: f64 = 1.0;
     static REFERENCE: u32 = 0;
     static ORDER: c_int = 1;
     [
-        ("SetDebugLogging", |i| unsafe { set_debug_logging::<M>(i, 1, 0, null()) }),
-        ("SetupExperiment", |i| unsafe { setup_experiment::<M>(i, 0, 0.0, 0.0, 0, 0.0) }),
-        ("EnterInitializationMode", |i| unsafe { enter_initialization_mode::<M>(i) }),
-        ("ExitInitializationMode", |i| unsafe { exit_initialization_mode::<M>(i) }),
-        ("Terminate", |i| unsafe { terminate::<M>(i) }),
-        ("Reset", |i| unsafe { reset::<M>(i) }),
-        ("GetReal", |i| unsafe { get_real::<M>(i, &REFERENCE, 1, &mut 0.0) }),
-        ("GetInteger", |i| unsafe { get_integer::<M>(i, null(), 0, null_mut()) }),
-        ("GetBoolean", |i| unsafe { get_boolean::<M>(i, null(), 0, null_mut()) }),
-        ("GetString", |i| unsafe { get_string::<M>(i, null(), 0, null_mut()) }),
-        ("SetReal", |i| unsafe { set_real::<M>(i, &REFERENCE, 1, &VALUE) }),
-        ("SetInteger", |i| unsafe { set_integer::<M>(i, null(), 0, null()) }),
-        ("SetBoolean", |i| unsafe { set_boolean::<M>(i, null(), 0, null()) }),
-        ("SetString", |i| unsafe { set_string::<M>(i, null(), 0, null()) }),
-        ("GetFMUstate", |i| unsafe { get_fmu_state::<M>(i, &mut null_mut()) }),
-        ("SetFMUstate", |i| unsafe { set_fmu_state::<M>(i, null_mut()) }),
-        ("FreeFMUstate", |i| unsafe { free_fmu_state::<M>(i, &mut null_mut()) }),
-        ("SerializedFMUstateSize", |i| unsafe { serialized_fmu_state_size::<M>(i, null_mut(), &mut 0) }),
-        ("SerializeFMUstate", |i| unsafe { serialize_fmu_state::<M>(i, null_mut(), null_mut(), 0) }),
-        ("DeSerializeFMUstate", |i| unsafe { deserialize_fmu_state::<M>(i, null(), 0, &mut null_mut()) }),
-        ("GetDirectionalDerivative", |i| unsafe {
-            get_directional_derivative::<M>(i, null(), 0, null(), 0, null(), null_mut())
+        ("SetDebugLogging", |c, i| unsafe { (c.fmi2SetDebugLogging)(i, 1, 0, null()) }),
+        ("SetupExperiment", |c, i| unsafe { (c.fmi2SetupExperiment)(i, 0, 0.0, 0.0, 0, 0.0) }),
+        ("EnterInitializationMode", |c, i| unsafe { (c.fmi2EnterInitializationMode)(i) }),
+        ("ExitInitializationMode", |c, i| unsafe { (c.fmi2ExitInitializationMode)(i) }),
+        ("Terminate", |c, i| unsafe { (c.fmi2Terminate)(i) }),
+        ("Reset", |c, i| unsafe { (c.fmi2Reset)(i) }),
+        ("GetReal", |c, i| unsafe { (c.fmi2GetReal)(i, &REFERENCE, 1, &mut 0.0) }),
+        ("GetInteger", |c, i| unsafe { (c.fmi2GetInteger)(i, null(), 0, null_mut()) }),
+        ("GetBoolean", |c, i| unsafe { (c.fmi2GetBoolean)(i, null(), 0, null_mut()) }),
+        ("GetString", |c, i| unsafe { (c.fmi2GetString)(i, null(), 0, null_mut()) }),
+        ("SetReal", |c, i| unsafe { (c.fmi2SetReal)(i, &REFERENCE, 1, &VALUE) }),
+        ("SetInteger", |c, i| unsafe { (c.fmi2SetInteger)(i, null(), 0, null()) }),
+        ("SetBoolean", |c, i| unsafe { (c.fmi2SetBoolean)(i, null(), 0, null()) }),
+        ("SetString", |c, i| unsafe { (c.fmi2SetString)(i, null(), 0, null()) }),
+        ("GetFMUstate", |c, i| unsafe { (c.fmi2GetFMUstate)(i, &mut null_mut()) }),
+        ("SetFMUstate", |c, i| unsafe { (c.fmi2SetFMUstate)(i, null_mut()) }),
+        ("FreeFMUstate", |c, i| unsafe { (c.fmi2FreeFMUstate)(i, &mut null_mut()) }),
+        ("SerializedFMUstateSize", |c, i| unsafe { (c.fmi2SerializedFMUstateSize)(i, null_mut(), &mut 0) }),
+        ("SerializeFMUstate", |c, i| unsafe { (c.fmi2SerializeFMUstate)(i, null_mut(), null_mut(), 0) }),
+        ("DeSerializeFMUstate", |c, i| unsafe { (c.fmi2DeSerializeFMUstate)(i, null(), 0, &mut null_mut()) }),
+        ("GetDirectionalDerivative", |c, i| unsafe {
+            (c.fmi2GetDirectionalDerivative)(i, null(), 0, null(), 0, null(), null_mut())
         }),
-        ("SetRealInputDerivatives", |i| unsafe {
-            set_real_input_derivatives::<M>(i, &REFERENCE, 1, &ORDER, &VALUE)
+        ("SetRealInputDerivatives", |c, i| unsafe {
+            (c.fmi2SetRealInputDerivatives)(i, &REFERENCE, 1, &ORDER, &VALUE)
         }),
-        ("GetRealOutputDerivatives", |i| unsafe {
-            get_real_output_derivatives::<M>(i, null(), 0, null(), null_mut())
+        ("GetRealOutputDerivatives", |c, i| unsafe {
+            (c.fmi2GetRealOutputDerivatives)(i, null(), 0, null(), null_mut())
         }),
-        ("DoStep", |i| unsafe { do_step::<M>(i, 0.0, 1.0, 1) }),
-        ("CancelStep", |i| unsafe { cancel_step::<M>(i) }),
-        ("GetStatus", |i| unsafe { get_status::<M>(i, 0, &mut 0) }),
-        ("GetRealStatus", |i| unsafe { get_real_status::<M>(i, 2, &mut 0.0) }),
-        ("GetIntegerStatus", |i| unsafe { get_integer_status::<M>(i, 0, &mut 0) }),
-        ("GetBooleanStatus", |i| unsafe { get_boolean_status::<M>(i, 3, &mut 0) }),
-        ("GetStringStatus", |i| unsafe { get_string_status::<M>(i, 1, &mut null()) }),
-        ("DoStep again", |i| unsafe { do_step::<M>(i, 0.0, 1.0, 1) }),
+        ("DoStep", |c, i| unsafe { (c.fmi2DoStep)(i, 0.0, 1.0, 1) }),
+        ("CancelStep", |c, i| unsafe { (c.fmi2CancelStep)(i) }),
+        ("GetStatus", |c, i| unsafe { (c.fmi2GetStatus)(i, 0, &mut 0) }),
+        ("GetRealStatus", |c, i| unsafe { (c.fmi2GetRealStatus)(i, 2, &mut 0.0) }),
+        ("GetIntegerStatus", |c, i| unsafe { (c.fmi2GetIntegerStatus)(i, 0, &mut 0) }),
+        ("GetBooleanStatus", |c, i| unsafe { (c.fmi2GetBooleanStatus)(i, 3, &mut 0) }),
+        ("GetStringStatus", |c, i| unsafe { (c.fmi2GetStringStatus)(i, 1, &mut null()) }),
+        ("DoStep again", |c, i| unsafe { (c.fmi2DoStep)(i, 0.0, 1.0, 1) }),
     ]
 };
 
 #[test]
 fn a_panic_is_fatal_and_told_and_the_instance_can_be_freed() {
-    let told = Log::default();
-    let instance = instantiate_at(c"sound", &told);
+    let (c, told) = (Functions::of_model::<Brittle>(), Log::default());
+    let instance = instantiate_at(&c, c"sound", &told);
     assert!(!instance.is_null());
-    let ok = |status| assert_eq!(status, Status::Ok, "{:?}", told.lock().unwrap());
+    let ok = |status| assert_eq!(status, OK, "{:?}", told.take());
     unsafe {
-        ok(setup_experiment::<M>(instance, 0, 0.0, 0.0, 0, 0.0));
-        ok(enter_initialization_mode::<M>(instance));
-        ok(exit_initialization_mode::<M>(instance));
-        ok(do_step::<M>(instance, 0.0, 1.0, 1));
-        ok(set_real::<M>(instance, &0, 1, &13.0));
-        assert_eq!(do_step::<M>(instance, 1.0, 1.0, 1), Status::Fatal);
+        ok((c.fmi2SetupExperiment)(instance, 0, 0.0, 0.0, 0, 0.0));
+        ok((c.fmi2EnterInitializationMode)(instance));
+        ok((c.fmi2ExitInitializationMode)(instance));
+        ok((c.fmi2DoStep)(instance, 0.0, 1.0, 1));
+        ok((c.fmi2SetReal)(instance, &0, 1, &13.0));
+        assert_eq!((c.fmi2DoStep)(instance, 1.0, 1.0, 1), FATAL);
     }
-    let messages = std::mem::take(&mut *told.lock().unwrap());
-    let [(Status::Fatal, message)] = &*messages else { panic!("{messages:?}") };
+    let messages = told.take();
+    let [Message { status: FATAL, text: message, .. }] = &*messages else { panic!("{messages:?}") };
     assert!(message.contains("fmi2DoStep") && message.contains("x is 13"), "{message}");
     for (name, call) in CALLS {
-        assert_eq!(unsafe { call(instance) }, Status::Fatal, "{name}");
-        let messages = std::mem::take(&mut *told.lock().unwrap());
-        let [(Status::Fatal, message)] = &*messages else { panic!("{name}: {messages:?}") };
+        assert_eq!(unsafe { call(&c, instance) }, FATAL, "{name}");
+        let messages = told.take();
+        let [Message { status: FATAL, text: message, .. }] = &*messages else {
+            panic!("{name}: {messages:?}")
+        };
         assert!(message.contains(name.trim_end_matches(" again")), "{message}");
     }
-    unsafe { free_instance::<M>(instance) };
-    assert!(told.lock().unwrap().is_empty());
+    unsafe { (c.fmi2FreeInstance)(instance) };
+    assert!(told.take().is_empty());
 }
 
 #[test]
 fn a_panic_while_instantiating_gives_no_instance_and_words() {
-    let told = Log::default();
-    assert!(instantiate_at(c"broken", &told).is_null());
-    let messages = told.lock().unwrap();
-    let [(Status::Fatal, message)] = &**messages else { panic!("{messages:?}") };
+    let (c, told) = (Functions::of_model::<Brittle>(), Log::default());
+    assert!(instantiate_at(&c, c"broken", &told).is_null());
+    let messages = told.take();
+    let [Message { status: FATAL, text: message, .. }] = &*messages else { panic!("{messages:?}") };
     assert!(message.contains("fmi2Instantiate") && message.contains("no such place"), "{message}");
 }
 
 #[test]
 fn an_instance_of_another_thread_is_not_touched_by_a_fault() {
+    let c = Functions::of_model::<Brittle>();
     let (told, others) = (Log::default(), Log::default());
-    let (broken, sound) = (instantiate_at(c"sound", &told), instantiate_at(c"sound", &others));
+    let (broken, sound) = (instantiate_at(&c, c"sound", &told), instantiate_at(&c, c"sound", &others));
     unsafe {
         for instance in [broken, sound] {
-            setup_experiment::<M>(instance, 0, 0.0, 0.0, 0, 0.0);
-            enter_initialization_mode::<M>(instance);
-            exit_initialization_mode::<M>(instance);
+            (c.fmi2SetupExperiment)(instance, 0, 0.0, 0.0, 0, 0.0);
+            (c.fmi2EnterInitializationMode)(instance);
+            (c.fmi2ExitInitializationMode)(instance);
         }
-        set_real::<M>(broken, &0, 1, &13.0);
-        assert_eq!(do_step::<M>(broken, 0.0, 1.0, 1), Status::Fatal);
-        assert_eq!(do_step::<M>(sound, 0.0, 1.0, 1), Status::Ok);
-        free_instance::<M>(broken);
-        free_instance::<M>(sound);
+        (c.fmi2SetReal)(broken, &0, 1, &13.0);
+        assert_eq!((c.fmi2DoStep)(broken, 0.0, 1.0, 1), FATAL);
+        assert_eq!((c.fmi2DoStep)(sound, 0.0, 1.0, 1), OK);
+        (c.fmi2FreeInstance)(broken);
+        (c.fmi2FreeInstance)(sound);
     }
-    assert!(others.lock().unwrap().is_empty());
+    assert!(others.take().is_empty());
 }

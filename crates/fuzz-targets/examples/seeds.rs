@@ -1,14 +1,15 @@
 //! Writes the seeds that no editor writes: tables in Parquet and saved runs, into the directory of the corpora:
 //! `cargo run -p lemons-fuzz-targets --example seeds -- fuzz/corpus`.
 
-use crowd_mechanics::files::Staged;
 use lemons_columns::{Cell, Column, Kind, Writer};
+use lemons_files::Staged;
 use lemons_master::{ComponentRecord, CrowdRecord, Extent, Extremes, Greatest, Saved};
 use std::error::Error;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use zip::CompressionMethod::Stored;
+use zip::DateTime;
 use zip::write::SimpleFileOptions;
 
 type Done = Result<(), Box<dyn Error>>;
@@ -97,7 +98,7 @@ fn runs(directory: &Path) -> Done {
     };
     let one = Saved {
         format: Saved::FORMAT,
-        lemons: "0.1.0".into(),
+        lemons: "0.2.0".into(),
         start: 0.0,
         step: 0.05,
         until: 2.0,
@@ -119,6 +120,19 @@ fn runs(directory: &Path) -> Done {
     let mut twice = two.clone();
     twice.component[1] = ComponentRecord { name: "other".into(), ..component("", 0, 5) };
     let early = Saved { format: 1, ..one.clone() };
+    // The state of the second component is `run.toml`, which is as long as it says.
+    let mut itself = Saved { lemons: String::new(), ..two.clone() };
+    itself.component[1] =
+        ComponentRecord { state: "run.toml".into(), bytes: 100, ..component("other", 1, 0) };
+    let length = toml::to_string(&itself)?.len();
+    itself.component[1].bytes = length as u64;
+    let paths = ["./run.toml", "RUN.TOML", "state-0/", ""];
+    let named = |state: &str| {
+        let mut other = two.clone();
+        other.component[1].state = state.into();
+        other
+    };
+    let [upwards, upper, inside, nameless] = paths.map(named);
     let states = [b"state".to_vec(), Vec::new()];
 
     let deflated = tempfile::tempdir()?;
@@ -126,12 +140,23 @@ fn runs(directory: &Path) -> Done {
     two.write(&states, Staged::beside(&path)?)?;
     let mut seeds = vec![("deflated", 0, fs::read(&path)?), ("empty", 0, b"PK\x05\x06".to_vec())];
     seeds[1].2.resize(22, 0);
-    let texts = [("run", &one), ("two", &two), ("one_state_twice", &twice), ("format_1", &early)];
+    let texts = [
+        ("run", &one),
+        ("two", &two),
+        ("one_state_twice", &twice),
+        ("format_1", &early),
+        ("state_is_run_toml", &itself),
+        ("state_is_dot_run_toml", &upwards),
+        ("state_is_upper_case", &upper),
+        ("state_is_a_directory", &inside),
+        ("state_has_no_name", &nameless),
+    ];
     for (name, saved) in texts {
         seeds.push((name, 1, toml::to_string(saved)?.into_bytes()));
     }
     let mut stored = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    let options = SimpleFileOptions::default().compression_method(Stored);
+    let options =
+        SimpleFileOptions::default().last_modified_time(DateTime::default()).compression_method(Stored);
     for (name, content) in [("run.toml", toml::to_string(&one)?.into_bytes()), ("state-0", states[0].clone())]
     {
         stored.start_file(name, options)?;

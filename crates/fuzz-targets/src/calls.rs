@@ -4,7 +4,7 @@ use crate::importer::{Importer, Nulls, Plain, State, StatusOf, telling};
 use crate::models::{Fmu, Fuzzed, OUTPUTS};
 use crate::show_panics;
 use arbitrary::{Arbitrary, Unstructured};
-use crowd_mechanics::crowd::Crowd;
+use crowd_mechanics::model::CrowdModel;
 use lemons_decision::Decision;
 use lemons_fmi2::Status;
 use std::ffi::{CStr, CString, c_int};
@@ -249,7 +249,7 @@ fn restore<M: Fuzzed>(importer: &Importer<M>, bytes: &[u8]) {
     importer.free_state(&mut state, Nulls::NONE);
 }
 
-/// All values, bit for bit, with the answers to the questions for them.
+/// All values, bit for bit, with the status of the calls that return them.
 fn everything<M: Fuzzed>(importer: &Importer<M>, fmu: &Fmu) -> impl PartialEq + std::fmt::Debug {
     let reals = fmu.reals.iter().map(|at| importer.get_real(&[*at], Nulls::NONE));
     let reals: Vec<(Status, u64)> = reals.map(|(status, value)| (status, value[0].to_bits())).collect();
@@ -585,7 +585,7 @@ fn calls<M: Fuzzed>(data: &[u8]) {
 
 /// FMI calls on a crowd of two people.
 pub fn fmi_calls(data: &[u8]) {
-    calls::<Crowd>(data);
+    calls::<CrowdModel>(data);
 }
 
 /// FMI calls on the Decision of two people.
@@ -616,7 +616,7 @@ struct Damaged {
 pub fn states(data: &[u8]) {
     let Some((&model, data)) = data.split_first() else { return };
     let Ok(damaged) = Damaged::arbitrary_take_rest(Unstructured::new(data)) else { return };
-    if model % 4 == 3 { run_on::<Decision>(&damaged) } else { run_on::<Crowd>(&damaged) }
+    if model % 4 == 3 { run_on::<Decision>(&damaged) } else { run_on::<CrowdModel>(&damaged) }
 }
 
 fn run_on<M: Fuzzed>(damaged: &Damaged) {
@@ -677,7 +677,7 @@ mod tests {
     /// The calls do what they are named for: else the fuzzers would only look at refusals.
     #[test]
     fn a_session_runs_saves_and_goes_back() {
-        let mut session = Session::<Crowd>::new();
+        let mut session = Session::<CrowdModel>::new();
         let push = vec![(Reference::Fitting(3), Real::Small(i16::MAX))];
         let mut ok = |call: Call| {
             let before = bytes(session.importer());
@@ -701,11 +701,11 @@ mod tests {
     /// Else no restored state would be looked at, or directories be made anywhere.
     #[test]
     fn the_output_directory_of_a_state_is_found() {
-        let session = Session::<Crowd>::new();
+        let session = Session::<CrowdModel>::new();
         let text = (Reference::Any(u8::try_from(session.fmu.output.unwrap()).unwrap()), Text::Known(1));
         assert_eq!(session.set_string(&[text], Nulls::NONE), Status::Ok);
         for (bytes, place) in [(&session.pristine, 0), (&bytes(session.importer()), 1)] {
-            let found = Crowd::output_directory(&bytes[HEADER..]).unwrap();
+            let found = CrowdModel::output_directory(&bytes[HEADER..]).unwrap();
             assert_eq!(found.as_bytes(), session.fmu.texts[place].as_bytes());
         }
     }

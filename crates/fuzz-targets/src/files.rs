@@ -5,12 +5,14 @@ use crate::show_panics;
 use crowd_mechanics::c_api::{CallError, advance_files};
 use crowd_mechanics::model_description::model_description;
 use crowd_mechanics::pack::Naming;
-use crowd_mechanics::trial::{FileNames, Trial, dynamics_of, interactions_of};
+use crowd_mechanics::setup::{self, Setup};
+use crowd_mechanics::setup::{dynamics_of, interactions_of};
 use crowd_mechanics::variables::table;
 use lemons_decision::{Decision, Plan, Wishes};
 use lemons_fmi2::Model;
 use lemons_master::Fmu;
 use lemons_ssp::Archive;
+use lemons_trial::{FileNames, Trial};
 use std::collections::HashSet;
 use std::io::Write;
 use std::path::Path;
@@ -40,14 +42,14 @@ pub fn trial_xml(data: &[u8]) {
     let place = directory.path().join("Trial");
     small_trial().write(&place).expect("a Trial can be written");
     std::fs::write(place.join(FILES[usize::from(which) % FILES.len()]), content).expect("a file");
-    let trial = match Trial::read(&place) {
+    let trial = match setup::read(&place) {
         Ok((trial, _)) => trial,
         Err(problems) => return assert!(problems.has_errors() && !problems.to_string().is_empty()),
     };
     reads_back(&trial, &directory.path().join("read"));
     well_described(&trial);
 
-    let mut world = trial.world().expect("a Trial as read makes a world");
+    let mut world = Setup::of(&trial).world().expect("a Trial as read makes a world");
     if world.advance(STEPS * trial.parameters.time_step_mechanical).is_err() {
         return;
     }
@@ -57,7 +59,7 @@ pub fn trial_xml(data: &[u8]) {
 
     if trial.parameters.time_step < STEPS * trial.parameters.time_step_mechanical {
         match advance_files(&moved.join("Parameters.xml"), &FileNames::default()) {
-            Ok(()) => assert!(Trial::read(&moved).is_ok(), "what the C entry point wrote reads back"),
+            Ok(()) => assert!(setup::read(&moved).is_ok(), "what the C entry point wrote reads back"),
             Err(CallError::Advance(why)) => assert!(why.contains("finite"), "{why}"),
             // The file system's own reasons, such as a name too long.
             Err(CallError::Write(_)) => {}
@@ -71,7 +73,7 @@ fn reads_back(trial: &Trial, place: &Path) {
     if trial.write(place).is_err() {
         return;
     }
-    let (mut back, _) = Trial::read(place).unwrap_or_else(|problems| panic!("{problems}"));
+    let (mut back, _) = setup::read(place).unwrap_or_else(|problems| panic!("{problems}"));
     (back.name, back.directory) = (trial.name.clone(), trial.directory.clone());
     // Directories outside the Trial's become its own.
     back.parameters.static_directory.clone_from(&trial.parameters.static_directory);
@@ -140,7 +142,10 @@ fn archive(name: &str, content: &[u8]) -> Vec<u8> {
 
 pub(crate) fn archive_of(files: &[(&str, &[u8])]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    let stored = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    // The same bytes whenever it is made: a crash comes again.
+    let stored = zip::write::SimpleFileOptions::default()
+        .last_modified_time(zip::DateTime::default())
+        .compression_method(zip::CompressionMethod::Stored);
     for (name, content) in files {
         archive.start_file(*name, stored).expect("an entry");
         archive.write_all(content).expect("written into memory");

@@ -3,50 +3,12 @@
 
 #![allow(unsafe_code)] // the C boundary, from the other side
 
-use lemons_fmi2::component as c;
-use lemons_fmi2::{CallbackFunctions, Model, Status};
+use lemons_fmi2::{Model, Status};
+use lemons_testing::fmi2::{DISCARD, ERROR, FATAL, Functions, Log, OK, WARNING};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::marker::PhantomData;
 use std::ptr::{null, null_mut};
-use std::sync::{Mutex, OnceLock};
-
-/// What the logger was told, of the categories that are listened to.
-#[derive(Default)]
-struct Log(Mutex<Vec<(Status, String)>>);
-
-impl Log {
-    fn take(&self) -> Vec<(Status, String)> {
-        self.0.lock().map(|mut told| std::mem::take(&mut *told)).unwrap_or_default()
-    }
-}
-
-/// The standard's logger is variadic, which stable Rust cannot define. The library passes one argument
-/// after the format; by the C calling conventions of Linux on x86_64 and aarch64 it is where a callee of
-/// six fixed pointers looks for it.
-type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, ...);
-type FixedLogger =
-    unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, *const c_char);
-
-unsafe extern "C" fn log(
-    environment: *mut c_void,
-    _instance: *const c_char,
-    status: Status,
-    category: *const c_char,
-    format: *const c_char,
-    text: *const c_char,
-) {
-    // SAFETY: the library gives back the environment that it was given, and texts that end in a zero.
-    let (log, category, format, text) = unsafe {
-        (&*environment.cast::<Log>(), CStr::from_ptr(category), CStr::from_ptr(format), CStr::from_ptr(text))
-    };
-    assert_eq!(format, c"%s");
-    assert!(category.to_bytes().starts_with(b"log"), "{category:?}");
-    let text = text.to_str().expect("messages are UTF-8").to_owned();
-    assert!(!text.is_empty(), "a message says something");
-    if let Ok(mut told) = log.0.lock() {
-        told.push((status, text));
-    }
-}
+use std::sync::OnceLock;
 
 /// Whether calls, answers and messages are shown: see `examples/one.rs`.
 pub(crate) fn telling() -> bool {
@@ -112,6 +74,7 @@ pub(crate) enum StatusOf {
 /// An instance and its log.
 pub(crate) struct Importer<M: Model> {
     raw: *mut c_void,
+    c: Functions,
     log: Box<Log>,
     /// Whether refusals and discards are told, as the last `fmi2SetDebugLogging` wanted it.
     hears: [bool; 2],
@@ -121,7 +84,7 @@ pub(crate) struct Importer<M: Model> {
 impl<M: Model> Drop for Importer<M> {
     fn drop(&mut self) {
         // SAFETY: given back once.
-        unsafe { c::free_instance::<M>(self.raw) }
+        unsafe { (self.c.fmi2FreeInstance)(self.raw) }
     }
 }
 
@@ -132,20 +95,12 @@ impl<M: Model> Importer<M> {
         fmu_type: c_int,
         logging_on: c_int,
     ) -> Option<Importer<M>> {
-        let log = Box::<Log>::default();
-        // SAFETY: see `FixedLogger`.
-        let logger = unsafe { std::mem::transmute::<FixedLogger, Logger>(self::log) };
-        let callbacks = CallbackFunctions {
-            logger: Some(logger),
-            allocate_memory: null(),
-            free_memory: null(),
-            step_finished: null(),
-            component_environment: std::ptr::from_ref(&*log).cast_mut().cast(),
-        };
+        let (c, log) = (Functions::of_model::<M>(), Box::<Log>::default());
+        let callbacks = log.callbacks();
         let pointer = |text: Option<&CStr>| text.map_or(null(), CStr::as_ptr);
         // SAFETY: texts that end in a zero, or NULL.
         let raw = unsafe {
-            c::instantiate::<M>(
+            (c.fmi2Instantiate)(
                 pointer(name),
                 fmu_type,
                 pointer(guid),
@@ -157,32 +112,37 @@ impl<M: Model> Importer<M> {
         };
         if raw.is_null() {
             let told = log.take();
-            assert!(told.iter().any(|(status, _)| *status == Status::Error), "told why: {told:?}");
-            assert!(told.iter().all(|(status, _)| *status != Status::Fatal), "{told:?}");
+            assert!(told.iter().any(|message| message.status == ERROR), "told why: {told:?}");
+            assert!(told.iter().all(|message| message.status != FATAL), "{told:?}");
             return None;
         }
         log.take();
-        Some(Importer { raw, log, hears: [true; 2], model: PhantomData })
+        Some(Importer { raw, c, log, hears: [true; 2], model: PhantomData })
     }
 
-    /// What every answer promises.
-    fn answered(&self, status: Status) -> Status {
+    /// What every return value promises.
+    fn answered(&self, status: c_int) -> Status {
         let told = self.log.take();
+        for message in &told {
+            assert_eq!(message.format, "%s");
+            assert!(message.category.starts_with("log"), "{message:?}");
+            assert!(!message.text.is_empty(), "a message says something");
+        }
         if telling() && !told.is_empty() {
             eprintln!("    {told:?}");
         }
-        let tells = |wanted| told.iter().any(|(status, _)| *status == wanted);
-        assert!(!matches!(status, Status::Fatal | Status::Pending), "{status:?}: {told:?}");
-        assert!(status != Status::Error || tells(status) || !self.hears[0], "an error without a word");
-        assert!(status != Status::Discard || tells(status) || !self.hears[1], "a discard without a word");
-        assert!(status != Status::Ok || !tells(Status::Error), "an error told, but answered Ok: {told:?}");
-        assert!(!tells(Status::Fatal), "{told:?}");
-        status
+        let tells = |wanted| told.iter().any(|message| message.status == wanted);
+        assert!([OK, WARNING, DISCARD, ERROR].contains(&status), "{status:?}: {told:?}");
+        assert!(status != ERROR || tells(status) || !self.hears[0], "an error without a word");
+        assert!(status != DISCARD || tells(status) || !self.hears[1], "a discard without a word");
+        assert!(status != OK || !tells(ERROR), "an error told, but returned Ok: {told:?}");
+        assert!(!tells(FATAL), "{told:?}");
+        lemons_testing::fmi2::status(status)
     }
 
     /// As [`Importer::answered`], of a call on `count` elements some of whose `places` arrays may be NULL.
-    fn answered_arrays(&self, status: Status, count: usize, nulls: Nulls, places: u8) -> Status {
-        assert!(status != Status::Ok || count == 0 || !nulls.any(places), "NULL is refused");
+    fn answered_arrays(&self, status: c_int, count: usize, nulls: Nulls, places: u8) -> Status {
+        assert!(status != OK || count == 0 || !nulls.any(places), "NULL is refused");
         self.answered(status)
     }
 
@@ -190,11 +150,11 @@ impl<M: Model> Importer<M> {
         // SAFETY: an instance.
         self.answered(unsafe {
             match function {
-                Plain::EnterInitializationMode => c::enter_initialization_mode::<M>(self.raw),
-                Plain::ExitInitializationMode => c::exit_initialization_mode::<M>(self.raw),
-                Plain::Terminate => c::terminate::<M>(self.raw),
-                Plain::Reset => c::reset::<M>(self.raw),
-                Plain::CancelStep => c::cancel_step::<M>(self.raw),
+                Plain::EnterInitializationMode => (self.c.fmi2EnterInitializationMode)(self.raw),
+                Plain::ExitInitializationMode => (self.c.fmi2ExitInitializationMode)(self.raw),
+                Plain::Terminate => (self.c.fmi2Terminate)(self.raw),
+                Plain::Reset => (self.c.fmi2Reset)(self.raw),
+                Plain::CancelStep => (self.c.fmi2CancelStep)(self.raw),
             }
         })
     }
@@ -204,10 +164,11 @@ impl<M: Model> Importer<M> {
             categories.iter().map(|text| text.map_or(null(), CStr::as_ptr)).collect();
         let count = pointers.len();
         // SAFETY: as many texts as said.
-        let status =
-            unsafe { c::set_debug_logging::<M>(self.raw, on.into(), count, nulls.or(0, pointers.as_ptr())) };
+        let status = unsafe {
+            (self.c.fmi2SetDebugLogging)(self.raw, on.into(), count, nulls.or(0, pointers.as_ptr()))
+        };
         let has = |wanted| categories.contains(&Some(wanted)) || categories.contains(&Some(c"logAll"));
-        if status == Status::Ok {
+        if status == OK {
             let all = !on || categories.is_empty();
             self.hears = [all || has(c"logStatusError"), all || has(c"logStatusWarning")];
         }
@@ -218,7 +179,7 @@ impl<M: Model> Importer<M> {
         // SAFETY: an instance.
         self.answered(unsafe {
             let (defined, stop) = (stop.is_some().into(), stop.unwrap_or(f64::NAN));
-            c::setup_experiment::<M>(self.raw, 1, tolerance, start, defined, stop)
+            (self.c.fmi2SetupExperiment)(self.raw, 1, tolerance, start, defined, stop)
         })
     }
 
@@ -226,7 +187,7 @@ impl<M: Model> Importer<M> {
         let (count, mut values) = (references.len(), vec![f64::NAN; references.len()]);
         let (at, to) = (nulls.or(0, references.as_ptr()), nulls.or_mut(1, values.as_mut_ptr()));
         // SAFETY: arrays as long as said.
-        let status = unsafe { c::get_real::<M>(self.raw, at, count, to) };
+        let status = unsafe { (self.c.fmi2GetReal)(self.raw, at, count, to) };
         (self.answered_arrays(status, count, nulls, 2), values)
     }
 
@@ -234,7 +195,7 @@ impl<M: Model> Importer<M> {
         let (count, mut values) = (references.len(), vec![0; references.len()]);
         let (at, to) = (nulls.or(0, references.as_ptr()), nulls.or_mut(1, values.as_mut_ptr()));
         // SAFETY: arrays as long as said.
-        let status = unsafe { c::get_integer::<M>(self.raw, at, count, to) };
+        let status = unsafe { (self.c.fmi2GetInteger)(self.raw, at, count, to) };
         (self.answered_arrays(status, count, nulls, 2), values)
     }
 
@@ -242,7 +203,7 @@ impl<M: Model> Importer<M> {
         let (count, mut values) = (references.len(), vec![0; references.len()]);
         let (at, to) = (nulls.or(0, references.as_ptr()), nulls.or_mut(1, values.as_mut_ptr()));
         // SAFETY: arrays as long as said.
-        let status = unsafe { c::get_boolean::<M>(self.raw, at, count, to) };
+        let status = unsafe { (self.c.fmi2GetBoolean)(self.raw, at, count, to) };
         self.answered_arrays(status, count, nulls, 2)
     }
 
@@ -251,7 +212,7 @@ impl<M: Model> Importer<M> {
         let (count, mut values) = (references.len(), vec![null(); references.len()]);
         let (at, to) = (nulls.or(0, references.as_ptr()), nulls.or_mut(1, values.as_mut_ptr()));
         // SAFETY: arrays as long as said.
-        let status = unsafe { c::get_string::<M>(self.raw, at, count, to) };
+        let status = unsafe { (self.c.fmi2GetString)(self.raw, at, count, to) };
         let status = self.answered_arrays(status, count, nulls, 2);
         let texts = match status {
             // SAFETY: texts that live until the next call.
@@ -265,7 +226,7 @@ impl<M: Model> Importer<M> {
         assert_eq!(references.len(), values.len());
         let (at, from) = (nulls.or(0, references.as_ptr()), nulls.or(1, values.as_ptr()));
         // SAFETY: arrays as long as said.
-        let status = unsafe { c::set_real::<M>(self.raw, at, values.len(), from) };
+        let status = unsafe { (self.c.fmi2SetReal)(self.raw, at, values.len(), from) };
         self.answered_arrays(status, values.len(), nulls, 2)
     }
 
@@ -273,7 +234,7 @@ impl<M: Model> Importer<M> {
         assert_eq!(references.len(), values.len());
         let (at, from) = (nulls.or(0, references.as_ptr()), nulls.or(1, values.as_ptr()));
         // SAFETY: arrays as long as said.
-        let status = unsafe { c::set_integer::<M>(self.raw, at, values.len(), from) };
+        let status = unsafe { (self.c.fmi2SetInteger)(self.raw, at, values.len(), from) };
         self.answered_arrays(status, values.len(), nulls, 2)
     }
 
@@ -281,7 +242,7 @@ impl<M: Model> Importer<M> {
         assert_eq!(references.len(), values.len());
         let (at, from) = (nulls.or(0, references.as_ptr()), nulls.or(1, values.as_ptr()));
         // SAFETY: arrays as long as said.
-        let status = unsafe { c::set_boolean::<M>(self.raw, at, values.len(), from) };
+        let status = unsafe { (self.c.fmi2SetBoolean)(self.raw, at, values.len(), from) };
         self.answered_arrays(status, values.len(), nulls, 2)
     }
 
@@ -291,8 +252,8 @@ impl<M: Model> Importer<M> {
             values.iter().map(|text| text.map_or(null(), CStr::as_ptr)).collect();
         let (at, from) = (nulls.or(0, references.as_ptr()), nulls.or(1, pointers.as_ptr()));
         // SAFETY: arrays as long as said, of texts that end in a zero or NULL.
-        let status = unsafe { c::set_string::<M>(self.raw, at, values.len(), from) };
-        assert!(status != Status::Ok || values.iter().all(Option::is_some), "a NULL text is refused");
+        let status = unsafe { (self.c.fmi2SetString)(self.raw, at, values.len(), from) };
+        assert!(status != OK || values.iter().all(Option::is_some), "a NULL text is refused");
         self.answered_arrays(status, values.len(), nulls, 2)
     }
 
@@ -307,7 +268,8 @@ impl<M: Model> Importer<M> {
         let (at, orders) = (nulls.or(0, references.as_ptr()), nulls.or(1, orders.as_ptr()));
         let from = nulls.or(2, values.as_ptr());
         // SAFETY: arrays as long as said.
-        let status = unsafe { c::set_real_input_derivatives::<M>(self.raw, at, values.len(), orders, from) };
+        let status =
+            unsafe { (self.c.fmi2SetRealInputDerivatives)(self.raw, at, values.len(), orders, from) };
         self.answered_arrays(status, values.len(), nulls, 3)
     }
 
@@ -321,19 +283,19 @@ impl<M: Model> Importer<M> {
         // SAFETY: arrays as long as said.
         let answers = unsafe {
             [
-                c::get_real_output_derivatives::<M>(self.raw, at, count, nulls.or(2, orders.as_ptr()), to),
-                c::get_directional_derivative::<M>(self.raw, at, count, at, count, seeds.as_ptr(), to),
+                (self.c.fmi2GetRealOutputDerivatives)(self.raw, at, count, nulls.or(2, orders.as_ptr()), to),
+                (self.c.fmi2GetDirectionalDerivative)(self.raw, at, count, at, count, seeds.as_ptr(), to),
             ]
         };
         for status in answers {
-            assert_eq!(status, Status::Error);
+            assert_eq!(status, ERROR);
         }
-        self.answered(Status::Error);
+        self.answered(ERROR);
     }
 
     pub(crate) fn do_step(&self, from: f64, step: f64) -> Status {
         // SAFETY: an instance.
-        self.answered(unsafe { c::do_step::<M>(self.raw, from, step, 1) })
+        self.answered(unsafe { (self.c.fmi2DoStep)(self.raw, from, step, 1) })
     }
 
     /// Asks one of the functions for a status.
@@ -343,11 +305,13 @@ impl<M: Model> Importer<M> {
         // SAFETY: NULL or the places of values.
         let status = unsafe {
             match of {
-                StatusOf::Status => c::get_status::<M>(self.raw, kind, whole),
-                StatusOf::Real => c::get_real_status::<M>(self.raw, kind, nulls.or_mut(0, &raw mut real)),
-                StatusOf::Integer => c::get_integer_status::<M>(self.raw, kind, whole),
-                StatusOf::Boolean => c::get_boolean_status::<M>(self.raw, kind, whole),
-                StatusOf::String => c::get_string_status::<M>(self.raw, kind, nulls.or_mut(0, &raw mut text)),
+                StatusOf::Status => (self.c.fmi2GetStatus)(self.raw, kind, whole),
+                StatusOf::Real => (self.c.fmi2GetRealStatus)(self.raw, kind, nulls.or_mut(0, &raw mut real)),
+                StatusOf::Integer => (self.c.fmi2GetIntegerStatus)(self.raw, kind, whole),
+                StatusOf::Boolean => (self.c.fmi2GetBooleanStatus)(self.raw, kind, whole),
+                StatusOf::String => {
+                    (self.c.fmi2GetStringStatus)(self.raw, kind, nulls.or_mut(0, &raw mut text))
+                }
             }
         };
         self.answered_arrays(status, 1, nulls, 1)
@@ -358,27 +322,27 @@ impl<M: Model> Importer<M> {
         const LAST_SUCCESSFUL_TIME: c_int = 2;
         let mut time = f64::NAN;
         // SAFETY: the place of a value.
-        let status = unsafe { c::get_real_status::<M>(self.raw, LAST_SUCCESSFUL_TIME, &mut time) };
+        let status = unsafe { (self.c.fmi2GetRealStatus)(self.raw, LAST_SUCCESSFUL_TIME, &mut time) };
         (self.answered(status) == Status::Ok).then_some(time)
     }
 
     pub(crate) fn get_state(&self, state: &mut State, nulls: Nulls) -> Status {
         // SAFETY: NULL or the place of a state pointer.
-        let status = unsafe { c::get_fmu_state::<M>(self.raw, nulls.or_mut(0, &raw mut state.0)) };
+        let status = unsafe { (self.c.fmi2GetFMUstate)(self.raw, nulls.or_mut(0, &raw mut state.0)) };
         self.answered_arrays(status, 1, nulls, 1)
     }
 
     pub(crate) fn set_state(&self, state: &State) -> Status {
         // SAFETY: NULL or a state.
-        let status = unsafe { c::set_fmu_state::<M>(self.raw, state.0) };
-        assert!(status != Status::Ok || !state.is_null(), "NULL is no state");
+        let status = unsafe { (self.c.fmi2SetFMUstate)(self.raw, state.0) };
+        assert!(status != OK || !state.is_null(), "NULL is no state");
         self.answered(status)
     }
 
     pub(crate) fn free_state(&self, state: &mut State, nulls: Nulls) -> Status {
         // SAFETY: NULL or the place of a state pointer.
-        let status = unsafe { c::free_fmu_state::<M>(self.raw, nulls.or_mut(0, &raw mut state.0)) };
-        assert!(status != Status::Ok || nulls.at(0) || state.is_null(), "it is NULL afterwards");
+        let status = unsafe { (self.c.fmi2FreeFMUstate)(self.raw, nulls.or_mut(0, &raw mut state.0)) };
+        assert!(status != OK || nulls.at(0) || state.is_null(), "it is NULL afterwards");
         self.answered(status)
     }
 
@@ -386,7 +350,7 @@ impl<M: Model> Importer<M> {
         let mut size = 0;
         // SAFETY: NULL or a state, NULL or the place of a number.
         let status =
-            unsafe { c::serialized_fmu_state_size::<M>(self.raw, state.0, nulls.or_mut(0, &raw mut size)) };
+            unsafe { (self.c.fmi2SerializedFMUstateSize)(self.raw, state.0, nulls.or_mut(0, &raw mut size)) };
         (self.answered_arrays(status, 1, nulls, 1), size)
     }
 
@@ -395,7 +359,7 @@ impl<M: Model> Importer<M> {
         let mut bytes = vec![0; size];
         // SAFETY: NULL or a state, as many bytes as said.
         let status = unsafe {
-            c::serialize_fmu_state::<M>(self.raw, state.0, nulls.or_mut(0, bytes.as_mut_ptr()), size)
+            (self.c.fmi2SerializeFMUstate)(self.raw, state.0, nulls.or_mut(0, bytes.as_mut_ptr()), size)
         };
         (self.answered_arrays(status, size, nulls, 1), bytes)
     }
@@ -403,7 +367,7 @@ impl<M: Model> Importer<M> {
     pub(crate) fn deserialize(&self, bytes: &[u8], state: &mut State, nulls: Nulls) -> Status {
         let (from, to) = (nulls.or(0, bytes.as_ptr()), nulls.or_mut(1, &raw mut state.0));
         // SAFETY: as many bytes as said, NULL or the place of a state pointer.
-        let status = unsafe { c::deserialize_fmu_state::<M>(self.raw, from, bytes.len(), to) };
+        let status = unsafe { (self.c.fmi2DeSerializeFMUstate)(self.raw, from, bytes.len(), to) };
         self.answered_arrays(status, 1, nulls, 2)
     }
 }

@@ -1,14 +1,15 @@
 //! Two small FMUs, unpacked: what the calls are made on.
 
-use crowd_mechanics::crowd::Crowd;
-use crowd_mechanics::engine::vec2;
-use crowd_mechanics::trial::{Trial, Wall};
+use crowd_mechanics::model::CrowdModel;
+use crowd_mechanics::setup;
 use crowd_mechanics::variables::table;
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::plan::{Person, Plan, Wishes};
 use lemons_decision::{Decision, rule::Pose};
 use lemons_fmi2::Model;
 use lemons_fmi2::variables::{Kind, Variable, guid};
+use lemons_plane::vec2;
+use lemons_trial::{Trial, Wall};
 use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::fmt::Debug;
@@ -52,7 +53,7 @@ thread_local! {
     static DECISION: Rc<Fmu> = Rc::new(decision());
 }
 
-impl Fuzzed for Crowd {
+impl Fuzzed for CrowdModel {
     fn fmu() -> Rc<Fmu> {
         CROWD.with(Rc::clone)
     }
@@ -105,8 +106,7 @@ pub(crate) fn small_trial() -> Trial {
 }
 
 fn made_small() -> Trial {
-    let paper = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
-    let (mut trial, _) = Trial::read(&paper).expect("the paper's Trial");
+    let (mut trial, _) = setup::read(&lemons_testing::trial_push()).expect("the paper's Trial");
     trial.agents.truncate(2);
     trial.dynamics.truncate(2);
     trial.dynamics[1].position = vec2(0.248, 0.03);

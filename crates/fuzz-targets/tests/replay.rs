@@ -24,6 +24,32 @@ fn replay(target: &str) {
     }
 }
 
+/// libFuzzer ends at a line of another form.
+#[test]
+fn dictionaries_are_of_the_form_that_libfuzzer_reads() {
+    for (target, _) in TARGETS {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/dictionaries").join(target);
+        let Ok(bytes) = std::fs::read(&path) else { continue };
+        let text = String::from_utf8(bytes).unwrap();
+        for line in text.lines().filter(|line| !line.starts_with('#')) {
+            let word = line.strip_prefix('"').and_then(|line| line.strip_suffix('"'));
+            let mut rest = word.filter(|word| !word.is_empty()).unwrap_or_else(|| panic!("{path:?}: {line}"));
+            while let Some((before, after)) = rest.split_once('\\') {
+                assert!(!before.contains('"'), "{path:?}: {line}");
+                let hexadecimal = |text: &str| u8::from_str_radix(text, 16).is_ok();
+                let escaped = match after.as_bytes() {
+                    [b'\\' | b'"', ..] => 1,
+                    [b'x', _, _, ..] if hexadecimal(&after[1..3]) => 3,
+                    _ => panic!("{path:?}: {line}"),
+                };
+                rest = &after[escaped..];
+            }
+            assert!(!rest.contains('"'), "{path:?}: {line}");
+            assert!(line.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "{path:?}: {line}");
+        }
+    }
+}
+
 #[test]
 fn fmi_calls() {
     replay("fmi_calls");

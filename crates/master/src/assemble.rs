@@ -1,10 +1,10 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
-use crate::fmu::{Fmu, Instance};
+use crate::error::{Error, Place, Result};
+use crate::fmu::Fmu;
 use crate::kind::Kind as FileKind;
 use crate::system::{Algorithm, Component, System, Wire, Wires, component_of};
-use anyhow::{Context, Result, anyhow, bail};
-use crowd_mechanics::files::Scratch;
+use lemons_files::Scratch;
 use lemons_ssp::{
     Affine, Allowance, Archive, Connector, Interface, Kind, ParameterSet, SystemStructure, Type, Unit, Value,
     conversion, located,
@@ -30,7 +30,7 @@ pub struct Assembled {
 /// The archive or one of its files is broken, holds what is not served, or does not fit together.
 pub fn assemble(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
     FileKind::expect(path, &FileKind::ARCHIVES, "an SSP")?;
-    assemble_archive(path, algorithm).with_context(|| path.display().to_string())
+    assemble_archive(path, algorithm).place(|| path.display().to_string())
 }
 
 fn assemble_archive(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
@@ -38,37 +38,36 @@ fn assemble_archive(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
     let structure = archive.structure()?;
     let mut allowance = Allowance::new(Allowance::FMUS);
     let mut components = Vec::with_capacity(structure.components.len());
-    let mut interfaces = Vec::with_capacity(structure.components.len());
     for described in &structure.components {
-        let wrong = |error: anyhow::Error| {
-            located(described.line, "Component", "source", &described.source, format!("{error:#}"))
+        let wrong = |error: Error| {
+            let (line, source, why) = (described.line, &described.source, error.whole());
+            Error::ssp(located(line, "Component", "source", source, why))
         };
         let fmu = unpack(&mut archive, &described.source, &mut allowance).map_err(wrong)?;
         let fmu = fmu.shown_as(&described.source);
-        let interface = fmu.interface().map_err(wrong)?;
         for connector in &described.connectors {
-            check(connector, &interface, &structure)?;
+            check(connector, &fmu.description, &structure)?;
         }
         let instance = fmu.instantiate(&described.name).map_err(wrong)?;
         components.push(Component { name: described.name.clone(), fmu, instance });
-        interfaces.push(interface);
     }
-    let ignored = set_parameters(&structure, &components, &interfaces)?;
+    let ignored = set_parameters(&structure, &components)?;
     let mut system = System::new(components, algorithm);
-    connect(&mut system, &structure, &interfaces)?;
+    connect(&mut system, &structure)?;
     Ok(Assembled { system, start: structure.start, stop: structure.stop, ignored })
 }
 
 fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
-    let scratch = Scratch::new().context("cannot make a temporary directory")?;
+    let scratch = Scratch::new().map_err(Error::io("cannot make a temporary directory"))?;
     let path = scratch.path().join("component.fmu");
-    archive.copy(source, &mut File::create(&path).context("cannot make a temporary file")?, allowance)?;
+    let mut file = File::create(&path).map_err(Error::io("cannot make a temporary file"))?;
+    archive.copy(source, &mut file, allowance)?;
     Fmu::unzip(&path, allowance)
 }
 
 /// Whether the FMU has the variable that a connector names, of that kind, type and unit.
 fn check(connector: &Connector, interface: &Interface, structure: &SystemStructure) -> Result<()> {
-    let wrong = |why: String| located(connector.line, "Connector", "name", &connector.name, why);
+    let wrong = |why: String| Error::ssp(located(connector.line, "Connector", "name", &connector.name, why));
     let variable = interface.variable(&connector.name);
     let variable = variable.ok_or_else(|| wrong("the FMU has no such variable".into()))?;
     if variable.kind != Some(connector.kind) {
@@ -89,17 +88,18 @@ fn check(connector: &Connector, interface: &Interface, structure: &SystemStructu
     Ok(())
 }
 
-fn connect(system: &mut System, structure: &SystemStructure, interfaces: &[Interface]) -> Result<()> {
+fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
     let mut wires = Wires::default();
+    let interface = |component: usize| &system.components()[component].fmu.description;
     for connection in &structure.connections {
         let line = connection.line;
         let ((source, output), (_, input)) = (structure.port(connection.from), structure.port(connection.to));
         let wrong = |why: String| {
             let text = format!("{} of {:?}: {why}", output.name, source.name);
-            located(line, "Connection", "endConnector", &input.name, format!("from {text}"))
+            Error::ssp(located(line, "Connection", "endConnector", &input.name, format!("from {text}")))
         };
         let variable = |connector: &Connector, component: usize| {
-            let variable = interfaces[component].variable(&connector.name);
+            let variable = interface(component).variable(&connector.name);
             variable.ok_or_else(|| wrong("the FMU has no such variable".into()))
         };
         let from = variable(output, connection.from.component)?;
@@ -118,8 +118,8 @@ fn connect(system: &mut System, structure: &SystemStructure, interfaces: &[Inter
         };
         let mut map = Affine::IDENTITY;
         if !connection.suppress_unit_conversion {
-            let a = unit_of(output, &interfaces[connection.from.component], structure);
-            let b = unit_of(input, &interfaces[connection.to.component], structure);
+            let a = unit_of(output, interface(connection.from.component), structure);
+            let b = unit_of(input, interface(connection.to.component), structure);
             map = conversion(a, b).map_err(wrong)?;
         }
         if let Some(transformation) = connection.transformation {
@@ -151,27 +151,23 @@ fn unit_of<'a>(
     (name, name.and_then(|name| interface.unit(name)))
 }
 
-/// Sets the parameter values, those of the components first; answers what no component has a variable for.
-fn set_parameters(
-    structure: &SystemStructure,
-    components: &[Component],
-    interfaces: &[Interface],
-) -> Result<Vec<String>> {
+/// Sets the parameter values, those of the components first; returns those for which no component has a variable.
+fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Result<Vec<String>> {
     let mut ignored = Vec::new();
     let own = structure.components.iter().enumerate();
     let own =
         own.flat_map(|(place, component)| component.parameters.iter().map(move |set| (set, Some(place))));
     for (set, owner) in own.chain(structure.parameters.iter().map(|set| (set, None))) {
         for parameter in &set.parameters {
-            let wrong = |error: anyhow::Error| {
-                let (file, line) = (&set.file, parameter.line);
-                anyhow!("{file}:{line}: <Parameter> name={:?}: {error:#}", parameter.name)
+            let wrong = |error: Error| {
+                let (file, line, why) = (&set.file, parameter.line, error.whole());
+                Error::Coupling(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
             };
             let target = match owner {
                 Some(place) => Some((place, parameter.name.as_str())),
                 None => component_of(components, &parameter.name),
             };
-            let found = target.filter(|(place, name)| interfaces[*place].variable(name).is_some());
+            let found = target.filter(|(place, name)| components[*place].fmu.kind(name).is_some());
             let Some((place, name)) = found else {
                 ignored.push(format!(
                     "{}:{}: <Parameter> name={:?}: there is no such variable, ignored",
@@ -179,23 +175,21 @@ fn set_parameters(
                 ));
                 continue;
             };
-            let interface = &interfaces[place];
-            set_parameter(&components[place].instance, interface, name, &parameter.value, set, structure)
-                .map_err(wrong)?;
+            set_parameter(&components[place], name, &parameter.value, set, structure).map_err(wrong)?;
         }
     }
     Ok(ignored)
 }
 
 fn set_parameter(
-    instance: &Instance,
-    interface: &Interface,
+    component: &Component,
     name: &str,
     value: &Value,
     set: &ParameterSet,
     structure: &SystemStructure,
 ) -> Result<()> {
-    let Some(variable) = interface.variable(name) else { bail!("there is no such variable") };
+    let (instance, interface) = (&component.instance, &component.fmu.description);
+    let Some(variable) = interface.variable(name) else { return Err(Error::NoVariable(name.to_owned())) };
     let reference = [variable.reference];
     match (value, &variable.of) {
         (Value::Real(value, unit), Type::Real(own)) => {
@@ -207,12 +201,12 @@ fn set_parameter(
                 (unit.as_deref(), unit.as_ref().and_then(defined)),
                 (own.as_deref(), own_definition),
             );
-            instance.set_real(&reference, &[map.map_err(anyhow::Error::msg)?.apply(*value)])
+            instance.set_real(&reference, &[map.map_err(Error::Coupling)?.apply(*value)])
         }
         (Value::Integer(value), Type::Real(_)) => instance.set_real(&reference, &[f64::from(*value)]),
         (Value::Integer(value), Type::Integer) => instance.set_integer(&reference, &[*value]),
         (Value::Boolean(value), Type::Boolean) => instance.set_boolean(&reference, &[i32::from(*value)]),
         (Value::String(value), Type::String) => instance.set_string(&reference, &[value]),
-        (_, of) => bail!("the FMU's variable is of type {}", of.name()),
+        (_, of) => Err(Error::Coupling(format!("the FMU's variable is of type {}", of.name()))),
     }
 }

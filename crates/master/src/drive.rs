@@ -1,69 +1,138 @@
-//! A drive file: who is pushed when, and how hard.
+//! A drive file: the propulsion of agents over time.
 
-use crate::fmu::Instance;
-use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::DRIVE_FILE;
-use crowd_mechanics::trial::{Agent, Trial};
 use lemons_files::input;
 use lemons_fmi2::fingerprint;
+use lemons_trial::Trial;
 use std::collections::{BTreeMap, HashMap};
-use std::io::Read;
-use std::path::Path;
+use std::io::{self, Read};
+use std::path::PathBuf;
 
 /// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
 pub type Push = [f64; 3];
 
-/// Propulsion over time, from a CSV with the columns `t,agent,Fp.x,Fp.y,Mp`: for each agent (by Id)
-/// linearly interpolated between its rows, zero before the first and after the last.
+/// What is wrong with a drive file.
+#[derive(Debug, thiserror::Error)]
+pub enum DriveError {
+    /// Which file it is.
+    #[error("drive file {}", path.display())]
+    In {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<DriveError>,
+    },
+    /// It cannot be read.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// It is not CSV.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// A column is missing, or there are two of one name.
+    #[error("there {found} {name:?} (expected t,agent,Fp.x,Fp.y,Mp)")]
+    Column {
+        /// Of the column.
+        name: &'static str,
+        /// That there is none, or that there are two.
+        found: &'static str,
+    },
+    /// A value is not a finite number.
+    #[error("line {line}: {column}={text:?}: not a finite number")]
+    Number {
+        /// In the file, from 1.
+        line: u64,
+        /// Its name.
+        column: String,
+        /// The value.
+        text: String,
+    },
+    /// The rows of an agent are not in the order of time.
+    #[error("line {line}: t={time} does not come after t={last} of the same agent")]
+    Order {
+        /// In the file, from 1.
+        line: u64,
+        /// \[s\]
+        time: f64,
+        /// \[s\] in the row before.
+        last: f64,
+    },
+    /// The Trial does not have an agent of this Id.
+    #[error("there is no agent {0:?} in Agents.xml")]
+    NoAgent(String),
+}
+
+type Result<T> = std::result::Result<T, DriveError>;
+
+/// The forces that drive people.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum DriveChoice {
+    /// The Trial's own drive file, if it has one.
+    #[default]
+    Own,
+    /// Only those of AgentDynamics.xml.
+    None,
+    /// This file.
+    File(PathBuf),
+}
+
+/// Propulsion over time, from a CSV file with the columns `t,agent,Fp.x,Fp.y,Mp`. For each agent (by Id) it is
+/// interpolated linearly between its rows, and is zero before the first and after the last.
 #[derive(Debug, Default, Clone)]
-pub struct Drive {
+pub struct DriveTable {
     agents: HashMap<String, Vec<(f64, Push)>>,
 }
 
-impl Drive {
-    /// Of a Trial: this file, else its own drive file, if it has one.
+impl DriveTable {
+    /// The drive of a Trial.
     ///
     /// # Errors
-    /// What is wrong with the file; somebody in it is no agent of the Trial.
-    pub fn of(trial: Option<&Trial>, given: Option<&Path>) -> Result<Drive> {
-        let own =
-            trial.map(|trial| trial.directory.join(DRIVE_FILE)).filter(|own| own.symlink_metadata().is_ok());
-        let Some(path) = given.or(own.as_deref()) else { return Ok(Drive::default()) };
-        // What lies in the Trial is not a pipe on purpose.
-        let opened = match given {
-            Some(path) => input::open_given(path, input::LARGEST_DRIVE),
-            None => input::open_found(path, input::LARGEST_DRIVE),
+    /// The file has errors, or an agent in it is not in the Trial.
+    pub fn of(trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
+        let own = || trial.map(|trial| trial.directory.join(DRIVE_FILE));
+        let (path, opened) = match choice {
+            DriveChoice::File(path) => (path.clone(), input::open_given(path, input::LARGEST_DRIVE)),
+            // What lies in the Trial is not a pipe on purpose.
+            DriveChoice::Own => match own().filter(|own| own.symlink_metadata().is_ok()) {
+                Some(own) => (own.clone(), input::open_found(&own, input::LARGEST_DRIVE)),
+                None => return Ok(DriveTable::default()),
+            },
+            DriveChoice::None => return Ok(DriveTable::default()),
         };
-        let said = || format!("drive file {}", path.display());
-        let drive = Drive::from_csv(opened.with_context(said)?).with_context(said)?;
+        let drive = opened.map_err(DriveError::Io).and_then(DriveTable::from_csv);
+        let checked = drive.and_then(|drive| drive.check_agents(trial).map(|()| drive));
+        checked.map_err(|error| DriveError::In { path, source: Box::new(error) })
+    }
+
+    /// That the Trial has all agents that the file names.
+    fn check_agents(&self, trial: Option<&Trial>) -> Result<()> {
         let known = |id: &str| trial.is_some_and(|trial| trial.agents.iter().any(|agent| agent.id == id));
-        if let Some(unknown) = drive.agents().find(|id| !known(id)) {
-            bail!("drive file {}: there is no agent {unknown:?} in Agents.xml", path.display());
+        match self.agents().find(|id| !known(id)) {
+            Some(unknown) => Err(DriveError::NoAgent(unknown.to_owned())),
+            None => Ok(()),
         }
-        Ok(drive)
     }
 
     /// Reads the content of a file.
     ///
     /// # Errors
-    /// What is wrong with it: line, column, value.
-    pub fn from_csv(content: impl Read) -> Result<Drive> {
+    /// The content has errors; the message names line, column and value.
+    pub fn from_csv(content: impl Read) -> Result<DriveTable> {
         let mut reader =
             csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
         let header = reader.headers()?.clone();
-        let column = |name: &str| {
+        let column = |name: &'static str| {
             let named = |column: &str| column.trim_start_matches('\u{feff}') == name;
             let mut places = header.iter().enumerate().filter(|(_, column)| named(column));
-            let many = match (places.next(), places.next()) {
+            let found = match (places.next(), places.next()) {
                 (Some((place, _)), None) => return Ok(place),
                 (None, _) => "is no column",
                 (Some(_), Some(_)) => "are two columns",
             };
-            bail!("there {many} {name:?} (expected t,agent,Fp.x,Fp.y,Mp)")
+            Err(DriveError::Column { name, found })
         };
         let (time, agent) = (column("t")?, column("agent")?);
         let push = [column("Fp.x")?, column("Fp.y")?, column("Mp")?];
-        let mut drive = Drive::default();
+        let mut drive = DriveTable::default();
         for record in reader.records() {
             let record = record?;
             let line = record.position().map_or(0, csv::Position::line);
@@ -71,13 +140,16 @@ impl Drive {
                 let text = &record[place];
                 match text.parse::<f64>() {
                     Ok(value) if value.is_finite() => Ok(value),
-                    _ => bail!("line {line}: {}={text:?}: not a finite number", &header[place]),
+                    _ => {
+                        let (column, text) = (header[place].to_owned(), text.to_owned());
+                        Err(DriveError::Number { line, column, text })
+                    }
                 }
             };
             let row = (number(time)?, [number(push[0])?, number(push[1])?, number(push[2])?]);
             let rows = drive.agents.entry(record[agent].to_owned()).or_default();
             if let Some(last) = rows.last().filter(|last| last.0 >= row.0) {
-                bail!("line {line}: t={} does not come after t={} of the same agent", row.0, last.0);
+                return Err(DriveError::Order { line, time: row.0, last: last.0 });
             }
             rows.push(row);
         }
@@ -94,18 +166,18 @@ impl Drive {
         self.agents.get(agent).map(Vec::as_slice)
     }
 
-    /// Equal for equal pushes, however the file is spelled.
+    /// A text that is equal for equal pushes, however the file is written.
     pub fn fingerprint(&self) -> String {
         let sorted: BTreeMap<_, _> = self.agents.iter().collect();
         format!("{:032x}", fingerprint(format!("{sorted:?}").as_bytes()))
     }
 
-    /// \[s\] The last row of all; `None` without rows.
+    /// \[s\] The time of the last row of all agents; `None` without rows.
     pub fn end(&self) -> Option<f64> {
         self.agents.values().flatten().map(|row| row.0).reduce(f64::max)
     }
 
-    /// What an agent that the file names is driven by at a time \[s\]; `None` for others.
+    /// The drive at a time \[s\] of an agent that is in the file; `None` for other agents.
     pub fn at(&self, agent: &str, time: f64) -> Option<Push> {
         let rows = self.agents.get(agent)?;
         let after = rows.partition_point(|row| row.0 <= time);
@@ -129,48 +201,92 @@ impl Drive {
     }
 }
 
-/// A drive, into an instance of a crowd.
-pub struct Pushes {
-    drive: Drive,
-    /// Of the agents that the drive names.
-    ids: Vec<String>,
-    inputs: Vec<u32>,
+/// Rows of a drive that are never applied in a run with a given communication step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Missed {
+    /// Their number.
+    pub rows: usize,
+    /// How many rows there are.
+    pub of: usize,
+    /// Id of the agent of the largest such push.
+    pub agent: String,
+    /// \[s\] when it is.
+    pub time: f64,
+    /// Its column.
+    pub column: &'static str,
+    /// Of that column, what the file says then, and what is applied at the communication points before and after
+    /// \[N, N.m\].
+    pub push: f64,
+    /// \[s\] and what is applied at the points before and after.
+    pub around: [(f64, f64); 2],
+    /// \[s\] The shortest time between two rows of an agent: as a communication step, it misses none.
+    pub shortest: f64,
 }
 
-impl Pushes {
-    /// To the inputs of these agents of an instance.
-    ///
-    /// # Errors
-    /// The instance has not the inputs of an agent that the drive names.
-    pub fn new(instance: &Instance, agents: &[Agent], drive: Drive) -> Result<Pushes> {
-        let agents = agents.iter().enumerate();
-        let driven: Vec<_> = agents.filter(|(_, agent)| drive.at(&agent.id, 0.0).is_some()).collect();
-        let names = driven
-            .iter()
-            .flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(move |name| format!("agent[{i}].{name}")));
-        Ok(Pushes {
-            inputs: names.map(|name| instance.reference(&name)).collect::<Result<_>>()?,
-            ids: driven.iter().map(|(_, agent)| agent.id.clone()).collect(),
-            drive,
-        })
-    }
-
-    /// \[s\] When the last of them ends; `None` if there is none.
-    pub fn end(&self) -> Option<f64> {
-        self.drive.end()
-    }
-
-    /// What drives them at a time \[s\].
-    ///
-    /// # Errors
-    /// The FMU's refusal.
-    pub fn send(&self, instance: &Instance, time: f64) -> Result<()> {
-        if self.inputs.is_empty() {
-            return Ok(());
+impl DriveTable {
+    /// What a run from `start` with a communication step, both \[s\], does not apply: the drive is what it is at the
+    /// communication points. `None` unless the push of a row between two of them lies beyond both of theirs by more than
+    /// half of the agent's largest one. Rows before the start are not looked at.
+    pub fn missed(&self, start: f64, step: f64) -> Option<Missed> {
+        const COLUMNS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];
+        let (mut rows, mut of, mut shortest) = (0, 0, f64::INFINITY);
+        let mut worst: Option<(f64, Missed)> = None;
+        // In an order that does not change from run to run.
+        for (agent, pushes) in self.agents.iter().collect::<BTreeMap<_, _>>() {
+            let most = |k: usize| pushes.iter().map(|(_, push)| push[k].abs()).fold(0.0, f64::max);
+            let most = [most(0), most(1), most(2)];
+            of += pushes.len();
+            shortest = pushes.windows(2).map(|rows| rows[1].0 - rows[0].0).fold(shortest, f64::min);
+            for (place, (time, push)) in pushes.iter().enumerate().filter(|(_, row)| row.0 >= start) {
+                // Between its neighbours a row has a share in what is applied.
+                let last = place.checked_sub(1).map(|last| pushes[last].0);
+                let next = pushes.get(place + 1).map(|next| next.0);
+                let shares = |point: f64| {
+                    last.map_or(point >= *time, |last| point > last)
+                        && next.map_or(point <= *time, |next| point < next)
+                };
+                let first = ((last.unwrap_or(*time) - start) / step).floor().max(0.0);
+                let unused = !(0..3).any(|k| shares(start + (first + f64::from(k)) * step));
+                let before = start + ((time - start) / step).floor() * step;
+                let after = before + step;
+                let [a, b] = [before, after].map(|point| self.at(agent, point).unwrap_or_default());
+                // By how much of the largest one.
+                let by = |k: usize| {
+                    let (low, high) = (a[k].min(b[k]), a[k].max(b[k]));
+                    ((push[k] / most[k] - high / most[k]).max(low / most[k] - push[k] / most[k]), k)
+                };
+                let found =
+                    (0..3).rev().filter(|&k| most[k] > 0.0).map(by).max_by(|a, b| a.0.total_cmp(&b.0));
+                let found = found.filter(|(by, _)| *by > 0.5);
+                rows += usize::from(unused || found.is_some());
+                let Some((by, k)) = found else { continue };
+                if worst.as_ref().is_none_or(|(most, _)| by > *most) {
+                    let (agent, time, column) = (agent.clone(), *time, COLUMNS[k]);
+                    let around = [(before, a[k]), (after, b[k])];
+                    let missed = Missed { rows, of, agent, time, column, push: push[k], around, shortest };
+                    worst = Some((by, missed));
+                }
+            }
         }
-        let pushes = self.ids.iter().filter_map(|id| self.drive.at(id, time));
-        let values: Vec<f64> = pushes.flatten().collect();
-        instance.set_real(&self.inputs, &values)
+        worst.map(|(_, missed)| Missed { rows, of, shortest, ..missed })
+    }
+}
+
+impl std::fmt::Display for Missed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Missed { rows, of, agent, time, column, push, around: [before, after], shortest } = self;
+        let step = after.0 - before.0;
+        let come = if *rows == 1 { "comes" } else { "come" };
+        write!(
+            f,
+            "{rows} of {of} rows {come} between communication points, which are {step:?} s apart, so they are not applied: at t = {time:?} s \
+             agent {agent:?} has {column} = {push:?}, but the applied value is {:?} from t = {:?} s and {:?} from t = {:?} s",
+            before.1, before.0, after.1, after.0
+        )?;
+        if shortest.is_finite() {
+            write!(f, "; a communication step of {shortest:.3e} s applies all rows")?;
+        }
+        Ok(())
     }
 }
 
@@ -178,8 +294,8 @@ impl Pushes {
 mod tests {
     use super::*;
 
-    fn drive(text: &str) -> Result<Drive> {
-        Drive::from_csv(text.as_bytes())
+    fn drive(text: &str) -> Result<DriveTable> {
+        DriveTable::from_csv(text.as_bytes())
     }
 
     #[test]
@@ -190,6 +306,28 @@ mod tests {
         assert_eq!(drive.at("a", 2.0), Some([100.0, -50.0, 2.0]));
         assert_eq!(drive.at("a", 2.1), Some([0.0; 3]));
         assert_eq!(drive.at("c", 1.5), None);
+    }
+
+    /// With a TimeStep of 50 s nobody was pushed, and nobody said so.
+    #[test]
+    fn rows_between_communication_points_are_missed_with_their_numbers() {
+        let rows =
+            "t,agent,Fp.x,Fp.y,Mp\n0,a,0,0,0\n0.3,a,600,0,0\n0.4,a,-1200,0,9\n0.6,a,0,0,0\n9,b,1,0,0\n";
+        let drive = drive(rows).unwrap();
+        let missed = drive.missed(0.0, 50.0).unwrap();
+        let said = "4 of 5 rows come between communication points, which are 50.0 s apart, so they are not applied: at t = 0.4 s \
+                    agent \"a\" has Fp.x = -1200.0, but the applied value is 0.0 from t = 0.0 s and 0.0 from t = 50.0 s; \
+                    a communication step of 1.000e-1 s applies all rows";
+        assert_eq!(missed.to_string(), said);
+        assert_eq!(drive.missed(0.0, 0.1), None);
+        // A sample somewhere on its way is not the push, but it is applied.
+        let missed = drive.missed(0.0, 0.7).unwrap();
+        assert_eq!((missed.rows, missed.agent.as_str(), missed.time), (4, "a", 0.4));
+        assert_eq!(DriveTable::default().missed(0.0, 50.0), None);
+        // Rows nearer to each other than the points are no fault of a slow drive.
+        let slow: String = (0..1000).map(|k| format!("{:?},a,{k},0,0\n", 1e-3 * f64::from(k))).collect();
+        let slow = self::drive(&format!("t,agent,Fp.x,Fp.y,Mp\n{slow}")).unwrap();
+        assert_eq!(slow.missed(0.0, 0.05), None);
     }
 
     #[test]
@@ -205,7 +343,7 @@ mod tests {
 
     #[test]
     fn says_line_and_value() {
-        let said = |text: &str| format!("{:#}", drive(text).unwrap_err());
+        let said = |text: &str| drive(text).unwrap_err().to_string();
         assert!(said("t,agent,Fp.x,Mp\n").contains("no column \"Fp.y\""));
         assert!(said("t,agent,Fp.x,Fp.y,Mp,Mp\n").contains("two columns \"Mp\""));
         assert!(said("t,agent,Fp.x,Fp.y,Mp\n0,a,x,0,0\n").contains("line 2: Fp.x=\"x\""));

@@ -1,27 +1,27 @@
-//! An FMU and its instances, by `fmi-rs`.
+//! An FMU and its instances.
 
+use crate::calls::{Answer, Calls, Made};
+use crate::error::{Cause, Error, Place, Result};
 use crate::kind::Kind;
 use crate::library::check_library;
 use crate::unzip::{DESCRIPTION_FILE, unzip};
-use anyhow::{Context, Result, anyhow, bail};
-use crowd_mechanics::files::Scratch;
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
+use crowd_mechanics::pack::host_platform;
 use crowd_mechanics::resources::{Resources, ResourcesError};
-use crowd_mechanics::trial::Trial;
-use fmi_rs::fmi2::log::Logger;
-use fmi_rs::fmi2::types::fmi2Status;
-use fmi_rs::fmi2::{CS, FMU2, PLATFORM};
-use fmi_rs::model_description::fmi2::{ModelDescription, VariableType};
-use lemons_files::{input, markup};
-use lemons_ssp::{Allowance, Interface};
+use lemons_files::{Scratch, input};
+use lemons_fmi2::Status;
+use lemons_ssp::{Allowance, Interface, Type};
+use lemons_trial::Trial;
 use std::collections::HashMap;
 use std::path::Path;
+use std::rc::Rc;
+use std::str::FromStr;
 use std::sync::{Arc, Mutex};
 
-/// All agents, in the name of a variable.
+/// Stands for all agents in the name of a variable.
 const EVERY_AGENT: &str = "agent[*].";
 
-/// The variables that a name means: `agent[*].Mass` those of all agents that are known, any other name itself.
+/// The variables that a name stands for: `agent[*].Mass` stands for those of all known agents, any other name for itself.
 pub fn named(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
     let of_all = name.strip_prefix(EVERY_AGENT).map(|rest| {
         let names = (0..).map(|i| format!("agent[{i}].{rest}"));
@@ -33,10 +33,8 @@ pub fn named(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
 /// An FMU, unzipped.
 pub struct Fmu {
     directory: Scratch,
-    /// What `modelDescription.xml` says.
-    pub description: ModelDescription,
-    /// Of the variables, by name.
-    places: HashMap<String, usize>,
+    /// The content of `modelDescription.xml`.
+    pub description: Interface,
     /// Where it came from.
     shown: String,
     /// The Trial that was packed, by name, and where it lies.
@@ -57,21 +55,21 @@ impl Fmu {
     /// Unzips an FMU and reads its description.
     ///
     /// # Errors
-    /// No FMU there.
+    /// There is no FMU.
     pub fn open(path: &Path) -> Result<Fmu> {
         Kind::expect(path, &Kind::ARCHIVES, "an FMU")?;
         let mut allowance = Allowance::new(Allowance::FMUS);
-        let fmu = Self::unzip(path, &mut allowance).with_context(|| path.display().to_string())?;
+        let fmu = Self::unzip(path, &mut allowance).place(|| path.display().to_string())?;
         Ok(fmu.shown_as(&path.display().to_string()))
     }
 
-    /// Messages name its files as those of this path.
+    /// In messages, its files get this path.
     #[must_use]
     pub fn shown_as(self, path: &str) -> Fmu {
         Fmu { shown: path.to_owned(), ..self }
     }
 
-    /// Messages name the files of the Trial that was packed into it as those of this directory.
+    /// In messages, the files of the Trial that was packed into it get the path of this directory.
     #[must_use]
     pub fn of_trial(mut self, directory: &Path) -> Fmu {
         let resources = self.resources().ok();
@@ -86,33 +84,21 @@ impl Fmu {
         Names(trial.chain([(unzipped.to_string(), self.shown.clone())]).collect())
     }
 
-    /// As [`Fmu::open`], for a file whose name is of no interest to those who read messages.
+    /// Like [`Fmu::open`], for a file whose name does not matter in messages.
     pub(crate) fn unzip(path: &Path, allowance: &mut Allowance) -> Result<Fmu> {
-        let directory = Scratch::new().context("cannot make a temporary directory")?;
+        let directory = Scratch::new().map_err(Error::io("cannot make a temporary directory"))?;
         unzip(path, directory.path(), allowance)?;
-        let text = input::read_text(&directory.path().join(DESCRIPTION_FILE), LARGEST_DESCRIPTION)
-            .context(DESCRIPTION_FILE)?;
-        markup::check(&text).map_err(|refused| anyhow!("{DESCRIPTION_FILE}:{}: {refused}", refused.line))?;
-        let description =
-            ModelDescription::from_string(&text).map_err(|error| anyhow!("{DESCRIPTION_FILE}: {error}"))?;
-        check_identifiers(&description).context(DESCRIPTION_FILE)?;
+        let bytes = input::read(&directory.path().join(DESCRIPTION_FILE), LARGEST_DESCRIPTION)
+            .place(|| DESCRIPTION_FILE.to_owned())?;
+        let description = Interface::read(&bytes)?;
+        check_identifiers(&description).place(|| DESCRIPTION_FILE.to_owned())?;
         check_own_library(&description, directory.path())?;
-        let names = description.modelVariables.iter().enumerate();
-        let places = names.map(|(place, variable)| (variable.name.clone(), place)).collect();
-        Ok(Fmu { directory, description, places, shown: "FMU".into(), trial: None })
+        Ok(Fmu { directory, description, shown: "FMU".into(), trial: None })
     }
 
-    /// Where it is unzipped, until it is dropped.
+    /// The directory into which it is unzipped; it exists until the FMU is dropped.
     pub fn directory(&self) -> &Path {
         self.directory.path()
-    }
-
-    /// The variables and units, as SSP sees them.
-    ///
-    /// # Errors
-    /// The model description is broken.
-    pub fn interface(&self) -> Result<Interface> {
-        Interface::read(&input::read(&self.directory.path().join(DESCRIPTION_FILE), LARGEST_DESCRIPTION)?)
     }
 
     /// The Trials that are packed in it.
@@ -121,68 +107,63 @@ impl Fmu {
     /// There are none.
     pub fn resources(&self) -> Result<Resources> {
         let path = self.directory.path().join("resources");
-        let path = path.to_str().ok_or_else(|| anyhow!("{} is not UTF-8", path.display()))?;
+        let path = path.to_str().ok_or_else(|| Error::Trial(format!("{} is not UTF-8", path.display())))?;
         Resources::from_uri(path).map_err(|error| match error {
-            ResourcesError::NoTrial { .. } => anyhow!("holds no Trial: it is not an FMU of a crowd"),
-            error => anyhow!("{}", self.names().said(&error.to_string())),
+            ResourcesError::NoTrial { .. } => Error::NoTrial,
+            error => Error::Trial(self.names().said(&error.to_string())),
         })
     }
 
     /// One of these Trials.
     ///
     /// # Errors
-    /// All that is wrong with it.
+    /// All errors in its files.
     pub fn trial(&self, name: Option<&str>) -> Result<Trial> {
         let packed = self.resources()?;
         let read = packed.load(name.unwrap_or(packed.first()));
-        Ok(read.map_err(|error| anyhow!("{}", self.names().said(&error.to_string())))?.0)
+        Ok(read.map_err(|error| Error::Trial(self.names().said(&error.to_string())))?.0)
     }
 
     /// A new instance.
     ///
     /// # Errors
-    /// What the FMU says.
+    /// The FMU cannot be instantiated; the error contains its messages.
     pub fn instantiate(&self, name: &str) -> Result<Instance> {
-        let co_simulation = self
-            .description
-            .coSimulation
-            .as_ref()
-            .ok_or_else(|| anyhow!("the FMU is not for co-simulation"))?;
+        let own = self.description.co_simulation.as_ref();
+        let own = own.ok_or(Error::NotCoSimulation)?;
+        let platform = host_platform().ok_or(Error::NoPlatform)?;
         let messages = Arc::new(Messages { names: self.names(), ..Messages::default() });
-        let prefix = format!("{}/", self.directory.path().display());
-        let fmu = FMU2::<CS>::new(
-            self.directory.path(),
-            &co_simulation.modelIdentifier,
+        let made = Made {
+            library: &self.directory.path().join(library_of(&own.identifier, platform)),
+            resources: &self.directory.path().join("resources"),
             name,
-            &self.description.guid,
-            false,
-            false,
-            false,
-            messages.clone(),
-            !co_simulation.canNotUseMemoryManagementFunctions,
-        )
-        .map_err(|error| {
-            let text = format!("cannot instantiate the FMU: {error}: {}", root_cause(&error));
-            let error = messages.explain(anyhow!("{}", text.replace(&prefix, "")));
-            if self.directory.path().join("resources").is_dir() {
-                error.context(self.shown.clone())
-            } else {
-                error.context(format!("{}: has no directory resources, which it may need", self.shown))
+            guid: &self.description.guid,
+            memory_functions: !own.cannot_use_memory_functions,
+        };
+        let told = messages.clone();
+        let calls = Calls::new(&made, Box::new(move |status, text| told.hear(status, text)));
+        let calls = calls.map_err(|error| {
+            let prefix = format!("{}/", self.directory.path().display());
+            let why = Error::from(error).whole().replace(&prefix, "");
+            let mut place = self.shown.clone();
+            if !self.directory.path().join("resources").is_dir() {
+                place += ": has no directory resources, which it may need";
             }
+            Error::In { place, source: Box::new(Error::Instantiate { why, said: messages.errors() }) }
         })?;
-        let references =
-            self.description.modelVariables.iter().map(|v| (v.name.clone(), v.valueReference)).collect();
-        Ok(Instance { fmu, messages, references })
+        let variables = self.description.variables.iter();
+        let references = variables.map(|variable| (variable.name.clone(), variable.reference)).collect();
+        Ok(Instance { calls: Rc::new(calls), messages, references })
     }
 
-    /// The variables that a name means; see [`named`].
+    /// The variables that a name stands for; see [`named`].
     pub fn named(&self, name: &str) -> Vec<String> {
-        named(name, |name| self.places.contains_key(name))
+        named(name, |name| self.description.variable(name).is_some())
     }
 
     /// The type of a variable.
-    pub fn kind(&self, name: &str) -> Option<&VariableType> {
-        self.places.get(name).map(|&place| &self.description.modelVariables[place].variableType)
+    pub fn kind(&self, name: &str) -> Option<&Type> {
+        self.description.variable(name).map(|variable| &variable.of)
     }
 }
 
@@ -190,40 +171,39 @@ impl Fmu {
 const LONGEST_IDENTIFIER: usize = 200;
 
 /// That each modelIdentifier is what FMI wants, an identifier of C: it is a part of the path of a library that is loaded.
-fn check_identifiers(description: &ModelDescription) -> Result<()> {
-    let exchange = description.modelExchange.as_ref().map(|element| &element.modelIdentifier);
-    let simulation = description.coSimulation.as_ref().map(|element| &element.modelIdentifier);
+fn check_identifiers(description: &Interface) -> Result<()> {
+    let exchange = description.model_exchange.as_ref();
+    let simulation = description.co_simulation.as_ref().map(|own| &own.identifier);
     for (element, identifier) in [("ModelExchange", exchange), ("CoSimulation", simulation)] {
         let Some(identifier) = identifier else { continue };
         if identifier.len() > LONGEST_IDENTIFIER {
             let length = identifier.len();
-            bail!("<{element}> modelIdentifier: has {length} bytes: must have at most {LONGEST_IDENTIFIER}");
+            let why = format!(": has {length} bytes: must have at most {LONGEST_IDENTIFIER}");
+            return Err(Error::Identifier { element, why });
         }
         let letters = identifier.bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric());
         if !letters || identifier.is_empty() || identifier.starts_with(|first: char| first.is_ascii_digit()) {
-            bail!(
-                "<{element}> modelIdentifier={identifier:?}: must be a name in C: letters from A to Z, digits and _, \
-                 without a digit at the beginning"
+            let why = format!(
+                "={identifier:?}: must be a name in C: letters from A to Z, digits and _, without a digit at the \
+                 beginning"
             );
+            return Err(Error::Identifier { element, why });
         }
     }
     Ok(())
 }
 
-/// That the library for this machine, if there is one, can be loaded.
-fn check_own_library(description: &ModelDescription, directory: &Path) -> Result<()> {
-    let Some(simulation) = &description.coSimulation else { return Ok(()) };
-    let name = format!("binaries/{PLATFORM}/{}{}", simulation.modelIdentifier, std::env::consts::DLL_SUFFIX);
-    let path = directory.join(&name);
-    if path.is_file() { check_library(&path, PLATFORM).context(name) } else { Ok(()) }
+/// Where an FMU has the library for a platform.
+fn library_of(identifier: &str, platform: &str) -> String {
+    format!("binaries/{platform}/{identifier}{}", std::env::consts::DLL_SUFFIX)
 }
 
-fn root_cause(error: &dyn std::error::Error) -> String {
-    let mut cause = error;
-    while let Some(source) = cause.source() {
-        cause = source;
-    }
-    cause.to_string()
+/// That the library for this machine, if there is one, can be loaded.
+fn check_own_library(description: &Interface, directory: &Path) -> Result<()> {
+    let (Some(own), Some(platform)) = (&description.co_simulation, host_platform()) else { return Ok(()) };
+    let name = library_of(&own.identifier, platform);
+    let path = directory.join(&name);
+    if path.is_file() { check_library(&path, platform).place(|| name) } else { Ok(()) }
 }
 
 /// What the FMU logs. Errors become the run's error; warnings are kept for the end.
@@ -234,39 +214,40 @@ pub(crate) struct Messages {
     names: Names,
 }
 
-impl Logger for Messages {
-    fn log_call(&self, _: fmi2Status, _: &str) {}
-
-    fn log_message(&self, status: fmi2Status, _: &str, message: &str) {
+impl Messages {
+    fn hear(&self, status: Option<Status>, message: &str) {
         let list = match status {
-            fmi2Status::Ok => return,
-            fmi2Status::Warning | fmi2Status::Discard => &self.warnings,
+            Some(Status::Ok) => return,
+            Some(Status::Warning | Status::Discard) => &self.warnings,
             _ => &self.errors,
         };
         if let Ok(mut list) = list.lock() {
             list.push(message.to_owned());
         }
     }
-}
 
-impl Messages {
-    fn explain(&self, error: anyhow::Error) -> anyhow::Error {
+    /// The errors since the last call.
+    fn errors(&self) -> Vec<String> {
         let said = self.errors.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default();
-        if said.is_empty() { error } else { anyhow!("{}", self.names.said(&said.join("\n"))) }
+        said.iter().map(|message| self.names.said(message)).collect()
     }
 }
 
-/// What a call answered; its error is what the FMU has said of it.
-pub(crate) fn done(messages: &Messages, status: fmi2Status, what: &str) -> Result<()> {
-    match status {
-        fmi2Status::Ok | fmi2Status::Warning => Ok(()),
-        other => Err(messages.explain(anyhow!("{what} answered {other:?}"))),
+/// The result of a call; its error is what the FMU has logged about it.
+pub(crate) fn done(messages: &Messages, answer: Answer, call: &'static str) -> Result<()> {
+    match answer.status() {
+        Some(Status::Ok | Status::Warning) => Ok(()),
+        _ => Err(Error::Refused { call, answer, said: messages.errors() }),
     }
+}
+
+fn number<T: FromStr<Err: Into<Cause>>>(text: &str) -> Result<T, Cause> {
+    text.parse().map_err(Into::into)
 }
 
 /// An instance of an FMU.
 pub struct Instance {
-    pub(crate) fmu: Arc<FMU2<CS>>,
+    pub(crate) calls: Rc<Calls>,
     pub(crate) messages: Arc<Messages>,
     references: HashMap<String, u32>,
 }
@@ -277,42 +258,43 @@ impl Instance {
     /// # Errors
     /// There is no such variable.
     pub fn reference(&self, name: &str) -> Result<u32> {
-        self.references.get(name).copied().ok_or_else(|| anyhow!("the FMU has no variable {name:?}"))
+        self.references.get(name).copied().ok_or_else(|| Error::NoVariable(name.to_owned()))
     }
 
-    fn done(&self, status: fmi2Status, what: &str) -> Result<()> {
-        done(&self.messages, status, what)
+    fn done(&self, answer: Answer, call: &'static str) -> Result<()> {
+        done(&self.messages, answer, call)
     }
 
     /// Sets a variable from its text.
     ///
     /// # Errors
     /// A text that is no value of the type, or the FMU's refusal.
-    pub fn set(&self, kind: &VariableType, name: &str, text: &str) -> Result<()> {
+    pub fn set(&self, kind: &Type, name: &str, text: &str) -> Result<()> {
         let reference = [self.reference(name)?];
-        let number_wanted = || format!("{name}={text}: not a number");
-        let status = match kind {
-            VariableType::Real { .. } => {
-                self.fmu.setReal(&reference, &[text.parse().with_context(number_wanted)?])
-            }
-            VariableType::Integer { .. } => {
-                self.fmu.setInteger(&reference, &[text.parse().with_context(number_wanted)?])
-            }
-            VariableType::String { .. } => self.fmu.setString(&reference, &[text]),
-            VariableType::Boolean { .. } => match text {
-                "true" | "1" => self.fmu.setBoolean(&reference, &[1]),
-                "false" | "0" => self.fmu.setBoolean(&reference, &[0]),
-                _ => bail!("{name}={text}: neither true nor false"),
+        let wrong = |why, source| Error::Value { name: name.to_owned(), text: text.to_owned(), why, source };
+        let answer = match kind {
+            Type::Real(_) => self
+                .calls
+                .set_real(&reference, &[number(text).map_err(|error| wrong("not a number", Some(error)))?]),
+            Type::Integer => self.calls.set_integer(
+                &reference,
+                &[number(text).map_err(|error| wrong("not a number", Some(error)))?],
+            ),
+            Type::String => self.calls.set_string(&reference, &[text])?,
+            Type::Boolean => match text {
+                "true" | "1" => self.calls.set_boolean(&reference, &[1]),
+                "false" | "0" => self.calls.set_boolean(&reference, &[0]),
+                _ => return Err(wrong("neither true nor false", None)),
             },
-            other => bail!("{name}: variables of type {} cannot be set here", other.name()),
+            other => return Err(Error::Type { name: name.to_owned(), of: other.name() }),
         };
-        self.done(status, "fmi2Set")
+        self.done(answer, "fmi2Set")
     }
 
     /// From `fmi2SetupExperiment` to `fmi2ExitInitializationMode`, at time 0.
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn initialize(&self) -> Result<()> {
         self.enter_initialization(0.0)?;
         self.exit_initialization()
@@ -321,109 +303,109 @@ impl Instance {
     /// `fmi2SetupExperiment` at a time \[s\] and `fmi2EnterInitializationMode`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn enter_initialization(&self, start: f64) -> Result<()> {
-        self.done(self.fmu.setupExperiment(None, start, None), "fmi2SetupExperiment")?;
-        self.done(self.fmu.enterInitializationMode(), "fmi2EnterInitializationMode")
+        self.done(self.calls.setup_experiment(start), "fmi2SetupExperiment")?;
+        self.done(self.calls.enter_initialization(), "fmi2EnterInitializationMode")
     }
 
     /// `fmi2ExitInitializationMode`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn exit_initialization(&self) -> Result<()> {
-        self.done(self.fmu.exitInitializationMode(), "fmi2ExitInitializationMode")
+        self.done(self.calls.exit_initialization(), "fmi2ExitInitializationMode")
     }
 
     /// `fmi2SetReal`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn set_real(&self, references: &[u32], values: &[f64]) -> Result<()> {
-        self.done(self.fmu.setReal(references, values), "fmi2SetReal")
+        self.done(self.calls.set_real(references, values), "fmi2SetReal")
     }
 
     /// `fmi2GetReal`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn get_real(&self, references: &[u32], values: &mut [f64]) -> Result<()> {
-        self.done(self.fmu.getReal(references, values), "fmi2GetReal")
+        self.done(self.calls.get_real(references, values), "fmi2GetReal")
     }
 
     /// `fmi2GetInteger`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn get_integer(&self, references: &[u32], values: &mut [i32]) -> Result<()> {
-        self.done(self.fmu.getInteger(references, values), "fmi2GetInteger")
+        self.done(self.calls.get_integer(references, values), "fmi2GetInteger")
     }
 
     /// `fmi2SetInteger`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn set_integer(&self, references: &[u32], values: &[i32]) -> Result<()> {
-        self.done(self.fmu.setInteger(references, values), "fmi2SetInteger")
+        self.done(self.calls.set_integer(references, values), "fmi2SetInteger")
     }
 
     /// `fmi2GetBoolean`; anything but 0 is true.
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn get_boolean(&self, references: &[u32], values: &mut [i32]) -> Result<()> {
-        self.done(self.fmu.getBoolean(references, values), "fmi2GetBoolean")
+        self.done(self.calls.get_boolean(references, values), "fmi2GetBoolean")
     }
 
     /// `fmi2SetBoolean`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn set_boolean(&self, references: &[u32], values: &[i32]) -> Result<()> {
-        self.done(self.fmu.setBoolean(references, values), "fmi2SetBoolean")
+        self.done(self.calls.set_boolean(references, values), "fmi2SetBoolean")
     }
 
     /// `fmi2GetString`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn get_string(&self, references: &[u32], values: &mut [String]) -> Result<()> {
-        self.done(self.fmu.getString(references, values), "fmi2GetString")
+        self.done(self.calls.get_string(references, values), "fmi2GetString")
     }
 
     /// `fmi2SetString`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn set_string(&self, references: &[u32], values: &[&str]) -> Result<()> {
-        self.done(self.fmu.setString(references, values), "fmi2SetString")
+        self.done(self.calls.set_string(references, values)?, "fmi2SetString")
     }
 
     /// `fmi2DoStep` from a time over a step, both \[s\].
     ///
     /// # Errors
-    /// The FMU's refusal or failure.
+    /// The FMU refuses the step or fails.
     pub fn step(&self, time: f64, step: f64) -> Result<()> {
-        self.done(self.fmu.doStep(time, step, 1), "fmi2DoStep")
+        self.done(self.calls.do_step(time, step), "fmi2DoStep")
     }
 
     /// `fmi2Reset`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn reset(&self) -> Result<()> {
-        self.done(self.fmu.reset(), "fmi2Reset")
+        self.done(self.calls.reset(), "fmi2Reset")
     }
 
     /// `fmi2Terminate`
     ///
     /// # Errors
-    /// The FMU's refusal.
+    /// The FMU refuses the call.
     pub fn terminate(&self) -> Result<()> {
-        self.done(self.fmu.terminate(), "fmi2Terminate")
+        self.done(self.calls.terminate(), "fmi2Terminate")
     }
 
-    /// What the FMU has warned of since the last call.
+    /// The warnings of the FMU since the last call.
     pub fn warnings(&self) -> Vec<String> {
         let said =
             self.messages.warnings.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default();
@@ -450,7 +432,7 @@ mod tests {
             );
             std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
             zip.finish().unwrap();
-            Fmu::open(&path).map_or_else(|error| format!("{error:#}"), |_| "taken".to_owned())
+            Fmu::open(&path).map_or_else(|error| error.whole(), |_| "taken".to_owned())
         };
         let long = "a".repeat(201);
         for element in ["CoSimulation", "ModelExchange"] {
@@ -482,7 +464,7 @@ mod tests {
             let text = said(&long, element);
             assert!(text.contains("modelIdentifier: has 201 bytes: must have at most 200"), "{text}");
             // XML knows no NUL.
-            assert!(said("a&#0;b", element).contains("x.fmu: modelDescription.xml: "));
+            assert!(said("a&#0;b", element).contains("x.fmu: modelDescription.xml:1: "));
         }
     }
 }

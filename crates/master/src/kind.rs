@@ -1,12 +1,11 @@
 //! What a file is that was taken for something else.
 
 use crate::unzip::DESCRIPTION_FILE;
-use anyhow::{Result, bail};
 use lemons_files::input;
 use lemons_ssp::STRUCTURE_FILE;
 use std::fmt;
 use std::io::{BufReader, ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zip::ZipArchive;
 
 /// What lies at a path.
@@ -93,16 +92,25 @@ impl Kind {
     ///
     /// # Errors
     /// It does not; the text says what would be right.
-    pub fn expect(path: &Path, kinds: &[Kind], wanted: &str) -> Result<()> {
+    pub fn expect(path: &Path, kinds: &[Kind], wanted: &'static str) -> Result<(), Unexpected> {
         let kind = Kind::of(path);
         if kinds.contains(&kind) || kind == Kind::Unreadable {
             return Ok(());
         }
-        if kind == Kind::Missing {
-            bail!("{}: {kind}", path.display());
-        }
-        bail!("{}: {kind}, not {wanted}", path.display())
+        Err(Unexpected { path: path.to_owned(), kind, wanted })
     }
+}
+
+/// A path leads to something else than what is wanted.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{}: {kind}{}", path.display(), if *kind == Kind::Missing { String::new() } else { format!(", not {wanted}") })]
+pub struct Unexpected {
+    /// As it was given.
+    pub path: PathBuf,
+    /// What is there.
+    pub kind: Kind,
+    /// What is wanted.
+    pub wanted: &'static str,
 }
 
 impl fmt::Display for Kind {
@@ -116,7 +124,7 @@ impl fmt::Display for Kind {
             Kind::Empty => "is an empty file",
             Kind::Fmu => "is an FMU",
             Kind::Ssp => "is an SSP",
-            Kind::SavedRun => "is a saved run (--resume)",
+            Kind::SavedRun => "is a saved run",
             Kind::Archive => "is a zip archive",
             Kind::BrokenArchive => "is a damaged zip archive",
             Kind::Parquet => "is a table in Parquet",

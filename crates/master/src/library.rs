@@ -2,12 +2,31 @@
 //!
 //! A loader maps the parts of a file that its headers speak of. Where the file ends before them, the program gets SIGBUS.
 
-use anyhow::{Context, Result, anyhow, bail};
 use object::elf::{EM_386, EM_AARCH64, EM_X86_64, FileHeader32, FileHeader64};
 use object::read::elf::{FileHeader, ProgramHeader};
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, Endianness, FileKind, Object, ObjectSegment, ReadCache, ReadRef};
+use std::io;
 use std::path::Path;
+
+/// Why a file is not a shared library that can be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LibraryError {
+    /// It cannot be read.
+    #[error("cannot be read")]
+    Read(#[from] io::Error),
+    /// It is something else, or for another platform.
+    #[error("is not a shared library for {platform}")]
+    Foreign {
+        /// FMI's name.
+        platform: String,
+        /// If it is no library at all.
+        source: Option<object::Error>,
+    },
+    /// It ends before its parts do.
+    #[error("is cut off: {0}")]
+    CutOff(String),
+}
 
 /// The file format and the processors of FMI's platforms.
 const PLATFORMS: [(&str, BinaryFormat, &[Architecture]); 9] = {
@@ -39,16 +58,16 @@ struct Part {
 ///
 /// # Errors
 /// It is not; the text does not name the file.
-pub fn check_library(path: &Path, platform: &str) -> Result<()> {
+pub fn check_library(path: &Path, platform: &str) -> Result<(), LibraryError> {
     let known = PLATFORMS.iter().find(|(name, ..)| *name == platform);
     let Some((_, format, processors)) = known else { return Ok(()) };
-    let data = ReadCache::new(lemons_files::input::open(path).context("cannot be read")?);
-    let wrong = || anyhow!("is no shared library for {platform}");
-    let parts = parts(&data).with_context(wrong)?;
+    let data = ReadCache::new(lemons_files::input::open(path)?);
+    let foreign = |source| LibraryError::Foreign { platform: platform.to_owned(), source };
+    let parts = parts(&data).map_err(|error| foreign(Some(error)))?;
     let fits = |part: &&Part| part.format == *format && processors.contains(&part.processor);
     match parts.iter().find(fits) {
-        None => Err(wrong()),
-        Some(Part { lacks: Some(what), .. }) => bail!("is cut off: {what}"),
+        None => Err(foreign(None)),
+        Some(Part { lacks: Some(what), .. }) => Err(LibraryError::CutOff(what.clone())),
         Some(_) => Ok(()),
     }
 }
@@ -131,10 +150,10 @@ mod tests {
         let lengths = [0, 1, 15, 16, 63, 64, 65, 500, 4096].into_iter();
         for length in lengths.chain((1..20).map(|k| whole.len() / 20 * k)).chain([whole.len() - 1]) {
             std::fs::write(&path, &whole[..length]).unwrap();
-            let said = format!("{:#}", check_library(&path, &binary.platform).unwrap_err());
+            let said = check_library(&path, &binary.platform).unwrap_err().to_string();
             let cut_off =
                 said.starts_with("is cut off: ") && said.ends_with(&format!("the file at byte {length}"));
-            let no_header = length <= 64 && said.starts_with("is no shared library for ");
+            let no_header = length <= 64 && said.starts_with("is not a shared library for ");
             assert!(cut_off || no_header, "{length}: {said}");
         }
     }

@@ -1,15 +1,16 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
+use crate::error::{Place, Result, SavedError};
 use crate::extremes::{Extremes, Greatest};
 use crate::state::LARGEST_STATE;
 use crate::system::System;
-use anyhow::{Context, Result, anyhow, bail};
-use crowd_mechanics::files::Staged;
+use lemons_files::Staged;
 use lemons_files::input;
 use lemons_fmi2::fingerprint;
 use lemons_ssp::{Allowance, distinct};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::fmt::Display;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
@@ -27,7 +28,8 @@ const LARGEST_RUN: u64 = 4_000_000;
 pub struct Saved {
     /// [`Saved::FORMAT`]
     pub format: u32,
-    /// The program that wrote it.
+    /// The builds of the program that wrote it ([`writers`]). For people: a run goes on with any build that knows the
+    /// format.
     pub lemons: String,
     /// \[s\] when the run began
     pub start: f64,
@@ -75,7 +77,7 @@ pub struct ComponentRecord {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Extent {
-    /// How many.
+    /// Their number.
     pub rows: u64,
     /// \[s\] of the last row
     pub last: Option<f64>,
@@ -107,6 +109,19 @@ pub fn wiring_of(system: &System) -> String {
     format!("{:032x}", fingerprint(system.wiring().as_bytes()))
 }
 
+/// What a file says of the programs that wrote it, once `now` has gone on with what those `before` had written: each
+/// of them once, oldest first, with `; ` between them.
+pub fn writers(before: &str, now: &str) -> String {
+    let mut seen = HashSet::new();
+    let all = before.split("; ").chain(now.split("; "));
+    all.filter(|one| !one.is_empty() && seen.insert(*one)).collect::<Vec<_>>().join("; ")
+}
+
+/// What is wrong with `run.toml`.
+fn wrong(why: impl Display) -> SavedError {
+    SavedError::Content(format!("{RUN}: {why}"))
+}
+
 impl Saved {
     /// Of this program.
     pub const FORMAT: u32 = FORMAT;
@@ -116,7 +131,7 @@ impl Saved {
         let all = system.components().iter().zip(states).enumerate();
         let record = all.map(|(place, (component, state))| ComponentRecord {
             name: component.name.clone(),
-            model: component.fmu.description.modelName.clone(),
+            model: component.fmu.description.model_name.clone(),
             guid: component.fmu.description.guid.clone(),
             state: format!("state-{place}"),
             bytes: state.len() as u64,
@@ -128,7 +143,7 @@ impl Saved {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn write(&self, states: &[Vec<u8>], file: Staged) -> Result<()> {
+    pub fn write(&self, states: &[Vec<u8>], file: Staged) -> Result<(), SavedError> {
         let mut zip = ZipWriter::new(BufWriter::new(file));
         let options = SimpleFileOptions::default()
             .last_modified_time(DateTime::default())
@@ -147,53 +162,55 @@ impl Saved {
     /// Reads an archive, with the states of the components.
     ///
     /// # Errors
-    /// It is no saved run, or one whose numbers cannot be.
+    /// It is not a saved run, or it contains impossible numbers.
     pub fn read(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
-        Saved::read_archive(path).with_context(|| format!("saved run {}", path.display()))
+        Saved::read_archive(path).place(|| format!("saved run {}", path.display()))
     }
 
-    fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
-        let zip =
-            ZipArchive::new(BufReader::new(input::open(path)?)).context("is none (--state writes one)")?;
+    fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>), SavedError> {
+        let zip = ZipArchive::new(BufReader::new(input::open(path)?)).map_err(SavedError::NoArchive)?;
         let mut zip = distinct(zip)?;
         if zip.index_for_name(RUN).is_none() {
-            bail!("there is no {RUN} in it: no saved run (--state writes one)");
+            return Err(SavedError::NoRun(RUN));
         }
         let mut text = Vec::new();
         Allowance::new(LARGEST_RUN).copy(RUN, zip.by_name(RUN)?, &mut text)?;
-        let text = String::from_utf8(text).map_err(|_| anyhow!("{RUN}: is not UTF-8 text"))?;
+        let text = String::from_utf8(text).map_err(|_| wrong("is not UTF-8 text"))?;
         let saved = Saved::parse(&text)?;
         let mut left = Allowance::new(LARGEST_STATE as u64);
         let mut states = Vec::new();
         for component in &saved.component {
             let name = &component.state;
             if zip.index_for_name(name).is_none() {
-                bail!("there is no {name:?} in it, the state of component {:?}", component.name);
+                let (state, component) = (name.clone(), component.name.clone());
+                return Err(SavedError::NoState { state, component });
             }
             // No more is unpacked than is said, and no more than is said is allocated.
             let mut bytes = Vec::new();
             let entry = zip.by_name(name)?.take(component.bytes.saturating_add(1));
             left.copy(name, entry, &mut bytes)?;
             if bytes.len() as u64 != component.bytes {
-                bail!("{name}: has not the {} bytes that {RUN} says", component.bytes);
+                let said = component.bytes;
+                return Err(SavedError::Content(format!("{name}: has not the {said} bytes that {RUN} says")));
             }
             states.push(bytes);
         }
         Ok((saved, states))
     }
 
-    fn parse(text: &str) -> Result<Saved> {
+    fn parse(text: &str) -> Result<Saved, SavedError> {
         /// What every version has.
         #[derive(Deserialize)]
         struct Version {
             format: u32,
         }
-        let version: Version = toml::from_str(text).map_err(|error| anyhow!("{RUN}: {error}"))?;
+        let version: Version = toml::from_str(text).map_err(wrong)?;
         if version.format != FORMAT {
-            bail!("{RUN}: format = {}: this program knows format {FORMAT} only", version.format);
+            let format = version.format;
+            return Err(wrong(format!("format = {format}: this program knows format {FORMAT} only")));
         }
-        let saved: Saved = toml::from_str(text).map_err(|error| anyhow!("{RUN}: {error}"))?;
-        saved.check_numbers().map_err(|(key, why)| anyhow!("{RUN}: {key}: {why}"))?;
+        let saved: Saved = toml::from_str(text).map_err(wrong)?;
+        saved.check_numbers().map_err(|(key, why)| wrong(format!("{key}: {why}")))?;
         Ok(saved)
     }
 
@@ -221,6 +238,9 @@ impl Saved {
         }
         let mut of = HashMap::new();
         for ComponentRecord { name, state, .. } in &self.component {
+            if state == RUN {
+                return Err(("state", format!("{state:?}: component {name:?} has no entry of its own")));
+            }
             if let Some(other) = of.insert(state, name) {
                 return Err(("state", format!("{state:?}: is that of component {other:?} and of {name:?}")));
             }
@@ -258,32 +278,43 @@ impl Saved {
     ///
     /// # Errors
     /// It is not; the message says why.
-    pub fn check_system(&self, system: &System, algorithm: &str) -> Result<()> {
+    pub fn check_system(&self, system: &System) -> Result<(), SavedError> {
         let names = |list: &mut dyn Iterator<Item = &str>| list.collect::<Vec<_>>().join(", ");
         let there = names(&mut self.component.iter().map(|component| component.name.as_str()));
         let here = names(&mut system.components().iter().map(|component| component.name.as_str()));
         if there != here || self.component.len() != system.components().len() {
-            bail!("the saved run is of the components {there}; here are {here}");
+            return Err(SavedError::Components { there, here });
         }
         for (there, here) in self.component.iter().zip(system.components()) {
             let own = &here.fmu.description;
             if there.guid != own.guid {
-                bail!(
-                    "component {:?}: the saved run is of {:?} with the GUID {}; here is {:?} with {}",
-                    there.name,
-                    there.model,
-                    there.guid,
-                    own.modelName,
-                    own.guid
-                );
+                return Err(SavedError::Guid {
+                    component: there.name.clone(),
+                    there: Box::new((there.model.clone(), there.guid.clone())),
+                    here: Box::new((own.model_name.clone(), own.guid.clone())),
+                });
             }
         }
-        if self.algorithm != algorithm {
-            bail!("--algorithm: the saved run has {}, not {algorithm}", self.algorithm);
+        let here = system.algorithm().to_string();
+        if self.algorithm != here {
+            return Err(SavedError::Algorithm { there: self.algorithm.clone(), here });
         }
         if self.wiring != wiring_of(system) {
-            bail!("the components are connected otherwise than in the saved run");
+            return Err(SavedError::Wiring);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_names_each_of_its_writers_once() {
+        assert_eq!(writers("", "0.1.0 (a)"), "0.1.0 (a)");
+        assert_eq!(writers("0.1.0 (a)", "0.1.0 (a)"), "0.1.0 (a)");
+        assert_eq!(writers("0.1.0", "0.1.0 (a)"), "0.1.0; 0.1.0 (a)");
+        assert_eq!(writers("0.1.0; 0.1.0 (a)", "0.1.0 (a); 0.1.0 (b)"), "0.1.0; 0.1.0 (a); 0.1.0 (b)");
     }
 }

@@ -3,37 +3,62 @@
 //! Each component keeps the newest values of its connected outputs here, read by one call for each type. Then
 //!
 //! - Jacobi: all inputs are set, all components step, all outputs are read;
-//! - Gauss-Seidel: of each component, in the order of the file, the inputs are set, it steps, its outputs are
-//!   read: those after it get them in the same communication step.
+//! - Gauss-Seidel: the components step one after the other, in the order of the file. For each, the inputs are set, it
+//!   steps, and its outputs are read. The components after it use these outputs in the same communication step.
 //!
-//! The first values: while every component is in initialization mode, outputs are read and inputs set as often
-//! as there are components (values then have passed the longest chain without a loop), or until nothing changes.
+//! Initial values: while all components are in initialization mode, outputs are read and inputs are set as many times as
+//! there are components, or until nothing changes. The longest chain without a loop then has its values.
 
+use crate::error::{Error, Place, Result};
 use crate::fmu::{Fmu, Instance};
 use crate::state::State;
-use anyhow::{Context, Result, bail};
-use fmi_rs::model_description::fmi2::VariableType;
-use lemons_ssp::Affine;
+use lemons_ssp::{Affine, Type};
+use lemons_trial::Trial;
 use std::collections::HashMap;
+use std::fmt;
 
-/// In which order components exchange values and step.
+/// The algorithm: in which order components exchange values and step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Algorithm {
-    /// All from the values at the last communication point.
+    /// All components use the values of the last communication point.
     #[default]
     Jacobi,
-    /// One after the other, each from the newest values.
+    /// The components step one after the other, and each uses the newest values.
     GaussSeidel,
+}
+
+impl fmt::Display for Algorithm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Algorithm::Jacobi => "Jacobi",
+            Algorithm::GaussSeidel => "Gauss-Seidel",
+        })
+    }
 }
 
 /// An instance in a system.
 pub struct Component {
-    /// Unique in the system.
+    /// Name, unique in the system.
     pub name: String,
     /// Dropped before the files of its FMU.
     pub instance: Instance,
-    /// What it is an instance of.
+    /// The FMU of this instance.
     pub fmu: Fmu,
+}
+
+impl Component {
+    /// The Trial that it runs; `None` if its FMU contains none. The instance must be initialized.
+    ///
+    /// # Errors
+    /// The FMU does not say which one, or it cannot be read.
+    pub fn trial(&self) -> Result<Option<Trial>> {
+        let (Ok(_), Ok(reference)) = (self.fmu.resources(), self.instance.reference("Trial")) else {
+            return Ok(None);
+        };
+        let mut chosen = [String::new()];
+        self.instance.get_string(&[reference], &mut chosen)?;
+        self.fmu.trial(Some(&chosen[0])).map(Some)
+    }
 }
 
 /// Components and the connections between them.
@@ -66,13 +91,13 @@ pub(crate) struct Wires {
 }
 
 impl System {
-    /// One FMU alone.
+    /// A system of a single FMU, whose results do not depend on the algorithm.
     ///
     /// # Errors
-    /// The FMU's refusal to be instantiated.
-    pub fn of_one(name: &str, fmu: Fmu) -> Result<System> {
+    /// The FMU cannot be instantiated.
+    pub fn of_one(name: &str, fmu: Fmu, algorithm: Algorithm) -> Result<System> {
         let instance = fmu.instantiate(name)?;
-        Ok(System::new(vec![Component { name: name.to_owned(), fmu, instance }], Algorithm::Jacobi))
+        Ok(System::new(vec![Component { name: name.to_owned(), fmu, instance }], algorithm))
     }
 
     pub(crate) fn new(components: Vec<Component>, algorithm: Algorithm) -> System {
@@ -104,7 +129,7 @@ impl System {
         &self.components
     }
 
-    /// The place of the component and the variable that a name `component.variable` leads to.
+    /// The place of the component, and the variable, for a name `component.variable`.
     pub fn find<'a>(&self, name: &'a str) -> Option<(usize, &'a str)> {
         component_of(&self.components, name)
     }
@@ -118,20 +143,20 @@ impl System {
             return false;
         };
         match kind {
-            VariableType::Real { .. } => self.reals.feeds(place, reference),
-            VariableType::Integer { .. } => self.integers.feeds(place, reference),
-            VariableType::Boolean { .. } => self.booleans.feeds(place, reference),
-            VariableType::String { .. } => self.strings.feeds(place, reference),
-            VariableType::Enumeration { .. } => false,
+            Type::Real(_) => self.reals.feeds(place, reference),
+            Type::Integer => self.integers.feeds(place, reference),
+            Type::Boolean => self.booleans.feeds(place, reference),
+            Type::String => self.strings.feeds(place, reference),
+            Type::Enumeration(_) | Type::Binary => false,
         }
     }
 
-    /// In which order components exchange values and step.
+    /// The algorithm: in which order components exchange values and step.
     pub fn algorithm(&self) -> Algorithm {
         self.algorithm
     }
 
-    /// How many there are.
+    /// The number of connections.
     pub fn connections(&self) -> usize {
         self.connections
     }
@@ -144,7 +169,7 @@ impl System {
     /// Initializes all components at a time \[s\]; see the module for the first values.
     ///
     /// # Errors
-    /// A component's refusal.
+    /// A component refuses it.
     pub fn initialize(&mut self, start: f64) -> Result<()> {
         self.time = start;
         self.each(|system, c| system.components[c].instance.enter_initialization(start))?;
@@ -166,7 +191,7 @@ impl System {
     /// One communication step, to a time \[s\].
     ///
     /// # Errors
-    /// A component's refusal or failure.
+    /// A component refuses the step or fails.
     pub fn step_to(&mut self, end: f64) -> Result<()> {
         let (start, step) = (self.time, end - self.time);
         let advance = |system: &mut System, c: usize| system.components[c].instance.step(start, step);
@@ -186,10 +211,10 @@ impl System {
         Ok(())
     }
 
-    /// The state of each component at the present communication point.
+    /// The state of each component at the current communication point.
     ///
     /// # Errors
-    /// A component's refusal.
+    /// A component refuses it.
     pub fn states(&mut self) -> Result<Vec<State>> {
         let mut states = Vec::with_capacity(self.components.len());
         self.each(|system, c| {
@@ -199,21 +224,22 @@ impl System {
         Ok(states)
     }
 
-    /// Goes to a communication point \[s\] where the components, initialized, had these states. Then all is as
-    /// it was there: the values that connections carry are those of the outputs.
+    /// Restores the states that the components had at a communication point \[s\]. The components must be initialized. The
+    /// values of the connections are then those of the outputs.
     ///
     /// # Errors
-    /// States of other components, or a component's refusal.
+    /// The states belong to other components, or a component refuses its state.
     pub fn restore(&mut self, time: f64, states: &[Vec<u8>]) -> Result<()> {
         if states.len() != self.components.len() {
-            bail!("{} states for {} components", states.len(), self.components.len());
+            return Err(Error::States { states: states.len(), components: self.components.len() });
         }
         self.each(|system, c| system.components[c].instance.restore(&states[c]))?;
         self.time = time;
         self.each(|system, c| system.read(c).map(drop))
     }
 
-    /// The connections as text: equal if and only if the same outputs feed the same inputs, equally converted.
+    /// The connections as text. Two texts are equal if and only if the same outputs feed the same inputs with the same
+    /// conversions.
     pub fn wiring(&self) -> String {
         [self.reals.wiring(), self.integers.wiring(), self.booleans.wiring(), self.strings.wiring()]
             .join("\n")
@@ -222,12 +248,12 @@ impl System {
     /// Terminates all components.
     ///
     /// # Errors
-    /// A component's refusal.
+    /// A component refuses it.
     pub fn terminate(&mut self) -> Result<()> {
         self.each(|system, c| system.components[c].instance.terminate())
     }
 
-    /// What the components have warned of since the last call.
+    /// The warnings of the components since the last call.
     pub fn warnings(&self) -> Vec<String> {
         let all = self.components.iter().flat_map(|component| {
             let warnings = component.instance.warnings().into_iter();
@@ -250,7 +276,7 @@ impl System {
             if self.components.len() == 1 {
                 return done;
             }
-            done.with_context(|| format!("component {:?}", self.components[c].name))?;
+            done.place(|| format!("component {:?}", self.components[c].name))?;
         }
         Ok(())
     }

@@ -1,19 +1,79 @@
 //! An `.fmu`, or a zip of a Trial -> its files in a directory.
-//!
-//! Not `fmi_rs::zip`, which unpacks without a bound and leaves out, without a word, what leads outside.
 
-use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use lemons_files::input;
 use lemons_ssp::{Allowance, STRUCTURE_FILE, distinct, leads_outside};
 use std::ffi::OsStr;
 use std::fs::{File, create_dir_all};
+use std::io;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use zip::ZipArchive;
+use zip::result::ZipError;
 
 /// What makes an archive an FMU.
 pub(crate) const DESCRIPTION_FILE: &str = "modelDescription.xml";
+
+/// Why an FMU or the zip of a Trial cannot be unpacked.
+#[derive(Debug, thiserror::Error)]
+pub enum UnzipError {
+    /// It cannot be read, or its files cannot be written.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// The archive is damaged.
+    #[error(transparent)]
+    Zip(#[from] ZipError),
+    /// Two entries have one name, or it unpacks to too much.
+    #[error(transparent)]
+    Archive(#[from] lemons_ssp::Error),
+    /// An SSP, and no FMU.
+    #[error("this is an SSP archive")]
+    Ssp,
+    /// It contains no `modelDescription.xml`.
+    #[error("it contains no {DESCRIPTION_FILE}, so it is not an FMU")]
+    NotAnFmu,
+    /// The model description is too large.
+    #[error("{DESCRIPTION_FILE}: is refused: more than {} MB", LARGEST_DESCRIPTION / 1_000_000)]
+    Description,
+    /// It contains no `Parameters.xml`.
+    #[error("it contains no {PARAMETERS}, so it is not a zip of a Trial")]
+    NotATrial,
+    /// More entries than a Trial has.
+    #[error("{0} files are in it: no zip of a Trial")]
+    Entries(usize),
+    /// Which of them is meant?
+    #[error("several Trials are in it ({first:?}, {second:?}, …): unpack it and name one of them")]
+    Trials {
+        /// Its `Parameters.xml`.
+        first: String,
+        /// Its `Parameters.xml`.
+        second: String,
+    },
+    /// An entry cannot be read.
+    #[error("entry {place}")]
+    Entry {
+        /// In the archive, from 0.
+        place: usize,
+        /// Why not.
+        source: ZipError,
+    },
+    /// An entry would be written elsewhere.
+    #[error("the entry {0:?} leads outside of the archive")]
+    Outside(String),
+    /// An entry is a symbolic link.
+    #[error("the entry {0:?} is a link, which is not served")]
+    Link(String),
+    /// An entry cannot be written.
+    #[error("the entry {name:?} cannot be unpacked")]
+    Write {
+        /// Of the entry.
+        name: String,
+        /// Why not.
+        source: io::Error,
+    },
+}
+
+type Result<T> = std::result::Result<T, UnzipError>;
 
 /// Unpacks an FMU into a directory.
 ///
@@ -24,15 +84,15 @@ pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) ->
     let zip = ZipArchive::new(BufReader::new(input::open(path)?))?;
     if zip.index_for_name(DESCRIPTION_FILE).is_none() {
         if zip.index_for_name(STRUCTURE_FILE).is_some() {
-            bail!("this is an SSP archive: lemons run FILE.ssp");
+            return Err(UnzipError::Ssp);
         }
-        bail!("there is no {DESCRIPTION_FILE} in it: no FMU");
+        return Err(UnzipError::NotAnFmu);
     }
     let mut zip = distinct(zip)?;
     extract(&mut zip, directory, allowance, |_| true)?;
     let size = directory.join(DESCRIPTION_FILE).metadata()?.len();
     if size > LARGEST_DESCRIPTION {
-        bail!("{DESCRIPTION_FILE}: is refused: more than {} MB", LARGEST_DESCRIPTION / 1_000_000);
+        return Err(UnzipError::Description);
     }
     Ok(())
 }
@@ -46,7 +106,7 @@ const TRIAL: u64 = 1_000_000_000;
 /// Entries of a zip of a Trial: it has seven files.
 const TRIAL_ENTRIES: usize = 1000;
 
-/// Unpacks the zip of a Trial into a directory, and answers where the Trial is; `None` where the file is no such zip: no
+/// Unpacks the zip of a Trial into a directory, and returns where the Trial is; `None` if the file is not such a zip: no
 /// zip, an FMU, an SSP.
 ///
 /// # Errors
@@ -66,7 +126,7 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
         return Ok(None);
     }
     if zip.len() > TRIAL_ENTRIES {
-        bail!("{} files are in it: no zip of a Trial", zip.len());
+        return Err(UnzipError::Entries(zip.len()));
     }
     let mut zip = distinct(zip)?;
     let names = zip.file_names().map(|name| Ok(name?.into_owned()));
@@ -74,10 +134,10 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
     trials.retain(|name| name.rsplit(['/', '\\']).next() == Some(PARAMETERS));
     trials.sort();
     let parameters = match &trials[..] {
-        [] => bail!("there is no {PARAMETERS} in it: no zip of a Trial"),
+        [] => return Err(UnzipError::NotATrial),
         [one] => one,
         [first, second, ..] => {
-            bail!("several Trials are in it ({first:?}, {second:?}, …): unpack it and name one of them")
+            return Err(UnzipError::Trials { first: first.clone(), second: second.clone() });
         }
     };
     // What an archiver adds beside the Trial is no part of it.
@@ -86,7 +146,7 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
     if root.is_empty() {
         // It has the archive's name then.
         let named = directory.join(path.file_stem().unwrap_or(OsStr::new("Trial")));
-        let entries: Vec<_> = directory.read_dir()?.collect::<Result<_, _>>()?;
+        let entries: Vec<_> = directory.read_dir()?.collect::<io::Result<_>>()?;
         std::fs::create_dir(&named)?;
         for entry in entries {
             std::fs::rename(entry.path(), named.join(entry.file_name()))?;
@@ -104,24 +164,24 @@ fn extract(
     wanted: impl Fn(&str) -> bool,
 ) -> Result<()> {
     for place in 0..zip.len() {
-        let entry = zip.by_index(place).with_context(|| format!("entry {place}"))?;
+        let entry = zip.by_index(place).map_err(|source| UnzipError::Entry { place, source })?;
         let name = entry.name()?.into_owned();
         let inside = entry.enclosed_name().filter(|_| !leads_outside(&name));
-        let inside = inside.ok_or_else(|| anyhow!("the entry {name:?} leads outside of the archive"))?;
+        let Some(inside) = inside else { return Err(UnzipError::Outside(name)) };
         let to = directory.join(inside);
         if entry.is_symlink() {
-            bail!("the entry {name:?} is a link, which is not served");
+            return Err(UnzipError::Link(name));
         }
         if !wanted(&name) {
             continue;
         }
-        let unwritable = || format!("the entry {name:?} cannot be unpacked");
+        let unwritable = |source| UnzipError::Write { name: name.clone(), source };
         if entry.is_dir() {
-            create_dir_all(&to).with_context(unwritable)?;
+            create_dir_all(&to).map_err(unwritable)?;
             continue;
         }
-        create_dir_all(to.parent().unwrap_or(directory)).with_context(unwritable)?;
-        let mut file = File::create(&to).with_context(unwritable)?;
+        create_dir_all(to.parent().unwrap_or(directory)).map_err(unwritable)?;
+        let mut file = File::create(&to).map_err(unwritable)?;
         allowance.copy(&name, entry, &mut file)?;
     }
     Ok(())
@@ -149,7 +209,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 2, "nothing beside the directory");
         match done {
             Ok(()) => std::fs::read_to_string(inside.join("resources/a")).unwrap(),
-            Err(error) => format!("{error:#}"),
+            Err(error) => error.to_string(),
         }
     }
 
@@ -227,7 +287,7 @@ mod tests {
                 let name = trial.file_name().unwrap().to_str().unwrap();
                 format!("{name}: {}", std::fs::read_to_string(trial.join(PARAMETERS)).unwrap())
             }
-            Err(error) => format!("{error:#}"),
+            Err(error) => error.to_string(),
         }
     }
 
@@ -237,7 +297,7 @@ mod tests {
         assert_eq!(of(&["T/Parameters.xml", "T/static/Agents.xml", "__MACOSX/T/._Agents.xml"]), "T: text");
         assert_eq!(of(&["a/T/Parameters.xml"]), "T: text");
         assert_eq!(of(&["Parameters.xml", "static/Agents.xml"]), "box: text");
-        assert_eq!(of(&["x", "y/z"]), "there is no Parameters.xml in it: no zip of a Trial");
+        assert_eq!(of(&["x", "y/z"]), "it contains no Parameters.xml, so it is not a zip of a Trial");
         let two = "several Trials are in it (\"T/Parameters.xml\", \"U/Parameters.xml\", …): unpack it and name one of them";
         assert_eq!(of(&["T/Parameters.xml", "U/Parameters.xml"]), two);
         assert_eq!(of(&["T/Parameters.xml", DESCRIPTION_FILE]), "no Trial");
@@ -291,10 +351,10 @@ mod tests {
 
     #[test]
     fn what_is_no_fmu_is_called_what_it_is() {
-        assert_eq!(said(|zip| add(zip, "x", b""), 100), "there is no modelDescription.xml in it: no FMU");
         assert_eq!(
-            said(|zip| add(zip, STRUCTURE_FILE, b""), 100),
-            "this is an SSP archive: lemons run FILE.ssp"
+            said(|zip| add(zip, "x", b""), 100),
+            "it contains no modelDescription.xml, so it is not an FMU"
         );
+        assert_eq!(said(|zip| add(zip, STRUCTURE_FILE, b""), 100), "this is an SSP archive");
     }
 }

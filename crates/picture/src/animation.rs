@@ -1,34 +1,34 @@
-//! Frames to animated PNG and GIF.
+//! Writes frames as animated PNG or GIF.
 //!
-//! Of each frame only the rectangle in which something changed is written, and in it what did not change is
-//! transparent. Two frames are held, whatever the number.
+//! For each frame only the rectangle that changed is written, and unchanged pixels in it are transparent. Only two
+//! frames are kept in memory.
 
 use crate::colour::Ramp;
 use crate::raster::{PictureError, Pixels};
 use std::collections::HashMap;
 use std::io::Write;
 
-/// Shades of the colour map that every palette has.
+/// Number of shades of the colour map in every palette.
 const RAMP: usize = 64;
-/// Place of the transparent colour in a palette of a GIF.
+/// Index of the transparent colour in the palette of a GIF.
 const TRANSPARENT: u8 = 255;
-/// Squared distance of two colours, summed over red, green, blue, that is seen where they meet.
+/// Smallest visible squared distance of two neighbouring colours, summed over red, green and blue.
 const SEEN: u32 = 3 * 10 * 10;
-/// Pixels of such a distance in a thousand, from which on a frame has a palette of its own.
+/// A frame with more pixels than this in a thousand whose colour is visibly wrong gets its own palette.
 const TOLERATED: usize = 2;
 
-/// Which file is written.
+/// The file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnimationFormat {
-    /// Animated PNG: every colour as it is.
+    /// Animated PNG: exact colours.
     Apng,
     /// GIF: 256 colours, at most 50 frames per second (players show faster ones slowly).
     Gif,
 }
 
-/// An animated picture, written frame by frame; it is shown over and over.
+/// An animation, written frame by frame. Players repeat it for ever.
 pub struct Animation<W: Write> {
-    /// Where to, until the first frame says how large.
+    /// The output, until the first frame gives the size.
     to: Option<W>,
     encoder: Option<Encoder<W>>,
     format: AnimationFormat,
@@ -44,7 +44,7 @@ enum Encoder<W: Write> {
 }
 
 impl<W: Write> Animation<W> {
-    /// An animation of so many frames (an animated PNG tells their number first). Their size is that of the
+    /// Begins an animation of `frames` frames (an animated PNG stores their number first). Their size is that of the
     /// first.
     pub fn new(
         to: W,
@@ -57,7 +57,7 @@ impl<W: Write> Animation<W> {
             AnimationFormat::Gif => 50.0,
         };
         if !(0.001..=most).contains(&frames_per_second) {
-            let text = format!("{frames_per_second} frames per second; from 0.001 to {most} can be shown");
+            let text = format!("{frames_per_second} frames per second; from 0.001 to {most} are possible");
             return Err(PictureError::Animation(text));
         }
         if frames == 0 {
@@ -67,11 +67,11 @@ impl<W: Write> Animation<W> {
         Ok(Animation { to, encoder, format, frames_per_second, frames, written: 0, last })
     }
 
-    /// The next frame.
+    /// Adds the next frame.
     pub fn add(&mut self, frame: &Pixels) -> Result<(), PictureError> {
         let Pixels { width, height, ref rgba } = *frame;
         if rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) || rgba.is_empty() {
-            let text = format!("{} bytes are no {width} × {height} pixels", rgba.len());
+            let text = format!("{} bytes are not {width} × {height} pixels", rgba.len());
             return Err(PictureError::Animation(text));
         }
         if let Some(last) = &self.last
@@ -107,7 +107,7 @@ impl<W: Write> Animation<W> {
                 writer.write_image_data(&pixels.concat()).map_err(png_error)?;
             }
             Some(Encoder::Gif(encoder, palette)) => {
-                // The end of each frame in whole hundredths: the film as a whole is neither slow nor fast.
+                // Round the end of each frame to hundredths of a second: rounding errors do not add up.
                 let end = |k: u32| (f64::from(k) * 100.0 / self.frames_per_second).round() as u64;
                 let delay = (end(number + 1) - end(number)).min(u64::from(u16::MAX)) as u16;
                 let pixels = area.pixels(frame, self.last.as_ref());
@@ -131,14 +131,14 @@ impl<W: Write> Animation<W> {
                 };
                 encoder.write_frame(&frame).map_err(gif_error)?;
             }
-            None => return Err(PictureError::Animation("ended by an error before".to_owned())),
+            None => return Err(PictureError::Animation("an earlier error ended it".to_owned())),
         }
         self.last = Some(frame.clone());
         self.written += 1;
         Ok(())
     }
 
-    /// Ends the file, after the last frame.
+    /// Ends the file after the last frame.
     pub fn finish(self) -> Result<(), PictureError> {
         if self.written < self.frames {
             let text = format!("{} frames of {}", self.written, self.frames);
@@ -189,7 +189,7 @@ fn gif_error(error: gif::EncodingError) -> PictureError {
     }
 }
 
-/// \[s\] Time of a frame, as an animated PNG has it: exact for whole rates.
+/// \[s\] Duration of a frame as animated PNG stores it: exact for integer rates.
 fn fraction(frames_per_second: f64) -> (u16, u16) {
     if frames_per_second.fract() == 0.0 {
         return (1, frames_per_second as u16);
@@ -216,7 +216,7 @@ struct Area {
 }
 
 impl Area {
-    /// Its pixels; transparent where they are those of the last frame.
+    /// Its pixels; those equal to the last frame are transparent.
     fn pixels(&self, frame: &Pixels, last: Option<&Pixels>) -> Vec<[u8; 4]> {
         let mut pixels = Vec::with_capacity(self.width as usize * self.height as usize);
         for y in self.y..self.y + self.height {
@@ -236,7 +236,7 @@ impl Area {
     }
 }
 
-/// The smallest rectangle around what changed; one pixel when nothing did.
+/// The smallest rectangle around all changes; one pixel if nothing changed.
 fn changed(last: &Pixels, frame: &Pixels) -> Area {
     let row = 4 * frame.width as usize;
     let rows = || last.rgba.chunks_exact(row).zip(frame.rgba.chunks_exact(row)).enumerate();
@@ -260,15 +260,15 @@ fn changed(last: &Pixels, frame: &Pixels) -> Area {
     }
 }
 
-/// Up to 255 colours, and the nearest of those met so far.
+/// Up to 255 colours, and a cache of the nearest one for colours that occurred.
 struct Palette {
     colours: Vec<[u8; 3]>,
     nearest: HashMap<[u8; 3], (u8, u32)>,
 }
 
 impl Palette {
-    /// The colour map that is shown, then the commonest colours that differ from all before by as much as fills the
-    /// palette: flat areas and lines keep their colours, their soft edges share the rest.
+    /// The colour map in use, then the most frequent colours that differ enough from all before, until the palette is
+    /// full. Flat areas and lines keep their colours; their smooth edges share the others.
     fn of(pixels: &[[u8; 4]]) -> Palette {
         let mut counts: HashMap<[u8; 3], usize> = HashMap::new();
         for [r, g, b, _] in pixels.iter().filter(|p| p[3] > 0) {
@@ -277,13 +277,13 @@ impl Palette {
         let mut common: Vec<_> = counts.into_iter().collect();
         common.sort_unstable_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
         let mut colours: Vec<[u8; 3]> = Vec::with_capacity(usize::from(TRANSPARENT));
-        // What covers more than a thousandth is exact.
+        // Colours of more than a thousandth of the pixels are exact.
         let large = pixels.len() / 1000;
         colours.extend(common.iter().take(48).filter(|(_, n)| *n > large).map(|(c, _)| *c));
         for (map, theme) in Ramp::ALL {
             let ramp = Ramp::new(map, theme);
             let shades = (0..RAMP).map(|k| ramp.at(k as f64 / (RAMP - 1) as f64)).map(|c| [c.0, c.1, c.2]);
-            // A colour bar has nearly all of them.
+            // A colour bar contains nearly all of them.
             let seen =
                 |shade: &[u8; 3]| common.iter().any(|(colour, _)| distance(*colour, *shade) <= 3 * 3 * 3);
             if 2 * shades.clone().filter(seen).count() < RAMP {
@@ -294,7 +294,7 @@ impl Palette {
                     colours.push(shade);
                 }
             }
-            // The same colours from dark to light are the same.
+            // The light and the dark variant have the same colours.
             break;
         }
         for apart in [40, 28, 20, 14, 10, 7, 5, 3, 1] {
@@ -325,12 +325,12 @@ impl Palette {
         })
     }
 
-    /// Whether these pixels look as they should.
+    /// Whether the palette represents these pixels well enough.
     fn serves(&mut self, pixels: &[[u8; 4]]) -> bool {
         let off =
             pixels.iter().filter(|p| p[3] > 0).filter(|[r, g, b, _]| self.nearest([*r, *g, *b]).1 > SEEN);
         let (off, all) = (off.count(), pixels.iter().filter(|p| p[3] > 0).count());
-        // Colours never end in a long film.
+        // A long film may have any number of colours.
         if self.nearest.len() > 200_000 {
             self.nearest.clear();
         }

@@ -1,54 +1,55 @@
-//! Bicycles with their riders, from above, facing +x: beside the bodies, as a Trial has none.
+//! Bicycles with their riders, seen from above, facing +x. They are given apart from the Trial, which cannot contain
+//! them.
 
 use crate::body::{TENTH_OF_MM, point};
 use crate::colour::{Colour, Palette};
-use crate::plane::{Pose, near};
+use crate::plane::{drawable, near};
 use crate::text::{escaped, number, text_of};
-use crowd_mechanics::engine::{Rotation, Vec2, vec2};
+use lemons_plane::{Pose, Rotation, Vec2, vec2};
 use std::fmt::Write;
 
-/// \[m\] of the handlebar, seen from above.
+/// \[m\] Thickness of the handlebar, seen from above.
 const BAR: f64 = 0.035;
-/// \[m\] radius of a head.
+/// \[m\] Radius of a head.
 const HEAD: f64 = 0.09;
-/// Half depth and half breadth of the shoulders, as parts of the rider's rectangle.
+/// Half depth and half breadth of the shoulders, as fractions of the rider's rectangle.
 const SHOULDERS: (f64, f64) = (0.15, 0.42);
-/// Where they are, as a part of its length.
+/// Position of the shoulders, as a fraction of its length.
 const BEHIND: f64 = -0.15;
-/// Half breadth of an arm, as a part of its breadth.
+/// Half breadth of an arm, as a fraction of its breadth.
 const ARM: f64 = 0.06;
 
-/// A bicycle and its rider: two rectangles about one centre, lengths along the gaze.
+/// A bicycle and its rider: two rectangles with the same centre. Lengths are along the gaze.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bicycle {
     /// Its name in the picture.
     pub id: String,
-    /// Where it stands. It is drawn if its pose is finite, and both rectangles have an area.
+    /// Its pose. It is drawn if the pose is finite and both rectangles have an area.
     pub pose: Pose,
-    /// \[m\] length and breadth of the bicycle's rectangle: over both wheels, and across them.
+    /// \[m\] Length over both wheels and breadth across them: the bicycle's rectangle.
     pub wheels: (f64, f64),
-    /// \[m\] length and breadth of the rider's rectangle: along the top tube, and across the handlebar.
+    /// \[m\] Length of the top tube and breadth across the handlebar: the rider's rectangle.
     pub rider: (f64, f64),
 }
 
 impl Bicycle {
-    /// What its rider is filled with.
+    /// Colour of the rider.
     pub(crate) const FILL: Colour = Colour::BODY;
 
     pub(crate) fn drawable(&self) -> bool {
         let sides = [self.wheels.0, self.wheels.1, self.rider.0, self.rider.1];
-        self.pose.drawable() && sides.iter().all(|side| *side > 0.0 && near(vec2(*side, 0.0)))
+        drawable(&self.pose) && sides.iter().all(|side| *side > 0.0 && near(vec2(*side, 0.0)))
     }
 
-    /// \[m\] from the centre to the furthest corner.
+    /// \[m\] Distance from the centre to the furthest corner.
     pub(crate) fn reach(&self) -> f64 {
         let half = |(length, breadth): (f64, f64)| 0.5 * vec2(length, breadth).norm();
         half(self.wheels).max(half(self.rider))
     }
 
-    /// \[m\] of both rectangles, in the world.
+    /// \[m\] Corners of both rectangles, in the world.
     pub(crate) fn corners(&self) -> impl Iterator<Item = Vec2> {
-        let (turn, at) = (Rotation::by(self.pose.theta), self.pose.position);
+        let (turn, at) = (Rotation::by(self.pose.orientation), self.pose.position);
         [self.wheels, self.rider].into_iter().flat_map(move |(length, breadth)| {
             let corner = move |(x, y): (f64, f64)| at + vec2(x * length, y * breadth).rotated(turn);
             [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)].into_iter().map(corner)
@@ -56,7 +57,7 @@ impl Bicycle {
     }
 }
 
-/// Draws them, as bodies with outlines of this width \[m\].
+/// Draws bicycles with outlines of this width \[m\], like bodies.
 pub(crate) fn bicycles(out: &mut String, drawn: &[&Bicycle], palette: &Palette, stroke: f64) {
     if drawn.is_empty() {
         return;
@@ -76,7 +77,7 @@ impl Bicycle {
         *out += "<g transform=\"translate(";
         point(out, self.pose.position);
         *out += ")rotate(";
-        number(out, self.pose.theta.rem_euclid(std::f64::consts::TAU).to_degrees(), 2);
+        number(out, self.pose.orientation.rem_euclid(std::f64::consts::TAU).to_degrees(), 2);
         let _ = write!(out, ")\"><title>{}</title>", escaped(&self.id));
         let mut part = |more: &str, centre: Vec2, half: Vec2, corner: f64| {
             let low = centre - half;

@@ -1,41 +1,41 @@
-//! A body in its own frame: facing +x, left shoulder towards +y, centre of mass at the origin.
+//! Bodies in their own frame: facing +x, left shoulder towards +y, centre of mass at the origin.
 
-use crate::plane::{Pose, near};
+use crate::plane::near;
 use crate::text::{number, pair};
-use crowd_mechanics::engine::{Rotation, Vec2, vec2};
-use crowd_mechanics::trial::Agent;
+use lemons_plane::{Pose, Rotation, Vec2, vec2};
+use lemons_trial::Agent;
 use std::f64::consts::{PI, TAU};
 
-/// \[rad\] Longest arc in one SVG command: near a half turn the centre would hang on the last digit.
+/// \[rad\] Longest arc in one SVG command. Near a half turn the centre would depend on the last digit.
 const LONGEST_ARC: f64 = 2.0;
-/// \[rad\] Shorter gaps between covering disks are rounding.
+/// \[rad\] Shorter gaps between covering disks are rounding errors.
 const SHORTEST_ARC: f64 = 1e-9;
-/// Decimals of a length in metres.
+/// Number of decimals of a length in metres.
 pub(crate) const TENTH_OF_MM: usize = 4;
 
-/// \[m²\] Area that the agent's disks cover together.
+/// Returns the area \[m²\] of the union of the agent's disks.
 pub fn body_area(agent: &Agent) -> f64 {
     Body::new(agent).area
 }
 
-/// What is drawn of an agent, at no pose yet.
+/// The drawing of an agent, not yet placed at a pose.
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
-    /// \[m\] centre and radius of each disk that can be drawn.
+    /// \[m\] Centre and radius of each disk that can be drawn.
     pub disks: Vec<(Vec2, f64)>,
-    /// \[m²\]
+    /// \[m²\] Area.
     pub area: f64,
-    /// \[m\] from the origin to the furthest point.
+    /// \[m\] Distance from the origin to the furthest point.
     pub reach: f64,
-    /// \[m\] a point inside: the centre of mass, or the largest disk's centre.
+    /// \[m\] A point inside: the centre of mass, or the centre of the largest disk.
     pub middle: Vec2,
-    /// \[m\] from `middle` straight ahead to the outline.
+    /// \[m\] Distance from `middle` straight ahead to the outline.
     pub front: f64,
     /// SVG path of the outline of the union of the disks \[m\].
     pub outline: String,
 }
 
-/// A piece of the outline, counter-clockwise.
+/// An arc of the outline, counter-clockwise.
 #[derive(Debug, Clone, Copy)]
 struct Arc {
     centre: Vec2,
@@ -69,14 +69,14 @@ impl Body {
         }
     }
 
-    /// \[m\] centre and radius of each disk, in the world.
+    /// \[m\] Centre and radius of each disk, in the world.
     pub fn disks_at(&self, pose: &Pose) -> impl Iterator<Item = (Vec2, f64)> {
-        let (turn, at) = (Rotation::by(pose.theta), pose.position);
+        let (turn, at) = (Rotation::by(pose.orientation), pose.position);
         self.disks.iter().map(move |(c, r)| (at + c.rotated(turn), *r))
     }
 }
 
-/// \[rad\] θ₀, the orientation at which the offsets are written: normal to the line of the shoulders.
+/// \[rad\] θ₀, the orientation in which the offsets are given: normal to the line of the shoulders.
 fn own_orientation(agent: &Agent) -> f64 {
     match (agent.shapes.first(), agent.shapes.last()) {
         (Some(left), Some(right)) if left.position != right.position => {
@@ -92,18 +92,18 @@ impl Arc {
         self.centre + vec2(self.radius, 0.0).rotated(Rotation::by(angle))
     }
 
-    /// \[m²\] its part of the enclosed area, ½ ∮ (x dy − y dx).
+    /// \[m²\] Its contribution to the enclosed area, ½ ∮ (x dy − y dx).
     fn area(&self) -> f64 {
         let chord = self.at(self.to) - self.at(self.from);
         0.5 * (self.radius * self.radius * (self.to - self.from) + self.centre.cross(chord))
     }
 }
 
-/// The pieces of the disks' circles that no other disk covers.
+/// The arcs of the disks' circles that no other disk covers.
 fn union_outline(disks: &[(Vec2, f64)]) -> Vec<Arc> {
     let mut arcs = Vec::new();
     'disk: for (i, &(centre, radius)) in disks.iter().enumerate() {
-        // Covered pieces: where each begins, and how long it is.
+        // Covered arcs: start and length of each.
         let mut covered: Vec<(f64, f64)> = Vec::new();
         for (j, &(other, other_radius)) in disks.iter().enumerate() {
             let between = other - centre;
@@ -123,7 +123,7 @@ fn union_outline(disks: &[(Vec2, f64)]) -> Vec<Arc> {
             arcs.push(Arc { centre, radius, from: -PI, to: PI });
             continue;
         };
-        // Angles from the end of the first covered piece on: one turn that no uncovered arc is cut by.
+        // Measure angles from the end of the first covered arc, so that no uncovered arc is split.
         let origin = begin + length;
         let turn = |(begin, length): &(f64, f64)| ((begin - origin).rem_euclid(TAU), *length);
         let mut pieces: Vec<_> = covered.iter().skip(1).map(turn).collect();
@@ -140,7 +140,7 @@ fn union_outline(disks: &[(Vec2, f64)]) -> Vec<Arc> {
     arcs
 }
 
-/// The arcs chained to closed curves: each goes on where another begins.
+/// Connects the arcs to closed curves: each ends where another begins.
 fn path(mut arcs: Vec<Arc>) -> String {
     let mut d = String::new();
     while let Some(first) = arcs.pop() {

@@ -1,7 +1,7 @@
 //! Curves over time.
 //!
-//! Drawn here, not by a plotting library: the same lettering in strokes as beside a scene, hence the same
-//! bytes on every machine, and nothing for the rasteriser to look a font up for.
+//! They are drawn here and not by a plotting library: with the same stroked lettering as scenes. So the bytes are the
+//! same on every machine, and rasterizing needs no font.
 
 use crate::colour::{Colour, Palette, Theme};
 use crate::colouring::titled;
@@ -15,80 +15,81 @@ use crate::range::Range;
 use crate::text::{PX, escaped, pair, text_of};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Part of the lettering of a scene's page.
+/// Size of lettering and lines, relative to a scene's page.
 const FINER: f64 = 0.85;
-/// More lines than these are a crowd: none has a colour or a name but the highest.
+/// A chart with more lines shows a crowd: only the median and the highest line have a colour and a name.
 const MOST_NAMED: usize = 8;
-/// \[px\] of a line with a name, and of one of a crowd.
+/// \[px\] Width of a line with a name, and of one in a crowd.
 const STROKE: f64 = 1.6;
 const THIN: f64 = 0.7;
-/// \[px\] from one line in steps to the next where they are equal.
+/// \[px\] Distance between stepped lines that are equal.
 const ASIDE: f64 = 1.7;
-/// \[px\] of each colour in turn where curves are equal.
+/// \[px\] Length of a dash of each colour where curves are equal.
 const TURN: f64 = 7.0;
-/// \[px\] between two panels, below the names of the ticks of the upper one.
+/// \[px\] Distance between two panels, below the tick labels of the upper one.
 const PANEL_GAP: f64 = 13.0;
-/// \[px\] from an axis to its numbers.
+/// \[px\] Distance between an axis and its numbers.
 const TICK_GAP: f64 = 5.0;
-/// \[px\] from a grid line to the next, at least.
+/// \[px\] Smallest distance between grid lines.
 const GRID: (f64, f64) = (62.0, 24.0);
-/// \[px\] A curve is drawn with less than this error.
+/// \[px\] Largest error of a drawn curve.
 const TOLERANCE: f64 = 0.12;
-/// Places along x at which the median of a crowd is taken.
+/// Number of x at which the median of a crowd is computed.
 const SAMPLES: usize = 300;
 
-/// Panels above each other that share the x axis.
+/// A chart: panels above each other that share the x axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Chart {
-    /// Below all panels.
+    /// The x axis, below all panels.
     pub x: Axis,
-    /// From the top down.
+    /// The panels, from the top down.
     pub panels: Vec<ChartPanel>,
-    /// What each line is of, as in "agent": stands before its name, with an s before the names of several.
+    /// What each line represents, such as "agent". It precedes the name of a line; before several names it gets an s.
     pub noun: String,
 }
 
-/// What an axis shows.
+/// The quantity of an axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Axis {
-    /// What it is.
+    /// Name of the quantity.
     pub label: String,
-    /// Its unit; empty for none.
+    /// Unit; empty if there is none.
     pub unit: String,
 }
 
-/// One set of lines.
+/// A panel with lines.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ChartPanel {
-    /// Written above the panel.
+    /// The y axis, written above the panel.
     pub y: Axis,
-    /// In the order in which they are drawn.
+    /// Lines, in the order in which they are drawn.
     pub lines: Vec<Line>,
-    /// The value holds until the next point: for counts.
+    /// Whether a value holds until the next point (steps), as for counts.
     pub steps: bool,
 }
 
-/// One curve.
+/// A curve.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Line {
-    /// Written at its end, after the chart's noun, such as an agent's id.
+    /// Name, written at its end after the chart's noun, such as an agent's Id.
     pub name: String,
-    /// x and y, x growing. What is not finite interrupts the curve.
+    /// x and y, x increasing. Values that are not finite interrupt the curve.
     pub points: Vec<(f64, f64)>,
-    /// Lines of one group have one colour and one name in all panels: an agent, simulated and measured.
+    /// Lines of one group have the same colour and name in all panels, such as the simulated and the measured values of
+    /// an agent.
     pub group: usize,
-    /// For what is measured; solid lines are simulated.
+    /// Whether the line is dashed, as for measured values; simulated values are solid.
     pub dashed: bool,
 }
 
-/// How a chart is drawn. Lines and lettering grow with the width.
+/// Settings of a chart. Lines and lettering scale with the width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartStyle {
-    /// \[px\] the height follows from the panels.
+    /// \[px\] Width. The height follows from the panels.
     pub width: f64,
     /// Colours.
     pub theme: Theme,
-    /// Height of a panel, as a part of the width; by the number of panels when `None`.
+    /// Height of a panel / width; `None`: chosen by the number of panels.
     pub aspect: Option<f64>,
 }
 
@@ -98,13 +99,13 @@ impl Default for ChartStyle {
     }
 }
 
-/// The chart as SVG: a group `chart-panel` per panel with its `grid` and `lines`, then `legend`.
+/// Returns the chart as SVG: a group `chart-panel` for each panel with its `grid` and `lines`, then `legend`.
 ///
-/// Up to eight lines have their colour, and their name at the end. More are a crowd: thin grey lines, with
-/// the median of all and the one that gets highest on top of them. Where curves are equal, they are drawn in
-/// dashes of all their colours, and those that are equal everywhere have one name. Lines in steps stand a
-/// little above each other instead. What is measured is drawn last, on a casing of paper. Curves of more points than can be seen
-/// lose none of their extremes.
+/// Up to eight lines have different colours, and their names at their ends. More lines show a crowd: thin grey lines,
+/// with the median of all and the line with the highest value on top. Where curves are equal, dashes of all their
+/// colours alternate; those that are equal everywhere share one name. Stepped lines are drawn slightly above each other
+/// instead. Measured lines are drawn last, with a border in the colour of the paper. Curves with more points than
+/// pixels keep all extremes.
 pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let palette = Palette::of(style.theme);
     let width = page_width(style.width);
@@ -138,7 +139,7 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
     let left = margin + numbers.fold(0.0, f64::max) + TICK_GAP * unit;
     let names = panels.iter().flat_map(|p| &p.strokes).filter_map(|s| s.name.as_ref());
     let named = names.map(|n| lettering::width(n, cap) + 1.3 * TICK_GAP * unit).fold(0.0, f64::max);
-    // Names without end leave half of the page to the curves.
+    // Very long names leave half of the page to the curves.
     let right = (width - margin - named).max(0.5 * width).max(left + unit);
     let x_ticks = x.ticks(((right - left) / (GRID.0 * unit)).max(1.0), false);
 
@@ -209,7 +210,7 @@ fn drawable(p: &&(f64, f64)) -> bool {
     p.0.is_finite() && p.1.is_finite()
 }
 
-/// Text that shrinks where it is longer than the room.
+/// Draws text, smaller if it is longer than `room`.
 fn fitting(out: &mut String, class: &str, text: &str, place: Place, room: f64, colour: Colour) {
     if !text.is_empty() {
         let shrink = (room / lettering::width(text, place.cap_height).max(1e-9)).min(1.0);
@@ -221,23 +222,23 @@ fn fitting(out: &mut String, class: &str, text: &str, place: Place, room: f64, c
 struct Stroke {
     class: &'static str,
     points: Vec<(f64, f64)>,
-    /// What is drawn in turns with others, and what alone; all of it alone if empty.
+    /// Pieces drawn in dashes with others, and pieces drawn alone; if empty, the whole curve is drawn alone.
     pieces: Vec<Piece>,
     colour: Colour,
-    /// Of its name.
+    /// Colour of its name.
     lettering: Colour,
-    /// \[px\]
+    /// \[px\] width.
     width: f64,
-    /// \[px\] drawn so far above its place.
+    /// \[px\] Distance by which it is drawn above its place.
     aside: f64,
     opacity: f64,
     dashed: bool,
-    /// At its end.
+    /// Name at its end.
     name: Option<String>,
     title: String,
 }
 
-/// A panel with all but its place on the page.
+/// A panel, laid out except for its place on the page.
 struct Ready {
     y: Range,
     ticks: Vec<(f64, String)>,
@@ -260,18 +261,18 @@ impl Ready {
         if panel.steps {
             step_aside(&mut strokes, &lines, &groups, tall / (y.high - y.low), unit);
         } else if groups.len() <= MOST_NAMED {
-            // Nearer than half a line's width is equal.
+            // Curves closer than half a line's width count as equal.
             let near = 0.5 * STROKE * unit * (y.high - y.low) / tall;
             take_turns(&mut strokes, &lines, noun, near, palette);
         }
         if groups.len() <= MOST_NAMED {
-            // Solid lines hide none that is dashed.
+            // Draw dashed lines last, so that solid lines do not hide them.
             strokes.sort_by_key(|stroke| stroke.dashed);
         }
         Ready { y, ticks, strokes }
     }
 
-    /// The names beside the ends of their curves, moved apart.
+    /// Places the names beside the ends of their curves without overlap.
     fn names(
         &self,
         out: &mut String,
@@ -301,8 +302,8 @@ impl Ready {
     }
 }
 
-/// Counts are often equal: each line stands a little above the one before, those of a crowd make a band
-/// that is the darker the more there are. `tall` is one count in px.
+/// Counts are often equal: each line is drawn slightly above the one before. The lines of a crowd make a band that is
+/// darker where there are more of them. `tall` is one count in px.
 fn step_aside(strokes: &mut [Stroke], lines: &[&Line], groups: &BTreeSet<usize>, tall: f64, unit: f64) {
     let many = groups.len() > MOST_NAMED;
     let n = groups.len() as f64;
@@ -313,7 +314,7 @@ fn step_aside(strokes: &mut [Stroke], lines: &[&Line], groups: &BTreeSet<usize>,
     }
 }
 
-/// Where solid lines are equal, each has a turn with its colour; those that are equal all along have one name.
+/// Where solid lines are equal, dashes of their colours alternate. Lines that are equal everywhere get one name.
 fn take_turns(strokes: &mut [Stroke], lines: &[&Line], noun: &str, near: f64, palette: &Palette) {
     let solid: Vec<usize> = (0..strokes.len()).filter(|k| !strokes[*k].dashed).collect();
     let points: Vec<&[(f64, f64)]> = solid.iter().map(|k| strokes[*k].points.as_slice()).collect();
@@ -330,7 +331,7 @@ fn take_turns(strokes: &mut [Stroke], lines: &[&Line], noun: &str, near: f64, pa
     }
 }
 
-/// As in "agent 3", "agents 1, 2".
+/// Such as "agent 3" or "agents 1, 2".
 fn called(noun: &str, names: &[&str]) -> String {
     match (noun, names) {
         ("", _) => listed(names),
@@ -339,7 +340,7 @@ fn called(noun: &str, names: &[&str]) -> String {
     }
 }
 
-/// A few lines, each with its colour and one name per group.
+/// Few lines: each has its colour, each group one name.
 fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Stroke> {
     let speaker = |line: &Line| {
         let of_group = || lines.iter().filter(|l| l.group == line.group);
@@ -361,7 +362,7 @@ fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Strok
     lines.iter().map(stroke).collect()
 }
 
-/// Many lines: all of them pale, their median, and the one that gets highest.
+/// Many lines: all of them pale, their median, and the one with the highest value.
 fn crowd(
     panel: &ChartPanel,
     noun: &str,
@@ -404,7 +405,7 @@ fn crowd(
         title: name.clone(),
         name: Some(name),
     };
-    // The first of those that get equally high.
+    // The first of several with the same maximum.
     let highest = solid.iter().copied().reduce(|a, b| if top(b) > top(a) { b } else { a });
     if let Some(line) = highest {
         let name = format!("{} (max)", called(noun, &[&line.name]));
@@ -428,7 +429,7 @@ fn crowd(
     strokes
 }
 
-/// A curve read at places that grow.
+/// Reads a curve at increasing x.
 struct Reader<'a> {
     points: &'a [(f64, f64)],
     next: usize,
@@ -474,13 +475,13 @@ impl Stroke {
                     pair(d, *p, PX);
                 }
                 if let [only] = on_page[..] {
-                    // A lone point between gaps is a dot.
+                    // A single point between gaps is a dot.
                     d.push('L');
                     pair(d, only, PX);
                 }
             }
         };
-        // Pieces with the same turn are one path.
+        // Pieces with the same dashes become one path.
         let mut paths: BTreeMap<(usize, usize), String> = BTreeMap::new();
         if self.pieces.is_empty() {
             path(paths.entry((0, 1)).or_default(), &self.points);

@@ -1,24 +1,24 @@
-//! Colours and the colour map.
+//! Colours and colour maps.
 
 use std::fmt;
 
-/// Red, green, blue (sRGB).
+/// A colour: red, green, blue (sRGB).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Colour(pub u8, pub u8, pub u8);
 
 impl Colour {
-    /// The blue of a body of no particular colour.
+    /// The default blue of a body.
     pub const BODY: Colour = Colour(0x8c, 0xb4, 0xde);
-    /// A body whose value is missing.
+    /// The colour of a body without a value.
     pub(crate) const MISSING: Colour = Colour(0xa8, 0xa8, 0xa8);
 
-    /// This colour at 0, the other at 1.
+    /// Mixes two colours: `part` 0 is this one, 1 is the other.
     pub(crate) fn mixed(self, other: Colour, part: f64) -> Colour {
         let mix = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
         Colour(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
     }
 
-    /// Near-black or white, whichever is better seen on this colour.
+    /// Returns near-black or white, whichever has more contrast on this colour.
     pub(crate) fn contrast(self) -> Colour {
         let luma = 0.299 * f64::from(self.0) + 0.587 * f64::from(self.1) + 0.114 * f64::from(self.2);
         if luma > 120.0 { Colour(0x11, 0x1a, 0x24) } else { Colour(0xff, 0xff, 0xff) }
@@ -26,13 +26,13 @@ impl Colour {
 }
 
 impl fmt::Display for Colour {
-    /// As in CSS, `#8cb4de`.
+    /// As in CSS: `#8cb4de`.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
     }
 }
 
-/// Colour of everything but the bodies.
+/// Colours of everything except the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Theme {
     /// Dark on white.
@@ -42,11 +42,11 @@ pub enum Theme {
     Dark,
 }
 
-/// Of a colour map.
+/// Number of colours of a colour map.
 const SHADES: usize = 16;
 
-/// *viridis* (S. van der Walt, N. Smith, public domain) at 16 equidistant places: even steps of
-/// lightness, told apart by colour-blind readers and in grey print.
+/// *viridis* (S. van der Walt, N. Smith, public domain) at 16 equidistant places. Its lightness grows evenly, so that
+/// it is readable for colour-blind people and in grey print.
 const VIRIDIS: [Colour; SHADES] = [
     Colour(0x44, 0x01, 0x54),
     Colour(0x48, 0x1a, 0x6c),
@@ -66,7 +66,7 @@ const VIRIDIS: [Colour; SHADES] = [
     Colour(0xfd, 0xe7, 0x25),
 ];
 
-/// *magma* of the same authors, from its bright end, without what is nearly black.
+/// *magma* by the same authors, from its bright end, without the nearly black colours.
 const MAGMA: [Colour; SHADES] = [
     Colour(0xfc, 0xfd, 0xbf),
     Colour(0xfd, 0xe2, 0xa3),
@@ -86,23 +86,23 @@ const MAGMA: [Colour; SHADES] = [
     Colour(0x1a, 0x10, 0x42),
 ];
 
-/// Which colours stand for the numbers.
+/// The colour map for numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColourMap {
-    /// From dark violet to yellow: for numbers of which none is nothing.
+    /// From dark violet to yellow: for numbers whose zero has no special meaning.
     #[default]
     Viridis,
-    /// From nearly the colour of paper, for what is nothing at zero: on white pale yellow to dark violet, on
-    /// near-black the other way round.
+    /// Begins near the colour of the paper: for numbers that mean "nothing" at zero. Pale yellow to dark violet on
+    /// white; the reverse on near-black.
     FromPaper,
 }
 
-/// The colours of a map on one paper, from its low end, at equal distances.
+/// The colours of a map for a theme, from its low end, equidistant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ramp([Colour; SHADES]);
 
 impl Ramp {
-    /// All that pictures have.
+    /// All maps in pictures.
     pub const ALL: [(ColourMap, Theme); 3] = [
         (ColourMap::Viridis, Theme::Light),
         (ColourMap::FromPaper, Theme::Light),
@@ -124,7 +124,7 @@ impl Ramp {
         &self.0
     }
 
-    /// From 0 to 1; beyond them their colour, grey for NaN.
+    /// Returns the colour of a fraction from 0 to 1. Beyond the ends it is the colour of the end; NaN is grey.
     pub fn at(&self, fraction: f64) -> Colour {
         if fraction.is_nan() {
             return Colour::MISSING;
@@ -135,12 +135,13 @@ impl Ramp {
     }
 }
 
-/// The colour map: 0 is dark violet, 1 is yellow; beyond them their colour, grey for NaN.
+/// Returns the colour of a fraction: 0 is dark violet, 1 is yellow. Beyond the ends it is the colour of the end; NaN is
+/// grey.
 pub fn viridis(fraction: f64) -> Colour {
     Ramp(VIRIDIS).at(fraction)
 }
 
-/// Colours that are not the bodies'.
+/// Colours of everything except the bodies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Palette {
     pub paper: Colour,
@@ -178,8 +179,8 @@ impl Palette {
         }
     }
 
-    /// A colour per agent, after M. Okabe and K. Ito (2008): told apart by colour-blind readers. Their
-    /// yellow is left out, which white paper swallows; their black is the ink.
+    /// Returns the colour of an agent, after M. Okabe and K. Ito (2008): distinguishable for colour-blind people. Their
+    /// yellow is left out because it is hard to see on white; their black is the ink.
     pub fn series(&self, place: usize) -> Colour {
         match place % 7 {
             // Their blue is too dark on near-black.

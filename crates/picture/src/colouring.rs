@@ -13,45 +13,50 @@ pub(crate) struct Colouring<'a> {
     pub values: Cow<'a, [f64]>,
 }
 
-/// What the colour map stands for.
+/// The meaning of the colour map.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Scale {
     pub title: String,
     pub low: f64,
     pub high: f64,
-    /// What is beyond the upper end is shown as the end is.
+    /// Whether values above the upper end occur; they have the colour of the end.
     pub clipped: bool,
+    /// Words instead of a colour bar, if all values are equal to zero or unknown.
+    pub nothing: Option<String>,
     pub ramp: Ramp,
 }
 
 impl Scale {
-    /// The colour of a value.
+    /// Returns the colour of a value.
     pub fn of(&self, value: f64) -> Colour {
         let Scale { low, high, ramp, .. } = *self;
         if !value.is_finite() {
             Colour::MISSING
         } else if high > low {
-            // Halved: the difference of two finite numbers may be infinite.
+            // Halved first, because the difference of two finite numbers may be infinite.
             ramp.at((value / 2.0 - low / 2.0) / (high / 2.0 - low / 2.0))
         } else {
             ramp.at(0.5)
         }
     }
 
-    /// What stands at the upper end of the colour bar.
+    /// Returns the label at the upper end of the colour bar.
     pub fn high_label(&self) -> String {
         format!("{}{}", if self.clipped { "≥ " } else { "" }, short(self.high))
     }
 }
 
 impl<'a> Colouring<'a> {
-    /// Of a scene with a map of density, the scale is that of the map, and the values are none's.
+    /// In a scene with a density map the scale is that of the map, and bodies have no values.
     pub fn new(scene: &Scene, fill: &'a Fill, theme: Theme) -> Colouring<'a> {
         if let Some(map) = &scene.density {
             let high = map.values().into_iter().fold(0.0, f64::max);
             let (low, high) = given(map.range).unwrap_or((0.0, if high > 0.0 { high } else { 1.0 }));
             let ramp = Ramp::new(ColourMap::Viridis, theme);
-            let scale = Scale { title: titled("density", "1/m²"), low, high, clipped: false, ramp };
+            let nothing = map.range.is_none() && map.values().into_iter().all(|value| value == 0.0);
+            let nothing = nothing.then(|| zero("density", "1/m²"));
+            let title = titled("density", "1/m²");
+            let scale = Scale { title, low, high, clipped: false, nothing, ramp };
             return Colouring { single: ramp.at(0.0), scale: Some(scale), values: Cow::Borrowed(&[]) };
         }
         let areas;
@@ -68,12 +73,19 @@ impl<'a> Colouring<'a> {
             }
         };
         let finite = || values.iter().copied().filter(|v| v.is_finite());
+        // All values are zero, or all are unknown: a colour bar would need invented ends.
+        let nothing = given(*range).is_none() && finite().all(|value| value == 0.0);
+        let nothing = nothing.then(|| match finite().next() {
+            Some(_) => zero(label, unit),
+            None => format!("{label}: not known"),
+        });
         let (low, high) = given(*range).unwrap_or_else(|| {
             let low = finite().fold(f64::INFINITY, f64::min);
             let high = finite().fold(f64::NEG_INFINITY, f64::max);
             match map {
-                _ if low > high => (0.0, 1.0),
-                // Such a map begins at zero, and nothing is not half of anything.
+                // Avoid a scale around zero if all values are zero.
+                _ if nothing.is_some() => (0.0, 1.0),
+                // Such a map begins at zero.
                 ColourMap::FromPaper if high <= 0.0 => (low.min(0.0), 1.0),
                 ColourMap::FromPaper => (low.min(0.0), high),
                 ColourMap::Viridis => (low, high),
@@ -84,7 +96,7 @@ impl<'a> Colouring<'a> {
             title += &format!(", to the {} % quantile", short(100.0 * quantile));
         }
         let (clipped, ramp) = (quantile.is_some(), Ramp::new(*map, theme));
-        let scale = Scale { title, low, high, clipped, ramp };
+        let scale = Scale { title, low, high, clipped, nothing, ramp };
         let values = match fill {
             Fill::Values(own) => Cow::Borrowed(own.values.as_slice()),
             _ => Cow::Owned(values.clone()),
@@ -104,7 +116,12 @@ fn given(range: Option<(f64, f64)>) -> Option<(f64, f64)> {
     range.filter(|(a, b)| a.is_finite() && b.is_finite() && a <= b)
 }
 
-/// The label with its unit.
+fn zero(label: &str, unit: &str) -> String {
+    let space = if unit.is_empty() { "" } else { " " };
+    format!("{label}: 0{space}{unit} everywhere")
+}
+
+/// Returns the label with its unit.
 pub(crate) fn titled(label: &str, unit: &str) -> String {
     match (label.is_empty(), unit.is_empty()) {
         (_, true) => label.to_owned(),

@@ -1,8 +1,8 @@
-//! Points on the page: which of them are drawn, and how far apart names stand.
+//! Points of curves on the page: which are drawn, and where names are placed.
 
 use std::collections::BTreeSet;
 
-/// Of the points in one column of pixels: first, lowest, highest, last.
+/// Returns, for each column of pixels, the first, lowest, highest and last point.
 pub(crate) fn extremes(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
     let mut kept = Vec::new();
     let place = |p: &(f64, f64)| (p.0 / column).floor();
@@ -20,7 +20,7 @@ pub(crate) fn extremes(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
     kept
 }
 
-/// Points without which the line is the same to within the tolerance left out (Ramer, Douglas, Peucker).
+/// Removes points that change the line by less than the tolerance (Ramer, Douglas, Peucker).
 pub(crate) fn thinned(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     let mut keep = vec![false; points.len()];
     let [.., _] = points else { return Vec::new() };
@@ -46,15 +46,15 @@ pub(crate) fn thinned(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> 
     points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
 }
 
-/// Sorted places at least `step` apart, as near as can be to where they were, all within the limits as long
-/// as there is room.
+/// Moves sorted places until they are at least `step` apart, as little as possible, and keeps them within the limits if
+/// there is room.
 pub(crate) fn apart(mut y: Vec<f64>, step: f64, low: f64, high: f64) -> Vec<f64> {
     let n = y.len();
     if n == 0 {
         return y;
     }
     let step = if n > 1 { step.min((high - low).max(0.0) / (n - 1) as f64) } else { step };
-    // Neighbours that are too near become one block about their middle, until none are.
+    // Merge neighbours that are too near into a block about their mean, until none are.
     let mut blocks: Vec<(f64, usize)> = Vec::new();
     for v in y.drain(..) {
         let mut block = (v, 1);
@@ -77,7 +77,7 @@ pub(crate) fn apart(mut y: Vec<f64>, step: f64, low: f64, high: f64) -> Vec<f64>
             (0..*count).map(move |k| middle + step * (k as f64 - 0.5 * (*count as f64 - 1.0)))
         })
         .collect();
-    // A block held back by a limit may meet its neighbour.
+    // A block at a limit may meet its neighbour.
     for k in (0..n.saturating_sub(1)).rev() {
         placed[k] = placed[k].min(placed[k + 1] - step);
     }
@@ -88,17 +88,17 @@ pub(crate) fn apart(mut y: Vec<f64>, step: f64, low: f64, high: f64) -> Vec<f64>
     placed
 }
 
-/// A part of a curve.
+/// A piece of a curve.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Piece {
     pub points: Vec<(f64, f64)>,
-    /// Which of so many curves that are equal here.
+    /// Index among the curves that are equal here, and their number.
     pub turn: (usize, usize),
 }
 
-/// Curves in pieces that are equal to others (to `near`) or not, and which curves are equal all along.
-/// Only those can be equal that have the first one's x. Equal pieces have the points of one curve: dashes of
-/// one are exactly in the gaps of the other.
+/// Divides curves into pieces that are equal to others (within `near`) or not, and finds curves that are equal
+/// everywhere. Only curves with the same x as the first can be equal. Equal pieces use the points of one curve, so that
+/// the dashes of one exactly fill the gaps of the other.
 pub(crate) fn shared(curves: &[&[(f64, f64)]], near: f64) -> (Vec<Vec<Piece>>, Vec<Vec<usize>>) {
     let Some(first) = curves.first() else { return (Vec::new(), Vec::new()) };
     let same_x = |curve: &[(f64, f64)]| {
@@ -116,7 +116,7 @@ pub(crate) fn shared(curves: &[&[(f64, f64)]], near: f64) -> (Vec<Vec<Piece>>, V
     };
     let mut pieces = vec![Vec::new(); curves.len()];
     let (mut leaders, mut mates) = (vec![0; curves.len()], Vec::new());
-    // Of each curve: with whom it is equal, from where.
+    // For each curve: the curves equal to it, and since when.
     let mut open: Vec<Option<(Vec<usize>, usize)>> = vec![None; curves.len()];
     let longest = curves.iter().map(|curve| curve.len()).max().unwrap_or(0);
     for from in 0..longest {
@@ -158,7 +158,7 @@ pub(crate) fn shared(curves: &[&[(f64, f64)]], near: f64) -> (Vec<Vec<Piece>>, V
     (pieces, together)
 }
 
-/// Names in a row; whole numbers that follow each other are a range.
+/// Lists names; successive whole numbers become a range.
 pub(crate) fn listed(names: &[&str]) -> String {
     let follows = |a: &str, b: &str| matches!((a.parse::<u64>(), b.parse::<u64>()), (Ok(a), Ok(b)) if a.checked_add(1) == Some(b));
     let runs = names.chunk_by(|a, b| follows(a, b)).flat_map(|run| match run {

@@ -1,27 +1,27 @@
 //! People per area.
 
 use crate::plane::{View, near};
-use crowd_mechanics::engine::{Vec2, vec2};
-use crowd_mechanics::trial::Wall;
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::Wall;
 
-/// \[m\] Standard deviation of the kernel unless another is given: half a shoulder breadth and a bit.
+/// \[m\] Default standard deviation of the kernel: slightly more than half a shoulder breadth.
 pub const DENSITY_KERNEL: f64 = 0.3;
-/// Cells per standard deviation of the kernel, both ways; finer where walls end it.
+/// Cells per standard deviation of the kernel, along both axes; finer where walls cut it.
 const CELLS_PER_KERNEL: f64 = 4.0;
 const CELLS_AT_WALLS: f64 = 8.0;
-/// Most cells of a map: beyond them the cells are larger.
+/// Largest number of cells of a map; a larger map has larger cells.
 const MOST_CELLS: f64 = 100_000.0;
-/// Cells beyond the map, on each side: more only in a view much smaller than the kernel.
+/// Largest number of cells beyond each side of the map. Only a view much smaller than the kernel would need more.
 const MOST_BEYOND: i64 = 400;
-/// The kernel is cut here, in standard deviations: 2 · 10⁻⁹ of a person is lost.
+/// Cut-off of the kernel, in standard deviations: 2 · 10⁻⁹ of a person is lost.
 const REACH: f64 = 6.0;
 
-/// People per m² on a grid, averaged over the frames added.
+/// People per m² on a grid, averaged over the added frames.
 ///
-/// Everybody is a Gaussian of unit integral; a cell has the mean of it, so that the sum over a grid that is
-/// wide enough, times a cell's area, is the number of people. Walls hold the kernel back: a cell has its part
-/// only if the straight line from the person to its centre crosses no wall, and what is left of the Gaussian
-/// is enlarged until its integral is one person again.
+/// Each person is a Gaussian with integral 1. A cell contains its mean, so that the sum over a sufficiently large grid,
+/// times the area of a cell, is the number of people. Walls stop the kernel: a cell gets its share only if the straight
+/// line from the person to its centre crosses no wall. The rest of the Gaussian is then scaled so that its integral is
+/// 1 again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DensityMap {
     view: View,
@@ -31,15 +31,15 @@ pub struct DensityMap {
     frames: usize,
     /// Row by row from the lowest, summed over the frames.
     sum: Vec<f64>,
-    /// \[m\] sides of walls.
+    /// \[m\] Sides of walls.
     walls: Vec<[Vec2; 2]>,
-    /// \[1/m²\] ends of the colour map; 0 and the highest density when `None`.
+    /// \[1/m²\] Ends of the colour map; `None`: 0 and the highest density.
     pub range: Option<(f64, f64)>,
 }
 
 impl DensityMap {
-    /// An empty map of this part of the plane. `kernel` \[m\] is the standard deviation of the Gaussian,
-    /// [`DENSITY_KERNEL`] in place of one that is not positive and finite.
+    /// Makes an empty map of a part of the plane. `kernel` \[m\] is the standard deviation of the Gaussian; if it is
+    /// not positive and finite, [`DENSITY_KERNEL`] is used.
     pub fn new(view: View, kernel: f64, walls: &[Wall]) -> DensityMap {
         let sides = walls.iter().flat_map(|wall| wall.corners.windows(2).map(|side| [side[0], side[1]]));
         let walls: Vec<[Vec2; 2]> = sides.filter(|[a, b]| near(*a) && near(*b) && a != b).collect();
@@ -62,7 +62,7 @@ impl DensityMap {
         DensityMap { view, kernel, columns, rows, frames: 0, sum, walls, range: None }
     }
 
-    /// Adds a frame: where everybody is at one time \[m\]. Positions that are not finite are nobody's.
+    /// Adds a frame: the positions of all people \[m\] at one time. Positions that are not finite are ignored.
     pub fn add(&mut self, positions: impl IntoIterator<Item = Vec2>) {
         self.frames += 1;
         for p in positions.into_iter().filter(|p| near(*p)) {
@@ -84,7 +84,7 @@ impl DensityMap {
                     && a.y.max(b.y) > p.y - reach
             })
             .collect();
-        // What is beyond the map counts where the rest of a person is enlarged.
+        // Cells beyond the map matter only if the rest of a person must be scaled.
         let all = if walls.is_empty() { 0 } else { MOST_BEYOND };
         let (first_column, along_x) = self.shares(p.x, cell.x, self.columns, all);
         let (first_row, along_y) = self.shares(p.y, cell.y, self.rows, all);
@@ -96,7 +96,7 @@ impl DensityMap {
                 let y = ((first_row + row as i64) as f64 + 0.5) * cell.y;
                 for side in &walls {
                     let Some((low, high)) = shadow(p, *side, y) else { continue };
-                    // The cells whose centres lie between.
+                    // The cells whose centres lie in between.
                     let place = |x: f64| (x / cell.x - 0.5 - first_column as f64).clamp(-1.0, count as f64);
                     let (from, to) = (place(low).ceil().max(0.0) as usize, place(high).floor());
                     if to >= 0.0 {
@@ -106,7 +106,7 @@ impl DensityMap {
                 }
             }
             let left: f64 = parts.iter().sum();
-            // Of whom no cell's centre is seen, nothing would be left.
+            // If a person sees no centre of a cell, nothing is left to scale.
             let enlarged = if left > 0.0 { whole / left } else { 0.0 };
             parts.iter_mut().for_each(|part| *part *= enlarged);
         }
@@ -124,8 +124,8 @@ impl DensityMap {
         }
     }
 
-    /// The first cell that a Gaussian at `x` reaches, and the mean of the Gaussian over that and the next
-    /// cells \[1/m\]; of the cells of the map, and so many more on each side.
+    /// The first cell that a Gaussian at `x` reaches, and its mean over this cell and the next ones \[1/m\]; within the
+    /// cells of the map and `more` cells on each side.
     fn shares(&self, x: f64, cell: f64, cells: usize, more: i64) -> (i64, Vec<f64>) {
         let (low, high) = (-more, cells as i64 + more);
         let first = (((x - REACH * self.kernel) / cell).floor() as i64).clamp(low, high);
@@ -135,17 +135,17 @@ impl DensityMap {
         (first, (first..last).map(|k| (below(k + 1) - below(k)) / cell).collect())
     }
 
-    /// The part of the plane that the map covers.
+    /// Returns the part of the plane that the map covers.
     pub fn view(&self) -> View {
         self.view
     }
 
-    /// \[m\] standard deviation of the Gaussian.
+    /// Returns the standard deviation of the Gaussian \[m\].
     pub fn kernel(&self) -> f64 {
         self.kernel
     }
 
-    /// In words, what stands for a person.
+    /// Returns a description of the kernel in words.
     pub fn described(&self) -> String {
         let walls = if self.walls.is_empty() { "" } else { ", nothing of it behind a wall" };
         let frames = if self.frames == 1 {
@@ -159,43 +159,43 @@ impl DensityMap {
         )
     }
 
-    /// \[m\] sides of walls.
+    /// \[m\] Sides of walls.
     pub(crate) fn walls(&self) -> &[[Vec2; 2]] {
         &self.walls
     }
 
-    /// Cells along x and along y.
+    /// Returns the number of cells along x and along y.
     pub fn cells(&self) -> (usize, usize) {
         (self.columns, self.rows)
     }
 
-    /// \[m\] size of a cell.
+    /// Returns the size of a cell \[m\].
     pub fn cell(&self) -> Vec2 {
         let size = self.view.high - self.view.low;
         vec2(size.x / self.columns as f64, size.y / self.rows as f64)
     }
 
-    /// \[1/m²\] mean density of each cell, row by row from the lowest; 0 before the first frame.
+    /// Returns the mean density of each cell \[1/m²\], row by row from the lowest; 0 before the first frame.
     pub fn values(&self) -> Vec<f64> {
         let frames = self.frames.max(1) as f64;
         self.sum.iter().map(|sum| sum / frames).collect()
     }
 }
 
-/// The part of the line of this `y` that somebody at `p` does not see for the side of a wall: from this x to that.
-/// Nobody on a wall's own line is hidden by it.
+/// The x range of the line at height `y` that a wall side hides from a person at `p`. A person exactly on the line of a
+/// wall is not hidden by it.
 fn shadow(p: Vec2, [a, b]: [Vec2; 2], y: f64) -> Option<(f64, f64)> {
     let (a, b) = (a - p, b - p);
     let turn = a.cross(b);
     if turn == 0.0 {
         return None;
     }
-    // To the left of p a, to the right of p b, and beyond a b: each a half of the plane.
+    // Left of p→a, right of p→b, and beyond a→b: three half planes.
     let (a, b) = if turn > 0.0 { (a, b) } else { (b, a) };
     let side = b - a;
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     for (along, from) in [(a, Vec2::ZERO), (-b, Vec2::ZERO), (-side, a)] {
-        // Of along × (x − from.x, y − from.y) ≥ 0: slope · x ≤ limit.
+        // For along × (x − from.x, y − from.y) ≥ 0: slope · x ≤ limit.
         let (slope, limit) = (along.y, along.x * (y - p.y - from.y) + along.y * from.x);
         if slope > 0.0 {
             high = high.min(limit / slope);

@@ -1,4 +1,4 @@
-//! One scene on a page.
+//! Draws one scene on a page.
 
 use crate::colour::Colour;
 use crate::colouring::Colouring;
@@ -11,11 +11,11 @@ use crate::style::Style;
 use crate::text::{PX, escaped, text_of};
 use crate::world::world;
 
-/// The scene as SVG.
+/// Returns the scene as SVG.
 ///
-/// Groups, from the lowest: `density`, `walls`, `bodies` (one group per agent, in the order of the agents,
-/// its title the agent's id), `bicycles`, `trails` (paths of class `simulated` and `measured`), `forces`, `ids`; and,
-/// outside the metres, `time`, `legend`, `scale-bar`, `colour-bar`.
+/// Groups, from the lowest: `density`, `walls`, `bodies` (one group for each agent, in their order, with the agent's Id
+/// as title), `bicycles`, `trails` (paths of class `simulated` and `measured`), `forces`, `ids`. Outside the scene, in
+/// pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
 pub fn svg(scene: &Scene, style: &Style) -> String {
     let width = page_width(style.width);
     let unit = width / NOMINAL_WIDTH;
@@ -53,13 +53,13 @@ pub fn svg(scene: &Scene, style: &Style) -> String {
     out
 }
 
-/// The time as it is shown.
+/// The time as text.
 pub(crate) fn stamp(t: f64, decimals: usize) -> String {
     let decimals = decimals.min(9);
     format!("t = {t:.decimals$} s")
 }
 
-/// The page itself, of the colour of paper.
+/// Begins the page and fills it with the colour of the paper.
 pub(crate) fn begin(out: &mut String, page: &Page, title: &str, paper: Colour) {
     let (w, h) = (text_of(page.width, PX), text_of(page.height, PX));
     *out += &format!(

@@ -1,4 +1,4 @@
-//! What stands beside a scene: time, legend, scale bar, colour bar.
+//! Elements beside a scene: time, legend, scale bar, colour bar.
 
 use crate::colour::{Colour, Palette};
 use crate::colouring::Scale;
@@ -6,38 +6,38 @@ use crate::lettering::{self, Anchor, PEN, Place, Up};
 use crate::page::{BAND_GAP, CAP_HEIGHT, MARGIN, Page};
 use crate::text::{PX, escaped, round_below, short, text_of};
 
-/// \[px\] Length of the line of a legend.
+/// \[px\] Length of a line in a legend.
 const SAMPLE: f64 = 24.0;
-/// \[px\] between a line of a legend and what it says.
+/// \[px\] Distance between a line of a legend and its text.
 const SAMPLE_GAP: f64 = 6.0;
-/// \[px\] between one entry of a legend and the next.
+/// \[px\] Distance between entries of a legend.
 const ENTRY_GAP: f64 = 16.0;
-/// \[px\] from one row of a header to the next.
+/// \[px\] Distance between rows of a header.
 const ROW: f64 = CAP_HEIGHT + 9.0;
 
-/// A line and what it means.
+/// An entry of a legend: a line and its meaning.
 pub(crate) struct Entry {
     pub class: &'static str,
     pub label: String,
     pub colour: Colour,
-    /// \[px\]
+    /// \[px\] Width of the line.
     pub width: f64,
     /// A halo around the line, with its width on each side \[px\].
     pub halo: Option<(Colour, f64)>,
-    /// \[px\] dash and gap.
+    /// \[px\] Dash and gap.
     pub dash: Option<(f64, f64)>,
 }
 
-/// What stands above a scene, laid out in rows.
+/// Elements above a scene, laid out in rows.
 pub(crate) struct Header {
-    /// Entries of each row; where the first begins \[px\].
+    /// For each row, the x at which its first entry begins \[px\], and its entries.
     rows: Vec<(f64, Vec<Entry>)>,
-    /// \[px\] of the rows and the gap below them; 0 when there is nothing.
+    /// \[px\] Height of the rows and the gap below them; 0 if there are none.
     pub height: f64,
 }
 
 impl Header {
-    /// The legend stands at the right of a time stamp, or in rows below it where there is no room.
+    /// Places the legend right of the time stamp, or in rows below it if there is no room.
     pub fn new(time: Option<&str>, legend: Vec<Entry>, unit: f64, width: f64) -> Header {
         let (left, room) = (MARGIN * unit, width - 2.0 * MARGIN * unit);
         let length = |e: &Entry| (SAMPLE + SAMPLE_GAP) * unit + lettering::width(&e.label, CAP_HEIGHT * unit);
@@ -73,7 +73,7 @@ impl Header {
         Header { rows, height }
     }
 
-    /// Draws the legend; the time is the caller's, since it may stand elsewhere.
+    /// Draws the legend. The caller draws the time, because its place may differ.
     pub fn draw(&self, out: &mut String, page: &Page, palette: &Palette, top: f64) {
         if self.rows.iter().all(|(_, row)| row.is_empty()) {
             return;
@@ -91,10 +91,10 @@ impl Header {
 }
 
 impl Entry {
-    /// Returns where it ends.
+    /// Draws the entry and returns the x of its end.
     fn draw(&self, out: &mut String, page: &Page, palette: &Palette, x: f64, base: f64) -> f64 {
         let (unit, cap) = (page.unit, CAP_HEIGHT * page.unit);
-        // Round ends reach beyond a line.
+        // Round line ends extend beyond the line.
         let end = self.dash.map_or(0.5 * self.width + self.halo.map_or(0.0, |h| h.1), |_| 0.0);
         let [x0, x1, y] = [x + end, x + SAMPLE * unit - end, base - 0.5 * cap].map(|v| text_of(v, PX));
         let line = |out: &mut String, class: &str, colour: Colour, width: f64, more: &str| {
@@ -120,7 +120,7 @@ impl Entry {
     }
 }
 
-/// \[px\] Height of scale bar and colour bar with the gap above them.
+/// \[px\] Height of scale bar and colour bar, including the gap above them.
 pub(crate) fn footer_height(colour_bar: bool, scale_bar: bool) -> f64 {
     match (colour_bar, scale_bar) {
         (true, _) => BAND_GAP + 2.4 * CAP_HEIGHT + 2.0,
@@ -129,7 +129,7 @@ pub(crate) fn footer_height(colour_bar: bool, scale_bar: bool) -> f64 {
     }
 }
 
-/// A round length at the lower left; `scale` in px/m.
+/// Draws a bar of a round length at the lower left; `scale` is in px/m.
 pub(crate) fn scale_bar(out: &mut String, page: &Page, palette: &Palette, scale: f64, room: f64) {
     let metres = round_below(room / scale);
     let label = if metres >= 1000.0 {
@@ -154,11 +154,15 @@ pub(crate) fn scale_bar(out: &mut String, page: &Page, palette: &Palette, scale:
     lettered(out, "scale", &label, place, palette.ink);
 }
 
-/// The colour map with its ends and what it means, at the lower right.
+/// Draws the colour map with its ends and its meaning at the lower right, or words if there is no colour bar.
 pub(crate) fn colour_bar(out: &mut String, page: &Page, palette: &Palette, scale: &Scale) {
     let Scale { title, low, high, ramp, .. } = scale;
     let (cap, right) = (CAP_HEIGHT * page.unit, page.width - MARGIN * page.unit);
     let y = page.height - MARGIN * page.unit;
+    if let Some(words) = &scale.nothing {
+        let place = Place { x: right, y, ..small(page.unit, Anchor::End) };
+        return lettered(out, "label", words, place, palette.ink);
+    }
     let numbers =
         if low == high { [None, Some(short(*high))] } else { [Some(short(*low)), Some(scale.high_label())] };
     let space = 0.8 * cap;
@@ -190,7 +194,7 @@ pub(crate) fn colour_bar(out: &mut String, page: &Page, palette: &Palette, scale
         let place = Place { x: x1 + space, y, ..small(page.unit, Anchor::Start) };
         lettered(out, "high", number, place, palette.ink);
     }
-    // A title longer than the bar is centred on it while there is room, and shrinks after that.
+    // A title longer than the bar is centred on it while there is room, then it shrinks.
     let length = lettering::width(title, cap);
     let room = page.width - 2.0 * MARGIN * page.unit;
     let shrink = (room / length.max(1e-9)).min(1.0);
@@ -200,12 +204,12 @@ pub(crate) fn colour_bar(out: &mut String, page: &Page, palette: &Palette, scale
     *out += "</g>\n";
 }
 
-/// The one size of text beside the scene.
+/// The one text size beside the scene.
 pub(crate) fn small(unit: f64, anchor: Anchor) -> Place {
     Place { x: 0.0, y: 0.0, cap_height: CAP_HEIGHT * unit, anchor, up: Up::Negative, decimals: PX }
 }
 
-/// Text beside the scene; whoever cannot see the strokes reads the label.
+/// Draws text beside the scene, with a label for readers that cannot see strokes.
 pub(crate) fn lettered(out: &mut String, class: &str, text: &str, place: Place, colour: Colour) {
     let mut d = String::new();
     lettering::strokes(&mut d, text, place);

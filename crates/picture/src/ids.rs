@@ -1,16 +1,16 @@
-//! The size of the ids on the bodies.
+//! The size of the Ids on the bodies.
 
 use crate::body::Body;
 use crate::lettering;
 use crate::scene::Scene;
 
-/// Of a body's half depth: ids are not higher.
+/// Largest height of an Id / half depth of a body.
 const TALLEST: f64 = 0.56;
-/// Ids that ask for less than this part of what the one in the middle has room for are left out: a single
-/// small body does not make all ids small.
+/// Ids with less room than this fraction of the median are left out, so that one small body does not make all Ids
+/// small.
 const LEAST: f64 = 0.5;
 
-/// \[m\] The cap height for which there is room on a body.
+/// \[m\] Cap height for which a body has room.
 fn room(id: &str, body: &Body) -> f64 {
     (body.front / lettering::width(id, 1.0).max(0.1)).min(TALLEST * body.front)
 }
@@ -20,8 +20,8 @@ fn rooms<'a>(scene: &'a Scene) -> impl Iterator<Item = (&'a str, f64)> {
     named.zip(&scene.bodies).filter(|(_, body)| !body.disks.is_empty()).map(|(id, body)| (id, room(id, body)))
 }
 
-/// \[m\] The cap height of all ids: the smallest that there is room for, but for those left out. It hangs on
-/// the Trial alone, so that it is the same in all frames of a movie.
+/// \[m\] Cap height of all Ids: the smallest for which there is room, without those left out. It depends on the Trial
+/// only, so that it is the same in all frames of a movie.
 pub(crate) fn height(scene: &Scene) -> f64 {
     let mut all: Vec<f64> = rooms(scene).map(|(_, room)| room).collect();
     all.sort_by(f64::total_cmp);
@@ -29,12 +29,12 @@ pub(crate) fn height(scene: &Scene) -> f64 {
     all.iter().copied().find(|room| *room >= LEAST * middle).unwrap_or(*middle)
 }
 
-/// Whether there is room for the id at this height.
+/// Whether the body has room for the Id at this height.
 pub(crate) fn fits(id: &str, body: &Body, height: f64) -> bool {
     room(id, body) >= height
 }
 
-/// Agents whose id is left out of pictures with ids: it would be much smaller than the others are.
+/// Returns the Ids that pictures leave out because they would be much smaller than the others.
 pub fn ids_without_room<'a>(scene: &'a Scene) -> Vec<&'a str> {
     let height = height(scene);
     rooms(scene).filter(|(_, room)| *room < height).map(|(id, _)| id).collect()

@@ -1,4 +1,4 @@
-//! A map of density as filled contours.
+//! Density maps as filled contours.
 
 use crate::body::TENTH_OF_MM;
 use crate::colouring::Scale;
@@ -7,13 +7,13 @@ use crate::page::Frame;
 use crate::scene::Scene;
 use crate::text::{escaped, pair, text_of};
 use contour::ContourBuilder;
-use crowd_mechanics::engine::{Vec2, vec2};
+use lemons_plane::{Vec2, vec2};
 use std::collections::BTreeMap;
 
-/// Shades of a map of density.
+/// Number of shades of a density map.
 const SHADES: usize = 24;
 
-/// Areas above one level after the other, each painted over the one before.
+/// Draws the areas above each level, from the lowest level to the highest.
 pub(crate) fn isobands(out: &mut String, scene: &Scene, frame: &Frame, scale: &Scale) {
     let Some(map) = &scene.density else { return };
     let (view, (columns, rows), cell) = (map.view(), map.cells(), map.cell());
@@ -57,12 +57,12 @@ pub(crate) fn isobands(out: &mut String, scene: &Scene, frame: &Frame, scale: &S
     *out += "</g>\n";
 }
 
-/// Where walls cross the lines between the centres of neighbouring cells. Contours run between the centres: those
-/// between the two sides of a wall belong on the wall.
+/// Crossings of walls with the lines between centres of neighbouring cells. Contours run between the centres; a contour
+/// between two sides of a wall is moved onto the wall.
 struct Crossings {
     low: Vec2,
     cell: Vec2,
-    /// By column and row of the left centre, and its row's; in cells from there.
+    /// By column and row of the left centre: the position of the crossing, in cells from there.
     along_x: BTreeMap<(i64, i64), f64>,
     /// By column and row of the lower centre.
     along_y: BTreeMap<(i64, i64), f64>,
@@ -87,12 +87,12 @@ impl Crossings {
         all
     }
 
-    /// Centres of cells have whole numbers.
+    /// In units of cells: centres have integer coordinates.
     fn in_cells(&self, p: Vec2) -> Vec2 {
         vec2((p.x - self.low.x) / self.cell.x - 0.5, (p.y - self.low.y) / self.cell.y - 0.5)
     }
 
-    /// A corner of a contour: on the wall, if there is one between its two centres.
+    /// Moves a corner of a contour onto the wall, if there is one between its two centres.
     fn ended(&self, p: Vec2) -> Vec2 {
         let at = self.in_cells(p);
         let (column, row) = (at.x.floor() as i64, at.y.floor() as i64);
@@ -111,7 +111,7 @@ impl Crossings {
     }
 }
 
-/// The whole numbers between two, of so many from 0 on.
+/// The integers between two numbers, from 0 to `count`.
 fn within(a: f64, b: f64, count: usize) -> std::ops::Range<i64> {
     let (low, high) = (a.min(b).max(-1.0), a.max(b).min(count as f64));
     if a == b { 0..0 } else { low.ceil() as i64..high.floor() as i64 + 1 }

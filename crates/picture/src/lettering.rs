@@ -1,4 +1,4 @@
-//! Text as strokes: the same everywhere, with no font at all.
+//! Text drawn with strokes: the same on every machine, without fonts.
 
 use crate::text::pair;
 
@@ -6,14 +6,14 @@ use crate::text::pair;
 pub(crate) const CAP: f64 = 12.0;
 /// Height of the base line in the grid.
 const BASE: f64 = 4.0;
-/// Between two glyphs.
+/// Space between two glyphs.
 const GAP: f64 = 3.5;
 /// Advance of a space.
 const SPACE: f64 = 4.0;
-/// Width of the pen, as a part of the cap height.
+/// Width of the pen / cap height.
 pub(crate) const PEN: f64 = 0.125;
 
-/// Which point of the text is given.
+/// The point of the text that is given.
 #[derive(Clone, Copy)]
 pub(crate) enum Anchor {
     Start,
@@ -21,7 +21,7 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// Which way y grows where the text is drawn.
+/// The direction of y where the text is drawn.
 #[derive(Clone, Copy)]
 pub(crate) enum Up {
     /// World coordinates.
@@ -30,11 +30,11 @@ pub(crate) enum Up {
     Negative,
 }
 
-/// Where and how large.
+/// Position and size of text.
 #[derive(Clone, Copy)]
 pub(crate) struct Place {
     pub x: f64,
-    /// Of the base line.
+    /// y of the base line.
     pub y: f64,
     pub cap_height: f64,
     pub anchor: Anchor,
@@ -42,9 +42,9 @@ pub(crate) struct Place {
     pub decimals: usize,
 }
 
-/// Strokes of a glyph, each a row of points; a point is x and height, one base-36 digit each (base line
-/// 4, x-height c, cap height g, descender 0). A stroke is the quadratic B-spline of its points: smooth,
-/// with a corner where a point stands twice. '@' closes it.
+/// Strokes of a glyph, each a list of points. A point is x and height, one base-36 digit each (base line 4, x-height c,
+/// cap height g, descender 0). A stroke is the quadratic B-spline of its points: smooth, with a corner at a repeated
+/// point. '@' closes it.
 fn glyph(c: char) -> &'static str {
     match c {
         '0' => "@04848g0g",
@@ -138,7 +138,7 @@ fn points(stroke: &str) -> Vec<(f64, f64)> {
     digits.chunks_exact(2).map(|p| (p[0], p[1] - BASE)).collect()
 }
 
-/// In grid units. Digits are all of one width, so that a running clock stands still.
+/// In grid units. All digits have the same width, so that a running clock does not move.
 fn glyph_width(c: char) -> f64 {
     match c {
         ' ' => SPACE,
@@ -148,13 +148,13 @@ fn glyph_width(c: char) -> f64 {
     }
 }
 
-/// Length of the text at this cap height.
+/// Length of the text at a cap height.
 pub(crate) fn width(text: &str, cap_height: f64) -> f64 {
     let advance: f64 = text.chars().map(|c| glyph_width(c) + GAP).sum();
     (advance - GAP).max(0.0) * cap_height / CAP
 }
 
-/// The text as SVG path data, to be stroked with round ends by a pen of [`PEN`] cap heights.
+/// Writes the text as SVG path data, to be stroked with a round pen of width [`PEN`] cap heights.
 pub(crate) fn strokes(d: &mut String, text: &str, place: Place) {
     let unit = place.cap_height / CAP;
     let up = match place.up {
@@ -185,7 +185,7 @@ type Point = (f64, f64);
 fn spline(d: &mut String, p: &[Point], closed: bool, put: impl Fn(&mut String, Point)) {
     let middle = |a: Point, b: Point| (0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1));
     let [first, inner @ .., last] = p else { return };
-    // By halves, the next control point is the mirror image of the last one: 'T' leaves it out.
+    // Split into halves, the next control point is the mirror image of the last one; 'T' omits it.
     let curve = |d: &mut String, corners: &mut dyn Iterator<Item = (Point, Point)>| {
         for (k, (corner, end)) in corners.enumerate() {
             if k == 0 {

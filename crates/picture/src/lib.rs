@@ -1,7 +1,7 @@
-//! Pictures of a scene: SVG, and PNG or PDF made from that same SVG.
+//! Pictures of a scene: SVG, and PNG or PDF made from that SVG.
 //!
 //! ```
-//! # use crowd_mechanics::trial::Trial;
+//! # use lemons_trial::Trial;
 //! # use lemons_picture::{PictureError, Scene, Style};
 //! # fn picture(trial: &Trial) -> Result<Vec<u8>, PictureError> {
 //! let svg = lemons_picture::svg(&Scene::at_start(trial), &Style::default());
@@ -9,12 +9,11 @@
 //! # }
 //! ```
 //!
-//! [`svg`] draws one scene, [`sheet`] several times of a run on one page, [`chart_svg`] curves over time;
-//! [`pixels`] and [`Animation`] make movies of them.
+//! [`svg`] draws one scene, [`sheet`] several times of a run on one page, [`chart_svg`] curves over time; [`pixels`]
+//! and [`Animation`] make movies.
 //!
-//! The same input gives the same bytes on every machine: all text is drawn in strokes of our own, no
-//! font is looked for. The drawing itself is in metres, the y axis upwards, under one transform: the
-//! numbers in the SVG are those of the Trial.
+//! The same input gives the same bytes on every machine, because text is drawn with strokes and no fonts are used.
+//! Scenes are drawn in metres, the y axis upwards, under one transform: the numbers in the SVG are those of the Trial.
 
 mod animation;
 mod bicycle;
@@ -50,8 +49,9 @@ pub use colour::{Colour, ColourMap, Theme, viridis};
 pub use density::{DENSITY_KERNEL, DensityMap};
 pub use draw::svg;
 pub use ids::ids_without_room;
+pub use lemons_plane::Pose;
 pub use pdf::pdf;
-pub use plane::{Pose, View};
+pub use plane::View;
 pub use raster::{PictureError, Pixels, pixels, png};
 pub use scene::{Force, Scene, Trail, TrailKind};
 pub use sheet::{Panel, SheetStyle, sheet};

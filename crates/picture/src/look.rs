@@ -1,4 +1,4 @@
-//! How wide lines are, and what they mean.
+//! Widths and meanings of lines.
 
 use crate::bicycle::Bicycle;
 use crate::colour::Palette;
@@ -9,23 +9,23 @@ use crate::scene::{Force, Scene, TrailKind};
 use crate::style::Style;
 use crate::text::{round_below, text_of};
 
-/// \[px\] at most: the greatest force, or a part of a small body's size.
+/// \[px\] Largest width of a line of force (for the largest force, or limited by small bodies).
 const FORCE_STROKE: f64 = 6.0;
-/// The widest line of force, as a part of the square root of a body's area.
+/// Largest width of a line of force / square root of a body's area.
 const FORCE_PART: f64 = 0.2;
-/// \[px\] of the halo on each side of a line of force; no more than the line itself is wide.
+/// \[px\] Halo on each side of a line of force; at most the width of the line.
 pub(crate) const FORCE_HALO: f64 = 0.8;
-/// \[px\]
+/// \[px\] Width of a trail.
 pub(crate) const TRAIL_STROKE: f64 = 1.5;
-/// \[px\] in the legend.
+/// \[px\] Width of the line of a bicycle in the legend.
 const BICYCLE_STROKE: f64 = 5.0;
-/// \[px\] dash and gap of what is measured.
+/// \[px\] Dash and gap of measured lines.
 pub(crate) const DASH: (f64, f64) = (4.2, 3.4);
-/// \[px\] of paper around each dash, so that it is seen on a solid line of its colour, which is seen between
-/// the dashes.
+/// \[px\] Border of paper around each dash. So dashes are visible on a solid line of their colour, and that line
+/// between the dashes.
 pub(crate) const CASING: f64 = 0.9;
 
-/// As SVG: the dashes of the casing, and those of what is measured; `px` is one pixel.
+/// As SVG: the dashes of the border and those of the measured line; `px` is one pixel.
 pub(crate) fn dashes(px: f64) -> [String; 2] {
     let pattern = |dash: f64, gap: f64, begun: f64| {
         let [dash, gap, begun] = [dash, gap, begun].map(|v| text_of(v * px, 6));
@@ -34,16 +34,16 @@ pub(crate) fn dashes(px: f64) -> [String; 2] {
     [pattern(DASH.0 + 2.0 * CASING, DASH.1 - 2.0 * CASING, CASING), pattern(DASH.0, DASH.1, 0.0)]
 }
 
-/// What is drawn the same in every scene of a page.
+/// Settings that are the same in every scene of a page.
 pub(crate) struct Look<'a> {
     pub style: &'a Style,
     pub palette: Palette,
-    /// \[px/N\]
+    /// \[px/N\] Width of lines of force.
     pub force_scale: f64,
 }
 
 impl Look<'_> {
-    /// Lines of force as wide as these scenes at this scale ask for.
+    /// Chooses the width of lines of force for these scenes at this scale.
     pub fn new<'a>(style: &'a Style, scenes: &[&Scene], frame: &Frame) -> Look<'a> {
         let forces = scenes.iter().flat_map(|s| drawable_forces(s)).map(|f| f.normal_force);
         let given = style.forces.filter(|f| f.is_finite() && *f > 0.0);
@@ -58,7 +58,7 @@ impl Look<'_> {
         Look { style, palette: Palette::of(style.theme), force_scale }
     }
 
-    /// What the lines of these scenes mean.
+    /// Returns the legend for the lines of these scenes.
     pub fn legend(&self, scenes: &[&Scene], unit: f64) -> Vec<Entry> {
         let mut legend = Vec::new();
         if let Some(newton) = self.sample_force(scenes) {
@@ -107,11 +107,11 @@ impl Look<'_> {
         legend
     }
 
-    /// \[N\] the round force of the legend.
+    /// \[N\] The round force in the legend.
     fn sample_force(&self, scenes: &[&Scene]) -> Option<f64> {
         let given = self.style.forces.filter(|f| f.is_finite() && *f > 0.0);
         let forces = scenes.iter().flat_map(|s| drawable_forces(s)).map(|f| f.normal_force);
-        // A given scale is a movie's: its legend stays when nobody is touched.
+        // A given scale belongs to a movie: its legend stays when there are no forces.
         let largest = given.unwrap_or_else(|| forces.fold(0.0, f64::max));
         (largest > 0.0).then(|| round_below(largest))
     }

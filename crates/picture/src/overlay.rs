@@ -1,4 +1,4 @@
-//! Lines over the bodies: where they have been, and the forces between them.
+//! Lines over the bodies: their trails, and the forces between them.
 
 use crate::body::point;
 use crate::colour::{Colour, Palette};
@@ -7,18 +7,17 @@ use crate::page::Frame;
 use crate::plane::near;
 use crate::scene::{Force, Scene, TrailKind};
 use crate::text::text_of;
-use crowd_mechanics::engine::Vec2;
+use lemons_plane::Vec2;
 use std::fmt::Write;
 
-/// \[px\] on each side.
+/// \[px\] Halo on each side of a trail.
 const TRAIL_HALO: f64 = 0.9;
-/// \[px\] Points of a trail nearer than this to the last one are left out.
+/// \[px\] Points of a trail nearer than this to the previous one are left out.
 const TRAIL_STEP: f64 = 0.4;
-/// Pieces of different paleness of a trail.
+/// Number of shades of a trail.
 const AGES: usize = 8;
 
-/// The pieces of a row of points between those that cannot be drawn, thinned to what can be seen; a lone
-/// point is none.
+/// Splits points at those that cannot be drawn, and removes points too close to be seen. Single points are dropped.
 fn pieces(points: &[Vec2], step: f64) -> Vec<Vec<Vec2>> {
     let mut all = Vec::new();
     for piece in points.split(|p| !near(*p)) {
@@ -29,7 +28,7 @@ fn pieces(points: &[Vec2], step: f64) -> Vec<Vec<Vec2>> {
                 kept.push(*p);
             }
         }
-        // Whoever stood still has left no trail: a dot would be all halo.
+        // A person who stood still has no trail: a dot would be only halo.
         if kept.len() > 2 || matches!(kept[..], [a, b] if (b - a).norm() >= step) {
             all.push(kept);
         }
@@ -53,7 +52,7 @@ pub(crate) fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: 
         [0.0, TRAIL_HALO, CASING].map(|around| text_of((TRAIL_STROKE + 2.0 * around) * px, 6));
     let step = TRAIL_STEP * px;
     if !measured(&[scene]) {
-        // Whose trail it is, the body at its end says. Pieces of one age are one path.
+        // The body at the end of a trail shows whose it is. Pieces of the same age are one path.
         let mut ages = vec![String::new(); AGES];
         for trail in &scene.trails {
             let n = trail.points.len();
@@ -88,7 +87,7 @@ pub(crate) fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: 
         })
         .filter(|(_, _, d)| !d.is_empty())
         .collect();
-    // Solid lines hide none that is dashed.
+    // Draw dashed lines last, so that solid lines do not hide them.
     lines.sort_by_key(|(kind, _, _)| *kind == TrailKind::Measured);
     let all: String = lines.iter().map(|(_, _, d)| d.as_str()).collect();
     *out += &format!(
@@ -115,13 +114,13 @@ pub(crate) fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: 
     *out += "</g>\n";
 }
 
-/// All halos below all lines, so that a chain of forces is one thing.
+/// Draws all halos below all lines, so that a chain of forces looks connected.
 pub(crate) fn forces(out: &mut String, scene: &Scene, look: &Look, frame: &Frame) {
     if scene.forces.is_empty() {
         return;
     }
     let px = frame.unit / frame.scale;
-    // Weak ones first: a strong one is never crossed by a weak one.
+    // Weak forces first, so that they do not cross strong ones.
     let mut drawn: Vec<(f64, &Force)> =
         drawable_forces(scene).map(|f| (f.normal_force * look.force_scale / frame.scale, f)).collect();
     drawn.retain(|(width, _)| *width > 0.01 * px);

@@ -1,4 +1,4 @@
-//! SVG to PDF: one page of curves, without fonts.
+//! Converts SVG to PDF: one page of curves, without fonts.
 
 use crate::raster::PictureError;
 use miniz_oxide::deflate::compress_to_vec_zlib;
@@ -12,9 +12,9 @@ use resvg::usvg::{
 
 /// \[pt/px\] An inch is 72 points or 96 px.
 const POINTS: f32 = 0.75;
-/// \[pt\] Longer sides take a larger unit than the point.
+/// \[pt\] Pages with longer sides need a unit larger than a point.
 const LONGEST_SIDE: f32 = 14_400.0;
-/// Of zlib.
+/// Level of zlib.
 const COMPRESSION: u8 = 6;
 
 const CATALOG: Ref = Ref::new(1);
@@ -24,10 +24,11 @@ const CONTENT: Ref = Ref::new(4);
 const INFO: Ref = Ref::new(5);
 const FIRST_FREE: i32 = 6;
 
-/// The SVG as a PDF of one page, which is as large as the SVG: 96 px are an inch. Everything stays a curve.
+/// Converts an SVG to a PDF of one page of the same size; 96 px are an inch. Curves remain curves.
 ///
 /// # Errors
-/// The text is not SVG, or uses more than pictures of this crate do: images, filters, masks, gradients along circles.
+/// The text is not SVG, or it uses features that pictures of this crate do not: images, filters, masks, radial
+/// gradients.
 pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     let tree = Tree::from_str(svg, &Options::default())?;
     let (width, height) = (POINTS * tree.size().width(), POINTS * tree.size().height());
@@ -56,7 +57,7 @@ pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
         state.non_stroking_alpha(*fill).stroking_alpha(*stroke);
     }
     states.finish();
-    // Each shading is followed by its functions.
+    // The functions of a shading follow it.
     let mut free = FIRST_FREE;
     let mut places = resources.shadings();
     let objects: Vec<(Ref, &Shading)> = shadings
@@ -74,23 +75,23 @@ pub fn pdf(svg: &str) -> Result<Vec<u8>, PictureError> {
     page.finish();
     objects.into_iter().for_each(|(object, shading)| shading.write(&mut pdf, object));
     pdf.stream(CONTENT, &compress_to_vec_zlib(&content.finish(), COMPRESSION)).filter(Filter::FlateDecode);
-    // No date: the same picture gives the same bytes.
+    // No date, so that the same picture gives the same bytes.
     pdf.document_info(INFO).producer(TextStr("LEMONS"));
     Ok(pdf.finish())
 }
 
 struct Drawing {
     content: Content,
-    /// Of fill and stroke, each pair once.
+    /// Opacities of fill and stroke, each pair once.
     opacities: Vec<(f32, f32)>,
     shadings: Vec<Shading>,
 }
 
-/// Colours along a line.
+/// A linear gradient.
 struct Shading {
     /// x and y of both ends.
     line: [f32; 4],
-    /// From 0 to 1 on the line, at least two.
+    /// Positions from 0 to 1 along the line and colours, at least two.
     stops: Vec<(f32, [f32; 3])>,
 }
 
@@ -114,7 +115,7 @@ impl Shading {
         Shading { line: [gradient.x1(), gradient.y1(), gradient.x2(), gradient.y2()], stops }
     }
 
-    /// The shading and, in the objects after it, its functions.
+    /// Writes the shading and, as the next objects, its functions.
     fn write(&self, pdf: &mut Pdf, object: Ref) {
         let after = |k: usize| Ref::new(object.get() + 1 + k as i32);
         let mut shading = pdf.function_shading(object);
@@ -164,7 +165,7 @@ impl Drawing {
         Ok(())
     }
 
-    /// What is drawn from here on is cut.
+    /// Clips everything that is drawn after this.
     fn clip(&mut self, clip: &ClipPath) -> Result<(), PictureError> {
         if let Some(outer) = clip.clip_path() {
             self.clip(outer)?;
@@ -204,7 +205,7 @@ impl Drawing {
         let (filled, stroked) = (path.fill().is_some() && !shaded, path.stroke().is_some());
         let steps: &[Step] = match (filled, stroked) {
             (true, true) if path.paint_order() == PaintOrder::StrokeAndFill => &[Step::Stroke, Step::Fill],
-            // At once the two are one thing: what is transparent of the stroke would not show the fill.
+            // Painting both at once would make them one object: a transparent stroke would not show the fill.
             (true, true) if opacity.1 < 1.0 => &[Step::Fill, Step::Stroke],
             (true, true) => &[Step::Both],
             (true, false) => &[Step::Fill],
@@ -218,7 +219,7 @@ impl Drawing {
         Ok(())
     }
 
-    /// Fills an outline with the colours of a gradient.
+    /// Fills an outline with a gradient.
     fn shade(&mut self, outline: &Outline, gradient: &LinearGradient) -> Result<(), PictureError> {
         let opaque = gradient.stops().iter().all(|stop| stop.opacity().get() == 1.0);
         if !opaque || gradient.spread_method() != SpreadMethod::Pad || gradient.stops().len() < 2 {
@@ -276,7 +277,7 @@ impl Drawing {
                     at = p;
                 }
                 PathSegment::QuadTo(c, p) => {
-                    // The same curve as a cubic one.
+                    // Convert the quadratic curve to a cubic one.
                     let towards = |from: Point| Point {
                         x: from.x + (c.x - from.x) * (2.0 / 3.0),
                         y: from.y + (c.y - from.y) * (2.0 / 3.0),
@@ -297,7 +298,7 @@ impl Drawing {
     }
 }
 
-/// What is painted of an outline.
+/// The part of an outline that is painted.
 #[derive(Clone, Copy)]
 enum Step {
     Fill,
@@ -305,7 +306,7 @@ enum Step {
     Both,
 }
 
-/// The outlines of a clip, in the frame that it cuts.
+/// Collects the outlines of a clip, in the frame of the clipped object.
 fn collect(group: &Group, frame: Transform, outlines: &mut Vec<Outline>) -> Result<(), PictureError> {
     let frame = frame.pre_concat(group.transform());
     for node in group.children() {
@@ -326,7 +327,7 @@ fn rgb(paint: &Paint) -> Result<[f32; 3], PictureError> {
 }
 
 fn parts(colour: Color) -> [f32; 3] {
-    // Three decimals tell all 256 apart, and are short.
+    // Three decimals distinguish all 256 values, and are short.
     [colour.red, colour.green, colour.blue].map(|part| (f32::from(part) / 0.255).round() / 1000.0)
 }
 

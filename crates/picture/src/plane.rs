@@ -1,34 +1,23 @@
 //! Points, poses and rectangles that can be drawn.
 
-use crowd_mechanics::engine::Vec2;
+use lemons_plane::{Pose, Vec2};
 
-/// \[m\] What lies further out than this is not drawn, like what is not finite: the digits and the
-/// rasteriser's single precision end there.
+/// \[m\] Points further from the origin are not drawn, nor are points that are not finite. Decimals and the
+/// rasterizer's single precision are not sufficient there.
 const FARTHEST: f64 = 1e6;
 
-/// Where a body stands.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    /// \[m\] centre of mass.
-    pub position: Vec2,
-    /// \[rad\] direction of the gaze.
-    pub theta: f64,
-}
-
-impl Pose {
-    /// Whether a body can be drawn there.
-    pub(crate) fn drawable(&self) -> bool {
-        near(self.position) && self.theta.is_finite()
-    }
-}
-
-/// A rectangle of the plane, `low` its lower left corner.
+/// A rectangle of the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// \[m\]
+    /// \[m\] Lower left corner.
     pub low: Vec2,
-    /// \[m\]
+    /// \[m\] Upper right corner.
     pub high: Vec2,
+}
+
+/// Whether a body at this pose can be drawn.
+pub(crate) fn drawable(pose: &Pose) -> bool {
+    near(pose.position) && pose.orientation.is_finite()
 }
 
 /// Whether a point can be drawn.

@@ -1,8 +1,8 @@
-//! The values that an axis shows, and its round numbers.
+//! The range of values of an axis, and round tick values.
 
 use crate::text::{round_above, short, text_of};
 
-/// The values that an axis shows.
+/// The range of values of an axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Range {
     pub low: f64,
@@ -10,7 +10,7 @@ pub(crate) struct Range {
 }
 
 impl Range {
-    /// All values; with zero where it is not far, for an axis that `reaches_zero`.
+    /// The range of all values. If `reaches_zero`, it is extended to zero if that is near.
     pub fn around(values: impl Iterator<Item = f64>, reaches_zero: bool) -> Range {
         let (mut low, mut high) =
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
@@ -31,7 +31,7 @@ impl Range {
         Range { low: low.max(-1e307), high: high.min(1e307) }
     }
 
-    /// Space beyond the curves, but not below zero.
+    /// Adds space beyond the curves, but not below zero.
     pub fn airy(self) -> Range {
         let air = 0.05 * (self.high - self.low);
         let low = if self.low == 0.0 { 0.0 } else { self.low - air };
@@ -42,7 +42,7 @@ impl Range {
         ((v - self.low) / (self.high - self.low)).clamp(-0.1, 1.1)
     }
 
-    /// Round numbers, about so many; whole ones for counts.
+    /// Returns about `about` round numbers with their labels; integers only if `whole`.
     pub fn ticks(self, about: f64, whole: bool) -> Vec<(f64, String)> {
         let mut step = round_above((self.high - self.low) / about);
         if whole {

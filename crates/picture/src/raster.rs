@@ -1,11 +1,11 @@
-//! SVG to PNG.
+//! Converts SVG to PNG.
 
 use resvg::{tiny_skia, usvg};
 
-/// \[px\] Largest picture: 400 MB of pixels.
+/// \[px\] Largest number of pixels: 400 MB.
 const MOST_PIXELS: f64 = 1e8;
 
-/// Why there is no PNG or PDF.
+/// Why a picture cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The text is not SVG.
@@ -14,21 +14,21 @@ pub enum PictureError {
     /// No pixels, or too many.
     #[error("a picture of {width} × {height} pixels cannot be made")]
     Size {
-        /// \[px\]
+        /// \[px\] width.
         width: u32,
-        /// \[px\]
+        /// \[px\] height.
         height: f64,
     },
-    /// The SVG has what no picture of this crate has.
-    #[error("PDF: the SVG has {0}")]
+    /// The SVG has a feature that pictures of this crate do not have.
+    #[error("PDF: the SVG contains {0}, which is not supported")]
     Pdf(&'static str),
-    /// The encoder failed.
+    /// The PNG encoder failed.
     #[error("PNG: {0}")]
     Png(String),
-    /// An encoder of GIF failed.
+    /// The GIF encoder failed.
     #[error("GIF: {0}")]
     Gif(String),
-    /// Frames that cannot be an animation.
+    /// The frames cannot be an animation.
     #[error("animation: {0}")]
     Animation(String),
     /// The file cannot be written.
@@ -36,20 +36,20 @@ pub enum PictureError {
     Io(#[from] std::io::Error),
 }
 
-/// A picture as bytes.
+/// A picture as pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pixels {
-    /// \[px\]
+    /// \[px\] width.
     pub width: u32,
-    /// \[px\]
+    /// \[px\] height.
     pub height: u32,
-    /// Red, green, blue, alpha of each pixel, row by row from the top; opaque.
+    /// Red, green, blue, alpha of each pixel, row by row from the top; all opaque.
     pub rgba: Vec<u8>,
 }
 
 impl Pixels {
-    /// The same with the last column or row repeated where their number is odd: H.264 in 4:2:0, what
-    /// players read, has an even width and height.
+    /// Returns the picture with an even width and height: the last column or row is repeated where needed. H.264 in
+    /// 4:2:0, which all players support, needs this.
     pub fn even(self) -> Pixels {
         let (width, height) = (self.width + self.width % 2, self.height + self.height % 2);
         if (width, height) == (self.width, self.height) {
@@ -68,7 +68,7 @@ impl Pixels {
     }
 }
 
-/// The SVG as a PNG of this width; the height follows from the SVG.
+/// Returns the SVG as a PNG of a width; the height follows from the SVG.
 pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
     let Pixels { width, height, rgba } = pixels(svg, width_px)?;
     let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
@@ -77,7 +77,7 @@ pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_compression(png::Compression::Balanced);
-    // Flat colours repeat exactly; filters only hide that.
+    // Flat colours repeat exactly; filters would only hide that.
     encoder.set_filter(png::Filter::NoFilter);
     let mut writer = encoder.write_header().map_err(failed)?;
     writer.write_image_data(&rgb).map_err(failed)?;
@@ -85,12 +85,12 @@ pub fn png(svg: &str, width_px: u32) -> Result<Vec<u8>, PictureError> {
     Ok(bytes)
 }
 
-/// The SVG as pixels of this width; the height follows from the SVG. What is transparent is white.
+/// Returns the SVG as pixels of a width; the height follows from the SVG. Transparent areas become white.
 pub fn pixels(svg: &str, width_px: u32) -> Result<Pixels, PictureError> {
     let picture = render(svg, width_px)?;
     let (width, height) = (picture.width(), picture.height());
     let mut rgba = picture.take();
-    // The colours are multiplied by alpha already.
+    // The colours are already multiplied by alpha.
     for pixel in rgba.chunks_exact_mut(4).filter(|p| p[3] < 255) {
         let white = 255 - pixel[3];
         pixel[..3].iter_mut().for_each(|part| *part = part.saturating_add(white));

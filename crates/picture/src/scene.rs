@@ -1,68 +1,67 @@
-//! What is drawn.
+//! Scenes: the content of a picture.
 
 use crate::bicycle::Bicycle;
 use crate::body::Body;
 use crate::density::DensityMap;
-use crate::plane::{Pose, View, near};
-use crowd_mechanics::engine::{Vec2, vec2};
-use crowd_mechanics::trial::Trial;
+use crate::plane::{View, drawable, near};
+use lemons_plane::{Pose, Vec2, vec2};
+use lemons_trial::Trial;
 
-/// A force in a contact, a line whose width is the force.
+/// A contact force, drawn as a line whose width is proportional to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Force {
-    /// \[m\] centre of one body.
+    /// \[m\] Centre of one body.
     pub from: Vec2,
-    /// \[m\] centre of the other, or where the wall is touched.
+    /// \[m\] Centre of the other body, or the contact point on the wall.
     pub to: Vec2,
-    /// \[N\] not drawn unless it is positive and finite.
+    /// \[N\] Normal force. The line is drawn if it is positive and finite.
     pub normal_force: f64,
 }
 
-/// Where somebody has been.
+/// The trail of an agent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trail {
-    /// Place among the agents; gives the colour.
+    /// Index of the agent; it selects the colour.
     pub agent: Option<usize>,
-    /// Solid or dashed.
+    /// Simulated (solid) or measured (dashed).
     pub kind: TrailKind,
-    /// \[m\] in the order of time. What is not finite interrupts the line.
+    /// \[m\] Points in order of time. Points that are not finite interrupt the line.
     pub points: Vec<Vec2>,
 }
 
-/// Where a trail comes from.
+/// The source of a trail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrailKind {
-    /// Solid. Where there is no measured trail beside it: one colour, paler the longer ago.
+    /// Solid. Without a measured trail beside it, it has one colour that becomes paler with age.
     Simulated,
     /// Dashed.
     Measured,
 }
 
-/// Walls, and bodies at given poses.
+/// Walls, and bodies at poses.
 ///
-/// For a movie: one scene, [`Scene::view`] fixed at the first frame, and new `poses` for every frame.
+/// For a movie: make one scene, fix [`Scene::view`] at the first frame, and set new `poses` for every frame.
 #[derive(Debug, Clone)]
 pub struct Scene<'a> {
     /// Walls and shapes.
     pub trial: &'a Trial,
-    /// One per agent, in the order of the agents. An agent without a finite pose is not drawn.
+    /// One pose for each agent, in their order. An agent without a finite pose is not drawn.
     pub poses: Vec<Pose>,
-    /// The part of the plane shown; all walls, bodies, bicycles and trails when `None`.
+    /// The visible part of the plane; `None`: all walls, bodies, bicycles and trails.
     pub view: Option<View>,
     /// Forces between bodies, drawn on top of them.
     pub forces: Vec<Force>,
-    /// Where the agents have been.
+    /// Trails of the agents.
     pub trails: Vec<Trail>,
-    /// People per area, drawn below everything else. Bodies are then outlines, and the colour bar is the
-    /// density's.
+    /// People per area, drawn below everything else. Bodies are then outlines, and the colour bar shows the density.
     pub density: Option<DensityMap>,
-    /// Drawn beside the agents: a Trial has none.
+    /// Bicycles, which a Trial cannot contain.
     pub bicycles: Vec<Bicycle>,
     pub(crate) bodies: Vec<Body>,
 }
 
 impl<'a> Scene<'a> {
-    /// The agents of the Trial at these poses.
+    /// Makes a scene of the agents of a Trial at these poses.
     pub fn new(trial: &'a Trial, poses: Vec<Pose>) -> Scene<'a> {
         let bodies = trial.agents.iter().map(Body::new).collect();
         Scene {
@@ -77,13 +76,15 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The Trial as its files have it.
+    /// Makes a scene of the Trial as in its files.
     pub fn at_start(trial: &'a Trial) -> Scene<'a> {
-        let poses = trial.dynamics.iter().map(|d| Pose { position: d.position, theta: d.theta }).collect();
+        let poses =
+            trial.dynamics.iter().map(|d| Pose { position: d.position, orientation: d.theta }).collect();
         Scene::new(trial, poses)
     }
 
-    /// The smallest rectangle around all walls, bodies, bicycles and trails; a metre about the origin when there are none.
+    /// Returns the smallest rectangle around all walls, bodies, bicycles and trails; a metre about the origin if there
+    /// are none.
     pub fn extent(&self) -> View {
         let mut low = vec2(f64::INFINITY, f64::INFINITY);
         let mut high = -low;
@@ -114,10 +115,10 @@ impl<'a> Scene<'a> {
         self.bicycles.iter().filter(|bicycle| bicycle.drawable())
     }
 
-    /// The agents that can be drawn, with their place among the agents.
+    /// The agents that can be drawn, with their indices.
     pub(crate) fn drawn(&self) -> impl Iterator<Item = (usize, &Pose, &Body)> {
         let all = self.poses.iter().zip(&self.bodies).enumerate();
-        all.filter(|(_, (pose, body))| pose.drawable() && !body.disks.is_empty())
+        all.filter(|(_, (pose, body))| drawable(pose) && !body.disks.is_empty())
             .map(|(k, (pose, body))| (k, pose, body))
     }
 }

@@ -1,4 +1,4 @@
-//! Several scenes on one page.
+//! Draws several scenes on one page.
 
 use crate::colouring::{Colouring, Scale};
 use crate::draw::{begin, stamp};
@@ -10,30 +10,30 @@ use crate::plane::View;
 use crate::scene::Scene;
 use crate::style::{Fill, Style, Visibility};
 use crate::world::{CUT_BORDER, is_cut, world};
-use crowd_mechanics::engine::vec2;
+use lemons_plane::vec2;
 
-/// \[px\] between two panels.
+/// \[px\] Distance between two panels.
 const GUTTER: f64 = 14.0;
-/// Part of the lettering of a lone scene's page.
+/// Size of lettering and lines, relative to the page of a single scene.
 const FINER: f64 = 0.85;
 
-/// One scene of a sheet.
+/// A scene of a sheet.
 #[derive(Debug, Clone)]
 pub struct Panel<'a> {
-    /// What is drawn.
+    /// The scene.
     pub scene: &'a Scene<'a>,
-    /// \[s\] shown above the scene.
+    /// \[s\] Time, written above the scene.
     pub time: Option<f64>,
-    /// Colour of the bodies; that of the sheet's style when `None`.
+    /// Colour of the bodies; `None`: that of the sheet's style.
     pub fill: Option<Fill>,
 }
 
-/// How a sheet is drawn.
+/// Settings of a sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetStyle {
-    /// Of the whole sheet; `width` is the sheet's. The times are those of the panels, not the style's.
+    /// Style of the whole sheet, whose width is `width`. The times are those of the panels, not the style's.
     pub style: Style,
-    /// (a), (b), … beside the times.
+    /// Letters (a), (b), … beside the times.
     pub letters: Visibility,
 }
 
@@ -43,11 +43,11 @@ impl Default for SheetStyle {
     }
 }
 
-/// Several scenes as one SVG, row by row in so many columns: one scale and one view for all, one colour
-/// bar, one scale bar, one width per force. The view is the smallest around those of all scenes; a colour
-/// scale without a range of its own is that of all panels.
+/// Returns several scenes as one SVG, row by row in `columns` columns. All share one scale, view, colour bar, scale bar
+/// and width of forces. The view is the smallest that contains those of all scenes. A colour scale without a given
+/// range covers the values of all panels.
 ///
-/// A group `panel` per scene, with the groups of [`svg`](crate::svg) in it.
+/// Each scene is a group `panel` that contains the groups of [`svg`](crate::svg).
 pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
     let SheetStyle { style, letters } = style;
     let columns = columns.clamp(1, panels.len().max(1));
@@ -74,11 +74,11 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
             [letter, time].iter().filter(|t| !t.is_empty()).cloned().collect::<Vec<_>>().join(" ")
         })
         .collect();
-    // As on a lone scene's page where the headings leave room for it.
+    // As large as on the page of a single scene, if the headings leave room.
     let mut unit = width / NOMINAL_WIDTH * if columns > 1 { FINER } else { 1.0 };
     let view = scenes.iter().map(|s| view_of(s)).reduce(around);
     let view = view.unwrap_or(View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) });
-    // What is cut goes on beyond its panel, and would meet that of the next.
+    // Objects that extend beyond their panel are cut, so that they do not reach the next one.
     let cut = {
         let anywhere = Frame::fit(view, unit, 0.0, width, 0.0);
         panels.iter().any(|p| is_cut(&Scene { view: Some(view), ..p.scene.clone() }, style, &anywhere))
@@ -113,7 +113,7 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
         let frame = Frame::fit(view, unit, left, cell, above + heading);
         out += "<g class=\"panel\">\n";
         if !headings[k].is_empty() {
-            // Over the scene's own corner, or where the cell begins when the scene is narrower than it.
+            // Above the left edge of the scene, or at the start of the cell if the scene is narrower than the heading.
             let length = lettering::width(&headings[k], CAP_HEIGHT * unit);
             let x = if length <= frame.drawn.x { frame.left } else { left };
             let place = Place { x, y: above + CAP_HEIGHT * unit, ..small(unit, Anchor::Start) };
@@ -134,7 +134,7 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
     out
 }
 
-/// (a), (b), … (z), (aa), …
+/// Returns (a), (b), … (z), (aa), …
 fn lettered_place(mut k: usize) -> String {
     let mut letters = Vec::new();
     loop {
@@ -147,13 +147,15 @@ fn lettered_place(mut k: usize) -> String {
     format!("({})", letters.iter().rev().collect::<String>())
 }
 
-/// One scale for all: from the lowest to the highest of all, the name of the first.
+/// Makes one scale for all: from the lowest to the highest value, with the name of the first.
 fn shared(colourings: &mut [Colouring]) -> Option<Scale> {
-    let scales = || colourings.iter().filter_map(|c| c.scale.as_ref());
+    let all = || colourings.iter().filter_map(|c| c.scale.as_ref());
+    let empty = all().all(|scale| scale.nothing.is_some());
+    let scales = || all().filter(|scale| empty || scale.nothing.is_none());
     let first = scales().next()?.clone();
     let low = scales().map(|s| s.low).fold(f64::INFINITY, f64::min);
     let high = scales().map(|s| s.high).fold(f64::NEG_INFINITY, f64::max);
-    // Nothing is clipped where the highest of the panels is.
+    // Values are clipped only if that holds for the panel with the highest end.
     let clipped = scales().any(|s| s.clipped && s.high == high);
     let scale = Scale { low, high, clipped, ..first };
     colourings.iter_mut().filter(|c| c.scale.is_some()).for_each(|c| c.scale = Some(scale.clone()));

@@ -1,32 +1,32 @@
-//! How it is drawn.
+//! Settings of a drawing.
 
 use crate::colour::{Colour, ColourMap, Theme};
 
-/// How a scene is drawn. Lines and lettering grow with the width.
+/// Settings of a drawing. Lines and lettering scale with the width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Style {
-    /// \[px\] the height follows from the scene.
+    /// \[px\] Width. The height follows from the scene.
     pub width: f64,
     /// Colour of the bodies.
     pub fill: Fill,
     /// Colour of everything else.
     pub theme: Theme,
-    /// The agents' ids, on the bodies.
+    /// The agents' Ids, on the bodies.
     pub ids: Visibility,
-    /// A mark where each body faces.
+    /// A mark that shows where each body faces.
     pub orientation: Visibility,
-    /// A bar of a round number of metres.
+    /// A bar of a round length.
     pub scale_bar: Visibility,
-    /// What the colours mean, where they mean something.
+    /// The colour bar, if colours have a meaning.
     pub colour_bar: Visibility,
-    /// \[s\] shown above the scene.
+    /// \[s\] Time, written above the scene.
     pub time: Option<f64>,
-    /// Decimals of the times.
+    /// Number of decimals of times.
     pub time_decimals: usize,
-    /// The bodies; hidden for a map of density alone.
+    /// The bodies; hidden if only a density map is to be drawn.
     pub bodies: Visibility,
-    /// \[N\] the force that is drawn widest; the largest of the picture when `None`. Given, its legend is
-    /// there even when no force is: a movie's.
+    /// \[N\] The force with the widest line; `None`: the largest force of the picture. If it is given (for movies), the
+    /// legend is drawn even without forces.
     pub forces: Option<f64>,
 }
 
@@ -51,33 +51,33 @@ impl Default for Style {
 /// Colour of the bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Fill {
-    /// One for all.
+    /// One colour for all.
     Single(Colour),
-    /// By the area that each body covers.
+    /// By the area of each body.
     BodyArea,
-    /// By a number per agent.
+    /// By one number for each agent.
     Values(Values),
 }
 
-/// A number per agent, shown as a colour.
+/// One number for each agent, shown as a colour.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Values {
-    /// In the order of the agents; grey where missing or not finite.
+    /// Values, in the order of the agents; missing ones and those that are not finite are grey.
     pub values: Vec<f64>,
-    /// What the number is.
+    /// Name of the quantity.
     pub label: String,
-    /// Its unit; empty for none.
+    /// Unit; empty if there is none.
     pub unit: String,
-    /// Values of the two ends of the colour map; lowest and highest value when `None`.
+    /// Values at the ends of the colour map; `None`: the lowest and the highest value.
     pub range: Option<(f64, f64)>,
-    /// The upper end of `range` is this quantile (0 to 1) of all that is shown, and some of it is beyond: the
-    /// colour bar says so.
+    /// The upper end of `range` is this quantile (0 to 1) of all shown values, and some are above it. The colour bar
+    /// says so.
     pub quantile: Option<f64>,
-    /// Its colours.
+    /// The colour map.
     pub map: ColourMap,
 }
 
-/// Whether something is drawn.
+/// Whether an element is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Visibility {
     /// Drawn.

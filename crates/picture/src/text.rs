@@ -1,16 +1,16 @@
-//! Numbers and text as SVG has them.
+//! Formats numbers and text for SVG.
 
 use std::fmt::Write;
 
-/// Decimals of a length in pixels.
+/// Number of decimals of a length in pixels.
 pub(crate) const PX: usize = 2;
 
-/// The largest of 1, 2, 5 · 10ⁿ that is not above.
+/// Returns the largest of 1, 2, 5 · 10ⁿ that is not above the limit.
 pub(crate) fn round_below(limit: f64) -> f64 {
     let mut best = 1e-6;
     for power in -6..8 {
         for digit in [1.0, 2.0, 5.0] {
-            // A quotient of whole numbers: 0.2 is then 0.2 to the last bit.
+            // As a quotient of integers: 0.2 is then the nearest double.
             let step = if power < 0 { digit / 10f64.powi(-power) } else { digit * 10f64.powi(power) };
             if step <= limit {
                 best = step;
@@ -20,7 +20,7 @@ pub(crate) fn round_below(limit: f64) -> f64 {
     best
 }
 
-/// The smallest of 1, 2, 5 · 10ⁿ that is not below.
+/// Returns the smallest of 1, 2, 5 · 10ⁿ that is not below the limit.
 pub(crate) fn round_above(limit: f64) -> f64 {
     let power = limit.log10().floor().clamp(-300.0, 307.0) as i32;
     let whole = |digit: f64, power: i32| {
@@ -30,7 +30,7 @@ pub(crate) fn round_above(limit: f64) -> f64 {
     steps.into_iter().find(|s| *s >= limit * (1.0 - 1e-12)).unwrap_or(steps[3])
 }
 
-/// Three significant digits.
+/// Formats with three significant digits.
 pub(crate) fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -46,7 +46,7 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
-/// Writes a number with at most so many decimals, no zeros at the end and no −0.
+/// Writes a number with at most `decimals` decimals, without trailing zeros and −0.
 pub(crate) fn number(out: &mut String, value: f64, decimals: usize) {
     let start = out.len();
     let _ = write!(out, "{value:.decimals$}");
@@ -63,7 +63,7 @@ pub(crate) fn number(out: &mut String, value: f64, decimals: usize) {
     }
 }
 
-/// Writes two numbers; a minus sign parts them as well as a space does.
+/// Writes two numbers; a minus sign is enough to separate them.
 pub(crate) fn pair(out: &mut String, (x, y): (f64, f64), decimals: usize) {
     number(out, x, decimals);
     let end = out.len();
@@ -83,7 +83,7 @@ pub(crate) fn text_of(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Text for XML: markup escaped, characters that XML 1.0 does not know replaced.
+/// Escapes text for XML, and replaces characters that XML 1.0 does not allow.
 pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

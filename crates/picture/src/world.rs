@@ -1,4 +1,4 @@
-//! Everything to scale, in metres.
+//! Draws everything that is to scale, in metres.
 
 use crate::bicycle::{Bicycle, bicycles};
 use crate::body::{Body, point};
@@ -10,24 +10,24 @@ use crate::lettering::{self, Anchor, PEN, Place, Up};
 use crate::look::{Look, drawable_forces, measured};
 use crate::overlay::{forces, trails};
 use crate::page::{Frame, MARGIN};
-use crate::plane::{Pose, near};
+use crate::plane::near;
 use crate::scene::Scene;
 use crate::style::Style;
 use crate::text::{PX, escaped, number, text_of};
-use crowd_mechanics::engine::{Rotation, Vec2, vec2};
+use lemons_plane::{Pose, Rotation, Vec2, vec2};
 use std::fmt::Write;
 
-/// \[px\]
+/// \[px\] Width of walls.
 const WALL_STROKE: f64 = 2.4;
-/// \[px\] at most; small bodies have finer outlines.
+/// \[px\] Largest width of the outline of a body.
 const BODY_STROKE: f64 = 1.1;
-/// Outline of a body, as a part of the square root of its area.
+/// Width of the outline of a body / square root of its area.
 const BODY_STROKE_PART: f64 = 0.05;
 
-/// \[px\] What is cut goes on so far beyond the view.
+/// \[px\] Objects that are cut extend this far beyond the view.
 pub(crate) const CUT_BORDER: f64 = 0.4 * MARGIN;
 
-/// The bodies that are drawn, with their places among the agents.
+/// The bodies that are drawn, with their indices.
 fn seen<'a>(scene: &'a Scene, style: &Style, frame: &Frame) -> Vec<(usize, &'a Pose, &'a Body)> {
     let seen = |(_, pose, body): &(usize, &Pose, &Body)| {
         style.bodies.shown() && !frame.misses(pose.position, body.reach)
@@ -45,7 +45,7 @@ fn walls_of(scene: &Scene) -> Vec<Vec<Vec2>> {
     scene.trial.geometry.walls.iter().map(|wall| finite(&wall.corners)).collect()
 }
 
-/// Whether the view cuts anything. Only one of the caller's choice can; a clip costs the rasteriser dear.
+/// Whether the view cuts anything. Only a view that the caller gives can. Clipping makes rasterizing slow.
 pub(crate) fn is_cut(scene: &Scene, style: &Style, frame: &Frame) -> bool {
     let trails = scene.trails.iter().flat_map(|t| t.points.iter().copied());
     let mut lines = trails.chain(drawable_forces(scene).flat_map(|f| [f.from, f.to])).filter(|p| near(*p));
@@ -56,12 +56,12 @@ pub(crate) fn is_cut(scene: &Scene, style: &Style, frame: &Frame) -> bool {
             || lines.any(|p| frame.cuts(p, 0.0)))
 }
 
-/// Draws the scene where the frame has it.
+/// Draws the scene into the frame.
 pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame, colouring: &Colouring) {
     let Look { style, palette, .. } = look;
     let pale;
     let colouring = if colouring.scale.is_none() && measured(&[scene]) {
-        // Of one colour, bodies are only the ground on which the trails' colours are compared.
+        // Bodies of one colour become paler, so that the colours of the trails stand out.
         let single = colouring.single.mixed(palette.paper, 0.6);
         pale = Colouring { single, ..colouring.clone() };
         &pale
@@ -129,7 +129,7 @@ fn draw_walls(out: &mut String, walls: &[Vec<Vec2>], palette: &Palette, frame: &
         *out += "</g>\n";
     };
     if over_density {
-        // White on the dark end of the map, dark around it on the bright end and on paper.
+        // White on the dark end of the map; dark around it on the bright end and on paper.
         group("halo", Colour(0x1c, 0x2b, 0x40), 1.6 * WALL_STROKE);
         group("walls", Colour(0xff, 0xff, 0xff), 0.7 * WALL_STROKE);
     } else {
@@ -137,7 +137,7 @@ fn draw_walls(out: &mut String, walls: &[Vec<Vec2>], palette: &Palette, frame: &
     }
 }
 
-/// \[m\] of the outlines of bodies of a mean area \[m²\].
+/// \[m\] Width of the outlines of bodies with a mean area \[m²\].
 fn outline(frame: &Frame, area: f64) -> f64 {
     (BODY_STROKE * frame.unit / frame.scale).min(BODY_STROKE_PART * area.max(0.0).sqrt())
 }
@@ -171,7 +171,7 @@ fn bodies(
         *out += "<g transform=\"translate(";
         point(out, pose.position);
         *out += ")rotate(";
-        number(out, pose.theta.rem_euclid(std::f64::consts::TAU).to_degrees(), 2);
+        number(out, pose.orientation.rem_euclid(std::f64::consts::TAU).to_degrees(), 2);
         *out += ")\"";
         if fill != colouring.single && !outlined {
             let _ = write!(out, " fill=\"{fill}\"");
@@ -197,7 +197,7 @@ fn wall(out: &mut String, corners: &[Vec2]) {
     *out += if closed { "Z\"/>\n" } else { "\"/>\n" };
 }
 
-/// A small arrow head inside the front.
+/// Draws a small arrow head inside the front.
 fn mark(out: &mut String, body: &Body, fill: Colour) {
     let at = |ahead: f64, aside: f64| body.middle + vec2(ahead, aside) * body.front;
     let colour = fill.mixed(fill.contrast(), 0.7);
@@ -209,11 +209,11 @@ fn mark(out: &mut String, body: &Body, fill: Colour) {
     *out += "Z\"/>";
 }
 
-/// The id upright in the middle of the body; with a halo where lines cross it.
+/// Draws the Id upright in the middle of the body, with a halo where lines cross it.
 fn id_on(out: &mut String, id: &str, height: f64, pose: &Pose, body: &Body, fill: Colour, crossed: bool) {
-    let turn = Rotation::by(pose.theta);
+    let turn = Rotation::by(pose.orientation);
     let middle = pose.position + (body.middle - vec2(0.18 * body.front, 0.0)).rotated(turn);
-    // In the letters' own grid: whole and half numbers are short and exact.
+    // In units of the letters' grid: integers and halves are short and exact.
     let grid = lettering::CAP;
     let (x, y) = (-(0.5 * lettering::width(id, grid)).round(), -0.5 * grid);
     let (anchor, up, decimals) = (Anchor::Start, Up::Positive, 1);

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{agent, pedestrian, shared, trial};
-use crowd_mechanics::engine::{Vec2, vec2};
-use crowd_mechanics::trial::{Shape, Trial};
 use lemons_picture::*;
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::{Shape, Trial};
 use std::path::{Path, PathBuf};
 
 fn path(name: &str) -> PathBuf {
@@ -44,7 +44,7 @@ fn pushes(t: &Trial) -> Vec<Force> {
     forces
 }
 
-fn people(n: usize) -> Vec<(crowd_mechanics::trial::Agent, Vec2, f64)> {
+fn people(n: usize) -> Vec<(lemons_trial::Agent, Vec2, f64)> {
     (0..n).map(|k| (pedestrian(&k.to_string()), vec2(0.55 * k as f64, 0.0), 0.0)).collect()
 }
 
@@ -134,9 +134,8 @@ fn scenes() {
 
 /// The measured displacements, from the start of each in the Trial.
 fn measured(t: &Trial) -> Option<Vec<Vec<(f64, Vec2)>>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data/push_wed/measured_head_trajectories.csv");
-    let text = std::fs::read_to_string(path).ok()?;
+    let path = lemons_testing::shared("push_wed/measured_head_trajectories.csv")?;
+    let text = std::fs::read_to_string(path).unwrap();
     let mut all = vec![Vec::new(); t.agents.len()];
     for line in text.lines().skip(1) {
         let n: Vec<f64> = line.split(',').map(|v| v.parse().unwrap()).collect();
@@ -170,7 +169,7 @@ fn measured_beside_simulated() {
     };
     let scene_at = |end: f64| {
         let at = |m: &Vec<(f64, Vec2)>| m.iter().rfind(|p| p.0 <= end).unwrap().1;
-        let poses = simulated.iter().map(|m| Pose { position: at(m), theta: 0.0 }).collect();
+        let poses = simulated.iter().map(|m| Pose { position: at(m), orientation: 0.0 }).collect();
         let mut scene = Scene::new(&t, poses);
         scene.trails = upto(&simulated, TrailKind::Simulated, end);
         scene.trails.extend(upto(&measured, TrailKind::Measured, end));
@@ -319,7 +318,7 @@ fn movie() {
             let s = f64::from(k) / 25.0;
             for (pose, from) in scene.poses.iter_mut().zip(&start) {
                 pose.position = from.position + vec2(0.05 * (from.position.y * 3.0 + s * 6.0).sin(), 0.0);
-                pose.theta = from.theta + 0.2 * s;
+                pose.orientation = from.orientation + 0.2 * s;
             }
             let values = Values { range: Some((0.0, 1.0)), ..speeds(&t, s) };
             let style = Style { time: Some(s), fill: Fill::Values(values), ..Style::default() };

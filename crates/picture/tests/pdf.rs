@@ -3,9 +3,9 @@
 mod common;
 
 use common::{pedestrian, trial};
-use crowd_mechanics::engine::vec2;
-use crowd_mechanics::trial::Trial;
 use lemons_picture::*;
+use lemons_plane::vec2;
+use lemons_trial::Trial;
 use std::process::Command;
 
 fn row() -> Trial {
@@ -27,7 +27,7 @@ fn full(trial: &Trial) -> String {
         points: vec![vec2(0.0, y), vec2(0.6, y + 0.2), vec2(3.5, y)],
     };
     scene.trails = vec![trail(TrailKind::Simulated, 0.4), trail(TrailKind::Measured, 0.5)];
-    let pose = Pose { position: vec2(1.2, -0.6), theta: 0.3 };
+    let pose = Pose { position: vec2(1.2, -0.6), orientation: 0.3 };
     scene.bicycles = vec![Bicycle { id: "b".into(), pose, wheels: (1.42, 0.06), rider: (0.61, 0.45) }];
     svg(&scene, &Style { fill: Fill::BodyArea, ids: Visibility::Shown, time: Some(1.5), ..Style::default() })
 }

@@ -3,11 +3,11 @@
 mod common;
 
 use common::{agent, pedestrian, trial};
-use crowd_mechanics::engine::{Vec2, vec2};
-use crowd_mechanics::trial::{Shape, Trial};
 use lemons_picture::{
     Colour, Fill, Pose, Scene, Style, Theme, Values, View, Visibility, body_area, png, svg, viridis,
 };
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::{Shape, Trial};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::time::Instant;
 
@@ -104,7 +104,7 @@ fn theta_turns_the_shoulders() {
         let disk = |radius, y: f64| Shape {
             radius,
             material_id: String::new(),
-            position: vec2(0.0, y).rotated(crowd_mechanics::engine::Rotation::by(own)),
+            position: vec2(0.0, y).rotated(lemons_plane::Rotation::by(own)),
         };
         let lopsided = agent("0", vec![disk(0.2, 1.0), disk(0.5, -1.0)]);
         for (theta, left) in [(0.0, vec2(0.0, 1.0)), (FRAC_PI_2, vec2(-1.0, 0.0)), (PI, vec2(0.0, -1.0))] {
@@ -151,8 +151,10 @@ fn nothing_panics() {
     let full = Style { ids: Visibility::Shown, time: Some(0.0), fill: Fill::BodyArea, ..Style::default() };
     let t = trial(people(3), vec![]);
     for v in odd {
-        for pose in [Pose { position: vec2(v, 0.0), theta: 0.0 }, Pose { position: Vec2::ZERO, theta: v }] {
-            render(&t, vec![pose, Pose { position: Vec2::ZERO, theta: 0.0 }], &full, None);
+        for pose in
+            [Pose { position: vec2(v, 0.0), orientation: 0.0 }, Pose { position: Vec2::ZERO, orientation: v }]
+        {
+            render(&t, vec![pose, Pose { position: Vec2::ZERO, orientation: 0.0 }], &full, None);
             render(&t, vec![pose; 9], &full, None);
         }
         render(

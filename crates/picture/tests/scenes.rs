@@ -3,9 +3,9 @@
 mod common;
 
 use common::{pedestrian, trial};
-use crowd_mechanics::engine::{Vec2, vec2};
-use crowd_mechanics::trial::Trial;
 use lemons_picture::*;
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::Trial;
 use roxmltree::{Document, Node};
 
 fn row(n: usize) -> Trial {
@@ -289,7 +289,7 @@ fn a_sheet_has_one_of_everything() {
     let t = row(3);
     let scenes: Vec<Scene> = (0..5)
         .map(|k| {
-            let pose = |x: f64| Pose { position: vec2(x + f64::from(k), 0.0), theta: 0.0 };
+            let pose = |x: f64| Pose { position: vec2(x + f64::from(k), 0.0), orientation: 0.0 };
             let mut scene = Scene::new(&t, vec![pose(0.0), pose(1.0), pose(2.0)]);
             scene.forces = vec![force(0.0, 1.0, 100.0 * f64::from(k))];
             scene
@@ -436,8 +436,43 @@ fn nothing_is_pale_and_a_clipped_scale_says_so() {
     assert_eq!(ends(&whole), ["0", "3200", "mean squeeze (N)"]);
     assert_eq!(fills(&whole)[..2], ["#1a1042", "#fcfdbf"]);
     let nobody = of(vec![0.0; 3], None, None, Theme::Light);
-    assert_eq!(ends(&nobody), ["0", "1", "mean squeeze (N)"]);
     assert!(fills(&nobody).iter().all(|fill| fill == "#fcfdbf"));
+}
+
+/// Where nobody was touched, a bar from 0 to 1 N stood below.
+#[test]
+fn words_stand_where_a_colour_bar_would_have_nothing_to_show() {
+    let t = row(3);
+    let scene = Scene::at_start(&t);
+    let fill = |values: Vec<f64>, unit: &str, range, map| {
+        let (label, unit) = ("mean squeeze".to_owned(), unit.to_owned());
+        Fill::Values(Values { values, label, unit, range, quantile: None, map })
+    };
+    let shown = |text: &str| {
+        let document = Document::parse(text).unwrap();
+        let bar = class(&document, "colour-bar").len();
+        (bar, ["low", "high", "label"].map(|name| labels(&document, name).concat()).join("|"))
+    };
+    let of = |fill| shown(&svg(&scene, &Style { fill, ..Style::default() }));
+    for map in [ColourMap::FromPaper, ColourMap::Viridis] {
+        assert_eq!(of(fill(vec![0.0; 3], "N", None, map)), (0, "||mean squeeze: 0 N everywhere".into()));
+        assert_eq!(of(fill(vec![0.0; 3], "", None, map)), (0, "||mean squeeze: 0 everywhere".into()));
+        assert_eq!(of(fill(vec![f64::NAN; 3], "N", None, map)), (0, "||mean squeeze: not known".into()));
+        assert_eq!(of(fill(vec![0.0, 0.5, 0.0], "N", None, map)), (1, "0|0.5|mean squeeze (N)".into()));
+        // A bar that was asked for.
+        assert_eq!(of(fill(vec![0.0; 3], "N", Some((0.0, 2.0)), map)), (1, "0|2|mean squeeze (N)".into()));
+    }
+    // Beside a panel that has something to show, one without does not make its bar longer.
+    let panels = |values: [f64; 2]| {
+        let panel = |value: f64| Panel {
+            scene: &scene,
+            time: None,
+            fill: Some(fill(vec![value; 3], "N", None, ColourMap::FromPaper)),
+        };
+        shown(&sheet(&values.map(panel), 2, &SheetStyle::default()))
+    };
+    assert_eq!(panels([0.0, 0.25]), (1, "0|0.25|mean squeeze (N)".into()));
+    assert_eq!(panels([0.0, 0.0]), (0, "||mean squeeze: 0 N everywhere".into()));
 }
 
 #[test]

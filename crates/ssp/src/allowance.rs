@@ -1,6 +1,6 @@
 //! How much may be unpacked.
 
-use anyhow::{Result, anyhow, bail};
+use crate::error::{Error, Result};
 use std::io::{self, Read, Write};
 
 /// How much archives may still unpack to: a small one can hold a lot of zeros, and the sizes that it declares
@@ -30,9 +30,10 @@ impl Allowance {
     pub fn copy(&mut self, name: &str, entry: impl Read, to: &mut impl Write) -> Result<()> {
         // One byte more tells too large from just fitting.
         let mut entry = entry.take(self.left.saturating_add(1));
-        let copied = io::copy(&mut entry, to).map_err(|error| anyhow!("{name}: {error}"))?;
+        let copied =
+            io::copy(&mut entry, to).map_err(|error| Error::Copy { name: name.to_owned(), error })?;
         let Some(left) = self.left.checked_sub(copied) else {
-            bail!("{name}: is refused: more than {} MB to unpack in all", self.limit as f64 / 1e6);
+            return Err(Error::TooLarge { name: name.to_owned(), limit: self.limit });
         };
         self.left = left;
         Ok(())

@@ -2,15 +2,16 @@
 
 use crate::allowance::Allowance;
 use crate::document::{STRUCTURE_FILE, SystemStructure};
+use crate::error::{Error, Result};
 use crate::read::read;
-use anyhow::{Context, Result, bail};
-use crowd_mechanics::files::Staged;
+use lemons_files::Staged;
 use lemons_files::input;
 use percent_encoding::percent_decode_str;
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
+use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
@@ -29,7 +30,7 @@ impl Archive {
         for name in zip.file_names() {
             let name = name?;
             if leads_outside(&name) {
-                bail!("the entry {name:?} leads outside of the archive");
+                return Err(Error::EntryOutside(name.into_owned()));
             }
         }
         Ok(Archive { zip })
@@ -59,13 +60,13 @@ impl Archive {
         // Some tools do not encode: there a percent sign is itself.
         let names = [decoded.as_ref(), source].map(|name| name.trim_start_matches("./").to_owned());
         if names.iter().any(|name| leads_outside(name)) {
-            bail!("leads outside of the archive");
+            return Err(Error::SourceOutside);
         }
         let name = names.iter().find(|name| self.zip.index_for_name(name).is_some());
-        let name = name.with_context(|| format!("there is no {} in the archive", names[0]))?;
+        let name = name.ok_or_else(|| Error::Missing(names[0].clone()))?;
         let entry = self.zip.by_name(name)?;
         if !entry.is_file() {
-            bail!("{name} is no file");
+            return Err(Error::NotAFile(name.clone()));
         }
         allowance.copy(name, entry, to)
     }
@@ -88,14 +89,14 @@ pub fn distinct<R: Read + Seek>(zip: ZipArchive<R>) -> Result<ZipArchive<R>> {
         let name = name?.into_owned();
         let plain = plain(&name);
         if let Some(other) = seen.insert(plain, name.clone()) {
-            bail!("the entries {other:?} and {name:?} have one name");
+            return Err(Error::OneName(other, name));
         }
     }
     // The reader keeps the last entry of a name only.
     if zip.has_duplicate_names() {
         let begin = zip.central_directory_start();
-        let name = name_twice(zip.into_inner(), begin).context("the list of its entries cannot be read")?;
-        bail!("two entries have the name {name:?}");
+        let name = name_twice(zip.into_inner(), begin).map_err(Error::Entries)?;
+        return Err(Error::NameTwice(name));
     }
     Ok(zip)
 }
@@ -130,24 +131,25 @@ fn name_twice(mut file: impl Read + Seek, begin: u64) -> std::io::Result<String>
 /// # Errors
 /// A file cannot be read, or the archive not written; the file at `path` is as it was then.
 pub fn write_archive(path: &Path, structure: &SystemStructure, files: &[(String, &Path)]) -> Result<()> {
-    let cannot = || format!("cannot write {}", path.display());
-    let mut zip = ZipWriter::new(BufWriter::new(Staged::beside(path).with_context(cannot)?));
+    let cannot = |source| Error::Write { path: path.to_owned(), source };
+    let zip_cannot = |error: ZipError| cannot(error.into());
+    let mut zip = ZipWriter::new(BufWriter::new(Staged::beside(path).map_err(cannot)?));
     let options =
         SimpleFileOptions::default().last_modified_time(DateTime::default()).unix_permissions(0o644);
     zip.start_file(STRUCTURE_FILE, options.compression_method(CompressionMethod::Deflated))
-        .with_context(cannot)?;
-    zip.write_all(structure.to_xml().as_bytes()).with_context(cannot)?;
+        .map_err(zip_cannot)?;
+    zip.write_all(structure.to_xml().as_bytes()).map_err(cannot)?;
     for (name, file) in files {
-        let unreadable = || format!("cannot read {}", file.display());
-        let bytes = input::read(file, input::LARGEST_BINARY).with_context(unreadable)?;
+        let unreadable = |source| Error::Read { path: file.to_path_buf(), source };
+        let bytes = input::read(file, input::LARGEST_BINARY).map_err(unreadable)?;
         // FMUs are compressed already.
         let large = u32::try_from(bytes.len()).is_err();
         let options = options.compression_method(CompressionMethod::Stored).large_file(large);
-        zip.start_file(name.as_str(), options).with_context(cannot)?;
-        zip.write_all(&bytes).with_context(cannot)?;
+        zip.start_file(name.as_str(), options).map_err(zip_cannot)?;
+        zip.write_all(&bytes).map_err(cannot)?;
     }
-    let file = zip.finish().with_context(cannot)?.into_inner().map_err(|error| error.into_error());
-    file.with_context(cannot)?.persist().with_context(cannot)
+    let file = zip.finish().map_err(zip_cannot)?.into_inner().map_err(|error| error.into_error());
+    file.map_err(cannot)?.persist().map_err(cannot)
 }
 
 #[cfg(test)]
@@ -163,7 +165,7 @@ mod tests {
         }
         let bytes = change(zip.finish().unwrap().into_inner());
         let done = distinct(ZipArchive::new(Cursor::new(bytes)).unwrap());
-        done.map_or_else(|error| format!("{error:#}"), |zip| zip.len().to_string())
+        done.map_or_else(|error| error.to_string(), |zip| zip.len().to_string())
     }
 
     /// Of two entries with one name the last was taken, without a word.

@@ -1,9 +1,9 @@
 //! Interfaces -> the structure that connects every output with the inputs of the same name.
 
 use crate::document::{Component, Connection, Connector, Kind, Port, SystemStructure, Type};
+use crate::error::{Error, Result};
 use crate::interface::{Interface, Variable};
 use crate::unit::{Affine, Unit, conversion};
-use anyhow::{Result, bail};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// An FMU to connect.
@@ -69,11 +69,11 @@ pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
         if more > 0 {
             problems.push(format!("… and {more} more like these"));
         }
-        bail!("{}", problems.join("\n"));
+        return Err(Error::DoNotFit(problems.join("\n")));
     }
     if pairs.is_empty() {
         let sides: Vec<String> = participants.iter().map(summary).collect();
-        bail!("no output has the name of an input of another FMU: nothing to connect\n{}", sides.join("\n"));
+        return Err(Error::NothingToConnect(sides.join("\n")));
     }
     let structure = assemble(name, participants, &pairs)?;
     Ok(Connected { structure, unconnected })
@@ -186,11 +186,11 @@ fn connector(
     if let Some(name) = of.unit() {
         match (participant.interface.unit(name), units.get(name)) {
             (Some(unit), Some(known)) if !unit.is_same(known) => {
-                bail!(
-                    "{}: {} means another unit by {name:?} than another FMU",
-                    variable.name,
-                    participant.name
-                );
+                return Err(Error::UnitDiffers {
+                    variable: variable.name.clone(),
+                    participant: participant.name.clone(),
+                    unit: name.to_owned(),
+                });
             }
             (Some(_), Some(_)) => {}
             (Some(unit), None) => {

@@ -1,9 +1,8 @@
 //! What `SystemStructure.ssd` holds.
 
 use crate::unit::{Affine, Unit};
-use anyhow::anyhow;
+use lemons_xml::{Problem, Severity};
 use std::collections::BTreeMap;
-use std::fmt::Display;
 
 /// The default structure of an archive.
 pub const STRUCTURE_FILE: &str = "SystemStructure.ssd";
@@ -31,7 +30,7 @@ pub struct SystemStructure {
 /// An FMU in the system.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Component {
-    /// Unique in the system.
+    /// Name, unique in the system.
     pub name: String,
     /// Where the FMU is: an URI, relative to the structure.
     pub source: String,
@@ -196,7 +195,15 @@ pub fn located(
     element: &str,
     attribute: &str,
     value: &str,
-    message: impl Display,
-) -> anyhow::Error {
-    anyhow!("{STRUCTURE_FILE}:{line}: <{element}> {attribute}={value:?}: {message}")
+    message: impl Into<String>,
+) -> Problem {
+    Problem {
+        severity: Severity::Error,
+        file: STRUCTURE_FILE.into(),
+        line: Some(line),
+        element: Some(element.into()),
+        attribute: Some(attribute.into()),
+        value: Some(value.into()),
+        message: message.into(),
+    }
 }

@@ -1,17 +1,29 @@
-//! The variables and units of an FMU 2.0, from its `modelDescription.xml`.
-//!
-//! `fmi-rs` 0.3.4 reads neither the unit definitions nor more than one type definition of an FMI 2.0 file.
+//! What an FMU 2.0 says of itself in its `modelDescription.xml`: its names, abilities, variables and units.
 
 use crate::document::{Kind, Type};
+use crate::error::Result;
 use crate::read::read_unit;
 use crate::unit::Unit;
-use crate::xml::{Document, Element};
-use anyhow::Result;
+use lemons_xml::{Document, Element};
 use std::collections::HashMap;
+use std::path::Path;
 
-/// What can be connected.
+/// The most elements and texts of a description: more than twice those of the largest that is read (256 MB).
+const NODES: u32 = 16_000_000;
+
+/// What an FMU says of itself.
 #[derive(Debug, Clone, Default)]
 pub struct Interface {
+    /// `modelName`
+    pub model_name: String,
+    /// `guid`, which its library compares with its own.
+    pub guid: String,
+    /// `version`
+    pub version: Option<String>,
+    /// `None`: it is not for co-simulation.
+    pub co_simulation: Option<CoSimulation>,
+    /// `modelIdentifier` of its `<ModelExchange>`
+    pub model_exchange: Option<String>,
     /// In the order of the file.
     pub variables: Vec<Variable>,
     places: HashMap<String, usize>,
@@ -22,8 +34,19 @@ pub struct Interface {
     pub stop: Option<f64>,
     /// \[s\] `DefaultExperiment`
     pub step: Option<f64>,
-    /// Whether the FMU is for co-simulation.
-    pub co_simulation: bool,
+}
+
+/// `<CoSimulation>`
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CoSimulation {
+    /// `modelIdentifier`: what its library is called.
+    pub identifier: String,
+    /// `canNotUseMemoryManagementFunctions`
+    pub cannot_use_memory_functions: bool,
+    /// `canGetAndSetFMUstate`
+    pub can_get_and_set_state: bool,
+    /// `canSerializeFMUstate`
+    pub can_serialize_state: bool,
 }
 
 /// A variable of an FMU.
@@ -37,18 +60,32 @@ pub struct Variable {
     pub kind: Option<Kind>,
     /// With its unit.
     pub of: Type,
+    /// `start`
+    pub start: Option<String>,
+    /// `description`
+    pub description: Option<String>,
 }
 
 impl Interface {
     /// Reads a `modelDescription.xml`.
     ///
     /// # Errors
-    /// It is broken.
+    /// It is broken, or not of FMI 2.0.
     pub fn read(bytes: &[u8]) -> Result<Interface> {
-        let document = Document::parse("modelDescription.xml", bytes)?;
+        let document = Document::parse(Path::new("modelDescription.xml"), bytes, NODES)?;
         let root = document.root("fmiModelDescription")?;
-        let mut interface =
-            Interface { co_simulation: root.child("CoSimulation").is_some(), ..Interface::default() };
+        if root.text("fmiVersion")? != "2.0" {
+            return Err(root.wrong("fmiVersion", "must be 2.0").into());
+        }
+        let exchange = root.child("ModelExchange").map(|element| element.text("modelIdentifier"));
+        let mut interface = Interface {
+            model_name: root.text("modelName")?.to_owned(),
+            guid: root.text("guid")?.to_owned(),
+            version: root.optional("version").map(str::to_owned),
+            co_simulation: root.child("CoSimulation").map(read_co_simulation).transpose()?,
+            model_exchange: exchange.transpose()?.map(str::to_owned),
+            ..Interface::default()
+        };
         if let Some(experiment) = root.child("DefaultExperiment") {
             interface.start = experiment.number("startTime")?;
             interface.stop = experiment.number("stopTime")?;
@@ -86,12 +123,22 @@ impl Interface {
     }
 }
 
+fn read_co_simulation(element: Element) -> Result<CoSimulation> {
+    let flag = |name| lemons_xml::Result::Ok(element.boolean(name)?.unwrap_or(false));
+    Ok(CoSimulation {
+        identifier: element.text("modelIdentifier")?.to_owned(),
+        cannot_use_memory_functions: flag("canNotUseMemoryManagementFunctions")?,
+        can_get_and_set_state: flag("canGetAndSetFMUstate")?,
+        can_serialize_state: flag("canSerializeFMUstate")?,
+    })
+}
+
 fn read_variable(element: Element, declared: &HashMap<&str, &str>) -> Result<Variable> {
     let causality = element.optional("causality").unwrap_or("local");
     let kind = Kind::NAMES.iter().find(|(name, _)| *name == causality).map(|(_, kind)| *kind);
     let typed = element.elements().find_map(|child| {
         let declared_type = child.optional("declaredType");
-        Some(match child.name() {
+        let of = match child.name() {
             "Real" => {
                 let unit = child.optional("unit");
                 let unit = unit.or_else(|| declared_type.and_then(|name| declared.get(name).copied()));
@@ -102,15 +149,19 @@ fn read_variable(element: Element, declared: &HashMap<&str, &str>) -> Result<Var
             "String" => Type::String,
             "Enumeration" => Type::Enumeration(declared_type.unwrap_or_default().to_owned()),
             _ => return None,
-        })
+        };
+        Some((of, child.optional("start").map(str::to_owned)))
     });
+    let (of, start) = typed.ok_or_else(|| element.problem("has no type"))?;
     Ok(Variable {
         name: element.text("name")?.to_owned(),
         reference: element
             .parsed("valueReference", "a number from 0 to 4294967295")?
             .ok_or_else(|| element.problem("has no valueReference"))?,
         kind,
-        of: typed.ok_or_else(|| element.problem("has no type"))?,
+        of,
+        start,
+        description: element.optional("description").map(str::to_owned),
     })
 }
 
@@ -126,12 +177,34 @@ mod tests {
         assert_eq!(interface.unit("N").unwrap().exponents, [1, 1, -2, 0, 0, 0, 0, 0]);
         assert_eq!(interface.variable("agent[2].AgentContacts").unwrap().of, Type::Integer);
         assert_eq!((interface.start, interface.stop, interface.step), (Some(0.0), Some(5.0), Some(0.05)));
-        assert!(interface.co_simulation);
+        let own = interface.co_simulation.as_ref().unwrap();
+        assert_eq!(own.identifier, "CrowdMechanics");
+        assert!(own.can_get_and_set_state && own.can_serialize_state && own.cannot_use_memory_functions);
+        assert_eq!((interface.model_exchange.as_deref(), input.start.as_deref()), (None, Some("0.0")));
+        assert!(interface.guid.starts_with('{') && !interface.model_name.is_empty());
+        assert!(input.description.as_ref().is_some_and(|text| !text.is_empty()));
+    }
+
+    #[test]
+    fn what_makes_no_fmu_of_version_2_is_named() {
+        let said = |attributes: &str| {
+            let text = format!("<fmiModelDescription {attributes}><ModelVariables/></fmiModelDescription>");
+            Interface::read(text.as_bytes()).map_or_else(|error| error.to_string(), |_| "read".to_owned())
+        };
+        assert_eq!(said("fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\""), "read");
+        let place = "modelDescription.xml:1: <fmiModelDescription>";
+        assert_eq!(
+            said("fmiVersion=\"3.0\" modelName=\"m\""),
+            format!("{place} fmiVersion=\"3.0\": must be 2.0")
+        );
+        assert_eq!(said("modelName=\"m\" guid=\"g\""), format!("{place}: has no fmiVersion"));
+        assert_eq!(said("fmiVersion=\"2.0\" guid=\"g\""), format!("{place}: has no modelName"));
+        assert_eq!(said("fmiVersion=\"2.0\" modelName=\"m\""), format!("{place}: has no guid"));
     }
 
     #[test]
     fn a_declared_type_gives_the_unit() {
-        let text = br#"<fmiModelDescription><TypeDefinitions>
+        let text = br#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><TypeDefinitions>
             <SimpleType name="Length"><Real unit="m"/></SimpleType>
             <SimpleType name="Force"><Real unit="N"/></SimpleType></TypeDefinitions><ModelVariables>
             <ScalarVariable name="f" valueReference="7"><Real declaredType="Force"/></ScalarVariable>

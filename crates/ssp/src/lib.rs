@@ -1,10 +1,11 @@
 //! SSP 1.0 (System Structure and Parameterization): FMUs and the connections between them in one archive.
 //!
 //! - [`SystemStructure`]: what `SystemStructure.ssd` says, checked: connections lead from an output to an input
-//! - [`Interface`]: the variables and units of an FMU
+//! - [`Interface`]: what an FMU says of itself: its variables and units, its names and abilities
 //! - [`connect`]: interfaces -> the structure that connects equal names
 //! - [`Archive`], [`write_archive`]: the `.ssp`
 //! - [`Allowance`]: how much an archive may unpack to
+//! - [`Error`]: what is wrong; a problem in an XML file names file, line, element, attribute and value
 //!
 //! Served of the standard: components that are FMUs for co-simulation, connections with unit conversion and
 //! linear transformation, parameter values (inline or `.ssv`), the default experiment. Refused, with a message
@@ -15,11 +16,11 @@ mod allowance;
 mod archive;
 mod connect;
 mod document;
+mod error;
 mod interface;
 mod read;
 mod unit;
 mod write;
-mod xml;
 
 pub use allowance::Allowance;
 pub use archive::{Archive, distinct, leads_outside, write_archive};
@@ -28,5 +29,6 @@ pub use document::{
     Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure,
     Type, Value, located,
 };
-pub use interface::{Interface, Variable};
+pub use error::{Error, Result};
+pub use interface::{CoSimulation, Interface, Variable};
 pub use unit::{Affine, Unit, conversion};

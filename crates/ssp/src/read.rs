@@ -4,26 +4,29 @@ use crate::document::{
     Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure,
     Type, Value,
 };
+use crate::error::Result;
 use crate::unit::{Affine, Unit};
-use crate::xml::{Document, Element};
-use anyhow::{Context, Result};
+use lemons_xml::{Document, Element};
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
 
 const FMU_TYPE: &str = "application/x-fmu-sharedlibrary";
 const PARAMETER_TYPE: &str = "application/x-ssp-parameter-set";
+/// The most elements and texts of a file.
+const NODES: u32 = 4_000_000;
 
-/// Reads a structure; `load` answers the content of the files that it names.
+/// Reads a structure; `load` returns the content of the files that it names.
 ///
 /// # Errors
 /// It is broken, or it holds what is not served.
 pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<SystemStructure> {
-    let document = Document::parse(STRUCTURE_FILE, bytes)?;
+    let document = Document::parse(Path::new(STRUCTURE_FILE), bytes, NODES)?;
     let root = document.root("SystemStructureDescription")?;
     if !root.text("version")?.trim().starts_with("1.") {
-        return Err(root.wrong("version", "only SSP 1.x is served"));
+        return Err(root.wrong("version", "only SSP 1.x is served").into());
     }
-    let system = root.child("System").with_context(|| root.problem("has no <System>"))?;
+    let system = root.child("System").ok_or_else(|| root.problem("has no <System>"))?;
     let mut structure = SystemStructure {
         name: root.optional("name").unwrap_or_default().to_owned(),
         units: read_units(root)?,
@@ -37,17 +40,16 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
     let mut names = Names::default();
     for element in system.child("Elements").into_iter().flat_map(Element::elements) {
         if element.name() != "Component" {
-            return Err(match element.optional("name") {
-                Some(_) => element.wrong("name", "is not served: only components that are FMUs are"),
-                None => element.problem("is not served: only components that are FMUs are"),
-            });
+            let message = "is not served: only components that are FMUs are";
+            let named = element.has("name").then(|| element.wrong("name", message));
+            return Err(named.unwrap_or_else(|| element.problem(message)).into());
         }
         let component = read_component(element, load)?;
         names.add(&component, structure.components.len(), element)?;
         structure.components.push(component);
     }
     if structure.components.is_empty() {
-        return Err(system.problem("has no <Component>"));
+        return Err(system.problem("has no <Component>").into());
     }
     let outside = read_connectors(system)?;
     let outside = outside.iter().map(|connector| (connector.name.as_str(), connector.kind)).collect();
@@ -56,10 +58,12 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
         let Some(connection) = read_connection(element, &structure, &names, &outside)? else { continue };
         if let Some(first) = fed.insert(connection.to, connection.line) {
             let (component, connector) = structure.port(connection.to);
-            return Err(element.problem(format!(
-                "feeds the input {:?} of {:?}, which line {first} feeds already",
-                connector.name, component.name
-            )));
+            return Err(element
+                .problem(format!(
+                    "feeds the input {:?} of {:?}, which line {first} feeds already",
+                    connector.name, component.name
+                ))
+                .into());
         }
         structure.connections.push(connection);
     }
@@ -76,7 +80,7 @@ struct Names<'a> {
 impl<'a> Names<'a> {
     fn add(&mut self, component: &Component, place: usize, element: Element<'a>) -> Result<()> {
         if self.components.insert(element.text("name")?, place).is_some() {
-            return Err(element.wrong("name", "two components have this name"));
+            return Err(element.wrong("name", "two components have this name").into());
         }
         let connectors = component.connectors.iter().enumerate();
         self.connectors.push(connectors.map(|(place, connector)| (connector.name.clone(), place)).collect());
@@ -86,13 +90,13 @@ impl<'a> Names<'a> {
 
 fn read_component(element: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Component> {
     if element.text("name")?.is_empty() {
-        return Err(element.wrong("name", "must not be empty"));
+        return Err(element.wrong("name", "must not be empty").into());
     }
     if element.optional("type").is_some_and(|of| of != FMU_TYPE) {
-        return Err(element.wrong("type", "is not served: only FMUs are"));
+        return Err(element.wrong("type", "is not served: only FMUs are").into());
     }
     if element.optional("implementation") == Some("ModelExchange") {
-        return Err(element.wrong("implementation", "is not served: only co-simulation is"));
+        return Err(element.wrong("implementation", "is not served: only co-simulation is").into());
     }
     Ok(Component {
         name: element.text("name")?.to_owned(),
@@ -111,13 +115,13 @@ fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
         let name = element.text("name")?;
         match names.entry(name) {
             Entry::Vacant(place) => place.insert(()),
-            Entry::Occupied(_) => return Err(element.wrong("name", "two connectors have this name")),
+            Entry::Occupied(_) => return Err(element.wrong("name", "two connectors have this name").into()),
         };
         let kind = element.text("kind")?;
         let kind = Kind::NAMES.iter().find(|(name, _)| *name == kind).map(|(_, kind)| *kind);
         Ok(Connector {
             name: name.to_owned(),
-            kind: kind.with_context(|| element.wrong("kind", "is no kind of connector"))?,
+            kind: kind.ok_or_else(|| element.wrong("kind", "is not a kind of connector"))?,
             of: read_type(element)?,
             line: element.line(),
         })
@@ -135,7 +139,7 @@ fn read_type(connector: Element) -> Result<Option<Type>> {
             "String" => Type::String,
             "Enumeration" => Type::Enumeration(element.text("name")?.to_owned()),
             "Binary" => Type::Binary,
-            _ => return Err(element.problem("is no type of SSP 1.0")),
+            _ => return Err(element.problem("is not a type of SSP 1.0").into()),
         }));
     }
     Ok(None)
@@ -156,14 +160,16 @@ fn read_connection(
             let attribute = if start.is_none() { "startConnector" } else { "endConnector" };
             let name = element.text(attribute)?;
             let kind = outside.get(name);
-            let kind = kind.with_context(|| element.wrong(attribute, "the system has no such connector"))?;
+            let kind = kind.ok_or_else(|| element.wrong(attribute, "the system has no such connector"))?;
             if *kind == Kind::Output {
                 return Ok(None);
             }
-            return Err(element.wrong(attribute, "connectors of the system are not served, except outputs"));
+            return Err(element
+                .wrong(attribute, "connectors of the system are not served, except outputs")
+                .into());
         }
         (None, None) => {
-            return Err(element.problem("connects connectors of the system, which is not served"));
+            return Err(element.problem("connects connectors of the system, which is not served").into());
         }
     };
     // Start and end say nothing about the direction, the connectors' kinds do.
@@ -179,7 +185,7 @@ fn read_connection(
                 b.name(),
                 structure.port(end).1.name
             );
-            return Err(element.problem(text));
+            return Err(element.problem(text).into());
         }
     };
     let mut transformation = None;
@@ -192,7 +198,7 @@ fn read_connection(
                     offset: child.number("offset")?.unwrap_or(0.0),
                 });
             }
-            _ => return Err(child.problem("is not served")),
+            _ => return Err(child.problem("is not served").into()),
         }
     }
     Ok(Some(Connection {
@@ -209,10 +215,10 @@ fn read_end(element: Element, owner: &str, connector: &str, names: &Names) -> Re
     let name = element.text(connector)?;
     let Some(owner_name) = element.optional(owner) else { return Ok(None) };
     let component = names.components.get(owner_name).copied();
-    let component = component.with_context(|| element.wrong(owner, "there is no such component"))?;
+    let component = component.ok_or_else(|| element.wrong(owner, "there is no such component"))?;
     let place = names.connectors[component].get(name).copied();
     let missing = || element.wrong(connector, format!("component {owner_name:?} has no such connector"));
-    Ok(Some(Port { component, connector: place.with_context(missing)? }))
+    Ok(Some(Port { component, connector: place.ok_or_else(missing)? }))
 }
 
 /// By name; of two with one name the first.
@@ -237,7 +243,7 @@ pub(crate) fn read_unit(element: Element) -> Result<Option<Unit>> {
     unit.factor = base.number("factor")?.unwrap_or(1.0);
     unit.offset = base.number("offset")?.unwrap_or(0.0);
     if unit.factor == 0.0 {
-        return Err(base.wrong("factor", "must not be zero"));
+        return Err(base.wrong("factor", "must not be zero").into());
     }
     Ok(Some(unit))
 }
@@ -248,23 +254,23 @@ fn read_bindings(owner: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
     let mut sets = Vec::new();
     for binding in bindings.flat_map(|bindings| bindings.children("ParameterBinding")) {
         if binding.optional("type").is_some_and(|of| of != PARAMETER_TYPE) {
-            return Err(binding.wrong("type", "is not served: only parameter sets of SSP are"));
+            return Err(binding.wrong("type", "is not served: only parameter sets of SSP are").into());
         }
         if binding.optional("sourceBase").is_some_and(|base| base != "SSD") {
-            return Err(binding.wrong("sourceBase", "is not served: only files of the archive are"));
+            return Err(binding.wrong("sourceBase", "is not served: only files of the archive are").into());
         }
         if let Some(mapping) = binding.child("ParameterMapping") {
-            return Err(mapping.problem("is not served"));
+            return Err(mapping.problem("is not served").into());
         }
         let prefix = binding.optional("prefix").unwrap_or_default();
         if let Some(source) = binding.optional("source") {
-            let bytes = load(source).map_err(|error| binding.wrong("source", format!("{error:#}")))?;
-            let document = Document::parse(source, &bytes)?;
+            let bytes = load(source).map_err(|error| binding.wrong("source", error.to_string()))?;
+            let document = Document::parse(Path::new(source), &bytes, NODES)?;
             sets.push(read_parameters(document.root("ParameterSet")?, prefix)?);
         } else {
             let values = binding.child("ParameterValues");
             let set = values.and_then(|values| values.child("ParameterSet"));
-            let set = set.with_context(|| binding.problem("has neither a source nor a <ParameterSet>"))?;
+            let set = set.ok_or_else(|| binding.problem("has neither a source nor a <ParameterSet>"))?;
             sets.push(read_parameters(set, prefix)?);
         }
     }
@@ -275,23 +281,23 @@ fn read_parameters(set: Element, prefix: &str) -> Result<ParameterSet> {
     let list = set.child("Parameters").into_iter().flat_map(|list| list.children("Parameter"));
     let parameters = list.map(|element| {
         let typed = element.elements().find(|child| child.name() != "Annotations");
-        let typed = typed.with_context(|| element.problem("has no value"))?;
+        let typed = typed.ok_or_else(|| element.problem("has no value"))?;
         let missing = || typed.problem("has no value");
         let value = match typed.name() {
             "Real" => {
-                let value = typed.number("value")?.with_context(missing)?;
+                let value = typed.number("value")?.ok_or_else(missing)?;
                 Value::Real(value, typed.optional("unit").map(str::to_owned))
             }
-            "Integer" => Value::Integer(typed.parsed("value", "a whole number")?.with_context(missing)?),
-            "Boolean" => Value::Boolean(typed.boolean("value")?.with_context(missing)?),
+            "Integer" => Value::Integer(typed.parsed("value", "a whole number")?.ok_or_else(missing)?),
+            "Boolean" => Value::Boolean(typed.boolean("value")?.ok_or_else(missing)?),
             "String" => Value::String(typed.text("value")?.to_owned()),
-            _ => return Err(typed.problem("is not served as a parameter's type")),
+            _ => return Err(typed.problem("is not served as a parameter's type").into()),
         };
         Ok(Parameter { name: format!("{prefix}{}", element.text("name")?), value, line: element.line() })
     });
     Ok(ParameterSet {
         parameters: parameters.collect::<Result<_>>()?,
         units: read_units(set)?,
-        file: set.file().to_owned(),
+        file: set.file().display().to_string(),
     })
 }

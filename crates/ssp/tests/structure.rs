@@ -91,7 +91,7 @@ fn what_is_wrong_or_not_served_is_named() {
         (
             r#"version="1.0" name"#,
             r#"version="2.0" name"#,
-            r#":2: <SystemStructureDescription> version="2.0": only"#,
+            r#":3: <SystemStructureDescription> version="2.0": only"#,
         ),
         (r#"<Component name="a""#, r#"<System name="a""#, "not well-formed"),
         (r#"</System>"#, "", "not well-formed"),
@@ -110,8 +110,8 @@ fn what_is_wrong_or_not_served_is_named() {
             r#"name="u" kind="input""#,
             r#"<Connector> name="u": two connectors"#,
         ),
-        (r#"name="p" kind="parameter""#, r#"name="p" kind="thing""#, r#"kind="thing": is no kind"#),
-        ("<c:Integer/>", "<c:Float64/>", "<Float64>: is no type of SSP 1.0"),
+        (r#"name="p" kind="parameter""#, r#"name="p" kind="thing""#, r#"kind="thing": is not a kind"#),
+        ("<c:Integer/>", "<c:Float64/>", "<Float64>: is not a type of SSP 1.0"),
         (
             r#"startElement="b""#,
             r#"startElement="z""#,
@@ -165,7 +165,7 @@ fn what_is_wrong_or_not_served_is_named() {
         (
             r#"<?xml version="1.0"?>"#,
             r#"<!DOCTYPE x [<!ENTITY e "boom">]>"#,
-            "SystemStructure.ssd:1: <!DOCTYPE>: no document type is taken",
+            "SystemStructure.ssd:1: <!DOCTYPE>: document types are not allowed",
         ),
     ];
     for (from, to, words) in table {
@@ -184,7 +184,7 @@ fn elements_with_many_attributes_are_refused_before_they_are_parsed() {
     for prefix in ["", "xmlns:"] {
         let many: String = (0..300_000).map(|k| format!(" {prefix}a{k}='{k}'")).collect();
         let said = read(&format!("<A{many}/>")).unwrap_err();
-        let words = "SystemStructure.ssd:1: <A>: has 300000 attributes; the most is 256";
+        let words = "SystemStructure.ssd:1: <A>: has 300000 attributes; at most 256 are allowed";
         assert!(said.contains(words), "{said}");
     }
 }
@@ -260,7 +260,8 @@ fn interface(variables: &[(&str, &str, &str)], units: &str) -> Interface {
         })
         .collect();
     let text = format!(
-        "<fmiModelDescription><CoSimulation/><UnitDefinitions>{units}</UnitDefinitions>\
+        "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"><CoSimulation \
+         modelIdentifier=\"m\"/><UnitDefinitions>{units}</UnitDefinitions>\
          <ModelVariables>{variables}</ModelVariables></fmiModelDescription>"
     );
     Interface::read(text.as_bytes()).unwrap()

@@ -1,11 +1,11 @@
-//! Parameter sweeps: many runs of one FMU with other parameters, on all processors.
+//! Parameter sweeps: many runs of one FMU with different parameters, on all processors.
 //!
-//! A [`Spec`] (`sweep.toml`) says what is run, which parameters take which values and what is measured of each
-//! run. [`sweep`] simulates the points that a [`Directory`] does not hold yet and writes them as they come; one
-//! that is killed goes on where it was. The directory is that of the Python package `lemons_fmu`, whose README
-//! says it exactly.
+//! A [`Spec`] (`sweep.toml`) gives the model, the values of the parameters and the measures. [`sweep`] simulates the
+//! points that are not yet in a [`Directory`] and writes their results as they finish; a sweep that was killed
+//! continues there. The directory has the format of the Python package `lemons_fmu`; its README describes it exactly.
 
 mod directory;
+mod error;
 mod measure;
 mod points;
 mod simulate;
@@ -13,7 +13,8 @@ mod spec;
 mod sweep;
 
 pub use directory::{Directory, Finished};
+pub use error::{Error, Result};
 pub use measure::{Measure, Of, Take};
 pub use points::{Points, Values};
 pub use spec::Spec;
-pub use sweep::{Progress, sweep};
+pub use sweep::{How, Progress, sweep};

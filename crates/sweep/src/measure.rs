@@ -1,123 +1,124 @@
-//! What is to be known of a run: a number for each measure, from the outputs at the communication points.
+//! Measures: numbers computed from the outputs of a run at the communication points.
 
+use lemons_record::columns;
 use serde::{Deserialize, Serialize};
 
 /// An output of each agent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Of {
-    /// \[m\]
+    /// \[m\] x of the centre of mass.
     X,
-    /// \[m\]
+    /// \[m\] y of the centre of mass.
     Y,
-    /// \[rad\]
+    /// \[rad\] orientation.
     Theta,
-    /// \[m/s\]
+    /// \[m/s\] speed.
     Speed,
-    /// \[rad/s\]
+    /// \[rad/s\] angular velocity.
     Omega,
-    /// \[N\] sum of |F_n| over its contacts at a communication point, which may miss a collision.
+    /// \[N\] sum of |F_n| over its contacts at a communication point. It may miss a short collision.
     Squeeze,
-    /// \[N\] its time average over a communication step.
+    /// \[N\] time average of the squeeze over a communication step.
     MeanSqueeze,
-    /// \[N\] its largest value within a communication step.
+    /// \[N\] largest squeeze within a communication step.
     PeakSqueeze,
     /// \[m\] deepest overlap of its contacts within a communication step.
     PeakOverlap,
-    /// With other agents' disks.
+    /// Number of contacts with disks of other agents.
     AgentContacts,
-    /// With walls.
+    /// Number of contacts with walls.
     WallContacts,
-    /// Different agents that touch it.
+    /// Number of other agents that touch it.
     ContactingAgents,
 }
 
 impl Of {
-    /// The Real outputs that it is made of, and the Integer ones.
+    /// Names of the Real outputs it is computed from, and of the Integer ones.
     pub(crate) fn outputs(self) -> (&'static [&'static str], &'static [&'static str]) {
         match self {
-            Of::X => (&["Position.x"], &[]),
-            Of::Y => (&["Position.y"], &[]),
-            Of::Theta => (&["Theta"], &[]),
-            Of::Speed => (&["Velocity.x", "Velocity.y"], &[]),
-            Of::Omega => (&["Omega"], &[]),
-            Of::Squeeze => (&["NormalForce"], &[]),
-            Of::MeanSqueeze => (&["MeanNormalForce"], &[]),
-            Of::PeakSqueeze => (&["PeakNormalForce"], &[]),
-            Of::PeakOverlap => (&["PeakOverlap"], &[]),
-            Of::AgentContacts => (&[], &["AgentContacts"]),
-            Of::WallContacts => (&[], &["WallContacts"]),
-            Of::ContactingAgents => (&[], &["ContactingAgents"]),
+            Of::X => (&[columns::X.variable], &[]),
+            Of::Y => (&[columns::Y.variable], &[]),
+            Of::Theta => (&[columns::THETA.variable], &[]),
+            Of::Speed => (&[columns::VX.variable, columns::VY.variable], &[]),
+            Of::Omega => (&[columns::OMEGA.variable], &[]),
+            Of::Squeeze => (&[columns::SQUEEZE.variable], &[]),
+            Of::MeanSqueeze => (&[columns::MEAN_SQUEEZE.variable], &[]),
+            Of::PeakSqueeze => (&[columns::PEAK_SQUEEZE.variable], &[]),
+            Of::PeakOverlap => (&[columns::PEAK_OVERLAP.variable], &[]),
+            Of::AgentContacts => (&[], &[columns::AGENT_CONTACTS.variable]),
+            Of::WallContacts => (&[], &[columns::WALL_CONTACTS.variable]),
+            Of::ContactingAgents => (&[], &[columns::CONTACTING_AGENTS.variable]),
         }
     }
 }
 
-/// What becomes of an output over the time of a run.
+/// How the values of an output over time become one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Take {
-    /// The greatest value.
+    /// The largest value.
     Max,
-    /// The least value.
+    /// The smallest value.
     Min,
-    /// The mean of the values, that at the start not counted.
+    /// The mean of all values except that at the start.
     Mean,
     /// The value at the end.
     Last,
-    /// The value at the end less that at the start.
+    /// The value at the end minus that at the start.
     Change,
-    /// The greatest distance from the value at the start.
+    /// The largest distance from the value at the start.
     Reach,
-    /// \[s\] when the value is above `level` for the first time; none if it never is.
+    /// \[s\] The first time at which the value is above `level`; missing if it never is.
     FirstAbove,
 }
 
-/// How several agents become one number.
+/// How the numbers of several agents become one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Across {
-    /// The greatest of them.
+    /// The largest.
     Max,
-    /// The least of them.
+    /// The smallest.
     Min,
     /// Their mean.
     Mean,
 }
 
-/// One measure.
+/// A measure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measure {
-    /// Of which output.
+    /// The output.
     pub of: Of,
-    /// What of it.
+    /// The function of its values over time.
     pub take: Take,
-    /// For [`Take::FirstAbove`].
+    /// The level for [`Take::FirstAbove`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
-    /// Ids of Agents.xml; all if none is named.
+    /// Ids of agents in Agents.xml; empty: all agents.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub agents: Vec<String>,
-    /// Of several agents; that of their greatest for `max`, least for `min`, mean for `mean` if it is not said.
+    /// The function over several agents. If it is missing, it is that of `take` for `max`, `min` and `mean`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub across: Option<Across>,
 }
 
 impl Measure {
-    /// That it says what it must, for so many agents.
+    /// Checks that the measure is complete, for a number of agents.
     ///
     /// # Errors
-    /// What is missing.
+    /// A sentence that names what is missing.
     pub fn check(&self, agents: usize) -> Result<(), String> {
         match (self.take, self.level) {
             (Take::FirstAbove, None) => return Err("take = \"first_above\" needs a level".into()),
             (Take::FirstAbove, Some(level)) if !level.is_finite() => return Err("level is not finite".into()),
             (Take::FirstAbove, Some(_)) | (_, None) => {}
-            (_, Some(_)) => return Err("level is for take = \"first_above\"".into()),
+            (_, Some(_)) => return Err("level needs take = \"first_above\"".into()),
         }
         let single = matches!(self.take, Take::Max | Take::Min | Take::Mean);
         if agents > 1 && !single && self.across.is_none() {
-            return Err(format!("is of {agents} agents: across = \"max\", \"min\" or \"mean\" is needed"));
+            return Err(format!("has {agents} agents: it needs across = \"max\", \"min\" or \"mean\""));
         }
         Ok(())
     }
@@ -131,13 +132,13 @@ impl Measure {
     }
 }
 
-/// A measure while its run goes on.
+/// A measure during its run.
 pub(crate) struct Watched<'a> {
     measure: &'a Measure,
     agents: Vec<Course>,
 }
 
-/// Of one agent.
+/// The values of one agent so far.
 struct Course {
     first: f64,
     last: f64,
@@ -153,7 +154,7 @@ impl<'a> Watched<'a> {
         Watched { measure, agents: Vec::new() }
     }
 
-    /// The values of all its agents at a time \[s\].
+    /// Adds the values of all its agents at a time \[s\].
     pub fn look(&mut self, time: f64, values: impl Iterator<Item = f64>) {
         let level = self.measure.level.unwrap_or(f64::INFINITY);
         if self.agents.is_empty() {
@@ -181,7 +182,7 @@ impl<'a> Watched<'a> {
         }
     }
 
-    /// `None` where it has no value: a level that nobody reached.
+    /// Returns the result; `None` if there is none because no agent reached the level.
     pub fn value(&self) -> Option<f64> {
         let of = |course: &Course| match self.measure.take {
             Take::Max => Some(course.greatest),

@@ -1,33 +1,33 @@
-//! What is simulated: a row of parameter values for each point.
+//! The points of a sweep: a row of parameter values for each.
 
 use sha2::{Digest, Sha256};
 
-/// The values of one parameter: numbers, or texts.
+/// The values of one parameter at all points.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// Of an Integer or a Real.
+    /// For an Integer or a Real.
     Integers(Vec<i64>),
-    /// Of a Real.
+    /// For a Real.
     Reals(Vec<f64>),
-    /// Of a String.
+    /// For a String.
     Texts(Vec<String>),
 }
 
 /// The points of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Points {
-    /// Names of the parameters, each with its value at every point.
+    /// Names of the parameters, each with its values at all points.
     pub columns: Vec<(String, Values)>,
-    /// How many there are.
+    /// Number of points.
     pub count: usize,
 }
 
-/// More points than this are a mistake.
+/// A larger number of points is taken for a mistake.
 pub(crate) const MOST_POINTS: usize = 10_000_000;
-/// \[byte\] Of the values of all parameters at all points.
+/// \[byte\] Largest size of the values of all parameters at all points.
 const LARGEST_POINTS: usize = 1_000_000_000;
 
-/// How much memory the values of points need, refused as soon as it is too much.
+/// The memory that is left for values; refuses values as soon as they need more.
 pub(crate) struct Room {
     left: usize,
 }
@@ -37,24 +37,24 @@ impl Room {
         Room { left: LARGEST_POINTS }
     }
 
-    /// For so many values of a size \[byte\].
+    /// Reserves memory for `values` values of a size \[byte\].
     pub(crate) fn take(&mut self, values: usize, size: usize) -> Result<(), String> {
         let left = values.checked_mul(size).and_then(|bytes| self.left.checked_sub(bytes));
         self.left = left.ok_or_else(|| {
             let most = LARGEST_POINTS / 1_000_000;
-            format!("the values of all parameters at all points need more than {most} MB: fewer points or parameters")
+            format!("the values of all parameters at all points need more than {most} MB; use fewer points or parameters")
         })?;
         Ok(())
     }
 
-    /// For a text.
+    /// Reserves memory for copies of a text.
     pub(crate) fn take_text(&mut self, text: &str, times: usize) -> Result<(), String> {
         self.take(times, size_of::<String>() + text.len())
     }
 }
 
 impl Values {
-    /// How many.
+    /// Returns the number of values.
     pub fn len(&self) -> usize {
         match self {
             Values::Integers(values) => values.len(),
@@ -63,12 +63,12 @@ impl Values {
         }
     }
 
-    /// Whether there is none.
+    /// Returns whether there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The value at a point, such that it reads back to the same number.
+    /// Returns the value at a point as text that is read back as the same number.
     pub fn text(&self, point: usize) -> String {
         match self {
             Values::Integers(values) => values[point].to_string(),
@@ -98,10 +98,10 @@ impl Values {
 }
 
 impl Points {
-    /// All combinations; the last name varies fastest.
+    /// Returns all combinations. The last parameter varies fastest.
     ///
     /// # Errors
-    /// No points, too many, or too many for so many parameters.
+    /// There are no points, too many, or too many for that many parameters.
     pub fn grid(axes: Vec<(String, Values)>) -> Result<Points, String> {
         let mut count = 1_usize;
         for (name, values) in &axes {
@@ -129,10 +129,10 @@ impl Points {
         Ok(Points { columns: columns.collect(), count })
     }
 
-    /// A row for each point.
+    /// Returns one point for each row of columns.
     ///
     /// # Errors
-    /// No points, too many, or columns of different lengths.
+    /// There are no points, too many, or columns of different lengths.
     pub fn table(columns: Vec<(String, Values)>) -> Result<Points, String> {
         let count = columns.first().map_or(0, |(_, values)| values.len());
         if count == 0 {
@@ -147,7 +147,8 @@ impl Points {
         }
     }
 
-    /// Of the names and of all values row by row: numbers as 8 little-endian bytes, texts by their length and UTF-8.
+    /// Returns the SHA-256 of the names and of all values row by row: numbers as 8 little-endian bytes, texts as length
+    /// and UTF-8.
     pub fn sha256(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
         let mut digest = Sha256::new();
@@ -163,7 +164,7 @@ pub(crate) fn too_many() -> String {
     format!("there are more than {MOST_POINTS} points")
 }
 
-/// As the hashes in a manifest are written.
+/// Hexadecimal, as hashes in a manifest.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,24 +1,24 @@
-//! One run with the parameters of a point.
+//! Simulates one point.
 
+use crate::error::{Error, Place, Result};
 use crate::measure::{Measure, Watched};
 use crate::points::Values;
 use crate::spec::Spec;
-use anyhow::{Context, Result, bail};
-use crowd_mechanics::trial::Trial;
-use fmi_rs::model_description::fmi2::VariableType;
-use lemons_master::{Clock, Drive, Fmu, Instance, Pushes};
+use lemons_master::{Clock, DriveTable, Fmu, Instance, Observer, Pushes, Reached};
+use lemons_ssp::Type;
+use lemons_trial::Trial;
 
-/// What all points have in common.
+/// Data shared by all points.
 pub struct Job {
     pub fmu: Fmu,
     pub trial: Trial,
-    pub drive: Drive,
+    pub drive: DriveTable,
     pub spec: Spec,
-    /// \[s\]
+    /// \[s\] Communication step.
     pub step: f64,
 }
 
-/// An instance that simulates one point after the other.
+/// An instance that simulates points one after the other.
 pub struct Worker<'a> {
     job: &'a Job,
     clock: Clock,
@@ -31,39 +31,43 @@ pub struct Worker<'a> {
 struct Look {
     reals: Vec<u32>,
     integers: Vec<u32>,
-    /// Values of each agent.
+    /// Number of values for each agent.
     width: usize,
 }
 
 impl Job {
     fn clock(&self) -> Result<Clock> {
-        Clock::new(0.0, self.step, self.spec.until)
+        Ok(Clock::new(0.0, self.step, self.spec.until).map_err(lemons_master::Error::from)?)
     }
 
-    /// That the FMU has what is set and measured.
+    /// Checks that the FMU has all variables that are set and measured.
     pub fn check(&self) -> Result<()> {
-        self.clock().context("until")?;
+        self.clock().place(|| "until".into())?;
         for (parameter, values) in &self.spec.points.columns {
             if parameter == "Trial" {
-                // Its drive, its TimeStep and its agents would be those of another.
-                bail!("parameters: Trial: each Trial needs a sweep of its own");
+                // Drive, TimeStep and agents would be those of another Trial.
+                return Err(Error::Spec("parameters: Trial: each Trial needs a sweep of its own".into()));
             }
             for name in self.fmu.named(parameter) {
                 let Some(kind) = self.fmu.kind(&name) else {
-                    bail!("parameters: {parameter}: the FMU has no variable {name:?}; see lemons info");
+                    return Err(Error::Spec(format!(
+                        "parameters: {parameter}: the FMU has no variable {name:?}; see lemons info"
+                    )));
                 };
-                // A text that is a number is one.
-                if let (VariableType::Real { .. }, Values::Texts(texts)) = (kind, values) {
+                // A text that is a number is used as a number.
+                if let (Type::Real(_), Values::Texts(texts)) = (kind, values) {
                     let endless = |text: &&String| text.parse().is_ok_and(|value: f64| !value.is_finite());
                     if let Some(text) = texts.iter().find(endless) {
-                        bail!("parameters: {parameter}: {text}: must be a finite number");
+                        return Err(Error::Spec(format!(
+                            "parameters: {parameter}: {text}: must be a finite number"
+                        )));
                     }
                 }
             }
         }
         for (name, measure) in &self.spec.measures {
-            let agents = self.places(measure).with_context(|| format!("measures: {name}"))?.len();
-            measure.check(agents).map_err(|what| anyhow::anyhow!("measures: {name}: {what}"))?;
+            let agents = self.places(measure).place(|| format!("measures: {name}"))?.len();
+            measure.check(agents).map_err(|what| Error::Spec(format!("measures: {name}: {what}")))?;
         }
         Ok(())
     }
@@ -74,10 +78,8 @@ impl Job {
             return Ok((0..known.len()).collect());
         }
         let place = |id: &String| {
-            known
-                .iter()
-                .position(|agent| agent.id == *id)
-                .with_context(|| format!("there is no agent {id:?}"))
+            let found = known.iter().position(|agent| agent.id == *id);
+            found.ok_or_else(|| Error::Spec(format!("there is no agent {id:?}")))
         };
         measure.agents.iter().map(place).collect()
     }
@@ -92,7 +94,7 @@ impl<'a> Worker<'a> {
             let references = |names: &[&str]| -> Result<Vec<u32>> {
                 let names =
                     places.iter().flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
-                names.map(|name| instance.reference(&name)).collect()
+                Ok(names.map(|name| instance.reference(&name)).collect::<Result<_, _>>()?)
             };
             let width = reals.len().max(integers.len());
             Ok(Look { reals: references(reals)?, integers: references(integers)?, width })
@@ -102,39 +104,52 @@ impl<'a> Worker<'a> {
         Ok(Worker { job, clock: job.clock()?, instance, pushes, looks })
     }
 
-    /// What is measured at a point. The worker goes on with the next one, unless this failed.
+    /// Simulates a point and returns its measures. The worker can be used again unless this failed.
     pub fn simulate(&mut self, point: usize) -> Result<Vec<Option<f64>>> {
         let Job { fmu, spec: Spec { points, measures, .. }, .. } = self.job;
         self.instance.reset()?;
         for (parameter, values) in &points.columns {
             let text = values.text(point);
             for name in fmu.named(parameter) {
-                let kind = fmu.kind(&name).with_context(|| format!("the FMU has no variable {name:?}"))?;
+                let kind = fmu.kind(&name).ok_or_else(|| lemons_master::Error::NoVariable(name.clone()))?;
                 self.instance.set(kind, &name, &text)?;
             }
         }
         self.instance.initialize()?;
-        let mut watched: Vec<Watched> = measures.iter().map(|(_, measure)| Watched::new(measure)).collect();
-        self.look(0.0, &mut watched)?;
-        for k in 0..self.clock.steps {
-            let (begin, end) = (self.clock.point(k), self.clock.end(k));
-            self.pushes.send(&self.instance, begin)?;
-            self.instance.step(begin, end - begin)?;
-            self.look(end, &mut watched)?;
-        }
+        let watched: Vec<Watched> = measures.iter().map(|(_, measure)| Watched::new(measure)).collect();
+        let mut measured = Measured { looks: &self.looks, watched };
+        measured.see(&self.instance, 0.0)?;
+        // Only an error ends it early.
+        let _ = lemons_master::simulate(&mut self.instance, &self.clock, 0, &self.pushes, &mut measured)?;
         self.instance.terminate()?;
-        Ok(watched.iter().map(Watched::value).collect())
+        Ok(measured.watched.iter().map(Watched::value).collect())
     }
+}
 
-    fn look(&self, time: f64, watched: &mut [Watched]) -> Result<()> {
-        for (look, watched) in self.looks.iter().zip(watched) {
+/// The measures of a run under way.
+struct Measured<'a> {
+    looks: &'a [Look],
+    watched: Vec<Watched<'a>>,
+}
+
+impl Observer<Instance> for Measured<'_> {
+    type Error = lemons_master::Error;
+
+    fn look(&mut self, instance: &mut Instance, reached: Reached) -> lemons_master::Result<()> {
+        self.see(instance, reached.time)
+    }
+}
+
+impl Measured<'_> {
+    fn see(&mut self, instance: &Instance, time: f64) -> lemons_master::Result<()> {
+        for (look, watched) in self.looks.iter().zip(&mut self.watched) {
             let mut reals = vec![0.0; look.reals.len()];
             let mut integers = vec![0; look.integers.len()];
             if !reals.is_empty() {
-                self.instance.get_real(&look.reals, &mut reals)?;
+                instance.get_real(&look.reals, &mut reals)?;
             }
             if !integers.is_empty() {
-                self.instance.get_integer(&look.integers, &mut integers)?;
+                instance.get_integer(&look.integers, &mut integers)?;
                 reals.extend(integers.into_iter().map(f64::from));
             }
             let values = reals.chunks_exact(look.width).map(|of| match of {

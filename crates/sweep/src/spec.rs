@@ -1,42 +1,31 @@
-//! `sweep.toml`.
+//! Reads `sweep.toml`.
 
+use crate::error::{Error, Place, Result};
 use crate::measure::Measure;
 use crate::points::{MOST_POINTS, Points, Room, Values, too_many};
-use anyhow::{Context, Result, bail};
 use lemons_files::input;
-use lemons_master::Kind;
+use lemons_master::{DriveChoice, Kind};
 use serde::Deserialize;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// What is run, with which parameters, and what is measured. Paths are those of the file's directory.
+/// Model, parameters and measures of a sweep. Relative paths are relative to the directory of the file.
 #[derive(Debug, Clone)]
 pub struct Spec {
     /// A Trial directory or an FMU.
     pub model: PathBuf,
-    /// \[s\]
+    /// \[s\] End time.
     pub until: f64,
-    /// \[s\] communication step; the Trial's if `None`.
+    /// \[s\] Communication step; `None`: that of the Trial.
     pub step: Option<f64>,
-    /// What pushes people.
+    /// The forces that drive people.
     pub drive: DriveChoice,
-    /// What is simulated.
+    /// The points that are simulated.
     pub points: Points,
-    /// In the order of the file.
+    /// Names and measures, in the order of the file.
     pub measures: Vec<(String, Measure)>,
-    /// Files that are read.
+    /// The files that are read.
     pub inputs: Vec<PathBuf>,
-}
-
-/// What pushes people.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum DriveChoice {
-    /// The Trial's own drive file, if it has one.
-    Own,
-    /// Nothing but AgentDynamics.xml.
-    None,
-    /// This file.
-    File(PathBuf),
 }
 
 #[derive(Deserialize)]
@@ -87,38 +76,39 @@ enum Spacing {
     Logarithmic,
 }
 
-/// Names that the table has for itself.
+/// Names that the table uses itself.
 const RESERVED: [&str; 3] = ["point", "status", "error"];
-/// Values of a range at most.
+/// Largest number of values of a range.
 const MOST_VALUES: u32 = 1_000_000;
 
 impl Spec {
     /// Reads a `sweep.toml`.
     ///
     /// # Errors
-    /// What is wrong, with the key.
+    /// A sentence with the key and what is wrong.
     pub fn read(path: &Path) -> Result<Spec> {
-        Kind::expect(path, &[Kind::Text, Kind::Stream], "a sweep.toml (lemons sweep --help)")?;
+        Kind::expect(path, &[Kind::Text, Kind::Stream], "a sweep.toml (lemons sweep --help)")
+            .map_err(lemons_master::Error::from)?;
         let text = input::read_given_text(path, input::LARGEST_SETTINGS)
-            .with_context(|| format!("cannot read {}", path.display()))?;
+            .place(|| format!("cannot read {}", path.display()))?;
         let directory =
             path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Self::from_toml(&text, directory).with_context(|| path.display().to_string())
+        Self::from_toml(&text, directory).place(|| path.display().to_string())
     }
 
-    /// As [`Spec::read`], of the text of a file in a directory.
+    /// Reads the text of a `sweep.toml` in a directory.
     ///
     /// # Errors
-    /// What is wrong, with the key.
+    /// A sentence with the key and what is wrong.
     pub fn from_toml(text: &str, directory: &Path) -> Result<Spec> {
         let document: Document = toml::from_str(text)?;
         let model = match (document.trial, document.fmu) {
             (Some(path), None) | (None, Some(path)) => directory.join(path),
-            _ => bail!("one of the keys trial and fmu says what is run"),
+            _ => return Err(Error::Spec("give one of the keys trial and fmu".into())),
         };
         for (key, value) in [("until", Some(document.until)), ("step", document.step)] {
             if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
-                bail!("{key}: must be a positive number of seconds");
+                return Err(Error::Spec(format!("{key}: must be a positive number of seconds")));
             }
         }
         let table = document.table.map(|table| directory.join(table));
@@ -126,28 +116,28 @@ impl Spec {
         let points = match (document.parameters, table) {
             (Some(axes), None) => {
                 let axes = axes.into_iter().map(|(name, value)| {
-                    let values = axis(value).with_context(|| format!("parameters: {name}"))?;
+                    let values = axis(value).place(|| format!("parameters: {name}"))?;
                     Ok((name, values))
                 });
                 let axes = axes.collect::<Result<Vec<_>>>()?;
-                Points::grid(axes).map_err(|message| anyhow::anyhow!("parameters: {message}"))?
+                Points::grid(axes).map_err(|message| Error::Spec(format!("parameters: {message}")))?
             }
             (None, Some(table)) => read_table(&table)?,
-            _ => bail!("one of [parameters] and table says which points are simulated"),
+            _ => return Err(Error::Spec("give one of [parameters] and table".into())),
         };
         let measures = document.measures.into_iter().map(|(name, value)| {
-            let measure = value.try_into().with_context(|| format!("measures: {name}"))?;
+            let measure = value.try_into().place(|| format!("measures: {name}"))?;
             Ok((name, measure))
         });
         let measures: Vec<(String, Measure)> = measures.collect::<Result<_>>()?;
         if measures.is_empty() {
-            bail!("measures: there are none");
+            return Err(Error::Spec("measures: must not be empty".into()));
         }
         let mut names = HashSet::from(RESERVED);
         let given = points.columns.iter().map(|(name, _)| name).chain(measures.iter().map(|(name, _)| name));
         for name in given {
             if !names.insert(name) {
-                bail!("{name:?}: the table has a column of that name");
+                return Err(Error::Spec(format!("{name:?}: the table already has a column with this name")));
             }
         }
         let drive = match document.drive {
@@ -164,24 +154,24 @@ impl Spec {
 
 fn axis(value: toml::Value) -> Result<Values> {
     let expected = "expected a list of numbers or of texts, or { from, to, count, spacing }";
-    Ok(match value.try_into::<Axis>().ok().context(expected)? {
+    Ok(match value.try_into::<Axis>().map_err(|_| Error::Spec(expected.into()))? {
         Axis::Integers(values) => Values::Integers(values),
         Axis::Reals(values) => {
             if let Some(value) = values.iter().find(|value| !value.is_finite()) {
-                bail!("{value}: must be a finite number");
+                return Err(Error::Spec(format!("{value}: must be a finite number")));
             }
             Values::Reals(values)
         }
         Axis::Texts(values) => Values::Texts(values),
         Axis::Range(Range { from, to, count, spacing }) => {
             if !(from.is_finite() && to.is_finite()) {
-                bail!("from and to must be finite");
+                return Err(Error::Spec("from and to must be finite".into()));
             }
             if !(2..=MOST_VALUES).contains(&count) {
-                bail!("count = {count}: from 2 to {MOST_VALUES}");
+                return Err(Error::Spec(format!("count = {count}: must be from 2 to {MOST_VALUES}")));
             }
             if spacing == Spacing::Logarithmic && !(from > 0.0 && to > 0.0) {
-                bail!("spacing = \"logarithmic\": from and to must be positive");
+                return Err(Error::Spec("spacing = \"logarithmic\": from and to must be positive".into()));
             }
             let part = |k: u32| f64::from(k) / f64::from(count - 1);
             let (difference, ratio) = (to - from, to / from);
@@ -198,30 +188,31 @@ fn axis(value: toml::Value) -> Result<Values> {
     })
 }
 
-/// A CSV with a row for each point: whole numbers only make a column of integers, other numbers one of reals.
+/// Reads a CSV with one row for each point. A column that contains only integers has integers; one with other numbers
+/// has reals.
 fn read_table(path: &Path) -> Result<Points> {
     let wrong = || path.display().to_string();
-    let file = input::open_found(path, input::LARGEST_DRIVE).with_context(wrong)?;
+    let file = input::open_found(path, input::LARGEST_DRIVE).place(wrong)?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
-    let header: Vec<String> = reader.headers().with_context(wrong)?.iter().map(str::to_owned).collect();
+    let header: Vec<String> = reader.headers().place(wrong)?.iter().map(str::to_owned).collect();
     let mut cells: Vec<Vec<String>> = vec![Vec::new(); header.len()];
     let mut room = Room::new();
     for (count, row) in reader.records().enumerate() {
-        let row = row.with_context(wrong)?;
+        let row = row.place(wrong)?;
         if count == MOST_POINTS {
-            return Err(anyhow::Error::msg(too_many())).with_context(wrong);
+            return Err(Error::Spec(too_many())).place(wrong);
         }
         for (column, cell) in cells.iter_mut().zip(&row) {
-            room.take_text(cell, 1).map_err(anyhow::Error::msg).with_context(wrong)?;
+            room.take_text(cell, 1).map_err(Error::Spec).place(wrong)?;
             column.push(cell.to_owned());
         }
     }
     let columns = header.into_iter().zip(cells).map(|(name, cells)| {
-        let values = column(cells).with_context(|| name.clone())?;
+        let values = column(cells).place(|| name.clone())?;
         Ok((name, values))
     });
-    let columns = columns.collect::<Result<_>>().with_context(wrong)?;
-    Points::table(columns).map_err(anyhow::Error::msg).with_context(wrong)
+    let columns = columns.collect::<Result<_>>().place(wrong)?;
+    Points::table(columns).map_err(Error::Spec).place(wrong)
 }
 
 fn column(cells: Vec<String>) -> Result<Values> {
@@ -239,7 +230,7 @@ fn column(cells: Vec<String>) -> Result<Values> {
         Err(_) => return Ok(Values::Texts(cells)),
     };
     match values.iter().position(|value| !value.is_finite()) {
-        Some(row) => bail!("{}: must be a finite number, at the point {row}", cells[row]),
+        Some(row) => Err(Error::Spec(format!("{}: must be a finite number (point {row})", cells[row]))),
         None => Ok(Values::Reals(values)),
     }
 }
@@ -275,7 +266,7 @@ mod tests {
     fn mistakes_name_the_key() {
         let said = |from: &str, to: &str| {
             assert!(GOOD.contains(from));
-            format!("{:#}", Spec::from_toml(&GOOD.replace(from, to), Path::new("")).unwrap_err())
+            Spec::from_toml(&GOOD.replace(from, to), Path::new("")).unwrap_err().whole()
         };
         for (from, to, expected) in [
             ("trial = \"push\"", "", "trial and fmu"),
@@ -285,7 +276,7 @@ mod tests {
             ("[0, 0.5]", "true", "KineticFriction: expected a list"),
             ("count = 3", "count = 1", "agent[*].Mass: count = 1"),
             ("from = 50", "from = 0", "must be positive"),
-            ("reach = {", "status = {", "\"status\": the table has a column"),
+            ("reach = {", "status = {", "\"status\": the table already has a column"),
             ("of = \"x\"", "of = \"mood\"", "measures: reach"),
             ("[0, 0.5]", "[0.5, nan]", "KineticFriction: NaN: must be a finite number"),
             ("[0, 0.5]", "[0.5, -inf]", "KineticFriction: -inf: must be a finite number"),
@@ -336,8 +327,8 @@ mod tests {
             ("none", false),
         ] {
             std::fs::write(&path, format!("Mass,Other\n70.5,1\n{cell},2\n")).unwrap();
-            let said = read_table(&path).map_or_else(|error| format!("{error:#}"), |_| "taken".into());
-            let expected = format!("points.csv: Mass: {cell}: must be a finite number, at the point 1");
+            let said = read_table(&path).map_or_else(|error| error.whole(), |_| "taken".into());
+            let expected = format!("points.csv: Mass: {cell}: must be a finite number (point 1)");
             assert!(if refused { said.ends_with(&expected) } else { said == "taken" }, "{said}");
         }
     }

@@ -1,12 +1,12 @@
-//! The sweep: workers, and what they have finished on its way to the directory.
+//! Runs a sweep: threads simulate points, and their results are written to the directory.
 
 use crate::directory::{Directory, Finished};
+use crate::error::{Error, Place, Result};
 use crate::points::hex;
 use crate::simulate::{Job, Worker};
-use crate::spec::{DriveChoice, Spec};
-use anyhow::{Context, Result, bail};
+use crate::spec::Spec;
 use lemons_files::input;
-use lemons_master::{Drive, Fmu, PATIENCE};
+use lemons_master::{DriveTable, PATIENCE, Runnable};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 use std::path::Path;
@@ -16,49 +16,57 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How far a sweep is.
+/// The progress of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// Points that are finished, failed ones among them.
+    /// Number of finished points, including failed ones.
     pub done: usize,
-    /// Those that failed.
+    /// Number of failed points.
     pub failed: usize,
-    /// All.
+    /// Number of all points.
     pub total: usize,
-    /// Of those done, how many were so when the sweep was begun.
+    /// Number of points that were finished before this call.
     pub before: usize,
 }
 
-/// Runs what a sweep's directory does not hold yet, with so many threads.
+/// Settings of a sweep.
+#[derive(Debug, Clone, Copy)]
+pub struct How<'a> {
+    /// Number of threads.
+    pub threads: usize,
+    /// Whether failed points are simulated again.
+    pub retry: bool,
+    /// The program that runs the sweep; tables contain its name.
+    pub by: &'a str,
+}
+
+/// Simulates the points that a sweep's directory does not contain yet.
 ///
-/// `tell` is called as points are finished. With `stop` set, those under way are finished and kept if that takes no
-/// longer than [`PATIENCE`]; the others are given up, their threads end with the program. Failed points are kept with their message; a sweep that is begun again with `retry` simulates them once more.
+/// `tell` is called when points are finished. When `stop` is set, points in progress are finished and kept if that
+/// takes no longer than [`PATIENCE`]; otherwise they are abandoned, and their threads end with the program. Failed
+/// points are kept with their message.
 ///
 /// # Errors
-/// The FMU or the drive cannot be used, the directory is another sweep's or cannot be written.
+/// The Trial, the FMU or the drive cannot be used, the directory belongs to another sweep, or it cannot be written.
 pub fn sweep(
     spec: Spec,
-    fmu: &Path,
     directory: &Path,
-    (threads, retry): (usize, bool),
+    How { threads, retry, by }: How<'_>,
     stop: &AtomicBool,
     mut tell: impl FnMut(Progress),
 ) -> Result<(Directory, Progress)> {
-    let bytes = input::read(fmu, input::LARGEST_BINARY).with_context(|| fmu.display().to_string())?;
-    let opened = Fmu::open(fmu)?;
-    let resources = opened.resources()?;
-    let trial = resources.load(resources.first())?.0;
-    let drive = match &spec.drive {
-        DriveChoice::None => Drive::default(),
-        DriveChoice::Own => Drive::of(Some(&trial), None)?,
-        DriveChoice::File(path) => Drive::of(Some(&trial), Some(path))?,
-    };
+    let runnable = Runnable::of(&spec.model, None)?;
+    let path = runnable.path();
+    let bytes = input::read(path, input::LARGEST_BINARY).place(|| path.display().to_string())?;
+    let opened = runnable.open()?;
+    let trial = opened.trial(None)?;
+    let drive = DriveTable::of(Some(&trial), &spec.drive).map_err(lemons_master::Error::from)?;
     let step = spec.step.unwrap_or(trial.parameters.time_step);
     let job = Job { fmu: opened, trial, drive, spec, step };
     job.check()?;
     let Spec { points, measures, .. } = &job.spec;
     let measures: Vec<String> = measures.iter().map(|(name, _)| name.clone()).collect();
-    let kept = Directory::open(directory, manifest(&job, &bytes)?, points, &measures)?;
+    let kept = Directory::open(directory, manifest(&job, &bytes)?, points, &measures, by)?;
     let before = kept.read()?;
     let mut left = vec![true; points.count];
     before.iter().filter(|row| row.outcome.is_ok() || !retry).for_each(|row| left[row.point] = false);
@@ -83,13 +91,13 @@ pub fn sweep(
     Ok((kept, progress))
 }
 
-/// What the threads of a sweep share.
+/// Data shared by the threads of a sweep.
 struct Queue {
     job: Job,
     points: Vec<usize>,
-    /// Among these.
+    /// Index of the next point in the list.
     next: AtomicUsize,
-    /// No further one is begun.
+    /// Whether no further point is begun.
     over: AtomicBool,
 }
 
@@ -106,11 +114,11 @@ impl Queue {
     }
 }
 
-/// How often it is looked whether the sweep is to be stopped.
+/// Time between two checks of `stop`.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Hands points out to threads; what they finish is written every second, or every hundredth of the time so far: the
-/// number of parts stays small.
+/// Gives points to threads. Finished points are written every second, or every hundredth of the elapsed time, so that
+/// the number of parts stays small.
 fn simulate(
     queue: &Arc<Queue>,
     threads: usize,
@@ -122,9 +130,9 @@ fn simulate(
     for _ in 0..threads.min(queue.points.len()) {
         let (queue, finished) = (queue.clone(), finished.clone());
         let worker = std::thread::Builder::new().name("sweep".into()).spawn(move || queue.work(&finished));
-        workers.push(worker.context("cannot start a thread")?);
+        workers.push(worker.place(|| "cannot start a thread".into())?);
     }
-    // When all workers have ended, nothing more arrives.
+    // The channel closes when all workers have ended.
     drop(finished);
     let (start, mut last, mut stopped) = (Instant::now(), Instant::now(), None);
     let mut pending: Vec<Finished> = Vec::new();
@@ -159,21 +167,21 @@ fn simulate(
         }
     }
     match workers.into_iter().map(JoinHandle::join).find(Result::is_err) {
-        Some(_) => bail!("a worker's thread ended by a fault of its own"),
+        Some(_) => Err(Error::Worker),
         None => Ok(()),
     }
 }
 
 impl Queue {
-    /// Leaves the points under way to threads that end with the program.
+    /// Abandons points in progress: their threads end with the program.
     fn give_up(&self) {
         self.over.store(true, Ordering::Relaxed);
-        // They would do it, but are not waited for.
+        // They would remove it, but nobody waits for them.
         let _ = std::fs::remove_dir_all(self.job.fmu.directory());
     }
 }
 
-/// A point; after a failure the next one has a new instance.
+/// Simulates a point. After a failure the next point gets a new instance.
 fn one<'a>(
     job: &'a Job,
     worker: &mut Option<Worker<'a>>,
@@ -181,14 +189,14 @@ fn one<'a>(
 ) -> std::result::Result<Vec<Option<f64>>, String> {
     let mut used = match worker.take() {
         Some(used) => used,
-        None => Worker::new(job).map_err(|error| format!("{error:#}"))?,
+        None => Worker::new(job).map_err(|error| error.whole())?,
     };
-    let measured = used.simulate(point).map_err(|error| format!("{error:#}"))?;
+    let measured = used.simulate(point).map_err(|error| error.whole())?;
     *worker = Some(used);
     Ok(measured)
 }
 
-/// What must be the same for a sweep to go on.
+/// The data that must be equal to continue a sweep.
 fn manifest(job: &Job, fmu: &[u8]) -> Result<Map<String, Value>> {
     let (description, spec) = (&job.fmu.description, &job.spec);
     let names: Vec<&str> = spec.points.columns.iter().map(|(name, _)| name.as_str()).collect();
@@ -199,7 +207,7 @@ fn manifest(job: &Job, fmu: &[u8]) -> Result<Map<String, Value>> {
         .collect::<Result<_>>()?;
     let manifest = json!({
         "fmu": {
-            "model": description.modelName,
+            "model": description.model_name,
             "guid": description.guid,
             "sha256": hex(&Sha256::digest(fmu)),
         },
@@ -215,7 +223,7 @@ fn manifest(job: &Job, fmu: &[u8]) -> Result<Map<String, Value>> {
     }
 }
 
-/// As the Python package has it: by the values, however the file is spelled.
+/// As in the Python package: by the values, independent of how the file is written.
 fn drive_identity(job: &Job) -> Value {
     let mut digest = Sha256::new();
     let mut driven = false;

@@ -1,8 +1,8 @@
-//! Collisions, against Newton and the damped oscillator.
+//! Collisions, compared with Newton's laws and the damped oscillator.
 
+use crate::error::{Result, ensure};
 use crate::scenes::*;
 use crate::{Check, largest};
-use anyhow::Result;
 use crowd_mechanics::engine::*;
 use std::f64::consts::PI;
 
@@ -27,7 +27,7 @@ pub(crate) const CHECKS: &[Check] = &[
 /// The reduced mass of [`head_on`].
 const REDUCED: f64 = 100.0 * 50.0 / 150.0;
 
-/// 100 kg at 1 m/s on 50 kg at rest.
+/// A body of 100 kg at 1 m/s meets one of 50 kg at rest.
 fn head_on(law: PairLaw, gap: f64, mechanical_step: f64) -> World {
     world(
         &[disk(100.0, 0.25), disk(50.0, 0.2)],
@@ -75,14 +75,14 @@ fn duration() -> Result<f64> {
     Ok((f64::from(touching) * dt / expected - 1.0).abs())
 }
 
-/// \[1/s\] decay and pulsation of the damped contact.
+/// \[1/s\] Decay rate and angular frequency of the damped contact.
 fn oscillator(law: &PairLaw) -> (f64, f64) {
     let decay = law.normal_damping / (2.0 * REDUCED);
     (decay, (law.normal_stiffness / REDUCED - decay * decay).sqrt())
 }
 
 fn restitution() -> Result<f64> {
-    // Kelvin–Voigt, unclamped: the contact ends where the oscillator comes back to h = 0.
+    // Kelvin–Voigt, not clamped: the contact ends when the oscillator returns to h = 0.
     let law = PairLaw { normal_damping: 1500.0, ..ELASTIC };
     let mut world = head_on(law, 0.01, 1e-6);
     world.advance(0.1)?;
@@ -92,7 +92,8 @@ fn restitution() -> Result<f64> {
     Ok((parting - (-decay * PI / pulsation).exp()).abs())
 }
 
-/// Errors of overlap and closing speed \[m\] after 8.192 ms of a lasting damped contact, at 1.28e-4 s and halved five times.
+/// Returns errors of overlap and closing speed \[m\] after 8.192 ms of a lasting damped contact, for the step 1.28e-4 s
+/// and five halvings.
 pub fn errors_in_contact() -> Result<Vec<(f64, f64)>> {
     let law = PairLaw { normal_damping: 900.0, ..ELASTIC };
     let (decay, pulsation) = oscillator(&law);
@@ -122,24 +123,24 @@ fn order() -> Result<f64> {
     Ok(largest(errors.windows(2).map(|pair| (pair[0].1 / pair[1].1 - 4.0).abs())))
 }
 
-/// Two disks that meet obliquely and stick: radii, the law, and where they start.
+/// Two disks that meet obliquely and stick: radii, law and initial values.
 const OBLIQUE_RADII: [f64; 2] = [0.25, 0.2];
 const OBLIQUE_MASSES: [f64; 2] = [100.0, 50.0];
 const OBLIQUE_LAW: PairLaw = PairLaw { friction: 20.0, normal_damping: 900.0, ..BODIES };
-/// Of the first relative to the second: place \[m\], just inside the contact; velocity \[m/s\].
+/// The first relative to the second: position \[m\], just inside the contact; velocity \[m/s\].
 const OBLIQUE_START: [f64; 4] = [-0.4499, 0.0, 1.0, 0.3];
 
-/// What acts on the two besides the contact.
+/// Forces on the two disks besides the contact.
 #[derive(Debug, Clone, Copy)]
 pub struct Push {
-    /// \[N/s\], \[N.m/s\] how the drive of each grows from zero.
+    /// \[N/s\], \[N.m/s\] Rates at which the drives grow from zero.
     drive_rates: [Wrench; 2],
-    /// \[1/s\] of place and orientation.
+    /// \[1/s\] Relaxation rate of velocity and angular velocity.
     relaxation_rate: f64,
 }
 
 impl Push {
-    /// Nothing.
+    /// No forces.
     pub const NONE: Push =
         Push { drive_rates: [Wrench { force: Vec2::ZERO, torque: 0.0 }; 2], relaxation_rate: FREE };
     /// Drives that grow to the size of the contact's forces, and relaxation.
@@ -152,8 +153,8 @@ impl Push {
     };
 }
 
-/// Relative place and velocity, both spins and the spring of the sticking contact: their rates of change
-/// at a time \[s\].
+/// Rates of change, at a time \[s\], of relative position and velocity, both angular velocities and the spring of the
+/// sticking contact.
 fn oblique_rates(time: f64, [rx, ry, vx, vy, w1, w2, s]: [f64; 7], push: &Push) -> [f64; 7] {
     let inertia = [0, 1].map(|i| 0.5 * OBLIQUE_MASSES[i] * OBLIQUE_RADII[i].powi(2));
     let distance = rx.hypot(ry);
@@ -176,15 +177,15 @@ fn oblique_rates(time: f64, [rx, ry, vx, vy, w1, w2, s]: [f64; 7], push: &Push) 
     [vx, vy, ax, ay, spin[0], spin[1], slip]
 }
 
-/// Errors \[m\] of relative place and of velocity and rim speeds over the pulsation, after 8.192 ms of an oblique
-/// contact that sticks while the two are pushed, at 1.28e-4 s and halved five times.
+/// Returns errors \[m\] of relative position, and of velocity and rim speeds divided by the angular frequency, after
+/// 8.192 ms of an oblique sticking contact with forces, for the step 1.28e-4 s and five halvings.
 ///
 /// # Errors
 /// The world did not advance, or the contact did not stick.
 pub fn errors_in_oblique_contact(push: &Push) -> Result<Vec<(f64, f64)>> {
     let time = 0.008_192;
     let [x, y, vx, vy] = OBLIQUE_START;
-    // Runge–Kutta at 1 µs: exact to 1e-14 here.
+    // Runge–Kutta with steps of 1 µs: exact to 1e-14 here.
     let mut exact = [x, y, vx, vy, 0.0, 0.0, 0.0];
     let h = 1e-6;
     let moved = |state: [f64; 7], rates: [f64; 7], by: f64| -> [f64; 7] {
@@ -211,7 +212,7 @@ pub fn errors_in_oblique_contact(push: &Push) -> Result<Vec<(f64, f64)>> {
             let mut world = world(&bodies, &[], OBLIQUE_LAW, &motions, dt);
             world.drive_rate = push.drive_rates.to_vec();
             world.advance(time)?;
-            anyhow::ensure!(world.work().sliding == 0, "it slid");
+            ensure!(world.work().sliding == 0, "it slid");
             let (poses, twists) = (&world.state().poses, &world.state().twists);
             let place = poses[0].position - poses[1].position - vec2(exact[0], exact[1]);
             let velocity = twists[0].velocity - twists[1].velocity - vec2(exact[2], exact[3]);
@@ -227,7 +228,7 @@ fn oblique_order() -> Result<f64> {
     Ok(largest(errors.windows(2).map(|pair| (pair[0].1 / pair[1].1 - 4.0).abs())))
 }
 
-/// Largest relative drifts of momentum and angular momentum.
+/// Returns the largest relative drifts of momentum and angular momentum.
 fn glancing() -> Result<(f64, f64)> {
     let mut world = world(
         &[pedestrian(89.0, FREE), pedestrian(60.0, FREE)],
@@ -246,7 +247,7 @@ fn glancing() -> Result<(f64, f64)> {
         worst.0 = worst.0.max((momentum(&world) - p).norm() / p.norm());
         worst.1 = worst.1.max((angular_momentum(&world) - l).abs() / l.abs());
     }
-    anyhow::ensure!(world.work().contacts > 0 && world.contacts().agent_contacts == 0, "they met and parted");
+    ensure!(world.work().contacts > 0 && world.contacts().agent_contacts == 0, "they met and parted");
     Ok(worst)
 }
 

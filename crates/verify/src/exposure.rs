@@ -1,8 +1,8 @@
-//! How hard bodies are squeezed, and how deeply they overlap, during a communication step.
+//! Forces on bodies and their deepest overlaps during a communication step.
 
+use crate::error::{Result, ensure};
 use crate::scenes::*;
 use crate::{Check, largest};
-use anyhow::Result;
 use crowd_mechanics::engine::*;
 
 pub(crate) const CHECKS: &[Check] = &[
@@ -21,22 +21,22 @@ pub(crate) const CHECKS: &[Check] = &[
 
 const SPEED: f64 = 1.3;
 
-/// 80 kg on 50 kg head-on, all in one communication step of 0.2 s, in mechanical steps of 2 µs.
+/// 80 kg on 50 kg head-on, within one communication step of 0.2 s, in mechanical steps of 2 µs.
 fn collision() -> Result<World> {
     let motions = [(at(0.0, 0.0), moving(SPEED, 0.0)), (at(0.45, 0.0), moving(0.0, 0.0))];
     let mut world = world(&[disk(80.0, 0.2), disk(50.0, 0.2)], &[], ELASTIC, &motions, 2e-6);
     world.advance(0.2)?;
-    anyhow::ensure!(world.contacts().contacts.is_empty(), "they have parted");
+    ensure!(world.contacts().contacts.is_empty(), "they have parted");
     Ok(world)
 }
 
-/// \[kg\] effective mass of the two.
+/// \[kg\] Effective mass of both.
 const REDUCED: f64 = 80.0 * 50.0 / 130.0;
 
 fn impulse() -> Result<f64> {
     let world = collision()?;
     let change = 80.0 * (SPEED - world.state().twists[0].velocity.x);
-    anyhow::ensure!((change / (2.0 * REDUCED * SPEED) - 1.0).abs() < 1e-6, "elastic");
+    ensure!((change / (2.0 * REDUCED * SPEED) - 1.0).abs() < 1e-6, "elastic");
     Ok(largest(world.exposures().iter().map(|of| (of.mean_force * 0.2 / change - 1.0).abs())))
 }
 
@@ -60,8 +60,8 @@ fn pressed() -> Result<f64> {
     Ok(largest([(mean_force / 500.0 - 1.0).abs(), (peak_force / 500.0 - 1.0).abs()]))
 }
 
-/// By how much, relatively, differ over 0.1 s: greatest peak, means, deepest overlap. Forces that depend on no
-/// velocity, so that the motion does not depend on the communication step either.
+/// Returns relative differences over 0.1 s of the largest peak, the means and the deepest overlap. The forces do not
+/// depend on velocities, so that the motion does not depend on the communication step.
 fn crowd() -> Result<(f64, f64, f64)> {
     let dt = 1e-4;
     let bodies: Vec<BodySpec> = (0..36).map(|_| pedestrian(70.0, FREE)).collect();
@@ -89,7 +89,7 @@ fn crowd() -> Result<(f64, f64, f64)> {
     let of_all = |figure: fn(&Exposure) -> f64, stepped: &[f64]| {
         largest(whole.exposures().iter().zip(stepped).map(|(of, other)| relative(figure(of), *other)))
     };
-    anyhow::ensure!(peaks.iter().all(|peak| *peak > 0.0), "everybody was touched");
+    ensure!(peaks.iter().all(|peak| *peak > 0.0), "everybody was touched");
     Ok((
         of_all(|of| of.peak_force, &peaks),
         of_all(|of| of.mean_force, &means),

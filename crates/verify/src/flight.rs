@@ -1,8 +1,8 @@
-//! Free motion, the shortlist, saved states.
+//! Motion without contact, the shortlist, and saved states.
 
+use crate::error::{Result, ensure};
 use crate::scenes::*;
 use crate::{Check, farthest_apart, largest};
-use anyhow::Result;
 use crowd_mechanics::engine::*;
 
 pub(crate) const CHECKS: &[Check] = &[
@@ -56,12 +56,12 @@ fn relaxation(shortlisting: Shortlisting) -> Result<f64> {
             (twist.angular_velocity - omega).abs(),
         ]);
     }
-    anyhow::ensure!((world.work().shortlisted > 0) == (shortlisting == Shortlisting::On), "not as asked");
+    ensure!((world.work().shortlisted > 0) == (shortlisting == Shortlisting::On), "not as asked");
     Ok(worst)
 }
 
-/// Standing people with gaps, and one who runs into them: within one communication step the push goes
-/// through bodies that nothing pointed at when the step began.
+/// Standing people with gaps, and one who runs into them. Within one communication step the push travels through bodies
+/// that were not near anything moving when the step began.
 fn row() -> Result<f64> {
     let mut worlds = [Shortlisting::On, Shortlisting::Off].map(|shortlisting| {
         let bodies: Vec<BodySpec> = (0..6).map(|_| disk(70.0, 0.2)).collect();
@@ -75,8 +75,8 @@ fn row() -> Result<f64> {
     for world in &mut worlds {
         world.advance(0.5)?;
     }
-    // Equal masses: the last one leaves with the first one's velocity.
-    anyhow::ensure!((worlds[0].state().twists[5].velocity.x - 3.0).abs() < 1e-3, "the push went through");
+    // Equal masses: the last one gets the velocity of the first.
+    ensure!((worlds[0].state().twists[5].velocity.x - 3.0).abs() < 1e-3, "the push went through");
     Ok(farthest_apart(&worlds))
 }
 
@@ -91,7 +91,7 @@ fn crowd() -> Result<f64> {
             world.advance(0.05)?;
         }
     }
-    anyhow::ensure!(worlds[0].work().shortlisted > 0, "somebody was shortlisted");
+    ensure!(worlds[0].work().shortlisted > 0, "somebody was shortlisted");
     Ok(farthest_apart(&worlds))
 }
 
@@ -110,22 +110,22 @@ fn restored() -> Result<f64> {
     Ok(f64::from(unequal))
 }
 
-/// The bits of a dense crowd of 144 after 1000 mechanical steps, in debug and release builds, on every machine.
-/// A change here is a change of results: it goes into the CHANGELOG with how much.
+/// Hash of the state of a dense crowd of 144 after 1000 mechanical steps, in debug and release builds, on every
+/// machine. If it changes, results change: the CHANGELOG must say by how much.
 const GOLDEN: u64 = 0xbbfb_17c3_a583_75b3;
 
-/// The same of a crowd of 1156 after 300 steps, whose blocks are shared out to threads.
+/// The same for a crowd of 1156 after 300 steps, whose blocks are shared among threads.
 const GOLDEN_OF_BLOCKS: u64 = 0x666a_c7ad_595c_d92c;
 
-/// Whether a dense crowd has other bits than it should.
+/// Whether the hash of a dense crowd differs from the expected one.
 fn golden(side: u32, steps: u32, threads: usize, expected: u64) -> Result<f64> {
     let mut world = lattice(side, 0.4, 1e-5);
     world.shortlisting = Shortlisting::Off;
     world.set_threads(threads)?;
-    anyhow::ensure!(world.threads() == threads, "as many threads as asked for");
+    ensure!(world.threads() == threads, "as many threads as asked for");
     world.advance(1e-5 * f64::from(steps))?;
-    anyhow::ensure!(world.work().contacts > 10_000, "it is dense");
-    anyhow::ensure!(world.shared() == u64::from(threads > 1), "threads have shared it");
+    ensure!(world.work().contacts > 10_000, "it is dense");
+    ensure!(world.shared() == u64::from(threads > 1), "threads have shared it");
     let hash = bits(world.state());
     if hash != expected {
         println!("golden bits: {hash:#018x}");
@@ -133,7 +133,7 @@ fn golden(side: u32, steps: u32, threads: usize, expected: u64) -> Result<f64> {
     Ok(f64::from(u8::from(hash != expected)))
 }
 
-/// FNV-1a over the bits of a state.
+/// FNV-1a hash of the bits of a state.
 fn bits(state: &State) -> u64 {
     let motions = state.poses.iter().zip(&state.twists).flat_map(|(pose, twist)| {
         let (r, v) = (pose.position, twist.velocity);

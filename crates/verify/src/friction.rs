@@ -1,8 +1,8 @@
-//! The tangential spring and the slider.
+//! The tangential spring and sliding friction.
 
+use crate::error::{Result, ensure};
 use crate::scenes::*;
 use crate::{Check, largest};
-use anyhow::Result;
 use crowd_mechanics::engine::*;
 
 pub(crate) const CHECKS: &[Check] = &[
@@ -25,17 +25,17 @@ fn pressed() -> World {
 }
 
 fn sticks() -> Result<f64> {
-    // μ |F_n| = 200 N. Loaded slowly: a sudden load would overshoot the limit.
+    // μ |F_n| = 200 N. The load grows slowly, because a sudden one would overshoot the limit.
     let mut world = pressed();
     for step in 1..=400 {
         world.drive[0].force.x = 190.0 * f64::from(step.min(100)) / 100.0;
         world.advance(0.01)?;
     }
-    anyhow::ensure!(world.work().sliding == 0, "it slid");
+    ensure!(world.work().sliding == 0, "it slid");
     Ok((world.state().poses[0].position.x / (190.0 / BODIES.tangential_stiffness) - 1.0).abs())
 }
 
-/// Pulled by 300 N: speed at the end, largest deviation from μ.
+/// Pulled by 300 N: returns the speed at the end and the largest deviation of the force ratio from μ.
 fn slides() -> Result<(f64, f64)> {
     let mut world = pressed();
     world.drive[0].force.x = 300.0;

@@ -1,21 +1,22 @@
-//! A Trial run the two ways that its users run it: as a packed FMU, and by the C entry point.
+//! Runs a Trial in both ways available to users: as a packed FMU, and by the C entry point.
 
-use anyhow::{Context, Result, ensure};
-use crowd_mechanics::engine::{Pose, Twist, vec2};
+use crate::error::{Error, Result};
 use crowd_mechanics::pack::Package;
-use crowd_mechanics::trial::{AgentDynamics, Drive, Trial, dynamics_xml};
+use crowd_mechanics::setup;
 use lemons_master::{Fmu, own_binary};
+use lemons_plane::{Pose, Twist, vec2};
+use lemons_trial::{AgentDynamics, DynamicsElement, Trial, dynamics_xml};
 use libloading::{Library, Symbol};
 use std::ffi::{CString, c_char, c_int};
 use std::path::Path;
 
-/// Where everybody is and how they move.
+/// Poses and twists of all agents.
 pub type Motions = Vec<(Pose, Twist)>;
 
-/// Packs the Trial, loads the FMU as any master does, and advances it by so many TimeSteps.
+/// Packs the Trial, loads the FMU as any master does, and advances it by `steps` TimeSteps.
 ///
 /// # Errors
-/// Whatever the FMU refuses.
+/// The FMU refuses a call.
 pub fn through_fmu(trial: &Trial, mechanical_step: Option<f64>, steps: u32) -> Result<Vec<Motions>> {
     let directory = tempfile::tempdir()?;
     let path = directory.path().join("crowd.fmu");
@@ -35,7 +36,7 @@ pub fn through_fmu(trial: &Trial, mechanical_step: Option<f64>, steps: u32) -> R
     let references = (0..trial.agents.len())
         .flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")))
         .map(|name| instance.reference(&name))
-        .collect::<Result<Vec<u32>>>()?;
+        .collect::<Result<Vec<u32>, _>>()?;
     let step = trial.parameters.time_step;
     let mut values = vec![0.0; references.len()];
     (0..steps)
@@ -54,11 +55,11 @@ pub fn through_fmu(trial: &Trial, mechanical_step: Option<f64>, steps: u32) -> R
         .collect()
 }
 
-/// Advances a copy of the Trial by so many calls of `CrowdMechanics(files)`, its drive written anew before
-/// each call as the paper's script does.
+/// Advances a copy of the Trial by `steps` calls of `CrowdMechanics(files)`. Its drive is written again before each
+/// call, as in the paper's script.
 ///
 /// # Errors
-/// A call that answers 1, files that cannot be read back.
+/// A call returns 1, or files cannot be read back.
 pub fn through_files(trial: &Trial, steps: u32) -> Result<Vec<Motions>> {
     let directory = tempfile::tempdir()?;
     trial.write(directory.path())?;
@@ -82,9 +83,12 @@ pub fn through_files(trial: &Trial, steps: u32) -> Result<Vec<Motions>> {
                 .zip(&trial.dynamics)
                 .map(|(now, start)| AgentDynamics { fp: start.fp, mp: start.mp, ..now.clone() })
                 .collect();
-            std::fs::write(&dynamics, dynamics_xml(&trial.agents, &driven, Drive::Written))?;
-            ensure!(call(&library, &pointers)? == 0, "CrowdMechanics answered 1");
-            let (read, _) = Trial::read(directory.path())?;
+            std::fs::write(&dynamics, dynamics_xml(&trial.agents, &driven, DynamicsElement::Written))?;
+            match call(&library, &pointers)? {
+                0 => {}
+                code => return Err(Error::CrowdMechanics(code)),
+            }
+            let (read, _) = setup::read(directory.path())?;
             now = read.dynamics;
             Ok(now
                 .iter()
@@ -98,7 +102,8 @@ pub fn through_files(trial: &Trial, steps: u32) -> Result<Vec<Motions>> {
 }
 
 fn path_text(path: &Path) -> Result<String> {
-    path.to_str().map(str::to_owned).context("a temporary directory whose name is no text")
+    let text = path.to_str().map(str::to_owned);
+    text.ok_or_else(|| Error::Premise("the name of the temporary directory is UTF-8".to_owned()))
 }
 
 #[allow(unsafe_code)] // calls our own library as a C program would

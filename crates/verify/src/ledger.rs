@@ -1,8 +1,8 @@
-//! Where the energy goes: every joule that enters is stored, or lost to floor, damping and sliding.
+//! Energy balance: all supplied energy is stored, or lost to floor, damping and sliding.
 
 use crate::Check;
+use crate::error::Result;
 use crate::scenes::*;
-use anyhow::Result;
 use crowd_mechanics::engine::*;
 use std::collections::HashMap;
 
@@ -21,23 +21,23 @@ pub(crate) const CHECKS: &[Check] = &[
     }),
 ];
 
-/// Which contacts a ledger sees.
+/// The kind of contacts in a ledger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Case {
-    /// Pressed together all the time, sticking.
+    /// Pressed together and sticking all the time.
     Lasting,
-    /// Beginning, sliding, ending.
+    /// Contacts that begin, slide and end.
     Passing,
 }
 
-/// The accounts \[J\], each from its own formula.
+/// Energies \[J\], each from its own formula.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Ledger {
-    /// Kinetic energy gained.
+    /// Gain of kinetic energy.
     pub kinetic: f64,
-    /// ½ k_n h² gained.
+    /// Gain of ½ k_n h².
     pub normal_springs: f64,
-    /// ½ k_t s² gained.
+    /// Gain of ½ k_t s².
     pub tangential_springs: f64,
     /// Work of the drive, ∫ F_p·v + M_p ω.
     pub drive: f64,
@@ -47,14 +47,14 @@ pub struct Ledger {
     pub damping: f64,
     /// Lost in the sliders, ∫ k_t s (v_t − ds/dt).
     pub sliding: f64,
-    /// Left in springs that were let go when a contact ended.
+    /// Energy left in springs when a contact ended.
     pub let_go: f64,
-    /// Energy that moved: the scale of the remainder.
+    /// Energy that was converted: the scale of the remainder.
     pub turnover: f64,
 }
 
 impl Ledger {
-    /// What the accounts leave unexplained, as a share of the turnover.
+    /// Returns the unexplained energy / turnover.
     pub fn remainder(&self) -> f64 {
         let gained = self.kinetic + self.normal_springs + self.tangential_springs;
         let lost = self.floor + self.damping + self.sliding + self.let_go;
@@ -94,7 +94,7 @@ fn case(case: Case, mechanical_step: f64) -> World {
     }
 }
 
-/// Powers \[W\] at one instant.
+/// Powers \[W\] at an instant.
 struct Powers {
     drive: f64,
     floor: f64,
@@ -129,7 +129,7 @@ fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
     }
 }
 
-/// Of a pair, so that it can be found again a step later.
+/// A key to find the same pair again a step later.
 fn key(pair: Pair) -> (u32, u32, u8) {
     match pair {
         Pair::Disks { first, second } => (first.0, second.0, 3),
@@ -137,7 +137,7 @@ fn key(pair: Pair) -> (u32, u32, u8) {
     }
 }
 
-/// \[J\] in the springs of a contact: normal, tangential.
+/// \[J\] Energies in the springs of a contact: normal, tangential.
 fn stored(scene: &Scene, contact: &Contact) -> (f64, f64) {
     let law = law_of(scene, contact);
     (
@@ -146,7 +146,7 @@ fn stored(scene: &Scene, contact: &Contact) -> (f64, f64) {
     )
 }
 
-/// Keeps the books of a case over 0.25 s, once per mechanical step.
+/// Computes the ledger of a case over 0.25 s, adding up once per mechanical step.
 ///
 /// # Errors
 /// The world did not advance.
@@ -182,7 +182,7 @@ pub fn ledger(which: Case, mechanical_step: f64) -> Result<Ledger> {
                 let k = law_of(&scene, contact).tangential_stiffness;
                 books.sliding += k * 0.5 * (last.elongation + contact.elongation) * slid;
             } else {
-                // Its springs were filled within the step.
+                // Its springs were loaded within the step.
                 books.sliding -= stored(&scene, contact).1;
             }
             now.insert(key(contact.pair), *contact);
@@ -201,7 +201,7 @@ pub fn ledger(which: Case, mechanical_step: f64) -> Result<Ledger> {
     Ok(books)
 }
 
-/// Mechanical step \[s\] and remainder, halved four times.
+/// Returns mechanical steps \[s\] and remainders, for four halvings.
 ///
 /// # Errors
 /// The world did not advance.
@@ -218,7 +218,7 @@ fn remainder(which: Case) -> Result<f64> {
     Ok(remainders(which)?.last().map_or(f64::NAN, |(_, remainder)| remainder.abs()))
 }
 
-/// How far the order that the remainder shows over all halvings stays behind the expected one.
+/// Returns by how much the order of the remainder over all halvings is less than expected.
 fn shortfall(which: Case, expected: f64) -> Result<f64> {
     let remainders = remainders(which)?;
     let halvings = remainders.len() - 1;

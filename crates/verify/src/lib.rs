@@ -1,9 +1,10 @@
-//! The mechanics against things it did not produce: closed forms, conservation laws, symmetries, an
-//! independent integrator. One table, every row measured when it is asked for.
+//! Compares the mechanics with independent results: closed forms, conservation laws, symmetries, an independent
+//! integrator. They form one table, and every row is measured when it is asked for.
 //!
-//! A [`Check`] measures one figure, the largest difference it finds, and passes when that is within its limit.
+//! A [`Check`] measures one figure: the largest difference that it finds. It passes if the figure is within its limit.
 
 pub mod collision;
+mod error;
 pub mod exposure;
 pub mod flight;
 pub mod friction;
@@ -17,8 +18,8 @@ pub mod stability;
 pub mod symmetry;
 pub mod walls;
 
-use anyhow::Result;
 use crowd_mechanics::engine::World;
+pub use error::{Error, Result};
 
 /// One row of the table.
 pub struct Check {
@@ -26,7 +27,7 @@ pub struct Check {
     pub name: &'static str,
     /// What it is compared with.
     pub against: &'static str,
-    /// Of the figure; "" for a ratio.
+    /// Unit of the figure; "" for a ratio.
     pub unit: &'static str,
     /// The largest figure that passes.
     pub limit: f64,
@@ -45,13 +46,13 @@ impl Check {
         Check { name, against, unit, limit, measure }
     }
 
-    /// Whether a figure passes.
+    /// Returns whether a figure passes.
     pub fn passes(&self, figure: f64) -> bool {
         figure <= self.limit
     }
 }
 
-/// Every row, in the order of the table.
+/// Returns all rows, in the order of the table.
 pub fn checks() -> Vec<Check> {
     let groups = [
         collision::CHECKS,
@@ -69,7 +70,7 @@ pub fn checks() -> Vec<Check> {
     groups.into_iter().flatten().map(|check| Check { ..*check }).collect()
 }
 
-/// The tables behind the rows about order: errors and remainders as a step is halved.
+/// Returns the tables behind the rows about order: errors and remainders when a step is halved.
 ///
 /// # Errors
 /// A world did not advance.
@@ -116,13 +117,13 @@ pub fn tables() -> Result<String> {
     Ok(text)
 }
 
-/// \[m\] the largest distance between where two worlds have the same body.
+/// \[m\] Largest distance between the positions of the same body in two worlds.
 pub(crate) fn farthest_apart([one, other]: &[World; 2]) -> f64 {
     let poses = one.state().poses.iter().zip(&other.state().poses);
     largest(poses.map(|(a, b)| (a.position - b.position).norm()))
 }
 
-/// The largest of some differences; not a number if any is not.
+/// The largest of some differences; NaN if one is not a number.
 pub(crate) fn largest(differences: impl IntoIterator<Item = f64>) -> f64 {
     differences.into_iter().fold(0.0, |worst, d| if d.is_nan() || d > worst { d } else { worst })
 }

@@ -1,9 +1,9 @@
-//! A drive that changes evenly during a communication step.
+//! Drives that change linearly during a communication step.
 
 use crate::collision::{Push, errors_in_oblique_contact};
+use crate::error::{Result, ensure};
 use crate::scenes::*;
 use crate::{Check, farthest_apart, largest};
-use anyhow::{Result, ensure};
 use crowd_mechanics::engine::*;
 
 pub(crate) const CHECKS: &[Check] = &[
@@ -46,13 +46,13 @@ pub(crate) const CHECKS: &[Check] = &[
     ),
 ];
 
-/// Adds a rate to a drive over a time \[s\].
+/// Adds rate × time \[s\] to a drive.
 fn later(drive: Wrench, rate: Wrench, time: f64) -> Wrench {
     Wrench { force: drive.force + rate.force * time, torque: drive.torque + rate.torque * time }
 }
 
-/// Place and velocity at a time under `a + j t` and a relaxation rate, by the steady motion that the
-/// velocity relaxes to.
+/// Position and velocity at a time under the acceleration `a + j t` and a relaxation rate, computed from the steady
+/// motion to which the velocity relaxes.
 fn under_ramp(rate: f64, [r, v, a, j]: [f64; 4], t: f64) -> [f64; 2] {
     if rate == 0.0 {
         return [r + v * t + a * t * t / 2.0 + j * t.powi(3) / 6.0, v + a * t + j * t * t / 2.0];
@@ -65,7 +65,7 @@ fn under_ramp(rate: f64, [r, v, a, j]: [f64; 4], t: f64) -> [f64; 2] {
     ]
 }
 
-/// Two steps of 1 s under one ramp.
+/// Two steps of 1 s under the same ramp.
 fn free(shortlisting: Shortlisting) -> Result<f64> {
     let mut worst: f64 = 0.0;
     for (rate, turning_rate) in [(FREE, FREE), (4.5, 3.0)] {
@@ -102,7 +102,7 @@ fn free(shortlisting: Shortlisting) -> Result<f64> {
     Ok(worst)
 }
 
-/// The largest difference of poses and velocities when a ramp of 0.1 s is served in one step and in ten.
+/// Largest difference of poses and velocities between a ramp of 0.1 s in one step and in ten.
 fn in_pieces(scene: impl Fn() -> World) -> Result<f64> {
     let (mut whole, mut pieces) = (scene(), scene());
     let (drive, rate) = (whole.drive.clone(), whole.drive_rate.clone());
@@ -117,7 +117,7 @@ fn in_pieces(scene: impl Fn() -> World) -> Result<f64> {
     Ok(apart(whole.state(), pieces.state()))
 }
 
-/// Of poses and velocities.
+/// Largest difference of poses and velocities.
 fn apart(a: &State, b: &State) -> f64 {
     let twists = a.twists.iter().zip(&b.twists).flat_map(|(a, b)| {
         [(a.velocity - b.velocity).norm(), (a.angular_velocity - b.angular_velocity).abs()]
@@ -147,7 +147,7 @@ fn free_in_pieces() -> Result<f64> {
     Ok(largest([on?, off?]))
 }
 
-/// Two disks pressed together, twisted more and more, well below the limit of sticking.
+/// Two disks pressed together with a growing twist, well below the limit of sticking.
 fn pressed_together(mechanical_step: f64) -> World {
     let mut bodies = [disk(80.0, 0.2), disk(60.0, 0.25)];
     for body in &mut bodies {
@@ -165,7 +165,7 @@ fn pressed_together(mechanical_step: f64) -> World {
     world
 }
 
-/// Mechanical step \[s\] and difference of one step from ten in a contact, halved four times.
+/// Returns mechanical steps \[s\] and differences between one step and ten in a contact, for four halvings.
 ///
 /// # Errors
 /// The world did not advance.
@@ -182,7 +182,7 @@ fn contact_in_pieces() -> Result<f64> {
     Ok(pieces_in_contact()?[2].1)
 }
 
-/// Every cut costs the error of one mechanical step, of third order.
+/// Every cut costs the error of one mechanical step, which is of third order.
 fn order_in_pieces() -> Result<f64> {
     let differences = pieces_in_contact()?;
     let fall = differences[0].1 / differences[4].1;
@@ -194,8 +194,8 @@ fn order() -> Result<f64> {
     Ok(largest(errors.windows(2).map(|pair| (pair[0].1 / pair[1].1 - 4.0).abs())))
 }
 
-/// Standing people with gaps; the first is pushed harder and harder, another sways on the spot, and
-/// within one communication step the push goes through all.
+/// Standing people with gaps. The first is pushed with a growing force, another sways on the spot. Within one
+/// communication step the push travels through all.
 fn row() -> Result<f64> {
     let mut worlds = [Shortlisting::On, Shortlisting::Off].map(|shortlisting| {
         let bodies: Vec<BodySpec> = (0..6).map(|_| disk(70.0, 0.2)).collect();
@@ -215,23 +215,24 @@ fn row() -> Result<f64> {
     Ok(farthest_apart(&worlds))
 }
 
-/// What the drive does between two communication points.
+/// The drive between two communication points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Between {
-    /// It keeps its value.
+    /// It is constant.
     Held,
-    /// It changes at its rate.
+    /// It changes linearly with its rate.
     Rates,
 }
 
-/// \[N/s\] how the push of [`errors_of_push`] grows from zero.
+/// \[N/s\] Growth of the push of [`errors_of_push`], from zero.
 const GROWTH: f64 = 2000.0;
 
-/// Mechanical steps of [`errors_of_push`], of 0.4 s in all: halved communication steps are whole numbers of them.
+/// Number of mechanical steps of [`errors_of_push`], 0.4 s in all: halved communication steps are integer multiples of
+/// them.
 const PUSH_STEPS: u32 = 1 << 15;
 
-/// Somebody is pushed onto somebody 2 cm away, for 0.4 s in so many communication steps; `drive` says
-/// the force \[N\] when one begins, `rate` \[N/s\] how it changes until the next.
+/// A person is pushed onto another 2 cm away, for 0.4 s in `steps` communication steps. `drive` returns the force \[N\]
+/// at the start of a step; it changes by `rate` \[N/s\] until the next.
 fn pushed(steps: u32, drive: impl Fn(f64) -> f64, rate: f64) -> Result<World> {
     let bodies = [pedestrian(89.0, 4.5), pedestrian(60.0, 4.5)];
     let motions = [(at(0.0, 0.0), moving(0.0, 0.0)), (at(0.293, 0.05), moving(0.0, 0.0))];
@@ -246,8 +247,8 @@ fn pushed(steps: u32, drive: impl Fn(f64) -> f64, rate: f64) -> Result<World> {
     Ok(world)
 }
 
-/// Communication step \[s\] and largest difference of poses \[m, rad\] after 0.4 s of a push that grows from
-/// zero, from the same push held at its middle value over each mechanical step.
+/// Returns communication steps \[s\] and largest differences of poses \[m, rad\] after 0.4 s of a push that grows from
+/// zero. The reference is the same push, constant at its mean value over each mechanical step.
 ///
 /// # Errors
 /// The world did not advance.

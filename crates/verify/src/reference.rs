@@ -1,10 +1,11 @@
-//! Random cases against the independent reference integrator (tests/fmpy/reference.py: scipy, eighth
-//! order, from event to event, own formulas; its solutions are committed, and a test makes them anew).
+//! Random cases, compared with the independent reference integrator (tests/fmpy/reference.py: scipy, eighth order, from
+//! event to event, its own formulas). Its solutions are committed, and a test computes them again.
 
+use crate::error::{Result, ensure};
 use crate::{Check, largest};
-use anyhow::{Result, ensure};
-use crowd_mechanics::engine::{Wrench, vec2};
-use crowd_mechanics::trial::Trial;
+use crowd_mechanics::engine::Wrench;
+use crowd_mechanics::setup::{self, Setup};
+use lemons_plane::vec2;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -32,7 +33,7 @@ struct Case {
     states: Vec<Vec<[f64; 6]>>,
 }
 
-/// The largest differences of poses \[m, rad\] and velocities \[m/s, rad/s\] in a case.
+/// Returns the largest differences of poses \[m, rad\] and velocities \[m/s, rad/s\] in a case.
 fn differences(case: &Case, mechanical_step: f64) -> Result<(f64, f64)> {
     let directory = tempfile::tempdir()?;
     for (name, text) in &case.files {
@@ -40,8 +41,8 @@ fn differences(case: &Case, mechanical_step: f64) -> Result<(f64, f64)> {
         std::fs::create_dir_all(path.parent().unwrap_or(directory.path()))?;
         std::fs::write(path, text)?;
     }
-    let (trial, _) = Trial::read(directory.path())?;
-    let mut world = trial.world()?;
+    let (trial, _) = setup::read(directory.path())?;
+    let mut world = Setup::of(&trial).world()?;
     world.mechanical_step = mechanical_step;
     let (mut time, mut worst) = (0.0, (0.0, 0.0));
     for ((&end, drive), states) in case.times.iter().zip(&case.drive).zip(&case.states) {
@@ -59,13 +60,13 @@ fn differences(case: &Case, mechanical_step: f64) -> Result<(f64, f64)> {
     Ok(worst)
 }
 
-/// Name and largest differences of every case.
+/// Returns names and largest differences of all cases.
 ///
 /// # Errors
-/// A case that does not run.
+/// A case cannot be run.
 pub fn all(mechanical_step: f64) -> Result<Vec<(String, f64, f64)>> {
     let cases: Vec<Case> = serde_json::from_str(CASES)?;
-    ensure!(cases.len() >= 12, "only {} cases", cases.len());
+    ensure!(cases.len() >= 12, "there are at least 12 cases: {}", cases.len());
     cases
         .iter()
         .map(|case| differences(case, mechanical_step).map(|(pose, twist)| (case.name.clone(), pose, twist)))
@@ -83,7 +84,7 @@ fn median(mechanical_step: f64) -> Result<f64> {
     Ok(poses[poses.len() / 2])
 }
 
-/// One case alone is noisy: at which point of a step a contact begins is drawn anew with every step.
+/// A single case is noisy: the time within a step at which a contact begins changes with every step.
 fn fall() -> Result<f64> {
     Ok(median(1e-6)? / median(1.6e-5)?)
 }

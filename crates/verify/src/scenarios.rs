@@ -1,12 +1,13 @@
-//! The eight scenarios of the paper's section 4.2, each through the packed FMU and the C entry point,
-//! each against the quantity that it is about.
+//! The eight scenarios of the paper's section 4.2, each through the packed FMU and the C entry point. Each is compared
+//! with the quantity that it demonstrates.
 
+use crate::error::{Error, Result};
 use crate::interfaces::{Motions, through_files, through_fmu};
 use crate::{Check, largest};
-use anyhow::{Context, Result};
-use crowd_mechanics::engine::{Vec2, vec2};
-use crowd_mechanics::trial::{Trial, stiffness};
+use crowd_mechanics::setup;
 use include_dir::{Dir, include_dir};
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::{Trial, stiffness};
 
 static SCENARIOS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../tests/scenarios");
 
@@ -36,21 +37,23 @@ pub(crate) const CHECKS: &[Check] = &[
     Check::new("all eight: FMU and C entry point apart", "each other", "SI", 1e-12, ways_apart),
 ];
 
-/// A scenario's Trial, on disk as long as the directory lives.
+/// Opens a scenario's Trial, which is on disk as long as the returned directory lives.
 pub(crate) fn open(name: &str) -> Result<(tempfile::TempDir, Trial)> {
     let directory = tempfile::tempdir()?;
-    let scenario = SCENARIOS.get_dir(name).with_context(|| format!("no scenario {name}"))?;
+    let scenario = SCENARIOS.get_dir(name);
+    let scenario = scenario.ok_or_else(|| Error::Premise(format!("there is a scenario {name}")))?;
     for part in ["", "static", "dynamic"] {
         std::fs::create_dir_all(directory.path().join(part))?;
     }
     for file in scenario.files().chain(scenario.dirs().flat_map(Dir::files)) {
-        std::fs::write(directory.path().join(file.path().strip_prefix(name)?), file.contents())?;
+        let inside = file.path().strip_prefix(name).unwrap_or(file.path());
+        std::fs::write(directory.path().join(inside), file.contents())?;
     }
-    let (trial, _) = Trial::read(directory.path())?;
+    let (trial, _) = setup::read(directory.path())?;
     Ok((directory, trial))
 }
 
-/// The largest of the differences that `difference` finds in the last of so many TimeSteps \[s\], either way.
+/// The largest of the differences that `difference` finds after `steps` TimeSteps, through both interfaces.
 fn scenario(name: &str, steps: u32, difference: fn(&Trial, f64, &Motions) -> f64) -> Result<f64> {
     let (_directory, trial) = open(name)?;
     let time = f64::from(steps) * trial.parameters.time_step;
@@ -75,7 +78,7 @@ fn ways_apart() -> Result<f64> {
     Ok(worst)
 }
 
-/// k_n, k_t, γ_n, γ_t, μ of the first agent's material with another.
+/// k_n, k_t, γ_n, γ_t, μ of the first agent's material with another material.
 fn law(trial: &Trial, other: &str) -> [f64; 5] {
     let own = trial.agents[0].shapes[0].material_id.as_str();
     let materials = &trial.materials;
@@ -94,7 +97,7 @@ fn law(trial: &Trial, other: &str) -> [f64; 5] {
     }
 }
 
-/// e^{−π β/ω} of a Kelvin–Voigt contact that ends where h comes back to zero.
+/// e^{−π β/ω} of a Kelvin–Voigt contact that ends when h returns to zero.
 fn restitution(kn: f64, gamma: f64, reduced: f64) -> f64 {
     let decay = gamma / (2.0 * reduced);
     (-std::f64::consts::PI * decay / (kn / reduced - decay * decay).sqrt()).exp()
@@ -160,8 +163,8 @@ fn relaxing(trial: &Trial, time: f64, after: &Motions) -> f64 {
     ])
 }
 
-/// Two one-disk agents without relaxation, by the simplest integrator there is at 1e-7 s: velocities and
-/// rim speeds at the end.
+/// Two one-disk agents without relaxation, by the simplest integrator with steps of 1e-7 s: velocities
+/// and rim speeds at the end.
 fn two_disks(trial: &Trial, time: f64, after: &Motions) -> f64 {
     let [kn, kt, gn, gt, mu] = law(trial, "human_naked");
     let dt = 1e-7;
@@ -178,7 +181,7 @@ fn two_disks(trial: &Trial, time: f64, after: &Motions) -> f64 {
             let t = vec2(-n.y, n.x);
             let arms = [a.1 - 0.5 * h, b.1 - 0.5 * h];
             let relative = v[0] - v[1];
-            // The contact point lies at −n from the first and at +n from the second.
+            // The contact point is in direction −n from the first and +n from the second.
             let slip = relative.dot(t) - w[0] * arms[0] - w[1] * arms[1];
             s += slip * dt;
             let normal = kn * h - gn * relative.dot(n);

@@ -1,11 +1,11 @@
-//! Small scenes that the checks and tests share.
+//! Small scenes for checks and tests.
 
 use crowd_mechanics::engine::*;
 
-/// \[1/s\] no relaxation.
+/// \[1/s\] Relaxation rate zero.
 pub const FREE: f64 = 0.0;
 
-/// One material, one law.
+/// Returns a table of one material with this law.
 pub fn laws(law: PairLaw) -> LawTable {
     let mut laws = LawTable::new(1);
     laws.set(0, 0, law);
@@ -30,7 +30,7 @@ pub const BODIES: PairLaw = PairLaw {
     friction: 0.4,
 };
 
-/// A round body of one disk.
+/// Returns a round body of one disk.
 pub fn disk(mass: f64, radius: f64) -> BodySpec {
     BodySpec {
         mass,
@@ -41,7 +41,7 @@ pub fn disk(mass: f64, radius: f64) -> BodySpec {
     }
 }
 
-/// The five disks of the paper's agent 0 (App. C), gaze along +x.
+/// Returns a body with the five disks of the paper's agent 0 (App. C), gaze along +x.
 pub fn pedestrian(mass: f64, rate: f64) -> BodySpec {
     let shape = [
         (0.09495, -0.015458, 0.153544),
@@ -71,25 +71,25 @@ pub const CONCRETE: PairLaw = PairLaw {
     friction: 0.5,
 };
 
-/// A pose with the gaze along +x.
+/// Returns a pose with the gaze along +x.
 pub fn at(x: f64, y: f64) -> Pose {
     Pose { position: vec2(x, y), orientation: 0.0 }
 }
 
-/// A motion without turning.
+/// Returns a motion without rotation.
 pub fn moving(x: f64, y: f64) -> Twist {
     Twist { velocity: vec2(x, y), angular_velocity: 0.0 }
 }
 
-/// A wall through corners.
+/// Returns a wall through corners \[m\].
 pub fn wall(corners: &[(f64, f64)]) -> WallSpec {
     WallSpec { material: 0, corners: corners.iter().map(|&(x, y)| vec2(x, y)).collect() }
 }
 
-/// A world of one material, without drive.
+/// Returns a world of one material, without drive.
 ///
 /// # Panics
-/// Never: every pair has the law, and bodies are few.
+/// Never: every pair has the law, and there are few bodies.
 pub fn world(
     bodies: &[BodySpec],
     walls: &[WallSpec],
@@ -102,13 +102,13 @@ pub fn world(
     World::new(scene, State::new(poses, twists), mechanical_step).expect("few bodies")
 }
 
-/// \[kg.m/s\]
+/// Returns the momentum \[kg.m/s\].
 pub fn momentum(world: &World) -> Vec2 {
     let bodies = world.scene().bodies.iter().zip(&world.state().twists);
     bodies.fold(Vec2::ZERO, |sum, (body, twist)| sum + twist.velocity * body.mass)
 }
 
-/// \[kg.m2/s\] about the origin.
+/// Returns the angular momentum about the origin \[kg.m2/s\].
 pub fn angular_momentum(world: &World) -> f64 {
     let state = world.state();
     let motions = state.poses.iter().zip(&state.twists);
@@ -123,7 +123,7 @@ pub fn angular_momentum(world: &World) -> f64 {
         .sum()
 }
 
-/// \[J\]
+/// Returns the kinetic energy \[J\].
 pub fn kinetic_energy(world: &World) -> f64 {
     let bodies = world.scene().bodies.iter().zip(&world.state().twists);
     bodies
@@ -134,7 +134,8 @@ pub fn kinetic_energy(world: &World) -> f64 {
         .sum()
 }
 
-/// Pedestrians of different orientation on a square lattice \[m\] that run about, and a wall below them.
+/// Returns pedestrians of different orientations on a square lattice \[m\], running in all directions, and a wall below
+/// them.
 pub fn lattice(side: u32, spacing: f64, mechanical_step: f64) -> World {
     let bodies: Vec<BodySpec> = (0..side * side).map(|_| pedestrian(70.0, 4.5)).collect();
     let motions: Vec<(Pose, Twist)> = (0..side * side)

@@ -1,11 +1,12 @@
-//! How long a mechanical step may be, and what `lemons check` says of it.
+//! The longest stable mechanical step, and the warnings of `lemons check` about it.
 
+use crate::error::{Error, Result, ensure};
 use crate::scenarios::open;
 use crate::scenes::*;
 use crate::{Check, largest};
-use anyhow::{Context, Result, ensure};
 use crowd_mechanics::engine::*;
-use crowd_mechanics::trial::{Agent, AgentDynamics, Shape, Trial};
+use crowd_mechanics::setup::Setup;
+use lemons_trial::{Agent, AgentDynamics, Shape, Trial};
 
 pub(crate) const CHECKS: &[Check] = &[
     Check::new("longest stable step of a damped contact", "root of the step's polynomial", "", 1e-2, || {
@@ -36,7 +37,7 @@ pub(crate) const CHECKS: &[Check] = &[
     ),
 ];
 
-/// One disk of 80 kg at a wall, pressed on it.
+/// A disk of 80 kg pressed on a wall.
 fn at_wall(law: PairLaw, dt: f64, speed: Vec2) -> World {
     let pressed = 2e4;
     let x = pressed / law.normal_stiffness - 0.2;
@@ -47,8 +48,8 @@ fn at_wall(law: PairLaw, dt: f64, speed: Vec2) -> World {
     world
 }
 
-/// How far the step from which on a contact grows lies from where the theory has it, for a damping in units of the
-/// pulsation.
+/// Returns the relative difference between the step from which on a contact diverges and its theoretical value, for a
+/// damping in units of the angular frequency.
 fn limit_apart(damping: f64) -> Result<f64> {
     let stiffness = CONCRETE.normal_stiffness;
     let pulsation = (stiffness / 80.0).sqrt();
@@ -57,7 +58,7 @@ fn limit_apart(damping: f64) -> Result<f64> {
     let grows = |dt: f64| -> Result<bool> {
         let speed = 1e-3;
         let mut world = at_wall(law, dt, vec2(speed, 0.0));
-        // Many at once: between communication steps velocities are corrected, which calms what grows.
+        // Several at once: velocities are corrected between communication steps, which damps a divergence.
         for _ in 0..5 {
             if world.advance(1000.0 * dt).is_err() || world.state().twists[0].velocity.norm() > 30.0 * speed {
                 return Ok(true);
@@ -76,12 +77,13 @@ fn limit_apart(damping: f64) -> Result<f64> {
 
 fn gain_apart() -> Result<f64> {
     let law = PairLaw { tangential_damping: 0.0, friction: 20.0, ..CONCRETE };
-    // 1/m* of a round disk that can roll.
+    // 1/m* of a round disk that may roll.
     let lightness = 3.0 / 80.0;
     let dt = 4e-4;
     let mut world = at_wall(law, dt, vec2(0.0, 0.1));
     let energy = |world: &World| -> Result<f64> {
-        let contact = world.contacts().contacts.first().context("it is pressed on")?;
+        let contact = world.contacts().contacts.first();
+        let contact = contact.ok_or_else(|| Error::Premise("it is pressed on".to_owned()))?;
         let (slip, stretch) = (contact.slip_speed, contact.elongation);
         Ok(slip * slip / lightness + law.tangential_stiffness * stretch * stretch)
     };
@@ -94,15 +96,15 @@ fn gain_apart() -> Result<f64> {
     Ok((gain / (turn * turn / 8.0) - 1.0).abs())
 }
 
-/// Whether `lemons check` warns of the mechanical step.
+/// Returns whether `lemons check` warns of the mechanical step.
 fn warned(trial: &Trial) -> bool {
-    trial
+    Setup::of(trial)
         .advice_as_edited()
         .iter()
         .any(|line| line.contains("TimeStepMechanical") && line.contains("contact of"))
 }
 
-/// The scenario's disk of 80 kg and 0.2 m, made so heavy and hard, about to touch the wall.
+/// The scenario's disk of 80 kg and 0.2 m with another mass and stiffness, about to touch the wall.
 fn bouncing(trial: &Trial, mass: f64, hardness: f64, damping: [f64; 2], dt: f64) -> Trial {
     let mut trial = trial.clone();
     (trial.agents[0].mass, trial.agents[0].moment_of_inertia) = (mass, 0.02 * mass);
@@ -121,9 +123,9 @@ fn bouncing(trial: &Trial, mass: f64, hardness: f64, damping: [f64; 2], dt: f64)
     trial
 }
 
-/// How much faster than at first it is at the fastest, as a share.
+/// Returns by what fraction its largest speed exceeds the first one.
 fn gained(trial: &Trial) -> Result<f64> {
-    let mut world = trial.world()?;
+    let mut world = Setup::of(trial).world()?;
     let before = kinetic_energy(&world);
     let mut most = before;
     for _ in 0..60 {
@@ -155,7 +157,10 @@ fn sweep() -> Result<f64> {
             }
         }
     }
-    ensure!(passed > 300 && unstable > 100, "{passed} pass, {unstable} of those warned of are unstable");
+    ensure!(
+        passed > 300 && unstable > 100,
+        "more than 300 cases pass, and more than 100 of those warned of are unstable: {passed} and {unstable}"
+    );
     Ok(worst)
 }
 
@@ -167,7 +172,7 @@ fn unsaid() -> Result<f64> {
     Ok(f64::from(u8::from(!warned(&case))))
 }
 
-/// Pedestrians side by side in a box too small for them, with such dampings of all contacts.
+/// Pedestrians side by side in a box that is too small for them; all contacts have this damping.
 fn crowd(trial: &Trial, damping: f64) -> Trial {
     let mut trial = trial.clone();
     let (side, x, y) = (7, 0.255, 0.47);
@@ -217,7 +222,7 @@ fn pressed() -> Result<f64> {
             *(if warned(&trial) { &mut warned_of } else { &mut passes }) = middle;
         }
         trial.parameters.time_step_mechanical = passes;
-        let mut world = trial.world()?;
+        let mut world = Setup::of(&trial).world()?;
         let law = *world.scene().law(0, 0);
         let springs = world.contacts().contacts.iter().map(|contact| contact.depth * contact.depth);
         let energy = kinetic_energy(&world) + 0.5 * law.normal_stiffness * springs.sum::<f64>();

@@ -1,8 +1,8 @@
-//! The laws know no place, no direction, no hand and no order.
+//! Results do not depend on place, direction, mirror image and order.
 
+use crate::error::{Result, ensure};
 use crate::scenes::*;
 use crate::{Check, largest};
-use anyhow::Result;
 use crowd_mechanics::engine::*;
 
 pub(crate) const CHECKS: &[Check] = &[
@@ -41,7 +41,7 @@ fn run(bodies: &[BodySpec], corners: &[Vec2], motions: &[(Pose, Twist)]) -> Resu
     for _ in 0..4 {
         world.advance(0.05)?;
     }
-    anyhow::ensure!(world.work().contacts > 1000, "they met");
+    ensure!(world.work().contacts > 1000, "they met");
     Ok(world)
 }
 
@@ -49,8 +49,8 @@ fn as_is() -> Result<World> {
     run(&bodies(), &CORNERS.map(|(x, y)| vec2(x, y)), &motions())
 }
 
-/// The scene as an observer sees it whose map of places and angles is given: the largest difference
-/// between what happens in that scene and what the observer sees happen in the scene as it is.
+/// Maps positions and angles of the scene. Returns the largest difference between the motion of the mapped scene and
+/// the mapped motion of the original scene.
 fn seen(place: fn(Vec2) -> Vec2, angle: fn(f64) -> f64, mirror: bool) -> Result<f64> {
     let origin = place(Vec2::ZERO);
     let direction = |v: Vec2| place(v) - origin;

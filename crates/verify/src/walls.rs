@@ -1,8 +1,8 @@
-//! Nobody walks through a wall, and a wall does what its line says, however it is drawn.
+//! Nobody passes through a wall, and a wall acts like its line, however it is divided into faces.
 
+use crate::error::{Result, ensure};
 use crate::scenes::*;
 use crate::{Check, largest};
-use anyhow::Result;
 use crowd_mechanics::engine::*;
 
 pub(crate) const CHECKS: &[Check] = &[
@@ -30,7 +30,8 @@ pub(crate) const CHECKS: &[Check] = &[
     Check::new("the same: contacts not counted", "counted and said", "", 0.0, || Ok(coincident()?.1)),
 ];
 
-/// 80 kg, steady at `speed`, rates 2 /s, along y = 5, at a wall x = 2: how far beyond the wall the centre came \[m\].
+/// A walker of 80 kg with the steady speed `speed`, relaxation rates 2 /s, along y = 5, before a wall at x = 2. Returns
+/// how far beyond the wall the centre came \[m\].
 fn walker(speed: f64, half_wall: f64) -> Result<f64> {
     let walls = [wall(&[(2.0, -half_wall), (2.0, half_wall)])];
     let mut world =
@@ -41,7 +42,7 @@ fn walker(speed: f64, half_wall: f64) -> Result<f64> {
         world.advance(0.1)?;
         farthest = farthest.max(world.state().poses[0].position.x);
     }
-    anyhow::ensure!(world.work().contacts > 0, "the walker came to the wall");
+    ensure!(world.work().contacts > 0, "the walker came to the wall");
     Ok((farthest - 2.0).max(0.0))
 }
 
@@ -58,8 +59,8 @@ fn pieces() -> Result<f64> {
     Ok((whole - slide(&[(-1.0, 0.0), (0.0, 0.0), (1.0, 0.0)])?).norm())
 }
 
-/// A body pressed on a wall and thrown along it: by how much its motion after 3 s differs where the wall is divided
-/// into 400 and 4000 equal faces.
+/// A body pressed on a wall and thrown along it. Returns the difference of its motion after 3 s when the wall is
+/// divided into 400 and 4000 equal faces.
 fn in_pieces(body: &BodySpec, half_depth: f64) -> Result<f64> {
     let slide = |pieces: u32| -> Result<(Pose, Twist)> {
         let corners: Vec<(f64, f64)> =
@@ -70,7 +71,7 @@ fn in_pieces(body: &BodySpec, half_depth: f64) -> Result<f64> {
         for _ in 0..30 {
             world.advance(0.1)?;
         }
-        anyhow::ensure!(world.work().contacts > 10_000, "it stays at the wall");
+        ensure!(world.work().contacts > 10_000, "it stays at the wall");
         let state = world.state();
         Ok((state.poses[0], state.twists[0]))
     };
@@ -89,8 +90,8 @@ fn in_pieces(body: &BodySpec, half_depth: f64) -> Result<f64> {
     Ok(worst)
 }
 
-/// 80 kg at rest, its centre on a wall's line but for rounding: how fast \[m/s\] it then moves along the wall, and by
-/// how much its kinetic energy differs from what its overlap held.
+/// A body of 80 kg at rest with its centre on a wall's line, except for rounding. Returns the speed \[m/s\] along the
+/// wall afterwards, and the difference of its kinetic energy from that of its overlap.
 fn released() -> Result<(f64, f64)> {
     let (mut along, mut energy) = (0.0, 0.0);
     let walls = [
@@ -117,8 +118,8 @@ fn released() -> Result<(f64, f64)> {
     Ok((along, energy))
 }
 
-/// Two disks on one point but for rounding, and one on a corner: the force \[N\] on them, and how many of the two
-/// contacts are not counted, or not said to be coincident, in 10 steps.
+/// Two disks at one point, except for rounding, and one on a corner. Returns the force \[N\] on them, and how many of
+/// the two contacts are not counted or not reported as coincident, in 10 steps.
 fn coincident() -> Result<(f64, f64)> {
     let (mut force, mut missing) = (0.0, 0.0);
     for apart in [0.0, 3e-16, 7e-10] {
@@ -136,7 +137,7 @@ fn coincident() -> Result<(f64, f64)> {
             let speeds = world.state().twists.iter().map(|twist| twist.velocity.norm());
             force = largest([force, contacts.bodies.iter().map(|body| body.squeeze).sum(), largest(speeds)]);
         }
-        anyhow::ensure!(world.work().coincident > 0, "they are counted while time runs");
+        ensure!(world.work().coincident > 0, "they are counted while time runs");
     }
     Ok((force, missing))
 }

@@ -1,8 +1,8 @@
-"""LEMONS-FMU from Python: a crowd to step, runs of it, sweeps of its parameters.
+"""LEMONS-FMU from Python: step a crowd, run it, sweep its parameters.
 
     from lemons_fmu import Crowd, simulate, sweep
 
-The package works on FMUs that `lemons pack` and `lemons crowd --fmu` make; python/README.md is its manual.
+The package uses FMUs that `lemons pack` and `lemons crowd --fmu` make; its manual is python/README.md.
 """
 
 from .crowd import Crowd, Run, State, simulate

@@ -1,4 +1,4 @@
-"""A crowd to step, and runs of it."""
+"""Crowds that can be stepped, and runs."""
 
 from __future__ import annotations
 
@@ -12,21 +12,22 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from .columns import CONTACTS, ID, INPUTS, OF_STEP, REALS, TABLE, TIME, TOTALS
 from .drive import Drive, DriveLike, Floats, forces, known
-from .fmu import OF_STEP, REALS, Fmu, FmuError, Instance, Source, Value, load
+from .fmu import Fmu, FmuError, Instance, Source, Value, load
 
 Ints = NDArray[np.int32]
 
 
-#: Communication steps of a run at most, as for `lemons run`.
+#: Largest number of communication steps of a run, as in `lemons run`.
 MOST_STEPS = 1_000_000_000
 
 
 def steps_between(start: float, until: float, step: float) -> int:
-    """How many communication steps there are from one time to another [s]; the last may be a shorter one.
+    """Returns the number of communication steps between two times [s]; the last may be shorter.
 
     Raises:
-        ValueError: there is none, there are too many, or the step is lost in rounding.
+        ValueError: there are no steps, there are too many, or rounding makes the step zero.
     """
     if not (math.isfinite(until) and until > start and math.isfinite(step) and step > 0):
         raise ValueError(f"nothing to simulate: from {start} s to {until} s in steps of {step} s")
@@ -38,9 +39,24 @@ def steps_between(start: float, until: float, step: float) -> int:
     return max(1, math.ceil(steps - 1e-9))
 
 
+def points_between(start: float, until: float, step: float) -> Floats:
+    """Returns the communication points between two times [s], including both; the same bits as in `lemons run`. They are
+    multiples of the step, not sums; the last step may be shorter.
+
+    Raises:
+        ValueError: see `steps_between`.
+    """
+    steps = steps_between(start, until, step)
+    times: Floats = start + np.arange(steps + 1, dtype=np.float64) * step
+    # If the end is a multiple of the step except for rounding, use that multiple.
+    if abs(times[-1] - until) > 1e-9 * step:
+        times[-1] = until
+    return times
+
+
 @dataclass(frozen=True, repr=False)
 class State:
-    """A saved crowd, springs and parameters included; it can be pickled, and restored in another process."""
+    """A saved crowd, including springs and parameters. It can be pickled, and restored in another process."""
 
     time: float
     data: bytes
@@ -52,18 +68,18 @@ class State:
 class Crowd:
     """An instance of a packed crowd of N people, initialized and ready to step.
 
-    `fmu` is a file, the bytes of one, or what `load` gave. `parameters` are set before initialization: parameters and
-    start values by their names in the FMU, where `agent[*].Mass` stands for everybody's. Use it in a `with`, or `close`
-    it: its instance then serves the next Crowd. One thread at a time may use it; make one for each thread.
+    `fmu` is a file, the bytes of a file, or a result of `load`. `parameters` are set before initialization: parameters and
+    start values by their names in the FMU; `agent[*].Mass` sets the mass of all agents. Use it in a `with`, or `close` it:
+    the next Crowd then uses its instance again. Only one thread at a time may use it; make one for each thread.
 
     Raises:
-        FmuError: the FMU's refusal, in its words.
+        FmuError: the FMU refuses something; the message is that of the FMU.
     """
 
     def __init__(self, fmu: Source | Fmu, parameters: Mapping[str, Value] | None = None, *, start: float = 0.0) -> None:
         self.fmu = load(fmu)
         self._given: Instance | None = self.fmu.borrow()
-        #: [s]
+        #: The current time [s].
         self.time = start
         try:
             self._instance.initialize(parameters or {}, start)
@@ -93,21 +109,21 @@ class Crowd:
         return f"<Crowd of {self.fmu.agents} people, Trial {self.trial!r}, at {self.time:g} s>"
 
     def __len__(self) -> int:
-        """How many people there are."""
+        """The number of people."""
         return self.fmu.agents
 
     def __getitem__(self, name: str) -> Value:
-        """The value of a variable."""
+        """Returns the value of a variable."""
         return self._instance.get(name)
 
     def close(self) -> None:
-        """Gives the instance back; the Crowd is of no more use."""
+        """Gives the instance back. The Crowd cannot be used any more."""
         instance, self._given = self._given, None
         if instance is not None:
             self.fmu.give_back(instance)
 
     def reset(self, parameters: Mapping[str, Value] | None = None, *, start: float = 0.0) -> None:
-        """The Trial's beginning again, with these parameters and no others."""
+        """Goes back to the beginning of the Trial, with these parameters only."""
         self._instance.reset()
         self.time = start
         self._instance.initialize(parameters or {}, start)
@@ -119,15 +135,15 @@ class Crowd:
 
     @property
     def messages(self) -> list[str]:
-        """What the FMU said, warnings that is."""
+        """The messages of the FMU, such as warnings."""
         return self._instance.messages
 
     def set_drive(self, drive: Floats) -> None:
-        """Sets Fp.x, Fp.y [N] and Mp [N.m] of everybody, shape (N, 3), until they are set again."""
+        """Sets Fp.x, Fp.y [N] and Mp [N.m] of all agents, shape (N, 3). They stay until they are set again."""
         self._instance.set_real(self.fmu.inputs, forces(drive, self.fmu.agents))
 
     def drive(self) -> Floats:
-        """Fp.x, Fp.y [N] and Mp [N.m], shape (N, 3)."""
+        """Returns Fp.x, Fp.y [N] and Mp [N.m] of all agents, shape (N, 3)."""
         return self._reals(self.fmu.inputs)
 
     def step(self, step: float | None = None) -> None:
@@ -140,46 +156,47 @@ class Crowd:
         self.time = time
 
     def poses(self) -> Floats:
-        """x, y [m] and theta [rad] of everybody, shape (N, 3)."""
+        """Returns x, y [m] and theta [rad] of all agents, shape (N, 3)."""
         return self._reals(np.ascontiguousarray(self.fmu.reals[:, 0:3]))
 
     def velocities(self) -> Floats:
-        """vx, vy [m/s] and omega [rad/s] of everybody, shape (N, 3)."""
+        """Returns vx, vy [m/s] and omega [rad/s] of all agents, shape (N, 3)."""
         return self._reals(np.ascontiguousarray(self.fmu.reals[:, 3:6]))
 
     def squeeze(self) -> Floats:
-        """How hard everybody is squeezed now, shape (N,): the sum of |F_n| over the contacts [N]. Collisions last
-        milliseconds, so this hangs on the instant; `mean_squeeze` and `peak_squeeze` do not."""
+        """Returns the present squeeze of all agents, shape (N,): the sum of |F_n| over the contacts [N]. Collisions last
+        milliseconds, so it depends on the instant; `mean_squeeze` and `peak_squeeze` do not."""
         return self._reals(np.ascontiguousarray(self.fmu.reals[:, 6]))
 
     def mean_squeeze(self) -> Floats:
-        """Mean of the squeeze over the last communication step [N], shape (N,): its impulse by the step.
+        """Returns the mean squeeze over the last communication step [N], shape (N,): its impulse / the step.
 
         Raises:
-            FmuError: the FMU is of a version that did not have it; neither did it have the two that follow.
+            FmuError: the FMU was packed by an early version, which does not have this output and the next two.
         """
         return self._reals(np.ascontiguousarray(_of_step(self.fmu.reals, 0)))
 
     def peak_squeeze(self) -> Floats:
-        """Largest squeeze within the last communication step [N], shape (N,)."""
+        """Returns the largest squeeze within the last communication step [N], shape (N,)."""
         return self._reals(np.ascontiguousarray(_of_step(self.fmu.reals, 1)))
 
     def peak_overlap(self) -> Floats:
-        """Deepest overlap of the contacts within the last communication step [m], shape (N,)."""
+        """Returns the deepest overlap of the contacts within the last communication step [m], shape (N,)."""
         return self._reals(np.ascontiguousarray(_of_step(self.fmu.reals, 2)))
 
     def contacts(self) -> Ints:
-        """Contacts with people, contacts with walls, how many people touch, of everybody: shape (N, 3)."""
+        """Returns for all agents the number of contacts with people, of contacts with walls, and of people that touch: shape
+        (N, 3)."""
         values = np.empty(self.fmu.counts.shape, dtype=np.int32)
         self._instance.get_integer(self.fmu.counts, values)
         return values
 
     def masses(self) -> Floats:
-        """[kg], shape (N,)"""
+        """Returns the masses of all agents [kg], shape (N,)."""
         return self._reals(self.fmu.references(("Mass",))[:, 0].copy())
 
     def save(self) -> State:
-        """The state, in the middle of contacts too: restored and run on, results have the same bits."""
+        """Returns the state, including contacts. After it is restored, results have the same bits."""
         with self._instance.calls() as slave:
             state = slave.getFMUstate()
             try:
@@ -188,7 +205,7 @@ class Crowd:
                 slave.freeFMUstate(state)
 
     def restore(self, state: State) -> None:
-        """Goes back to a state that was saved here, or from another Crowd of the same FMU."""
+        """Restores a state that was saved from this Crowd, or from another one of the same FMU."""
         with self._instance.calls() as slave:
             restored = slave.deSerializeFMUstate(state.data)
             try:
@@ -197,26 +214,23 @@ class Crowd:
                 slave.freeFMUstate(restored)
         self.time = state.time
 
-    def run(self, drive: DriveLike = None, *, until: float, step: float | None = None) -> Run:
-        """Steps on to a time [s] and keeps everything at all communication points, which are multiples of the step from
-        here; the last step is shortened to end there. `step` is the Trial's TimeStep unless it is given.
+    def run(self, drive: DriveLike[Crowd] = None, *, until: float, step: float | None = None) -> Run:
+        """Steps until a time [s], and returns poses, velocities, squeeze and contacts at all communication points. These are
+        multiples of the step from the present time; the last step may be shorter. The default step is the Trial's TimeStep.
 
-        By default the drive.csv that is packed with the Trial drives people, as in `lemons run`; with `False` no drive is
-        set, and what the Trial says or what was set before goes on. See `DriveLike` for the others.
+        The default drive is the drive.csv packed with the Trial, as in `lemons run`. With `False` no drive is set: that of
+        the Trial, or the one that was set before, continues. See `DriveLike` for other drives.
 
         Raises:
-            FmuError: the FMU's refusal, in its words.
-            TypeError: the drive is nothing that can drive a crowd.
-            ValueError: drive, time or step are of no use.
+            FmuError: the FMU refuses something; the message is that of the FMU.
+            TypeError: the drive is not a drive.
+            ValueError: drive, time or step are not valid.
             OSError: the drive's file cannot be read.
         """
         step = self.fmu.step_of(self.trial) if step is None else step
         start = self.time
-        steps = steps_between(start, until, step)
-        times: Floats = start + np.arange(steps + 1, dtype=np.float64) * step
-        # As `lemons run` ends: at a multiple of the step where it is one but for rounding.
-        if abs(times[-1] - until) > 1e-9 * step:
-            times[-1] = until
+        times = points_between(start, until, step)
+        steps = len(times) - 1
         reals = np.empty((steps + 1, *self.fmu.reals.shape))
         counts = np.empty((steps + 1, *self.fmu.counts.shape), dtype=np.int32)
         instance = self._instance
@@ -239,14 +253,14 @@ class Crowd:
         return Run(times, reals, counts, tuple(self.fmu.ids))
 
     def _pushes(self, drive: Drive, times: Floats) -> tuple[Floats, NDArray[np.uint32]]:
-        """What tables drive, at each step, and the references of these inputs."""
+        """Returns the values of tables at each step, and the references of these inputs."""
         agents = list(drive.tables)
         moments = times[:-1] if drive.at == "start" else (times[:-1] + times[1:]) / 2
         masses = self.masses() if drive.per_mass else np.ones(self.fmu.agents)
         pushes = np.empty((len(moments), len(agents), 3))
         for place, agent in enumerate(agents):
             pushes[:, place] = masses[agent] * drive.sample(agent, moments)
-        return pushes, self.fmu.references(("Fp.x", "Fp.y", "Mp"), agents)
+        return pushes, self.fmu.references(INPUTS, agents)
 
     def _reals(self, references: NDArray[np.uint32]) -> Floats:
         values = np.empty(references.shape)
@@ -256,13 +270,13 @@ class Crowd:
 
 @dataclass(frozen=True, repr=False)
 class Run:
-    """What a run of N people showed at its K communication points, the first of which is the beginning."""
+    """The results of a run of N people at its K communication points; the first is the start."""
 
-    #: [s], shape (K,)
+    #: Times [s], shape (K,).
     times: Floats
     reals: Floats
     counts: Ints
-    #: Of each agent, the Id of Agents.xml.
+    #: Ids of the agents in Agents.xml.
     ids: tuple[str, ...]
 
     def __repr__(self) -> str:
@@ -282,7 +296,7 @@ class Run:
     @property
     def squeeze(self) -> Floats:
         """Sum of |F_n| over the contacts [N] at the communication points: shape (K, N). Collisions last milliseconds, so
-        its maximum hangs on the step; those of `mean_squeeze` and `peak_squeeze` tell what happened between the points."""
+        its maximum depends on the step; `mean_squeeze` and `peak_squeeze` include the time between the points."""
         return self.reals[:, :, 6]
 
     @property
@@ -290,7 +304,7 @@ class Run:
         """Mean of the squeeze over the step that ends at a communication point [N]: shape (K, N).
 
         Raises:
-            FmuError: the FMU is of a version that did not have it; neither did it have the two that follow.
+            FmuError: the FMU was packed by an early version, which does not have this output and the next two.
         """
         return _of_step(self.reals, 0)
 
@@ -306,59 +320,55 @@ class Run:
 
     @property
     def contacts(self) -> Ints:
-        """Contacts with people, contacts with walls, how many people touch: shape (K, N, 3)"""
+        """Number of contacts with people, of contacts with walls, and of people that touch: shape (K, N, 3)"""
         return self.counts
 
     def frame(self) -> pd.DataFrame:
-        """The table that `lemons run` writes: a row for each agent at each communication point."""
+        """Returns the table that `lemons run` writes: a row for each agent at each communication point."""
         points, agents = self.squeeze.shape
         ids: list[int] | list[str] = list(self.ids)
         if all(each.isascii() and each.isdigit() and str(int(each)) == each for each in self.ids):
             ids = [int(each) for each in self.ids]
-        columns: dict[str, object] = {"t": np.repeat(self.times, agents), "id": np.tile(np.array(ids), points)}
-        names = ["x", "y", "theta", "vx", "vy", "omega", "normal_force", *OF_STEP_COLUMNS]
-        for k, name in enumerate(names[: self.reals.shape[2]]):
-            columns[name] = self.reals[:, :, k].ravel()
-        for k, name in enumerate(("agent_contacts", "wall_contacts", "contacting_agents")):
-            columns[name] = self.counts[:, :, k].ravel().astype(np.int64)
-        totals = self.counts.sum(axis=1, dtype=np.int64)  # each contact of two people is one of both
-        columns["total_agent_contacts"] = np.repeat(totals[:, 0] // 2, agents)
-        columns["total_wall_contacts"] = np.repeat(totals[:, 1], agents)
-        order = "t,id,x,y,vx,vy,theta,omega,agent_contacts,wall_contacts,contacting_agents,normal_force".split(",")
-        order += [name for name in OF_STEP_COLUMNS if name in columns]
-        order += ["total_agent_contacts", "total_wall_contacts"]
-        return pd.DataFrame(columns)[order]
-
-
-OF_STEP_COLUMNS = ("mean_normal_force", "peak_normal_force", "peak_overlap")
+        columns: dict[str, object] = {TIME: np.repeat(self.times, agents), ID: np.tile(np.array(ids), points)}
+        for k, quantity in enumerate((*REALS, *OF_STEP)[: self.reals.shape[2]]):
+            columns[quantity.name] = self.reals[:, :, k].ravel()
+        for k, quantity in enumerate(CONTACTS):
+            columns[quantity.name] = self.counts[:, :, k].ravel().astype(np.int64)
+        of_agents, of_walls, _ = self.counts.sum(axis=1, dtype=np.int64).T
+        # A contact of two people counts for both.
+        for quantity, total in zip(TOTALS, (of_agents // 2, of_walls)):
+            columns[quantity.name] = np.repeat(total, agents)
+        order = (TIME, ID, *(quantity.name for quantity in TABLE))
+        return pd.DataFrame(columns)[[name for name in order if name in columns]]
 
 
 def _of_step(values: NDArray[Any], which: int) -> NDArray[Any]:
-    """One of `fmu.OF_STEP`, of values whose last axis is REALS and these."""
+    """Returns one of `OF_STEP`, from values whose last axis is REALS + OF_STEP."""
     place = len(REALS) + which
     if values.shape[-1] <= place:
-        raise FmuError(f"the FMU has no output agent[i].{OF_STEP[which]}: an earlier version packed it; pack its Trial again")
+        raise FmuError(f"the FMU has no output agent[i].{OF_STEP[which].variable}: an earlier version packed it; pack its Trial again")
     return values[..., place]
 
 
 def simulate(
     fmu: Source | Fmu,
-    drive: DriveLike = None,
+    drive: DriveLike[Crowd] = None,
     parameters: Mapping[str, Value] | None = None,
     until: float = 5.0,
     *,
     step: float | None = None,
 ) -> pd.DataFrame:
-    """A run from the Trial's beginning until a time [s], as the table that `lemons run` writes, driven as there: by the
-    drive.csv that is packed with the Trial, unless `drive` is given, or `False` for none (`--no-drive`). Its columns are
-    t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force (at that time),
-    mean_normal_force, peak_normal_force, peak_overlap (of the step that ends then; FMUs of the first versions do not
-    have these three) and the crowd's total_agent_contacts, total_wall_contacts; units are s, m, rad, N.
+    """Simulates from the beginning of the Trial until a time [s], and returns the table that `lemons run` writes.
+
+    The default drive is the drive.csv packed with the Trial, as there; `False` means no drive (`--no-drive`). The columns
+    are t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force (at that time),
+    mean_normal_force, peak_normal_force, peak_overlap (within the step that ends then; FMUs of the first versions do not
+    have these three), and total_agent_contacts, total_wall_contacts of the crowd. Units are s, m, rad, N.
 
     Raises:
-        FmuError: the FMU's refusal, in its words.
-        TypeError: the drive is nothing that can drive a crowd.
-        ValueError: drive, time or step are of no use.
+        FmuError: the FMU refuses something; the message is that of the FMU.
+        TypeError: the drive is not a drive.
+        ValueError: drive, time or step are not valid.
         OSError: the drive's file cannot be read.
     """
     with Crowd(fmu, parameters) as crowd:

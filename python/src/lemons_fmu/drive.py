@@ -1,9 +1,8 @@
-"""What people are driven by: propulsion forces and torques over time."""
+"""Drives: propulsion forces and torques of people over time."""
 
 from __future__ import annotations
 
 import csv
-import errno
 import functools
 import hashlib
 import inspect
@@ -11,29 +10,27 @@ import math
 import os
 import pickle
 import re
-import select
-import stat
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Union
+from typing import Any, Literal, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from .crowd import Crowd
+from . import files
+from .columns import INPUTS
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)
 class Drive:
-    """A table for each driven agent, linear between its rows and zero outside them.
+    """A table for each driven agent: linear between its rows, and zero before the first and after the last.
 
-    `tables` maps the place of an agent in Agents.xml (from 0) to its times [s], shape (T,), and its values, shape
-    (T, 3): Fp.x, Fp.y [N] and Mp [N.m]. The values are held over a communication step; they are those at its
-    beginning (as `lemons run` does) or in its `middle`, which is nearer to a push that changes fast. With `per_mass`
-    they are forces per unit of mass [N/kg] (and [N.m/kg]), multiplied by the mass that the agent has in the run.
+    `tables` maps the index of an agent in Agents.xml (from 0) to its times [s], shape (T,), and its values, shape
+    (T, 3): Fp.x, Fp.y [N] and Mp [N.m]. The drive is constant over a communication step: its value at the `start` (as in
+    `lemons run`) or in the `middle` of the step, which is better for a push that changes fast. With `per_mass` the
+    values are per unit of mass [N/kg] (and [N.m/kg]), and are multiplied by the mass of the agent in the run.
     """
 
     tables: Mapping[int, tuple[Floats, Floats]]
@@ -47,41 +44,37 @@ class Drive:
 
     def __post_init__(self) -> None:
         if self.at not in ("start", "middle"):
-            raise ValueError(f'at is "start" or "middle", not {self.at!r}')
+            raise ValueError(f'at must be "start" or "middle", not {self.at!r}')
         checked = {}
         for agent, (times, values) in sorted(self.tables.items()):
             times, values = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
             if times.ndim != 1 or values.shape != (len(times), 3):
-                raise ValueError(f"agent {agent}: times {times.shape} and values {values.shape}, not (T,) and (T, 3)")
+                raise ValueError(f"agent {agent}: shapes {times.shape} and {values.shape}, not (T,) and (T, 3)")
             if not (np.isfinite(times).all() and np.isfinite(values).all()):
-                raise ValueError(f"agent {agent}: not all numbers are finite")
+                raise ValueError(f"agent {agent}: all numbers must be finite")
             if (np.diff(times) <= 0).any():
-                raise ValueError(f"agent {agent}: times must rise from row to row")
+                raise ValueError(f"agent {agent}: times must increase from row to row")
             checked[int(agent)] = times, values
         object.__setattr__(self, "tables", checked)
 
     @staticmethod
     def read(path: str | os.PathLike[str], ids: Sequence[str]) -> Drive:
-        """A drive file of `lemons run`: columns t, agent (an Id, of those given), Fp.x, Fp.y, Mp; # begins a comment.
+        """Reads a drive file of `lemons run`: columns t, agent (an Id from `ids`), Fp.x, Fp.y, Mp; # begins a comment.
 
         Raises:
-            ValueError: names file, line, column and what is wrong with it.
-            OSError: the file cannot be read, or is a pipe that nobody writes.
+            ValueError: the file is not valid; the message names file, line and column.
+            OSError: the file cannot be read, is larger than 500 MB, or is a pipe that nobody writes to.
         """
-        with open(path, "rb", opener=_open) as file:
-            data = file.read(LARGEST + 1)
-        if len(data) > LARGEST:
-            raise ValueError(f"{os.fspath(path)}: it is larger than {LARGEST // 1_000_000} MB, the most that is read")
-        return read(data, os.fspath(path), ids)
+        return read(files.read_given(path, LARGEST), os.fspath(path), ids)
 
     def sample(self, agent: int, times: Floats) -> Floats:
-        """Values at these times, shape (len(times), 3)."""
+        """Returns the values at these times [s], shape (len(times), 3)."""
         t, values = self.tables[agent]
         after = np.searchsorted(t, times, side="right")
         inside = (after > 0) & (after < len(t))
         before = np.where(inside, after - 1, 0)
         beyond = np.where(inside, after, 0)
-        # `lemons run` has the same formula, so that the bits are the same.
+        # The same formula as in `lemons run`, so that the bits are the same.
         with np.errstate(invalid="ignore", divide="ignore"):
             share = ((times - t[before]) / (t[beyond] - t[before]))[:, None]
             between = values[before] + share * (values[beyond] - values[before])
@@ -91,29 +84,30 @@ class Drive:
         return out
 
 
-#: What drives a crowd: by default the drive.csv packed with its Trial, if there is one; False: nothing new, what the Trial
-#: says goes on; the path of such a file; tables; constants of shape (N, 3); or a function that is asked before each step
-#: and answers with an array of shape (N, 3).
-DriveLike = Union[None, Literal[False], str, "os.PathLike[str]", Drive, Floats, "Callable[[Crowd], Floats]"]
-#: The same when files are read.
-Known = Union[None, Literal[False], Drive, Floats, "Callable[[Crowd], Floats]"]
+#: The argument of a function that drives a crowd: the crowd.
+Asked = TypeVar("Asked")
 
-#: How long a pipe is waited for [s].
-PATIENCE = 30.0
-#: The largest drive file, that of `lemons run` too [byte].
-LARGEST = 500_000_000
+#: The drive of a crowd. None: the drive.csv packed with its Trial, if there is one. False: no new drive; that of the Trial
+#: continues. Or the path of a drive file, a Drive, constants of shape (N, 3), or a function of the crowd that is called
+#: before each step and returns an array of shape (N, 3).
+DriveLike = Union[None, Literal[False], str, os.PathLike[str], Drive, Floats, Callable[[Asked], Floats]]
+#: The same after files were read.
+Known = Union[None, Literal[False], Drive, Floats, Callable[[Asked], Floats]]
 
-_COLUMNS = ("t", "agent", "Fp.x", "Fp.y", "Mp")
-# As Rust reads numbers: no underscores, no digits of other scripts.
+#: The largest drive file [byte].
+LARGEST = files.LARGEST_DRIVE
+
+_COLUMNS = ("t", "agent", *INPUTS)
+# Numbers as Rust reads them: no underscores, no digits of other scripts.
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
-def known(drive: DriveLike, ids: Sequence[str]) -> Known:
-    """What drives a crowd of these people, read where it is a path.
+def known(drive: DriveLike[Asked], ids: Sequence[str]) -> Known[Asked]:
+    """Checks the drive for a crowd of these people, and reads it if it is a path.
 
     Raises:
-        TypeError: it is nothing that can drive a crowd.
-        ValueError: it is for others, or what is wrong with its file.
+        TypeError: it is not a drive.
+        ValueError: it is for other agents, or its file is not valid.
         OSError: its file cannot be read.
     """
     if drive is None or drive is False:
@@ -123,20 +117,20 @@ def known(drive: DriveLike, ids: Sequence[str]) -> Known:
     if isinstance(drive, Drive):
         agents = list(drive.tables)
         if agents and not (0 <= agents[0] and agents[-1] < len(ids)):
-            raise ValueError(f"the drive is for agents {agents}; there are {len(ids)}")
+            raise ValueError(f"the drive is for agents {agents}, but there are {len(ids)} agents")
         return drive
     if isinstance(drive, np.ndarray):
         return forces(drive, len(ids))
     if callable(drive) and not isinstance(drive, type):
         return drive
     raise TypeError(
-        f"the drive is {_short(drive)}; taken are None (the drive.csv of the Trial), False (no drive), the path of a CSV file, "
+        f"the drive is {_short(drive)}; it must be None (the drive.csv of the Trial), False (no drive), the path of a CSV file, "
         f"a Drive, an array of shape ({len(ids)}, 3), or a function of the Crowd"
     )
 
 
 def forces(drive: Any, agents: int) -> Floats:
-    """Fp.x, Fp.y, Mp of everybody as C takes them."""
+    """Returns Fp.x, Fp.y, Mp of all agents as a C array."""
     values = np.asarray(drive)
     if values.dtype.kind not in "fiu":
         raise TypeError(f"the drive is {_short(drive)}, not an array of real numbers")
@@ -152,28 +146,12 @@ def _short(value: object) -> str:
     return f"{text if len(text) <= 60 else text[:57] + '...'} ({type(value).__name__})"
 
 
-def _open(path: str, flags: int) -> int:
-    """Opens a file; of a pipe that nobody writes says so, where `open` would wait for ever."""
-    if os.name != "posix":
-        return os.open(path, flags)
-    descriptor = os.open(path, flags | os.O_NONBLOCK)
-    try:
-        if stat.S_ISFIFO(os.fstat(descriptor).st_mode):
-            if not select.select([descriptor], [], [], PATIENCE)[0]:
-                raise TimeoutError(errno.ETIMEDOUT, f"a pipe into which nobody has written for {PATIENCE:g} s", path)
-            os.set_blocking(descriptor, True)
-    except BaseException:
-        os.close(descriptor)
-        raise
-    return descriptor
-
-
 def read(data: bytes, name: str, ids: Sequence[str]) -> Drive:
-    """What a drive file of that name holds."""
+    """Reads the content of a drive file; `name` is for messages."""
     places = {each: place for place, each in enumerate(ids)}
     rows: dict[int, list[list[float]]] = {}
     header: list[str] | None = None
-    # Only line feeds and carriage returns end a line: `str.splitlines` knows more.
+    # Only line feeds and carriage returns end a line; `str.splitlines` would use others too.
     for number, raw in enumerate(data.removeprefix(b"\xef\xbb\xbf").splitlines(), 1):
         if not raw or raw.startswith(b"#"):
             continue
@@ -193,7 +171,7 @@ def read(data: bytes, name: str, ids: Sequence[str]) -> Drive:
             raise ValueError(f"{where}: {len(cells)} cells, not {len(header)}")
         row = dict(zip(header, cells))
         if row["agent"] not in places:
-            raise ValueError(f"{where}: agent={row['agent']!r}: there is no agent of this Id")
+            raise ValueError(f"{where}: agent={row['agent']!r}: there is no agent with this Id")
         numbers = []
         for column in _COLUMNS:
             if column != "agent":
@@ -203,7 +181,7 @@ def read(data: bytes, name: str, ids: Sequence[str]) -> Drive:
                 numbers.append(value)
         before = rows.setdefault(places[row["agent"]], [])
         if before and before[-1][0] >= numbers[0]:
-            raise ValueError(f"{where}: t={row['t']} does not come after t={before[-1][0]} of the same agent")
+            raise ValueError(f"{where}: t={row['t']} is not after t={before[-1][0]} of the same agent")
         before.append(numbers)
     if header is None:
         raise ValueError(f"drive file {name}: there is no column 't' (expected {','.join(_COLUMNS)})")
@@ -211,8 +189,8 @@ def read(data: bytes, name: str, ids: Sequence[str]) -> Drive:
     return Drive({agent: (each[:, 0], each[:, 1:]) for agent, each in arrays.items()})
 
 
-def identity(drive: Known) -> dict[str, Any]:
-    """What says whether two drives are the same; see python/README.md."""
+def identity(drive: Known[Any]) -> dict[str, Any]:
+    """Returns a dictionary that is equal for equal drives; see python/README.md."""
     if drive is None or drive is False:
         return {"kind": "none"}
     if isinstance(drive, Drive):
@@ -229,7 +207,7 @@ def identity(drive: Known) -> dict[str, Any]:
 
 
 def function_identity(function: Callable[..., Any]) -> dict[str, str]:
-    """Name and, where Python has it, the hash of the source text of a function."""
+    """Returns the name of a function and, if Python has it, the hash of its source text."""
     if isinstance(function, functools.partial):
         given = repr((function.args, sorted(function.keywords.items())))
         return function_identity(function.func) | {"arguments_sha256": hashlib.sha256(given.encode()).hexdigest()}
@@ -240,5 +218,5 @@ def function_identity(function: Callable[..., Any]) -> dict[str, str]:
     try:
         identity["source_sha256"] = hashlib.sha256(inspect.getsource(named).encode()).hexdigest()
     except (OSError, TypeError):
-        pass  # typed in at a prompt, or not written in Python
+        pass  # defined at a prompt, or not written in Python
     return identity

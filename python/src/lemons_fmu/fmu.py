@@ -1,4 +1,4 @@
-"""A packed crowd, unpacked and loaded once per process, and its instances, used again and again."""
+"""Packed crowds, unpacked and loaded once per process, and their instances, which are used again."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import os
 import shutil
 import tempfile
 import threading
+import zipfile
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -32,28 +33,25 @@ from fmpy.fmi2 import (
 )
 from numpy.typing import NDArray
 
+from . import columns, files
+from .columns import INPUTS
 from .drive import Drive, read
 
 Value = Union[float, int, str]
 Source = Union[str, "os.PathLike[str]", bytes]
 
-INPUTS = ("Fp.x", "Fp.y", "Mp")
-REALS = ("Position.x", "Position.y", "Theta", "Velocity.x", "Velocity.y", "Omega", "NormalForce")
-#: Of the last communication step; FMUs of the first versions have no such outputs.
-OF_STEP = ("MeanNormalForce", "PeakNormalForce", "PeakOverlap")
-COUNTS = ("AgentContacts", "WallContacts", "ContactingAgents")
 DRIVE_FILE = "drive.csv"
 _STATUS = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
 _WARNING, _FATAL = 1, 4
-# A message comes as printf wants it. The FMU always says "%s" and one text, which on 64-bit Linux is a sixth argument
-# like any other. (fmpy's proxy for such loggers knows only one logger in a process.)
+# Messages come as arguments of printf. The FMU always gives "%s" and one text, which on 64-bit Linux is an ordinary sixth
+# argument. (fmpy's proxy for such loggers supports only one logger in a process.)
 _Logger = ctypes.CFUNCTYPE(
     None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p, ctypes.c_void_p
 )
 
 
 class FmuError(Exception):
-    """What the FMU refused or could not do, in its own words, or what is wrong with the file."""
+    """The FMU refused a call or failed (the message is that of the FMU), or its file is not valid."""
 
 
 @dataclass(frozen=True)
@@ -66,19 +64,20 @@ class Variable:
 
 
 class Fmu:
-    """A packed crowd that this process has loaded; `load` makes it. Threads may share it."""
+    """A packed crowd that this process has loaded, returned by `load`. Threads may share it."""
 
     def __init__(self, data: bytes, sha256: str) -> None:
         directory = scratch() / sha256
         try:
+            _check_unpacked(data)
             fmpy.extract(BytesIO(data), directory)
             description = fmpy.read_model_description(str(directory), validate=False)
-        except Exception as error:  # fmpy and zipfile raise what they like
+        except Exception as error:  # fmpy and zipfile raise any exception
             shutil.rmtree(directory, ignore_errors=True)
-            what = "cannot be unpacked" if isinstance(error, OSError) else "not a readable FMU"
+            what = "cannot be unpacked" if isinstance(error, OSError) else "is not a readable FMU"
             raise FmuError(f"{what}: {error}") from error
         if description.fmiVersion != "2.0" or description.coSimulation is None:
-            raise FmuError("not an FMU for co-simulation of FMI 2.0")
+            raise FmuError("is not an FMI 2.0 co-simulation FMU")
         self.data = data
         self.sha256 = sha256
         self.directory = directory
@@ -90,25 +89,27 @@ class Fmu:
         }
         experiment = description.defaultExperiment
         size = None if experiment is None else experiment.stepSize
-        #: Communication step that the default Trial asks for [s].
+        #: Communication step of the default Trial [s].
         self.step: float = float(size) if size else 0.05
-        #: The Trial that is simulated unless the parameter `Trial` names another.
+        #: Name of the default Trial, which is simulated unless the parameter `Trial` names another.
         self.trial = str(next((v.start for v in description.modelVariables if v.name == "Trial"), ""))
         agents = 0
         while f"agent[{agents}].Mp" in self.variables:
             agents += 1
         if agents == 0:
-            raise FmuError(f"{self.model_name!r} is no packed crowd: it has no variable agent[0].Mp")
-        #: How many people there are.
+            raise FmuError(f"{self.model_name!r} is not a packed crowd: it has no variable agent[0].Mp")
+        #: Number of people.
         self.agents = agents
         words = {v.name: v.description or "" for v in description.modelVariables}
-        #: Of each agent, the Id of Agents.xml.
+        #: Ids of the agents in Agents.xml.
         self.ids = [_id_in(words[f"agent[{i}].Mp"], i) for i in range(agents)]
         self.inputs = self.references(INPUTS)
-        #: Whether mean and peak squeeze of a communication step are outputs.
-        self.has_means = all(f"agent[0].{name}" in self.variables for name in OF_STEP)
-        self.reals = self.references(REALS + OF_STEP if self.has_means else REALS)
-        self.counts = self.references(COUNTS)
+        of_step = [quantity.variable for quantity in columns.OF_STEP]
+        #: Whether the FMU has the outputs `columns.OF_STEP`.
+        self.has_means = all(f"agent[0].{name}" in self.variables for name in of_step)
+        reals = [quantity.variable for quantity in columns.REALS]
+        self.reals = self.references(reals + of_step if self.has_means else reals)
+        self.counts = self.references([quantity.variable for quantity in columns.CONTACTS])
         self._idle: list[Instance] = []
         self._lock = threading.Lock()
         self._drives: dict[str, Drive | None] = {}
@@ -118,34 +119,34 @@ class Fmu:
         return f"<Fmu {self.model_name!r}, {self.agents} agents, {self.sha256[:12]}>"
 
     def __reduce__(self) -> tuple[Any, tuple[bytes]]:
-        """Pickled, it is its bytes; the process that reads them loads them, unless it has them."""
+        """It is pickled as its bytes. The process that reads them loads them, if it has not done so before."""
         return load, (self.data,)
 
     def _packed(self, trial: str, file: str) -> Path | None:
-        """A file of a packed Trial, if it is there."""
+        """Returns the path of a file of a packed Trial, if it exists."""
         path = self.directory / "resources" / trial / file
         return path if trial and Path(trial).name == trial and path.is_file() else None
 
     def has(self, trial: str) -> bool:
-        """Whether a Trial of that name is packed."""
+        """Returns whether a Trial with this name is packed."""
         return self._packed(trial, "Parameters.xml") is not None
 
     def drive(self, trial: str) -> Drive | None:
-        """What drives people by the drive.csv of a packed Trial; None if it has none.
+        """Returns the drive in the drive.csv of a packed Trial; None if it has none.
 
         Raises:
-            ValueError: what is wrong with the file.
+            ValueError: the file is not valid.
         """
         with self._lock:
             if trial not in self._drives:
                 path = self._packed(trial, DRIVE_FILE)
-                # Where this process has unpacked the FMU says nothing to anybody.
+                # The temporary path of the unpacked FMU would be of no use in messages.
                 name = f"{trial}/{DRIVE_FILE} in the FMU"
                 self._drives[trial] = None if path is None else read(path.read_bytes(), name, self.ids)
             return self._drives[trial]
 
     def step_of(self, trial: str) -> float:
-        """Communication step that a packed Trial asks for [s]."""
+        """Returns the communication step of a packed Trial [s]."""
         if trial == self.trial:
             return self.step
         with self._lock:
@@ -158,7 +159,7 @@ class Fmu:
             return self._steps[trial]
 
     def references(self, names: Sequence[str], agents: Sequence[int] | None = None) -> NDArray[np.uint32]:
-        """Value references of `agent[i].<name>`, as rows of an array: one for each agent."""
+        """Returns the value references of `agent[i].<name>`, as an array with one row for each agent."""
         chosen = range(self.agents) if agents is None else agents
         try:
             rows = [[self.variables[f"agent[{i}].{name}"].reference for name in names] for i in chosen]
@@ -167,10 +168,10 @@ class Fmu:
         return np.array(rows, dtype=np.uint32).reshape(len(rows), len(names))
 
     def expand(self, name: str) -> list[str]:
-        """The variables that a name stands for: `agent[*].Mass` stands for the mass of everybody.
+        """Returns the names of the variables that a name stands for: `agent[*].Mass` stands for the masses of all agents.
 
         Raises:
-            FmuError: the FMU has no such variable, or it cannot be set.
+            FmuError: the FMU has no such variable.
         """
         names = [name.replace("agent[*]", f"agent[{i}]", 1) for i in range(self.agents)] if "agent[*]" in name else [name]
         for each in names:
@@ -179,14 +180,14 @@ class Fmu:
         return names
 
     def borrow(self) -> Instance:
-        """An instance in the state after instantiation; give it back."""
+        """Returns an instance in the state after instantiation; call `give_back` later."""
         with self._lock:
             if self._idle:
                 return self._idle.pop()
         return Instance(self)
 
     def give_back(self, instance: Instance) -> None:
-        """Resets an instance and keeps it for the next, or drops it if it cannot be reset."""
+        """Resets an instance and keeps it for later, or drops it if it cannot be reset."""
         try:
             instance.reset()
         except FmuError:
@@ -197,7 +198,7 @@ class Fmu:
 
 
 class Instance:
-    """An instance of the FMU, and what it said."""
+    """An instance of the FMU, and its messages."""
 
     def __init__(self, fmu: Fmu) -> None:
         self.fmu = fmu
@@ -232,18 +233,18 @@ class Instance:
 
     def _log(self, _environment: object, _name: bytes, status: int, _kind: bytes, form: bytes, text: int | None) -> None:
         message = ctypes.string_at(text) if form == b"%s" and text else form
-        # Where this process has unpacked the FMU says nothing to anybody.
+        # The temporary path of the unpacked FMU would be of no use in messages.
         self._said.append((status, message.decode("utf-8", "replace").replace(f"{self.fmu.directory}/", "")))
 
     def _why(self, otherwise: str) -> str:
-        """What was said about errors since the last of them."""
+        """Returns the error messages since the last error."""
         words = [text for status, text in self._said if status > _WARNING]
         self._said.clear()
         return "\n".join(words) or otherwise
 
     @property
     def messages(self) -> list[str]:
-        """What it said since it was made, and since it was reset."""
+        """Its messages while it was made, and since the last reset."""
         return self._first + [text for _, text in self._said]
 
     def _check(self, function: str, status: int) -> None:
@@ -253,14 +254,14 @@ class Instance:
 
     @contextmanager
     def calls(self) -> Iterator[FMU2Slave]:
-        """fmpy's instance; its refusals come out as `FmuError` in the words of the FMU."""
+        """Gives fmpy's instance. Refused calls raise `FmuError` with the message of the FMU."""
         try:
             yield self.slave
         except FMICallException as error:
             self._check(error.function, error.status)
             raise
 
-    # The addresses of contiguous arrays go to C as they are: fmpy would make lists of them.
+    # The addresses of contiguous arrays are passed to C directly; fmpy would make lists of them.
 
     def set_real(self, references: NDArray[np.uint32], values: NDArray[np.float64]) -> None:
         status = self._set_real(self._component, references.ctypes.data, references.size, values.ctypes.data)
@@ -278,7 +279,7 @@ class Instance:
         self._check("fmi2DoStep", self._do_step(self._component, time, step, 1))
 
     def set(self, name: str, value: Value) -> None:
-        """Sets a variable, or `agent[*].<name>` of everybody."""
+        """Sets a variable, or `agent[*].<name>` of all agents."""
         for each in self.fmu.expand(name):
             variable = self.fmu.variables[each]
             with self.calls() as slave:
@@ -288,7 +289,7 @@ class Instance:
                     slave.setInteger([variable.reference], [_integer(each, value)])
                 elif variable.type == "String":
                     if not isinstance(value, str):
-                        raise FmuError(f"{each} is text, not {value!r}")
+                        raise FmuError(f"{each} must be a text, not {value!r}")
                     slave.setString([variable.reference], [value])
                 else:
                     raise FmuError(f"{each} is a {variable.type}: not supported")
@@ -308,7 +309,7 @@ class Instance:
         raise FmuError(f"{name} is a {variable.type}: not supported")
 
     def initialize(self, parameters: Mapping[str, Value], start: float) -> None:
-        """Sets the parameters and leaves initialization."""
+        """Sets the parameters and completes initialization."""
         for name, value in parameters.items():
             self.set(name, value)
         with self.calls() as slave:
@@ -318,20 +319,20 @@ class Instance:
 
     def reset(self) -> None:
         if self.fatal:
-            raise FmuError("the instance is lost")
+            raise FmuError("the instance cannot be used after fmi2Fatal")
         with self.calls() as slave:
             slave.reset()
         self._said.clear()
 
     def drop(self) -> None:
-        """Frees it, unless FMI forbids that: after fmi2Fatal nothing may be called."""
+        """Frees it, except after fmi2Fatal: FMI then forbids all calls."""
         if not self.fatal:
             with _loading:
                 self.slave.freeInstance()
 
 
 def _function(library: ctypes.CDLL, name: str) -> Any:
-    """A function of its own, so that fmpy's argument types stay as they are."""
+    """Returns a new function object, so that the argument types of fmpy's do not change."""
     function = library[name]
     function.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]
     function.restype = ctypes.c_int
@@ -342,17 +343,17 @@ def _real(name: str, value: Value) -> float:
     try:
         return float(value)
     except ValueError:
-        raise FmuError(f"{name} is a number, not {value!r}") from None
+        raise FmuError(f"{name} must be a number, not {value!r}") from None
 
 
 def _integer(name: str, value: Value) -> int:
     if isinstance(value, str) or value != value or int(value) != value:
-        raise FmuError(f"{name} is an integer, not {value!r}")
+        raise FmuError(f"{name} must be an integer, not {value!r}")
     return int(value)
 
 
 def _id_in(description: str, place: int) -> str:
-    """The Id in "agent Id 7: propulsion torque"; its place where the description does not say."""
+    """Returns the Id in "agent Id 7: propulsion torque", or the index if the description has none."""
     head, colon, _ = description.rpartition(": ")
     return head.removeprefix("agent Id ") if colon and head.startswith("agent Id ") else str(place)
 
@@ -365,10 +366,10 @@ _own_lock: list[int] = []
 
 
 def load(fmu: Source | Fmu) -> Fmu:
-    """A packed crowd, from a file or from its bytes. A process unpacks and loads the same bytes once.
+    """Loads a packed crowd from a file or from its bytes. A process unpacks and loads the same bytes only once.
 
     Raises:
-        FmuError: it cannot be read, or is no packed crowd.
+        FmuError: the file cannot be read, or is not a packed crowd.
     """
     if isinstance(fmu, Fmu):
         return fmu
@@ -376,7 +377,7 @@ def load(fmu: Source | Fmu) -> Fmu:
         data = fmu
     else:
         try:
-            data = Path(fmu).read_bytes()
+            data = files.read(fmu, files.LARGEST_BINARY)
         except OSError as error:
             raise FmuError(f"{os.fspath(fmu)}: {error.strerror}") from error
     sha256 = hashlib.sha256(data).hexdigest()
@@ -389,14 +390,22 @@ def load(fmu: Source | Fmu) -> Fmu:
         return _loaded[sha256]
 
 
+def _check_unpacked(data: bytes) -> None:
+    """Checks that an archive does not unpack to too many bytes. `zipfile` unpacks no more of an entry than its header says."""
+    with zipfile.ZipFile(BytesIO(data)) as archive:
+        unpacked = sum(entry.file_size for entry in archive.infolist())
+    if unpacked > files.LARGEST_UNPACKED:
+        raise ValueError(f"it unpacks to {unpacked / 1e6:.0f} MB; at most {files.LARGEST_UNPACKED / 1e6:g} MB are allowed")
+
+
 def scratch() -> Path:
-    """The directory of this process for what it unpacks, removed at exit; what processes that were killed have left
-    is removed here. A lock on the file beside it says that its process lives."""
+    """Returns the temporary directory of this process, which is removed at exit. It also removes the directories of killed
+    processes: a lock on the file beside a directory shows that its process lives."""
     if not _own_scratch:
         base = Path(tempfile.gettempdir()) / f"lemons-fmu-{os.getuid()}"
         base.mkdir(mode=0o700, exist_ok=True)
         if base.is_symlink() or base.stat().st_uid != os.getuid():
-            raise FmuError(f"{base} is somebody else's")
+            raise FmuError(f"{base} belongs to another user")
         for lock in base.glob("*.lock"):
             _remove_if_dead(lock)
         while True:
@@ -404,7 +413,7 @@ def scratch() -> Path:
             path = place.with_suffix(".lock")
             descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600)
             fcntl.flock(descriptor, fcntl.LOCK_EX)
-            if path.exists():  # else another process took it for a dead one's before it was locked
+            if path.exists():  # else another process removed it before it was locked
                 break
             os.close(descriptor)
         place.mkdir(mode=0o700)
@@ -436,7 +445,7 @@ def _remove(place: Path, process: int) -> None:
 
 
 def _forget() -> None:
-    """A forked child shares neither directory nor instances."""
+    """Lets a forked child share neither directory nor instances."""
     global _loading
     _loading = threading.RLock()
     _loaded.clear()

@@ -1,12 +1,13 @@
-"""A measured push through a row of people, and how far a simulated one is from it.
+"""A measured push through a row of people, and its difference from a simulated one.
 
 The experiment is that of Feldmann, Adrian and Boltes (2024), as in the practical case of the LEMONS paper (section 4.5): a
-push on the person at the end of a row of five, and where their heads went.
+push on the person at the end of a row of five, and the trajectories of their heads.
 """
 
 from __future__ import annotations
 
 import csv
+import io
 import math
 import os
 from dataclasses import dataclass
@@ -14,23 +15,26 @@ from pathlib import Path
 
 import numpy as np
 
+from . import files
 from .crowd import Run
 from .drive import Drive, Floats
 
 #: Communication step [s]: the push is recorded every 0.029 s, and interpolated.
 STEP = 0.01
-#: [s] Until then the differences are taken: the push is over and its record ends; after it people walk back to their
-#: places, which the mechanics does not know.
+#: [s] End of the comparison: the push is over and its record ends. Afterwards people walk back to their places, which the
+#: mechanics does not simulate.
 UNTIL = 4.0
+#: The largest file of a measured push [byte].
+LARGEST = files.LARGEST_DRIVE
 
 
 @dataclass(frozen=True, repr=False)
 class Push:
-    """What was measured."""
+    """The measured data."""
 
     #: Times [s] and push on agent 0 per unit of its mass, along x [N/kg].
     push: tuple[Floats, Floats]
-    #: person -> columns t [s], x, y [m] of the head, x along the push.
+    #: For each person (index in the row) the columns t [s], x, y [m] of the head, x along the push.
     heads: dict[int, Floats]
 
     def __repr__(self) -> str:
@@ -42,47 +46,50 @@ class Push:
         `measured_head_trajectories.csv` (columns t, id, x, y).
 
         Raises:
-            ValueError: names file, line and what is wrong with it.
-            OSError: a file cannot be read.
+            ValueError: a file is not valid; the message names file and line.
+            OSError: a file cannot be read, is not a regular file, or is larger than 500 MB.
         """
         place = Path(directory)
         rows = []
         path = place / "external_force_per_mass.txt"
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        for number, line in enumerate(files.read_text(path, LARGEST).splitlines(), 1):
             if number > 1 and line.strip():
                 rows.append(_numbers(path, number, line.split(), 2))
         heads: dict[int, list[list[float]]] = {}
         path = place / "measured_head_trajectories.csv"
-        with open(path, newline="", encoding="utf-8") as file:
-            reader = csv.DictReader(file)
+        reader = csv.DictReader(io.StringIO(files.read_text(path, LARGEST), newline=""))
+        try:
             if not {"t", "id", "x", "y"} <= set(reader.fieldnames or ()):
-                raise ValueError(f"{path}: the columns are t, id, x, y, not {reader.fieldnames}")
+                raise ValueError(f"{path}: the columns must be t, id, x, y, not {reader.fieldnames}")
             for row in reader:
                 person, *numbers = _numbers(path, reader.line_num, [row[name] for name in ("id", "t", "x", "y")], 4)
                 heads.setdefault(int(person), []).append(numbers)
+        except csv.Error as error:
+            raise ValueError(f"{path}, line {reader.line_num}: {error}") from None
         if len(rows) < 2 or not heads:
-            raise ValueError(f"{directory}: there is no push, or nobody was measured")
+            raise ValueError(f"{directory}: no push or no trajectories")
         times, values = np.array(rows).T
         return Push((times, values), {person: np.array(each) for person, each in sorted(heads.items())})
 
     @property
     def people(self) -> list[int]:
-        """Places of those who were measured."""
+        """Indices of the people who were measured."""
         return list(self.heads)
 
     @property
     def end(self) -> float:
-        """When the record of the heads ends [s]."""
+        """Time at which the trajectories of the heads end [s]."""
         return float(max(rows[-1, 0] for rows in self.heads.values()))
 
     def drive(self) -> Drive:
-        """The push on agent 0, as it is in the middle of each communication step."""
+        """Returns the push on agent 0, with its value in the middle of each communication step."""
         times, values = self.push
         zero = np.zeros_like(values)
         return Drive({0: (times, np.column_stack([values, zero, zero]))}, at="middle", per_mass=True)
 
     def residuals(self, run: Run, until: float = UNTIL) -> dict[int, Floats]:
-        """Of each person, simulated minus measured displacement from the start, at the measured times: columns x, y [m]."""
+        """Returns for each person the simulated minus the measured displacement from the start, at the measured times: columns
+        x, y [m]."""
         out = {}
         for person, rows in self.heads.items():
             rows = rows[rows[:, 0] <= until + 1e-9]
@@ -92,9 +99,9 @@ class Push:
         return out
 
     def differences(self, run: Run, until: float = UNTIL) -> dict[int, tuple[float, float]]:
-        """Root-mean-square difference of the displacement, person by person: (in the plane, along the push) [m].
+        """Returns for each person the root-mean-square difference of the displacement: (in the plane, along the push) [m].
 
-        Their mean is what the paper's engine has 0.050 m of.
+        With the paper's engine, their mean is 0.050 m.
         """
         out = {}
         for person, difference in self.residuals(run, until).items():
@@ -109,5 +116,5 @@ def _numbers(path: Path, line: int, cells: list[str], count: int) -> list[float]
     except (TypeError, ValueError):
         numbers = []
     if len(numbers) != count or not all(map(math.isfinite, numbers)):
-        raise ValueError(f"{path}, line {line}: expected {count} numbers, not {' '.join(map(str, cells))!r}")
+        raise ValueError(f"{path}, line {line}: must be {count} finite numbers, not {' '.join(map(str, cells))!r}")
     return numbers

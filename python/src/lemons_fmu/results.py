@@ -1,4 +1,5 @@
-"""The directory of a sweep: a manifest, part files while it runs, one table at the end. python/README.md says it exactly."""
+"""The directory of a sweep: a manifest, part files while it runs, and one table at the end. python/README.md describes
+it exactly."""
 
 from __future__ import annotations
 
@@ -19,6 +20,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from . import files
 from .fmu import Value
 
 FORMAT = 1
@@ -26,17 +28,17 @@ MANIFEST, TABLE, LOCK = "sweep.json", "table.parquet", "sweep.lock"
 POINT, STATUS, ERROR = "point", "status", "error"
 OK, FAILED = "ok", "failed"
 RESERVED = (POINT, STATUS, ERROR)
-#: More points than this are a mistake; `lemons sweep` has the same limit.
+#: A larger number of points is taken for a mistake; `lemons sweep` has the same limit.
 MOST_POINTS = 10_000_000
 
 
 class SweepError(Exception):
-    """The sweep cannot go on: its directory is of another sweep, in use or damaged, or the scheduler is gone."""
+    """The sweep cannot continue: its directory belongs to another sweep, is in use or damaged, or the scheduler is gone."""
 
 
 @dataclass(frozen=True)
 class Points:
-    """What is to be simulated: a row of parameter values for each point."""
+    """The points of a sweep: a row of parameter values for each."""
 
     names: tuple[str, ...]
     #: A column for each name: float64, int64 or text.
@@ -45,7 +47,7 @@ class Points:
 
     @staticmethod
     def of(points: Mapping[str, Iterable[Value]] | pd.DataFrame) -> Points:
-        """A grid (name → values; the last name varies fastest) or a table (a row for each point)."""
+        """Makes points from a grid (name → values; the last name varies fastest) or a table (a row for each point)."""
         if isinstance(points, pd.DataFrame):
             _allowed(len(points))
             if len({str(name) for name in points.columns}) != len(points.columns):
@@ -69,14 +71,15 @@ class Points:
             raise ValueError("there are no points")
         for name in listed:
             if name in RESERVED:
-                raise ValueError(f"{name!r} cannot be a parameter: the table has a column of that name")
+                raise ValueError(f"{name!r} cannot be a parameter: the table already has a column with this name")
         return Points(tuple(listed), tuple(listed.values()), count)
 
     def values(self, point: int) -> tuple[Value, ...]:
         return tuple(column[point] if isinstance(column, list) else column[point].item() for column in self.columns)
 
     def sha256(self) -> str:
-        """Of the names and of all values row by row: numbers as 8 little-endian bytes, texts by their length and UTF-8."""
+        """Returns the SHA-256 of the names and of all values row by row: numbers as 8 little-endian bytes, texts as length and
+        UTF-8."""
         digest = hashlib.sha256(json.dumps(list(self.names), ensure_ascii=False, separators=(",", ":")).encode())
         if any(isinstance(column, list) for column in self.columns):
             for point in range(self.count):
@@ -92,10 +95,10 @@ class Points:
 
 
 def _axes(grid: Mapping[str, Iterable[Value]]) -> dict[str, list[Value]]:
-    """The values of each parameter; more than are allowed are counted only until there are too many."""
+    """Returns the values of each parameter. It stops as soon as there are too many."""
     for name, values in grid.items():
         if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
-            raise TypeError(f"parameter {name}: a list of values is needed, not {values!r}")
+            raise TypeError(f"parameter {name}: must be a list of values, not {values!r}")
     _allowed(math.prod(len(values) for values in grid.values() if isinstance(values, Sized)))
     axes: dict[str, list[Value]] = {}
     for name, values in grid.items():
@@ -110,7 +113,7 @@ def _allowed(count: int) -> None:
 
 
 def unicode(text: str) -> bool:
-    """Whether a text can be written as UTF-8: Python's may hold halves of characters."""
+    """Returns whether a text can be written as UTF-8: Python's texts may contain halves of characters."""
     try:
         text.encode()
     except UnicodeEncodeError:
@@ -134,15 +137,15 @@ def _column(name: str, values: list[Any]) -> Any:
             raise ValueError
         return np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError(f"parameter {name}: values are numbers, or all of them texts") from None
+        raise ValueError(f"parameter {name}: values must be all numbers or all texts") from None
 
 
-#: A finished point: its number, what was measured, and the message if it failed.
+#: A finished point: its number, its measures, and the message if it failed.
 Result = tuple[int, Mapping[str, "float | str"], "str | None"]
 
 
 def part_of(points: Points, results: Sequence[Result]) -> pa.Table:
-    """Finished points as a table, sorted by point."""
+    """Returns finished points as a table, sorted by point."""
     results = sorted(results, key=lambda result: result[0])
     rows = np.array([result[0] for result in results], dtype=np.int64)
     columns: dict[str, Any] = {POINT: pa.array(rows)}
@@ -155,15 +158,15 @@ def part_of(points: Points, results: Sequence[Result]) -> pa.Table:
         try:
             columns[name] = pa.array(values, type=kind)
         except (pa.ArrowInvalid, pa.ArrowTypeError):
-            raise SweepError(f"measure {name!r} is a number at some points and text at others") from None
+            raise SweepError(f"measure {name!r} is a number at some points and a text at others") from None
     columns[STATUS] = pa.array([OK if error is None else FAILED for *_, error in results], type=pa.string())
     columns[ERROR] = pa.array([error for *_, error in results], type=pa.string())
     return pa.table(columns)
 
 
 def joined(points: Points, parts: Sequence[pa.Table]) -> pa.Table:
-    """One table, each point once and sorted: of several rows of a point one that is `ok`, else the last. Measures come in
-    the order of the first point that is `ok`; those that only others have follow by name."""
+    """Joins tables into one, with each point once, sorted. If a point has several rows, one that is `ok` is used, else the
+    last. Measures have the order of the first point that is `ok`; further ones follow by name."""
     if not parts:
         return part_of(points, [])
     fixed = [POINT, *points.names]
@@ -171,7 +174,7 @@ def joined(points: Points, parts: Sequence[pa.Table]) -> pa.Table:
         table = pa.concat_tables([pa.table({n: part[n] for n in fixed + [STATUS, ERROR]}) for part in parts])
         whole = pa.concat_tables(parts, promote_options="default")
     except (pa.ArrowInvalid, pa.ArrowTypeError, KeyError) as error:
-        raise SweepError(f"the parts of the table do not fit together: {error}") from error
+        raise SweepError(f"the parts of the table have different columns: {error}") from error
     numbers = table[POINT].to_numpy()
     good = (table[STATUS].combine_chunks().to_numpy(zero_copy_only=False) == OK).astype(np.int8)
     order = np.lexsort((np.arange(len(numbers)), good, numbers))
@@ -191,7 +194,7 @@ def joined(points: Points, parts: Sequence[pa.Table]) -> pa.Table:
 
 
 class Directory:
-    """Where results are kept. One process at a time may write to it."""
+    """The directory with the results. Only one process at a time may write to it."""
 
     def __init__(self, path: str | os.PathLike[str], manifest: Mapping[str, Any], points: Points) -> None:
         self.path = Path(path)
@@ -214,17 +217,19 @@ class Directory:
         path = self.path / MANIFEST
         if path.exists():
             try:
-                before = json.loads(path.read_text(encoding="utf-8"))
+                before = json.loads(files.read(path, files.LARGEST_SETTINGS))
             except ValueError as error:
                 raise SweepError(f"{path}: {error}") from None
+            except OSError as error:
+                raise SweepError(f"{path}: {error.strerror or error}") from None
             other = [key for key in manifest if not isinstance(before, dict) or before.get(key) != manifest[key]]
             if other:
                 raise SweepError(
-                    f"{self.path} holds another sweep: {', '.join(other)} not as in its {MANIFEST}; "
+                    f"{self.path} contains another sweep: its {MANIFEST} differs in {', '.join(other)}; "
                     "give another directory, or remove this one"
                 )
         elif any(self.path.glob("*.parquet")):
-            raise SweepError(f"{self.path} holds tables, but no {MANIFEST}")
+            raise SweepError(f"{self.path} contains tables, but no {MANIFEST}")
         else:
             text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
             self._write(MANIFEST, lambda file: file.write(text.encode()))
@@ -236,42 +241,43 @@ class Directory:
         return sorted(self.path.glob("part-*.parquet"))
 
     def read(self) -> pa.Table:
-        """All that is finished."""
+        """Returns all finished points."""
         parts = []
         for path in [self.path / TABLE, *self.parts()]:
             if path.exists():
                 try:
-                    part = pq.read_table(path)
+                    with files.found(path) as file:
+                        part = pq.read_table(file)
                     self._check(part)
                 except (OSError, pa.ArrowException, ValueError, KeyError) as error:
-                    raise SweepError(f"{path} cannot be used: {error}; remove it, and its points are simulated again") from None
+                    raise SweepError(f"{path} cannot be used: {error}; if you remove it, its points are simulated again") from None
                 parts.append(part)
         return joined(self.points, parts)
 
     def _check(self, part: pa.Table) -> None:
-        """A point is its number and its values: both must be those of this sweep."""
+        """Checks that both the numbers and the values of points are those of this sweep."""
         numbers = part[POINT].to_numpy()
         if len(numbers) and not (0 <= numbers.min() and numbers.max() < self.points.count):
-            raise ValueError("it has points that the sweep does not have")
+            raise ValueError("it contains points that are not in the sweep")
         wanted = part_of(self.points, [(int(number), {}, None) for number in np.sort(numbers)])
         mine = part.select([POINT, *self.points.names]).sort_by(POINT)
         if not mine.equals(wanted.select(mine.column_names)) and not _same(mine, wanted):
-            raise ValueError("its points have other values than those of the sweep")
+            raise ValueError("the values of its points are not those of the sweep")
 
     def add(self, results: Sequence[Result]) -> None:
-        """A part file more."""
+        """Adds a part file."""
         number = max((int(path.stem.removeprefix("part-")) for path in self.parts()), default=0) + 1
         table = part_of(self.points, results)
         self._write(f"part-{number:06}.parquet", lambda file: pq.write_table(table, file))
 
     def finish(self, table: pa.Table) -> None:
-        """The whole table in place of the parts."""
+        """Writes the whole table and removes the parts."""
         self._write(TABLE, lambda file: pq.write_table(table, file))
         for path in self.parts():
             path.unlink()
 
     def _write(self, name: str, write: Any) -> None:
-        """Whole or not at all, after a power failure too."""
+        """Writes a file completely or not at all, even if the power fails."""
         temporary = self.path / f".{name}.tmp"
         try:
             with open(temporary, "wb") as file:
@@ -287,14 +293,14 @@ class Directory:
 
 
 def _same(one: pa.Table, other: pa.Table) -> bool:
-    """As `equals`, with NaN equal to itself."""
+    """Like `equals`, but NaN is equal to NaN."""
     pairs = ((one[n].to_numpy(), other[n].to_numpy()) for n in one.column_names)
     return all(np.array_equal(a, b, equal_nan=a.dtype.kind == "f") for a, b in pairs)
 
 
 class Intervals:
-    """When results are to be written: a second after the last time, or a hundredth of the time since the beginning, which
-    keeps the number of parts of a long sweep small."""
+    """The times at which results are written: a second after the last time, or a hundredth of the time since the beginning.
+    This keeps the number of parts of a long sweep small."""
 
     def __init__(self) -> None:
         self.start = self.last = time.monotonic()

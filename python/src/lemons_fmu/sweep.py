@@ -1,4 +1,4 @@
-"""Many runs of a packed crowd with other parameters, on the cores of this machine or on a Dask cluster."""
+"""Many runs of a packed crowd with different parameters, on the cores of this machine or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -29,38 +29,38 @@ from .drive import DriveLike, Known, function_identity, identity, known
 from .fmu import Fmu, FmuError, Source, Value, load, scratch
 from .results import FAILED, POINT, RESERVED, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of, unicode
 
-#: What is to be known of a run: names and numbers (or texts).
+#: A function of a run that returns its measures: names and numbers (or texts).
 Measure = Callable[[Run], Mapping[str, Any]]
 #: A grid (name → values, all combinations, the last name varies fastest) or a table (a row for each point).
 Grid = Union[Mapping[str, Iterable[Value]], pd.DataFrame]
 
 
-#: [s] A task of the workers is as many points as take so long: Dask costs some 10 ms for each task.
+#: [s] Duration of a task for a worker, which chooses its number of points: Dask needs about 10 ms for each task.
 TASK = 0.5
 
 
-#: The message of a point whose process ends again and again: os._exit, a signal, no memory left.
-DIED = "the worker died again and again while it simulated this point"
+#: The message of a point whose worker process ends several times, for example by os._exit, a signal or lack of memory.
+DIED = "the worker process ended several times while it simulated this point"
 
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a sweep is."""
+    """The progress of a sweep: numbers of finished, of failed and of all points."""
 
     done: int
     failed: int
     total: int
-    #: [s] since it was started.
+    #: Time since this call [s].
     seconds: float
-    #: Of those done, how many were so when it was started.
+    #: Number of points that were finished before this call.
     before: int
-    #: How many threads workers have, None where that is not known; 0: nothing happens until a worker comes.
+    #: Number of threads of all workers, None if it is not known; 0: the sweep waits for a worker.
     threads: int | None
 
 
 @dataclass(frozen=True)
 class _Job:
-    """What all points of a sweep have in common."""
+    """Data shared by all points of a sweep."""
 
     key: str
     fmu: str  # SHA-256
@@ -71,7 +71,7 @@ class _Job:
 
 
 class _FmuOnWorker(WorkerPlugin):
-    """Brings the FMU's bytes to every worker once, to those that come later too: no shared file system is needed."""
+    """Sends the FMU's bytes to every worker once, also to those that join later. No shared file system is needed."""
 
     def __init__(self, data: bytes, sha256: str) -> None:
         self.data = data
@@ -95,12 +95,12 @@ class _JobOnWorker(WorkerPlugin):
 
 
 _fmus: dict[str, Fmu] = {}
-_jobs: dict[str, tuple[_Job, tuple[Known, Measure]]] = {}
+_jobs: dict[str, tuple[_Job, tuple[Known[Crowd], Measure]]] = {}
 _sent: weakref.WeakKeyDictionary[Client, set[str]] = weakref.WeakKeyDictionary()
 
 
 def _simulate_points(key: str, points: list[tuple[int, tuple[Value, ...]]]) -> tuple[list[Result], float]:
-    """On a worker: results, and the time that they took [s]."""
+    """Runs on a worker. Returns results, and the time that they took [s]."""
     start = time.perf_counter()
     results = [_simulate_point(key, point, values) for point, values in points]
     return results, time.perf_counter() - start
@@ -116,12 +116,12 @@ def _simulate_point(key: str, point: int, values: tuple[Value, ...]) -> Result:
         return point, {}, _text(str(error))
     except KeyboardInterrupt:
         raise _Interrupted from None
-    except BaseException as error:  # a point's failure, sys.exit too, is a row of the table and not the end
+    except BaseException as error:  # a failed point (even by sys.exit) is a row of the table and does not end the sweep
         return point, {}, _told(error)
 
 
 class _Interrupted(Exception):
-    """A measure or a drive raised KeyboardInterrupt, which would end Dask's worker."""
+    """A measure or a drive raised KeyboardInterrupt, which would end Dask's worker process."""
 
 
 def _told(error: BaseException) -> str:
@@ -129,17 +129,17 @@ def _told(error: BaseException) -> str:
     try:
         return _text(f"{kind}: {error}")
     except BaseException as worse:
-        return _text(f"{kind}, whose message cannot be had: {type(worse).__name__}")
+        return _text(f"{kind}, whose message raises {type(worse).__name__}")
 
 
 def _text(text: str) -> str:
-    """As UTF-8 can hold it."""
+    """Returns the text without characters that UTF-8 cannot represent."""
     return text.encode(errors="backslashreplace").decode()
 
 
 def _measured(measures: Mapping[str, Any], parameters: tuple[str, ...]) -> dict[str, float | str]:
     if not hasattr(measures, "items"):
-        raise TypeError(f"the measure gave {type(measures).__name__}, not names and numbers")
+        raise TypeError(f"the measure returned {type(measures).__name__}, not names and numbers")
     out: dict[str, float | str] = {}
     for key, value in measures.items():
         name = str(key)
@@ -154,7 +154,7 @@ def _measured(measures: Mapping[str, Any], parameters: tuple[str, ...]) -> dict[
 def sweep(
     fmu: Source | Fmu,
     points: Grid,
-    drive: DriveLike,
+    drive: DriveLike[Crowd],
     measure: Measure,
     *,
     until: float,
@@ -164,25 +164,26 @@ def sweep(
     progress: bool | Callable[[Progress], None] = True,
     retry_failed: bool = False,
 ) -> pd.DataFrame:
-    """Simulates every point until a time [s] and returns a table: `point`, the parameters, what `measure` gave of each
-    run, `status` (`ok` or `failed`) and `error` (the message of a failed one), sorted by point.
+    """Simulates every point until a time [s]. Returns a table sorted by point: `point`, the parameters, the measures of each
+    run, `status` (`ok` or `failed`) and `error` (the message of a failed point).
 
-    `points` is a grid or a table of parameters by their names in the FMU; `agent[*].Mass` sets everybody's. `drive` is
-    as for `Crowd.run`: None is the drive.csv that is packed with the point's Trial, False is no drive. `measure` gets a `Run` and gives names and numbers (or texts).
+    `points` is a grid or a table of parameters by their names in the FMU; `agent[*].Mass` sets the masses of all agents.
+    `drive` is as for `Crowd.run`: None is the drive.csv packed with the point's Trial, False is no drive. `measure` is a
+    function of a `Run` that returns names and numbers (or texts).
 
-    With `out`, results are written to that directory as they come, and a sweep that was killed goes on from there: the
-    points that are finished are not simulated again (those that failed only with `retry_failed`).
+    With `out`, results are written to that directory as they come. A sweep that was killed continues from there: finished
+    points are not simulated again (failed ones only with `retry_failed`).
 
-    `client` is a Dask client or the address of a scheduler; without one, all cores of this machine are used. There
-    workers are processes, so a script needs `if __name__ == "__main__":`. `progress` shows how far it is on standard
-    error, or calls a function.
+    `client` is a Dask client or the address of a scheduler. Without one, all cores of this machine are used by worker
+    processes, so a script needs `if __name__ == "__main__":`. `progress` shows the progress on standard error, or is a
+    function that gets it.
 
     Raises:
-        FmuError: the FMU cannot be read, or has no variable of such a name.
-        TypeError: the drive is nothing that can drive a crowd, or a parameter has no list of values.
-        ValueError: points, drive or times are of no use.
+        FmuError: the FMU cannot be read, or has no variable with such a name.
+        TypeError: the drive is not a drive, or the values of a parameter are not a list.
+        ValueError: points, drive or times are not valid.
         OSError: the drive's file cannot be read.
-        SweepError: the directory is of another sweep or cannot be written, or the scheduler is gone.
+        SweepError: the directory belongs to another sweep or cannot be written, or the scheduler is gone.
     """
     fmu = load(fmu)
     table = Points.of(points)
@@ -192,11 +193,11 @@ def sweep(
     trials = _trials(fmu, table)
     if drive is None:
         for trial in trials:
-            fmu.drive(trial)  # what is wrong with one is said before any point runs
+            fmu.drive(trial)  # reports an invalid file before any point runs
     if step is None:
         step, *others = sorted({fmu.step_of(trial) for trial in trials})
         if others:
-            raise ValueError(f"the Trials ask for steps of {step} s and {others[0]} s: give one for all (step)")
+            raise ValueError(f"the Trials have steps of {step} s and {others[0]} s: give one for all (step)")
     step = float(step)
     steps_between(0.0, until, step)
     job = _Job(os.urandom(8).hex(), fmu.sha256, table.names, cloudpickle.dumps((drive, measure)), float(until), step)
@@ -233,7 +234,7 @@ def sweep(
                         else:
                             directory.add(pending)
                     except SweepError:
-                        pending.clear()  # it is tried once
+                        pending.clear()  # try to write them only once
                         raise
                     pending.clear()
                 intervals.done()
@@ -266,15 +267,15 @@ def sweep(
 
 
 def _trials(fmu: Fmu, points: Points) -> list[str]:
-    """The packed Trials that points choose; what is no Trial is refused at its points."""
+    """Returns the packed Trials that points choose. Points with another name fail later."""
     if "Trial" not in points.names:
         return [fmu.trial]
     chosen = points.columns[points.names.index("Trial")]
     return [trial for trial in sorted(set(map(str, chosen))) if fmu.has(trial)] or [fmu.trial]
 
 
-def _manifest(fmu: Fmu, points: Points, drive: Known, measure: Measure, job: _Job) -> dict[str, Any]:
-    """What must be the same for a sweep to go on; python/README.md explains it."""
+def _manifest(fmu: Fmu, points: Points, drive: Known[Crowd], measure: Measure, job: _Job) -> dict[str, Any]:
+    """Returns the data that must be equal to continue a sweep; python/README.md explains them."""
     packed = drive is None and "Trial" in points.names  # each Trial has its own
     if drive is None and not packed:
         drive = fmu.drive(fmu.trial)
@@ -290,7 +291,7 @@ def _manifest(fmu: Fmu, points: Points, drive: Known, measure: Measure, job: _Jo
 
 @contextmanager
 def client_of(client: Client | str | None) -> Iterator[Client]:
-    """A client for an address; for None one with a worker process for each core of this machine, closed at the end."""
+    """Gives a client for an address; for None one with a worker process for each core of this machine, closed at the end."""
     if isinstance(client, Client):
         if client.asynchronous:
             raise ValueError("an asynchronous client cannot be used here")
@@ -304,25 +305,25 @@ def client_of(client: Client | str | None) -> Iterator[Client]:
 
 
 def local_cluster(workers: int | None = None, *, threads: int = 1, processes: bool = True) -> LocalCluster:
-    """Workers on this machine, by default one for each of its cores."""
+    """Starts workers on this machine, by default one for each core."""
     own = str(scratch())
-    # Nobody looks at the profile that workers take of themselves a hundred times a second, nor at how evenly each process's
-    # event loop ticks, fifty times: 4 % of a core in this process, 2 % in each worker.
+    # Nobody looks at the profile that workers take of themselves a hundred times a second, nor at the delays of the event
+    # loops, measured fifty times a second. Without them: 4 % of a core less in this process, 2 % in each worker.
     quiet = {"distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "500ms"}
     with dask.config.set({**quiet, "temporary-directory": own}):
         return LocalCluster(
             n_workers=workers or CPU_COUNT,
             threads_per_worker=threads,
             processes=processes,
-            dashboard_address="127.0.0.1:0",  # whatever port is free
+            dashboard_address="127.0.0.1:0",  # any free port
             local_directory=own,
             memory_limit=0,
-            silence_logs=logging.CRITICAL,  # a heartbeat that is cut off at the end is an ERROR
+            silence_logs=logging.CRITICAL,  # a heartbeat interrupted at the end would be an ERROR
         )
 
 
 def send_fmu(client: Client, fmu: Fmu) -> None:
-    """Brings an FMU to all workers, if this client has not done so before."""
+    """Sends an FMU to all workers, if this client has not done so before."""
     sent = _sent.setdefault(client, set())
     if fmu.sha256 not in sent:
         client.register_plugin(_FmuOnWorker(fmu.data, fmu.sha256))
@@ -330,25 +331,25 @@ def send_fmu(client: Client, fmu: Fmu) -> None:
 
 
 class _Run:
-    """The points of a job on their way to the workers and back."""
+    """Gives the points of a job to the workers and collects their results."""
 
     def __init__(self, client: Client, job: _Job, points: Points, open_points: list[int]) -> None:
         self.client = client
         self.job = job
         self.points = points
         self.left = deque(open_points)
-        #: Points whose worker died again and again. Dask blames all that a worker had to do; so these come at the end, and
-        #: one at a time, to see which one does it.
+        #: Points whose worker process ended several times. Dask blames all tasks of that worker. So these points are simulated
+        #: at the end, one at a time, to find the one that causes it.
         self.suspects: deque[int] = deque()
         self.alone = False
         self.under_way: dict[str, tuple[Future[Any], list[int]]] = {}
         self.arrived: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
         self.tasks = itertools.count()
         self.threads, self.looked = 0, -math.inf
-        self.each = math.inf  # [s] that a point takes
+        self.each = math.inf  # duration of a point [s]
 
     def results(self, patience: Callable[[], float | None]) -> Iterator[list[Result]]:
-        """As they come; an empty list when patience [s] is at its end."""
+        """Yields results as they come; an empty list when the time `patience()` [s] is over."""
         self.fill()
         while self.under_way:
             batch: list[Future[Any]] = []
@@ -362,12 +363,12 @@ class _Run:
             self.fill()
 
     def fill(self) -> None:
-        """Keeps all workers busy, and no more under way than that."""
+        """Submits just enough tasks to keep all workers busy."""
         if time.monotonic() - self.looked > 2.0:  # workers come and go
             self.threads, self.looked = sum(self.client.nthreads().values()), time.monotonic()
         threads = max(1, self.threads)
         while self.left and len(self.under_way) < 2 * threads + 1:
-            # Near the end tasks become smaller, so that nobody waits for one.
+            # Near the end tasks become smaller, so that no worker is idle.
             count = min(TASK / self.each, len(self.left) / (2 * threads))
             self.submit([self.left.popleft() for _ in range(max(1, int(count)))])
         if self.suspects and not self.under_way:
@@ -385,7 +386,7 @@ class _Run:
         results: list[Result] = []
         for future in batch:
             key = str(future.key)
-            if future.status in ("pending", "lost"):  # its worker died before it was asked: it is simulated again
+            if future.status in ("pending", "lost"):  # its worker ended before it returned the result: Dask repeats the task
                 future.add_done_callback(self.arrived.put)
                 continue
             some = self.under_way[key][1]
@@ -399,8 +400,8 @@ class _Run:
             except _Interrupted:
                 raise KeyboardInterrupt from None
             except CancelledError:
-                raise SweepError("the scheduler is gone, or has cancelled the sweep; what was finished is kept") from None
-            except Exception as error:  # not a point's: those are rows
+                raise SweepError("the scheduler is gone, or has cancelled the sweep; finished points are kept") from None
+            except Exception as error:  # not an error of a point: those are rows
                 raise SweepError(f"the workers cannot simulate: {type(error).__name__}: {error}") from error
             else:
                 results += got
@@ -417,7 +418,7 @@ def _clean_up(client: Client, job: _Job, futures: list[Future[Any]]) -> None:
                 client.cancel(futures)
             client.unregister_worker_plugin(f"lemons-sweep-{job.key}")
     except (OSError, TimeoutError, ValueError):
-        pass  # what went wrong before this is what is told
+        pass  # the error that happened before is reported
 
 
 def _report(progress: bool | Callable[[Progress], None]) -> Callable[[Progress], None]:
@@ -427,7 +428,8 @@ def _report(progress: bool | Callable[[Progress], None]) -> Callable[[Progress],
 
 
 class ProgressLine:
-    """A line on standard error, which a terminal shows again and again; elsewhere one every half minute. `what` is counted."""
+    """A progress line on standard error: a terminal shows it updated, elsewhere a new one is written every half minute. `what`
+    is the noun of what is counted."""
 
     def __init__(self, what: str = "points") -> None:
         self.what = what

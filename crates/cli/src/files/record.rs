@@ -3,7 +3,6 @@
 //! One file for each directory, where programs keep what they remember (`$XDG_STATE_HOME/lemons`, else
 //! `~/.local/state/lemons`; `%LOCALAPPDATA%\lemons`). Where none can be kept, every file that is there is a stranger's.
 
-use crowd_mechanics::files::write_atomically;
 use lemons_fmi2::fingerprint;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, Metadata};
@@ -116,7 +115,11 @@ pub fn add(directory: &Path, new: Vec<Written>) {
     record.file.retain(kept);
     record.file.extend(new);
     if let Ok(text) = toml::to_string(&record) {
-        let _ = write_atomically(&place, &text);
+        // Not as other files are written: a process that is ended puts nothing more into place by that way.
+        let new = place.with_extension(std::process::id().to_string());
+        let _ = std::fs::write(&new, text)
+            .and_then(|()| std::fs::rename(&new, &place))
+            .or_else(|_| std::fs::remove_file(&new));
     }
     forget_oldest(parent);
 }

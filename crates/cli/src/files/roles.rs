@@ -9,11 +9,13 @@ pub enum Role {
     /// Reads, and may write over what it goes on from.
     GoesOn,
     Writes,
+    /// Writes a text or a picture; `-` is standard output.
+    Shows,
     /// Puts files into a directory.
     WritesInto,
 }
 
-use Role::{GoesOn, Reads, ReadsAfterEquals, Writes, WritesInto};
+use Role::{GoesOn, Reads, ReadsAfterEquals, Shows, Writes, WritesInto};
 
 /// An argument: its field, how it is spelled (an operand is not), its role.
 pub type Argument = (&'static str, &'static str, Role);
@@ -31,26 +33,26 @@ pub const ROLES: [(&str, &[Argument]); 15] = [
             ("output", "--output", WritesInto),
             ("zip", "--zip", Writes),
             ("fmu", "--fmu", Writes),
-            ("population", "--population", Writes),
-            ("light_xml", "--light-xml", Writes),
-            ("sections_geojson", "--sections-geojson", Writes),
-            ("sections_wkt", "--sections-wkt", Writes),
-            ("obj", "--obj", Writes),
-            ("stl", "--stl", Writes),
-            ("svg", "--svg", Writes),
-            ("png", "--png", Writes),
-            ("pdf", "--pdf", Writes),
+            ("population", "--population", Shows),
+            ("light_xml", "--light-xml", Shows),
+            ("sections_geojson", "--sections-geojson", Shows),
+            ("sections_wkt", "--sections-wkt", Shows),
+            ("obj", "--obj", Shows),
+            ("stl", "--stl", Shows),
+            ("svg", "--svg", Shows),
+            ("png", "--png", Shows),
+            ("pdf", "--pdf", Shows),
         ],
     ),
     (
         "person",
         &[
-            ("obj", "--obj", Writes),
-            ("stl", "--stl", Writes),
-            ("geojson", "--geojson", Writes),
-            ("wkt", "--wkt", Writes),
-            ("svg", "--svg", Writes),
-            ("pdf", "--pdf", Writes),
+            ("obj", "--obj", Shows),
+            ("stl", "--stl", Shows),
+            ("geojson", "--geojson", Shows),
+            ("wkt", "--wkt", Shows),
+            ("svg", "--svg", Shows),
+            ("pdf", "--pdf", Shows),
         ],
     ),
     (
@@ -73,12 +75,12 @@ pub const ROLES: [(&str, &[Argument]); 15] = [
             ("input", "", Reads),
             ("drive", "--drive", Reads),
             ("resume", "--resume", GoesOn),
-            ("output", "--output", Writes),
-            ("outputs", "--outputs", Writes),
+            ("output", "--output", Shows),
+            ("outputs", "--outputs", Shows),
             ("state", "--state", Writes),
         ],
     ),
-    ("sweep", &[("spec", "", Reads), ("output", "--output", WritesInto), ("csv", "--csv", Writes)]),
+    ("sweep", &[("spec", "", Reads), ("output", "--output", WritesInto), ("csv", "--csv", Shows)]),
     (
         "plot",
         &[
@@ -101,7 +103,7 @@ pub const ROLES: [(&str, &[Argument]); 15] = [
     ),
     (
         "export",
-        &[("source", "", Reads), ("trial", "--trial", Reads), ("area", "--area", Reads), ("out", "", Writes)],
+        &[("source", "", Reads), ("trial", "--trial", Reads), ("area", "--area", Reads), ("out", "", Shows)],
     ),
     ("info", &[("fmu", "", Reads)]),
     ("check", &[("trials", "", Reads)]),

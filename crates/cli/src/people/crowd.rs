@@ -5,24 +5,26 @@ use super::placing::PlacingArguments;
 use super::source::{CUSTOM_HELP, Mixed, SourceArguments};
 use super::{line, within};
 use crate::binary::CROWD;
-use crate::error::{Misused, TrialHasErrors};
+use crate::error::{Misused, TrialHasErrors, and_then};
 use crate::files::{self, WISHES_FILE};
-use crate::given::Given;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::pack::{FmuArguments, write_fmu};
 use crate::tell;
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
-use crowd_mechanics::engine::{Pose, Rotation, Vec2, vec2};
-use crowd_mechanics::files::Scratch;
 use crowd_mechanics::pack::{Binary, DRIVE_FILE};
-use crowd_mechanics::trial::{Geometry, Trial};
-use lemons_crowd::{
-    Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
-    crowd_csv, crowd_trial, light_xml, may_write, write_geojson, write_trial, write_trial_zip, write_wkt,
+use crowd_mechanics::setup;
+use lemons_files::{Scratch, names_beside};
+use lemons_master::Given;
+use lemons_people::{
+    Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialError,
+    TrialSettings, crowd_csv, crowd_trial, light_xml, may_write, write_geojson, write_trial, write_trial_zip,
+    write_wkt,
 };
-use lemons_picture::{Bicycle as Drawn, Colour, Fill, Pose as DrawnPose, Scene, Style, pdf, png, svg};
+use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, pdf, png, svg};
+use lemons_plane::{Pose, Rotation, Vec2, vec2};
+use lemons_trial::{Geometry, Trial};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -30,14 +32,14 @@ use std::time::Instant;
 #[derive(clap::Args)]
 #[command(after_help = CUSTOM_HELP)]
 pub struct Arguments {
-    /// How many
+    /// Number of people
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     number: Option<u32>,
-    /// How many per m²: of the region; in the open, with --number, of the convex hull at least
-    /// (default there: as densely as they go)
+    /// People per m² of the region. In the open, with --number: the least density within the convex
+    /// hull of the crowd (default there: as dense as possible)
     #[arg(short, long, value_name = "PER_M2", value_parser = density, allow_negative_numbers = true)]
     density: Option<f64>,
-    /// The same seed gives the same crowd on any machine
+    /// Seed of the random numbers. The same seed gives the same crowd on every machine
     #[arg(short, long, value_name = "N", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
@@ -51,31 +53,32 @@ pub struct Arguments {
 }
 
 #[derive(clap::Args)]
-#[command(next_help_heading = "A Trial of it (pedestrians only)")]
+#[command(next_help_heading = "Trial and FMU (pedestrians only)")]
 struct TrialArguments {
-    /// A Trial directory
+    /// Write the crowd as a Trial directory
     #[arg(short, long, value_name = "TRIAL")]
     output: Option<PathBuf>,
-    /// The Trial directory as a zip
+    /// Write the Trial as a zip
     #[arg(long, value_name = "FILE.zip")]
     zip: Option<PathBuf>,
-    /// The Trial packed as an FMU
+    /// Write the Trial packed as an FMU
     #[arg(long, value_name = "FILE.fmu")]
     fmu: Option<PathBuf>,
     #[command(flatten)]
     packing: FmuArguments,
-    /// Replace files that are there although they are of something else, or somebody changed them;
-    /// also write a Trial into a directory with other things in it, which stay
+    /// Replace existing files, even if they were made from something else or were changed since;
+    /// also write the Trial into a directory that contains other files, which are kept
     #[arg(long)]
     force: bool,
-    /// What people are made of
+    /// Material of the people
     #[arg(long, value_enum, default_value_t = Wear::Naked)]
     material: Wear,
-    /// Everybody pushes with the force that keeps up this speed alone, along --direction; in m/s
+    /// Everybody pushes along --direction, with the force that keeps a lone person at this speed, in
+    /// m/s
     #[arg(long, value_name = "SPEED", default_value = "0", value_parser = speed, allow_negative_numbers = true)]
     speed: f64,
-    /// Communication step, in s; the mechanical step that divides it is proposed from the stiffest
-    /// contact
+    /// Communication step (TimeStep), in s. The mechanical step is chosen from the stiffest contact and
+    /// divides it
     #[arg(long, value_name = "SECONDS", default_value = "0.01", value_parser = time_step, allow_negative_numbers = true)]
     time_step: f64,
 }
@@ -92,14 +95,15 @@ enum Wear {
 #[derive(clap::Args)]
 #[command(next_help_heading = "Other files")]
 struct OtherArguments {
-    /// Everybody's measures, in m and kg
+    /// Write a table of everybody's measures, in m and kg
     #[arg(long, value_name = "FILE.csv")]
     population: Option<PathBuf>,
-    /// The paper's light format for mixed crowds, in absolute coordinates
+    /// Write the paper's light XML format, in absolute coordinates; it can hold bicycles
     #[arg(long, value_name = "FILE.xml")]
     light_xml: Option<PathBuf>,
-    /// Cut everybody's three-dimensional body at these altitudes, in m: 1.2,0.9,0.5; or torso: where
-    /// the shapes are those of the shortest, the mean and the tallest (the paper's comparison)
+    /// Compute sections of everybody's three-dimensional body at these altitudes, in m, for example
+    /// 1.2,0.9,0.5. The word torso stands for three: the altitude of the torso, where breadth and depth are
+    /// measured, of the shortest, the mean and the tallest person, as in the paper
     #[arg(
         long,
         value_name = "ALTITUDES",
@@ -108,25 +112,25 @@ struct OtherArguments {
         allow_negative_numbers = true
     )]
     sections: Vec<Altitude>,
-    /// These sections as GeoJSON; coordinates in m
+    /// Write these sections as GeoJSON, in m
     #[arg(long, value_name = "FILE.geojson", requires = "sections")]
     sections_geojson: Option<PathBuf>,
-    /// These sections as WKT, one MULTIPOLYGON Z for each altitude
+    /// Write these sections as well-known text (WKT), one MULTIPOLYGON Z for each altitude
     #[arg(long, value_name = "FILE.wkt", requires = "sections")]
     sections_wkt: Option<PathBuf>,
-    /// Everybody's surface as Wavefront OBJ: about 1 MB each
+    /// Write everybody's body surface as Wavefront OBJ, about 1 MB for each person
     #[arg(long, value_name = "FILE.obj")]
     obj: Option<PathBuf>,
-    /// The same as binary STL: about 1.6 MB each
+    /// Write everybody's body surface as binary STL, about 1.6 MB for each person
     #[arg(long, value_name = "FILE.stl")]
     stl: Option<PathBuf>,
-    /// The crowd from above as a picture
+    /// Draw the crowd from above as SVG
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
-    /// The same for print
+    /// Draw the crowd from above as PDF
     #[arg(long, value_name = "FILE.pdf")]
     pdf: Option<PathBuf>,
-    /// The same, 1200 pixels wide
+    /// Draw the crowd from above as PNG, 1200 pixels wide
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
 }
@@ -194,25 +198,21 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     // Known before a long packing.
     let makeable = settings.check(&place.geometry);
     if trial.wanted() || others.has_pictures() {
-        makeable.as_ref().map_err(|error| anyhow!("no Trial of {}: {error}", place.name))?;
+        makeable.as_ref().map_err(|error| anyhow!("cannot make a Trial of {}: {error}", place.name))?;
     }
     if let Some(directory) = &trial.output {
-        may_write(directory, trial.overwrite()).context(if trial.force {
-            "-o"
-        } else {
-            "-o (unless --force)"
-        })?;
-        for file in [DRIVE_FILE, WISHES_FILE] {
-            if directory.join(file).is_file() {
-                note!(
-                    "warning: {} of the Trial that was there stays, and is used",
-                    directory.join(file).display()
-                );
-            }
-        }
+        may_write(directory, trial.overwrite()).context("-o")?;
     }
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
     let mut outputs = arguments.outputs()?;
+    // Of a Trial that is refused nothing more is told.
+    for file in
+        trial.output.iter().flat_map(|directory| [DRIVE_FILE, WISHES_FILE].map(|name| directory.join(name)))
+    {
+        if file.is_file() {
+            note!("warning: {} of the Trial that was there stays, and is used", file.display());
+        }
+    }
     let interrupt = Interrupt::watch();
 
     let agents: Vec<Agent> = population.agents(*seed).take(wanted.number).collect();
@@ -270,6 +270,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         bodies.stl(output)?;
     }
     interrupt.check()?;
+    let mut done = Ok(());
     if mixed == Mixed::No && makeable.is_ok() {
         let people: Vec<Person> = agents.iter().filter_map(pedestrian).collect();
         let made =
@@ -278,7 +279,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
         writeln!(out, "mechanical step    {step:>10} {note}")?;
         outputs.draw(&Scene::at_start(&made), Fill::BodyArea)?;
-        trial.write(&made, binaries, &interrupt, &mut out)?;
+        done = trial.write(&made, binaries, &interrupt, &mut out)?;
     } else if others.has_pictures() {
         outputs.draw_mixed(&agents, &shapes, &packing.poses, place.geometry, &settings)?;
     }
@@ -288,8 +289,9 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             "nothing was written: give -o TRIAL, --fmu, --zip, or another file (lemons crowd --help)"
         )?;
     }
-    outputs.persist(&mut out)?;
-    Ok(tell::out().write_all(&out)?)
+    done = and_then(done, outputs.persist(&interrupt, &mut out));
+    let told = tell::out().write_all(&out);
+    done.and(Ok(told?))
 }
 
 /// A unit vector; exact along the axes.
@@ -337,21 +339,25 @@ impl TrialArguments {
         }
     }
 
-    /// Checks the Trial as everybody would, and writes it where it was asked for.
+    /// Checks the Trial as everybody would, and writes it where it was asked for: everywhere, also when one place
+    /// cannot be taken, which is the error within.
+    ///
+    /// # Errors
+    /// Nothing more is to be written.
     fn write(
         &self,
         trial: &Trial,
         binaries: Option<Vec<Binary>>,
         interrupt: &Interrupt,
         out: &mut impl Write,
-    ) -> Result<()> {
+    ) -> Result<Result<()>> {
         if !self.wanted() {
-            return Ok(());
+            return Ok(Ok(()));
         }
         let scratch = Scratch::new().context("cannot make a temporary directory")?;
         let directory = scratch.path().join(&trial.name);
         write_trial(trial, &directory, Overwrite::Trials)?;
-        match Trial::read(&directory) {
+        match setup::read(&directory) {
             Ok((_, warnings)) => warnings.iter().for_each(|warning| {
                 // The file's name without the place where it lies for the moment.
                 note!("{}", warning.to_string().replace(&format!("{}/", directory.display()), ""));
@@ -362,21 +368,46 @@ impl TrialArguments {
             }
         }
         // From here on files appear.
+        let mut done = Ok(());
+        let mut wrote = |what: &str, path: &Path, written: Result<()>| {
+            let told = written.and_then(|()| Ok(say(out, what, path)?));
+            done = and_then(std::mem::replace(&mut done, Ok(())), told);
+        };
         interrupt.check()?;
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
             // Its warnings are those printed already.
-            write_fmu(&[Given::open(&directory)?], binaries, self.packing.naming(), file)?;
-            say(out, "FMU", file)?;
+            let written = write_fmu(&[Given::open(&directory)?], binaries, self.packing.naming(), file);
+            wrote("FMU", file, written.map(drop));
         }
+        interrupt.check()?;
         if let Some(file) = &self.zip {
-            write_trial_zip(trial, file)?;
-            say(out, "zip", file)?;
+            wrote("zip", file, write_trial_zip(trial, file).map_err(Into::into));
         }
+        interrupt.check()?;
         if let Some(directory) = &self.output {
-            write_trial(trial, directory, self.overwrite())?;
-            say(out, "Trial", directory)?;
+            wrote("Trial", directory, self.write_into(directory, trial));
         }
-        Ok(())
+        Ok(done)
+    }
+}
+
+impl TrialArguments {
+    /// Beside a directory into which no Trial may be written any more: it could be when the crowd was begun.
+    fn write_into(&self, directory: &Path, trial: &Trial) -> Result<()> {
+        let written = write_trial(trial, directory, self.overwrite());
+        let Err(refused @ (TrialError::NotATrial { .. } | TrialError::NoDirectory { .. })) = written else {
+            return Ok(written?);
+        };
+        match names_beside(directory).find(|name| name.symlink_metadata().is_err()) {
+            Some(free) => {
+                write_trial(trial, &free, Overwrite::Trials)?;
+                Err(anyhow!(
+                    "{refused}; it was changed while this command ran, the Trial is in {}",
+                    free.display()
+                ))
+            }
+            None => Err(refused.into()),
+        }
     }
 }
 
@@ -484,8 +515,7 @@ impl Outputs {
                 }
                 Agent::Bicycle(bicycle) => {
                     let [wheels, rider] = bicycle.rectangles();
-                    let pose = DrawnPose { position: pose.position, theta: pose.orientation };
-                    bicycles.push(Drawn { id: place.to_string(), pose, wheels, rider });
+                    bicycles.push(Drawn { id: place.to_string(), pose: *pose, wheels, rider });
                 }
             }
         }
@@ -517,7 +547,9 @@ impl Outputs {
         Ok(())
     }
 
-    fn persist(self, out: &mut impl Write) -> Result<()> {
+    /// Puts each in its place, also when that of another cannot be taken.
+    fn persist(self, interrupt: &Interrupt, out: &mut impl Write) -> Result<()> {
+        let mut done = Ok(());
         let all = [
             ("population", self.population),
             ("light XML", self.light_xml),
@@ -531,9 +563,11 @@ impl Outputs {
         ];
         for (what, output) in all {
             let Some(output) = output else { continue };
-            say(out, what, output.path())?;
-            output.persist()?;
+            interrupt.check()?;
+            let path = output.path().to_owned();
+            let placed = output.persist().and_then(|()| Ok(say(out, what, &path)?));
+            done = and_then(done, placed);
         }
-        Ok(())
+        done
     }
 }

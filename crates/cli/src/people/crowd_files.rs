@@ -3,11 +3,11 @@
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::output::Output;
 use anyhow::{Context, Result};
-use crowd_mechanics::engine::Pose;
-use lemons_crowd::{
+use lemons_people::{
     Agent, Along, Body3d, CrowdSection, LightAgent, LightSettings, MeshPart, Placed, Shape, section,
     write_obj, write_stl,
 };
+use lemons_plane::Pose;
 use std::io::Write;
 
 /// Ids are places in the crowd. Bicycles stand along an axis.
@@ -42,7 +42,7 @@ impl Bodies<'_> {
         let placed = self.agents.iter().zip(self.poses).enumerate();
         placed.filter_map(|(place, (agent, pose))| match agent {
             Agent::Pedestrian(person) => Some(match self.interrupt.pressed() {
-                true => Err(Interrupted::nothing_written().into()),
+                true => Err(Interrupted::given_up().into()),
                 false => Body3d::of(person)
                     .with_context(|| format!("agent {place}"))
                     .map(|body| (place, body, *pose)),

@@ -1,58 +1,58 @@
 //! `lemons person`: one person's shape, and the files of the body.
 
 use super::{SexArgument, breadth, depth, line, mass, stature};
-use crate::error::Misused;
+use crate::error::{Misused, and_then};
 use crate::files::Force;
 use crate::output::Output;
 use crate::tell;
 use anyhow::Result;
-use crowd_mechanics::engine::{Pose, vec2};
-use crowd_mechanics::trial::Geometry;
-use lemons_crowd::{
+use lemons_people::{
     Body3d, Placed, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj, write_stl,
     write_wkt,
 };
 use lemons_picture::{Scene, Style, pdf, svg};
+use lemons_plane::{Pose, vec2};
+use lemons_trial::Geometry;
 use std::io::Write;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
 #[command(override_usage = "lemons person --breadth CM --depth CM --stature M --mass KG [OPTIONS]")]
 pub struct Arguments {
-    /// Bideltoid breadth, across the shoulders, in cm
+    /// Shoulder breadth (bideltoid), in cm
     #[arg(long, value_name = "CM", value_parser = breadth, allow_negative_numbers = true)]
     breadth: f64,
-    /// Depth of the chest, in cm
+    /// Chest depth, in cm
     #[arg(long, value_name = "CM", value_parser = depth, allow_negative_numbers = true)]
     depth: f64,
-    /// Height without shoes, in m
+    /// Stature: body height without shoes, in m
     #[arg(long, value_name = "M", value_parser = stature, allow_negative_numbers = true)]
     stature: f64,
-    /// In kg
+    /// Mass, in kg
     #[arg(long, value_name = "KG", value_parser = mass, allow_negative_numbers = true)]
     mass: f64,
-    /// Whose build the three-dimensional body has
+    /// Sex of the three-dimensional body
     #[arg(long, value_enum, default_value_t = SexArgument::Male)]
     sex: SexArgument,
-    /// The body's surface as Wavefront OBJ
+    /// Write the body's surface as Wavefront OBJ
     #[arg(long, value_name = "FILE.obj")]
     obj: Option<PathBuf>,
-    /// The body's surface as binary STL
+    /// Write the body's surface as binary STL
     #[arg(long, value_name = "FILE.stl")]
     stl: Option<PathBuf>,
-    /// The body's slices as GeoJSON; coordinates in m
+    /// Write the body's horizontal slices as GeoJSON, in m
     #[arg(long, value_name = "FILE.geojson")]
     geojson: Option<PathBuf>,
-    /// The body's slices as well-known text, a MULTIPOLYGON Z each
+    /// Write the body's horizontal slices as well-known text (WKT), a MULTIPOLYGON Z for each
     #[arg(long, value_name = "FILE.wkt")]
     wkt: Option<PathBuf>,
     /// Height of a slice, in cm
     #[arg(long, value_name = "CM", default_value = "2", value_parser = slice_height, allow_negative_numbers = true)]
     slice_height: f64,
-    /// The shape from above as a picture
+    /// Draw the shape from above as SVG
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
-    /// The same for print
+    /// Draw the shape from above as PDF
     #[arg(long, value_name = "FILE.pdf")]
     pdf: Option<PathBuf>,
     #[command(flatten)]
@@ -121,11 +121,14 @@ pub fn person(arguments: &Arguments) -> Result<()> {
             output.fill(|file| file.write_all(&page))
         })?;
     }
+    let mut done = Ok(());
     for output in outputs {
-        writeln!(out, "{}", output.path().display())?;
-        output.persist()?;
+        let path = output.path().to_owned();
+        let placed = output.persist().and_then(|()| Ok(writeln!(out, "{}", path.display())?));
+        done = and_then(done, placed);
     }
-    Ok(tell::out().write_all(&out)?)
+    let told = tell::out().write_all(&out);
+    done.and(Ok(told?))
 }
 
 const ORIGIN: Pose = Pose { position: vec2(0.0, 0.0), orientation: 0.0 };

@@ -4,42 +4,44 @@ use crate::error::{Misused, TrialHasErrors};
 use crate::interrupt::{Interrupt, Interrupted};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
-use crowd_mechanics::engine::{Vec2, vec2};
-use crowd_mechanics::trial::Geometry;
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_crowd::placing::{
+use lemons_people::placing::{
     Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, Stage, TOLERANCE, dense,
     grid, measure, paper,
 };
-use lemons_crowd::{Disk, Shape, walls};
+use lemons_people::{Disk, Shape, walls};
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::Geometry;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Duration;
 
 #[derive(clap::Args)]
-#[command(next_help_heading = "Where")]
+#[command(next_help_heading = "Region and packing")]
 pub struct PlacingArguments {
-    /// A box with walls, its lower left corner at the origin, in m: 4.56x4.56
+    /// Place people in a box with walls, in m, for example 4.56x4.56; its lower left corner is the
+    /// origin
     #[arg(long = "box", value_name = "LXxLY", value_parser = sides, allow_hyphen_values = true, group = "region")]
     sides: Option<Vec2>,
-    /// Inside the closed walls of this Geometry.xml: the largest is the outline, the others are
-    /// holes
+    /// Place people inside the closed walls of this Geometry.xml: the largest wall is the outline, the
+    /// others are holes
     #[arg(long, value_name = "FILE.xml", group = "region")]
     geometry: Option<PathBuf>,
-    /// In the open, without walls (default)
+    /// Place people in the open, without walls (default)
     #[arg(long, group = "region")]
     open: bool,
-    /// Our own packer without overlap, the paper's (appendix D), or rows
+    /// Packing algorithm. dense: our own, without overlap; paper: that of the paper's appendix D; grid:
+    /// rows
     #[arg(long, value_enum, default_value_t = PackingArgument::Dense)]
     packing: PackingArgument,
-    /// Any way; exactly along --direction; or that way first and turned by others. Default: any
-    /// way, or towards --direction if that is given
+    /// Which way people face. free: any way; fixed: exactly along --direction; towards: first along
+    /// --direction, then turned by their neighbours. Default: towards if --direction is given, else free
     #[arg(long, value_enum)]
     orientation: Option<OrientationArgument>,
-    /// Counter-clockwise from the x axis, in degrees; default: 0
+    /// Direction people face, in degrees counter-clockwise from the x axis. Default: 0
     #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_negative_numbers = true)]
     direction: Option<f64>,
-    /// Write a crowd although some overlap
+    /// Write the crowd even if some people overlap
     #[arg(long)]
     allow_overlap: bool,
 }
@@ -136,9 +138,11 @@ impl PlacingArguments {
                 place.name
             ))
             .into()),
-            (None, None) => {
-                Err(Misused("how many? --number N, or --density D with --box or --geometry".into()).into())
-            }
+            (None, None) => Err(Misused(
+                "the number of people is missing: give --number N, or --density D with --box or --geometry"
+                    .into(),
+            )
+            .into()),
             (None, Some(density)) if place.region.is_plane() => Err(Misused(format!(
                 "--density {density} in the open needs --number, or --box or --geometry"
             ))
@@ -219,7 +223,7 @@ impl PlacingArguments {
         let option = self.option();
         let packing = packing.with_context(|| format!("{count} in {}, {option}", place.name))?;
         if packing.ended == Ended::Cancelled {
-            return Err(Interrupted::nothing_written().into());
+            return Err(Interrupted::given_up().into());
         }
         let Measure { density, clear_density, largest_overlap, .. } = measure(shapes, region, &packing.poses);
         let clear_density = clear_density.max(packing.clear_density);

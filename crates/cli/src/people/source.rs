@@ -2,43 +2,42 @@
 
 use super::{breadth, depth, mass, person, stature};
 use anyhow::{Context, Result};
-use lemons_crowd::{Custom, Person, Population, Proportions, Sex, Source, Survey};
 use lemons_files::input;
+use lemons_people::{Custom, Person, Population, Proportions, Sex, Source, Survey};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
-#[command(
-    next_help_heading = "Who (default: the survey ANSUR II of 2012, people's measures belong together)"
-)]
+#[command(next_help_heading = "People (default: drawn from the statistics of the survey ANSUR II, 2012)")]
 pub struct SourceArguments {
-    /// Chance of each pedestrian to be a man, 0 to 1; default: 0.5
+    /// Probability that a pedestrian is a man, 0 to 1. Default: 0.5
     #[arg(long, value_name = "PART", value_parser = part, allow_negative_numbers = true, conflicts_with = "fixed")]
     men: Option<f64>,
-    /// Chance of each to be a pedestrian, 0 to 1, the others bicycles with riders; default: 1
+    /// Probability that a member of the crowd is a pedestrian, 0 to 1; the others ride bicycles.
+    /// Default: 1
     #[arg(long, value_name = "PART", value_parser = part, allow_negative_numbers = true)]
     pedestrians: Option<f64>,
-    /// Statistics of one's own, see below
+    /// Your own statistics, see below
     #[arg(long, value_name = "FILE.toml", conflicts_with_all = ["ansur_male", "ansur_female", "fixed"])]
     custom: Option<PathBuf>,
-    /// Real men: the survey's public table ANSUR_II_MALE_Public.csv
+    /// Draw real men from the survey's public table ANSUR_II_MALE_Public.csv
     #[arg(long, value_name = "FILE.csv", conflicts_with = "fixed")]
     ansur_male: Option<PathBuf>,
-    /// Real women: the survey's public table ANSUR_II_FEMALE_Public.csv
+    /// Draw real women from the survey's public table ANSUR_II_FEMALE_Public.csv
     #[arg(long, value_name = "FILE.csv", conflicts_with = "fixed")]
     ansur_female: Option<PathBuf>,
-    /// The same person again and again: breadth and depth in cm, stature in m, mass in kg, as in
-    /// 49,25,1.75,70 or 45,24,1.63,67,female
+    /// The same person every time: shoulder breadth and chest depth in cm, stature in m, mass in kg, for
+    /// example 49,25,1.75,70 or 45,24,1.63,67,female
     #[arg(long, value_name = "MEASURES", value_parser = fixed, allow_hyphen_values = true)]
     fixed: Option<Person>,
 }
 
 pub const CUSTOM_HELP: &str = "\
-Statistics for --custom: truncated normal distributions in cm and kg. What the file \
-does not say is as here (mean, sd, min, max of women: breadth 45, 1.5, 30, 60; depth \
-24, 1.5, 15, 45; stature 164, 7, 140, 210; mass 67, 11, 30, 130):
+A file for --custom: truncated normal distributions in cm and kg. The values below are \
+the defaults. The defaults for women are (mean, sd, min, max): breadth 45, 1.5, 30, 60; \
+depth 24, 1.5, 15, 45; stature 164, 7, 140, 210; mass 67, 11, 30, 130.
 
-  men = 0.5             # part of the pedestrians; --men and
-  pedestrians = 1.0     # --pedestrians replace these
+  men = 0.5             # probabilities; the options --men and
+  pedestrians = 1.0     # --pedestrians override them
   [male]
   breadth = { mean = 51, sd = 2, min = 30, max = 65 }
   depth = { mean = 26, sd = 2, min = 15, max = 45 }
@@ -52,8 +51,8 @@ does not say is as here (mean, sd, min, max of women: breadth 45, 1.5, 30, 60; d
   top_tube = { mean = 61, sd = 5, min = 40, max = 90 }
   mass = { mean = 30, sd = 5, min = 10, max = 100 }
 
-Rank correlations between the four measures of a person are the survey's; a matrix \
-`spearman` of 4 x 4 numbers in [male] or [female] replaces them.";
+The rank correlations between the four measures of a person are those of the survey. A \
+matrix `spearman` of 4 x 4 numbers in [male] or [female] replaces them.";
 
 fn part(text: &str) -> Result<f64, String> {
     super::within(text, 0.0, 1.0, "")

@@ -6,13 +6,12 @@ use super::spread::Spread;
 use crate::interrupt::Interrupt;
 use anyhow::Result;
 use clap::ValueEnum;
-use crowd_mechanics::engine::{Vec2, vec2};
-use crowd_mechanics::trial::AgentDynamics;
-use lemons_export::{Observed, OfStep, Run};
 use lemons_picture::{
     Colour, ColourMap, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, View, Visibility,
     body_area, ids_without_room,
 };
+use lemons_plane::{Motion, Vec2, vec2};
+use lemons_record::{Observed, OfStep, Run};
 use std::path::PathBuf;
 
 /// \[m\] A trail's points are not nearer than this to each other.
@@ -23,42 +22,42 @@ const CLIP: f64 = 0.98;
 #[derive(clap::Args)]
 #[command(next_help_heading = "Look")]
 pub struct Look {
-    /// Colour of the bodies: area, speed, contacts, squeeze (the mean over the communication step that ends
-    /// at the time), peak-squeeze (the largest within that step), or one colour as in #8cb4de
+    /// Colour of the bodies: area, speed, contacts, squeeze (mean over the communication step that ends
+    /// at this time), peak-squeeze (largest value within that step), or one colour such as #8cb4de
     #[arg(long, value_name = "FILL", default_value = "area", value_parser = filling)]
     pub fill: Filling,
-    /// What the two ends of the colour bar are; default: 0, of areas the least, and the value below which
-    /// 98 % lie of those that are shown and not 0 (the bar says ≥ where any is beyond), of areas the greatest
+    /// Values at the two ends of the colour bar. Default: 0 and the 98 % quantile of the values that are
+    /// not 0 (the bar says ≥ if there are greater ones); for areas, the least and the greatest
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
     range: Option<(f64, f64)>,
-    /// Contacts as lines, as wide as their normal force
+    /// Draw contacts as lines whose width shows the normal force
     #[arg(long)]
     forces: bool,
-    /// The force that has the widest line, in newtons; default: the greatest shown
+    /// Force of the widest line, in newtons. Default: the greatest force that is drawn
     #[arg(long, value_name = "NEWTONS", requires = "forces", value_parser = positive)]
     widest: Option<f64>,
-    /// Where everybody came from; --trails=2: in the last two seconds
+    /// Draw the path of everybody; --trails=2: the path of the last two seconds
     #[arg(long, value_name = "SECONDS", num_args = 0..=1, require_equals = true, default_missing_value = "inf", value_parser = trail)]
     trails: Option<f64>,
-    /// Measured trajectories, drawn dashed: CSV with t,id,x,y; the id is that of Agents.xml
+    /// Draw measured trajectories, dashed: a CSV file with columns t,id,x,y; id is the Id in Agents.xml
     #[arg(long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
-    /// What the x and y of the measured trajectories are
+    /// Meaning of x and y of the measured trajectories
     #[arg(long, value_name = "ORIGIN", default_value = "plane", requires = "measured")]
     measured_from: Origin,
-    /// The agents' Ids, on the bodies, all of one size
+    /// Draw the agents' Ids on the bodies
     #[arg(long)]
     ids: bool,
-    /// No mark where each body faces
+    /// Do not mark which way each body faces
     #[arg(long)]
     no_orientation: bool,
-    /// The part of the plane shown, in metres; default: walls, bodies and trails
+    /// Part of the plane that is drawn, in metres. Default: walls, bodies and trails
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = view, allow_hyphen_values = true)]
     view: Option<View>,
-    /// Light on near-black
+    /// Draw light on dark
     #[arg(long)]
     dark: bool,
-    /// In pixels; the height follows
+    /// Width in pixels; the height follows from it
     #[arg(long, value_name = "PIXELS", default_value_t = 800, value_parser = clap::value_parser!(u32).range(64..=8192))]
     pub width: u32,
 }
@@ -74,19 +73,20 @@ pub enum Filling {
 /// What is known of each agent at each time.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Quantity {
-    /// Of the centre of mass
+    /// x of the centre of mass
     X,
-    /// Of the centre of mass
+    /// y of the centre of mass
     Y,
+    /// Speed of the centre of mass
     Speed,
-    /// Sum of |F_n| over the contacts: its mean over the communication step that ends at the time
+    /// Sum of |F_n| over the contacts: its mean over the communication step that ends at this time
     Squeeze,
-    /// Its largest value within that step
+    /// Largest value of this sum within that step
     PeakSqueeze,
     /// Its value at the time: of runs that do not say the others.
     #[value(skip)]
     SqueezeAtTheTime,
-    /// With other people's disks and with walls
+    /// Number of contacts with disks of other people and with walls
     Contacts,
 }
 
@@ -120,18 +120,18 @@ impl Quantity {
         let (label, _) = self.label();
         let source = run.source.display();
         note!(
-            "{source}: does not say the {label} over communication steps: shown is the squeeze at the time"
+            "{source}: it does not contain the {label} over communication steps; the squeeze at this time is shown instead"
         );
         Quantity::SqueezeAtTheTime
     }
 
     /// Of an agent; NaN where it is not known.
-    pub fn of(self, agent: &AgentDynamics, seen: Option<&Observed>) -> f64 {
+    pub fn of(self, agent: &Motion, seen: Option<&Observed>) -> f64 {
         let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
         let known = match self {
-            Quantity::X => Some(agent.position.x),
-            Quantity::Y => Some(agent.position.y),
-            Quantity::Speed => Some(agent.velocity.norm()),
+            Quantity::X => Some(agent.pose.position.x),
+            Quantity::Y => Some(agent.pose.position.y),
+            Quantity::Speed => Some(agent.twist.velocity.norm()),
             Quantity::Squeeze => of_step(|step| step.mean_normal_force),
             Quantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
             Quantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
@@ -303,8 +303,10 @@ impl<'f> Looks<'f> {
         }
         if let (Filling::Of(_), None) = (look.fill, look.range) {
             // A spike of a millisecond would leave all others at the low end.
-            let (high, beyond) = spread.quantile(CLIP).unwrap_or((1.0, false));
-            (looks.range, looks.quantile) = (Some((0.0, high)), beyond.then_some(CLIP));
+            // Without any but zeros the picture says so.
+            if let Some((high, beyond)) = spread.quantile(CLIP) {
+                (looks.range, looks.quantile) = (Some((0.0, high)), beyond.then_some(CLIP));
+            }
         }
         looks.widest = look.widest.or(widest);
         if let Some(last) = times.last().filter(|_| look.shows_trails()) {
@@ -376,8 +378,8 @@ impl<'f> Looks<'f> {
         let within = |time: f64| (from..=to).contains(&time);
         let frames = || self.footage.run.frames.iter().filter(|frame| within(frame.time));
         let simulated = (0..moment.agents.len()).map(|agent| {
-            let past = frames().map(|frame| frame.agents[agent].position);
-            let points = thinned(past.chain([moment.agents[agent].position]));
+            let past = frames().map(|frame| frame.agents[agent].pose.position);
+            let points = thinned(past.chain([moment.agents[agent].pose.position]));
             Trail { agent: Some(agent), kind: TrailKind::Simulated, points }
         });
         let measured = self.measured.iter().flat_map(|measured| {

@@ -2,9 +2,9 @@
 
 use super::moment::agents_at;
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::engine::{Vec2, vec2};
-use lemons_export::Run;
 use lemons_files::input;
+use lemons_plane::{Vec2, vec2};
+use lemons_record::Run;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -65,7 +65,7 @@ impl Measured {
     /// Moved to where each agent of a run was at the file's first time, if the file has displacements from there.
     ///
     /// # Errors
-    /// Somebody is no agent, or where somebody was then is not known.
+    /// An Id is not that of an agent, or the position of an agent at this time is not known.
     pub fn placed(mut self, origin: Origin, run: &Run) -> Result<Measured> {
         let start = self.people.values().map(|rows| rows[0].0).fold(f64::INFINITY, f64::min);
         let agents = agents_at(run, start);
@@ -88,7 +88,7 @@ impl Measured {
                      where people were is not known (--measured-from plane)"
                 );
             }
-            let shift = agents[place].position - rows[0].1;
+            let shift = agents[place].pose.position - rows[0].1;
             rows.iter_mut().for_each(|row| row.1 += shift);
         }
         Ok(self)
@@ -108,8 +108,8 @@ fn plain(column: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crowd_mechanics::trial::AgentDynamics;
-    use lemons_export::Frame;
+    use lemons_plane::{Motion, Pose, Twist};
+    use lemons_record::Frame;
 
     fn read(text: &str) -> Result<Measured> {
         let file = tempfile::NamedTempFile::new().unwrap();
@@ -120,24 +120,12 @@ mod tests {
     #[test]
     fn displacements_begin_where_agents_start() {
         let rows = "t [s],id,x [m],y [m]\n0,a,0.5,0\n0,b,0,0\n0.1,a,0.75,-1\n";
-        let at = |x: f64, y: f64| AgentDynamics {
-            position: vec2(x, y),
-            velocity: Vec2::ZERO,
-            theta: 0.0,
-            omega: 0.0,
-            fp: Vec2::ZERO,
-            mp: 0.0,
-        };
+        let pose = |x: f64, y: f64| Pose { position: vec2(x, y), orientation: 0.0 };
+        let at = |x: f64, y: f64| Motion { pose: pose(x, y), twist: Twist::default() };
         let run = |ids: &[&str], time: f64| Run {
             source: "run.csv".into(),
             ids: ids.iter().map(|id| (*id).to_owned()).collect(),
-            frames: vec![Frame {
-                time,
-                agents: vec![at(10.0, 20.0), at(0.0, 1.0)],
-                observed: None,
-                interactions: None,
-                place: String::new(),
-            }],
+            frames: vec![Frame { time, agents: vec![at(10.0, 20.0), at(0.0, 1.0)], ..Frame::default() }],
         };
         let both = run(&["a", "b"], 0.0);
         let placed = read(rows).unwrap().placed(Origin::Start, &both).unwrap();

@@ -1,17 +1,20 @@
 //! A run at any time: between its frames everything is linear.
 
-use crate::crowd::moves;
-use crowd_mechanics::engine::{Crowded, Pair, Pose as EnginePose, Rotation, State, Twist, Vec2, World};
-use crowd_mechanics::trial::{AgentDynamics, Trial, WorldError};
-use lemons_export::{Frame, Observed, Run};
-use lemons_picture::{Force, Pose};
+use crate::crowd_run::moves;
+use anyhow::bail;
+use crowd_mechanics::engine::{Crowded, Pair, State, World};
+use crowd_mechanics::setup::{Setup, WorldError};
+use lemons_picture::Force;
+use lemons_plane::{Motion, Pose, Rotation, Vec2};
+use lemons_record::{Frame, Observed, Run};
+use lemons_trial::Trial;
 use std::collections::BTreeMap;
 
 /// The crowd at one time.
 pub struct Moment {
     /// \[s\]
     pub time: f64,
-    pub agents: Vec<AgentDynamics>,
+    pub agents: Vec<Motion>,
     /// At the frame that is nearest in time.
     pub observed: Vec<Observed>,
     /// Of that frame.
@@ -20,12 +23,20 @@ pub struct Moment {
 
 impl Moment {
     pub fn poses(&self) -> Vec<Pose> {
-        self.agents.iter().map(|agent| Pose { position: agent.position, theta: agent.theta }).collect()
+        self.agents.iter().map(|agent| agent.pose).collect()
     }
 }
 
 /// \[1\], \[N\] Recorded and computed squeezes agree to this, or the run had other parameters.
 const AGREEMENT: (f64, f64) = (1e-3, 1.0);
+
+/// \[s\] Times are sums of steps: rounding does not leave a frame out.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether a time lies between two, where they are given; all \[s\].
+pub fn within(time: f64, from: Option<f64>, until: Option<f64>) -> bool {
+    from.is_none_or(|from| time >= from - ROUNDING) && until.is_none_or(|until| time <= until + ROUNDING)
+}
 
 /// A run of a Trial, whose frames all say what contacts do to each agent.
 pub struct Footage {
@@ -41,7 +52,7 @@ impl Footage {
     pub fn new(trial: Trial, mut run: Run) -> Result<Footage, WorldError> {
         let mut shadow = Shadow::new(&trial)?;
         for frame in run.frames.iter_mut().filter(|frame| frame.observed.is_none()) {
-            shadow.put(&frame.agents).map_err(|crowded| trial.too_crowded(crowded))?;
+            shadow.put(&frame.agents).map_err(|crowded| Setup::of(&trial).too_crowded(crowded))?;
             let bodies = shadow.0.contacts().bodies.iter();
             let seen = bodies.map(|body| Observed {
                 agent_contacts: body.agent_contacts,
@@ -63,11 +74,30 @@ impl Footage {
         self.run.times().1
     }
 
+    /// That a time \[s\] is one of the run's.
+    pub fn check(&self, time: f64) -> anyhow::Result<()> {
+        let (first, last) = (self.first(), self.last());
+        if time < first - ROUNDING || time > last + ROUNDING {
+            let source = self.run.source.display();
+            bail!("{source}: t = {time:?} s is not in it: it goes from {first:?} to {last:?} s");
+        }
+        Ok(())
+    }
+
+    /// That none of its frames is between two times \[s\].
+    pub fn nothing_between(&self, from: Option<f64>, until: Option<f64>) -> String {
+        let (first, last) = (self.first(), self.last());
+        let (from, until) = (from.unwrap_or(first), until.unwrap_or(last));
+        let source = self.run.source.display();
+        format!("{source}: no frame from {from:?} to {until:?} s: it goes from {first:?} to {last:?} s")
+    }
+
     /// \[s\] The first frame from which on nobody moves; `None` if somebody does in the last.
     pub fn still_from(&self) -> Option<f64> {
         let frames = &self.run.frames;
-        let moving =
-            |frame: &Frame| frame.agents.iter().any(|agent| moves(agent.velocity.norm(), agent.omega));
+        let moving = |frame: &Frame| {
+            frame.agents.iter().any(|agent| moves(agent.twist.velocity.norm(), agent.twist.angular_velocity))
+        };
         let still = frames.iter().rposition(moving).map_or(0, |last| last + 1);
         frames.get(still).map(|frame| frame.time)
     }
@@ -102,15 +132,12 @@ impl Footage {
 
 impl Shadow {
     pub fn new(trial: &Trial) -> Result<Shadow, WorldError> {
-        Ok(Shadow(trial.world()?))
+        Ok(Shadow(Setup::of(trial).world()?))
     }
 
-    fn put(&mut self, agents: &[AgentDynamics]) -> Result<(), Crowded> {
-        let poses =
-            agents.iter().map(|agent| EnginePose { position: agent.position, orientation: agent.theta });
-        let twists =
-            agents.iter().map(|agent| Twist { velocity: agent.velocity, angular_velocity: agent.omega });
-        self.0.restore(State::new(poses.collect(), twists.collect()))
+    fn put(&mut self, agents: &[Motion]) -> Result<(), Crowded> {
+        let (poses, twists) = agents.iter().map(|agent| (agent.pose, agent.twist)).unzip();
+        self.0.restore(State::new(poses, twists))
     }
 
     /// The normal forces at the nearest frame: for each two that touch, their contacts together, from body to
@@ -124,7 +151,7 @@ impl Shadow {
             return (Vec::new(), false);
         }
         let (scene, report) = (self.0.scene(), self.0.contacts());
-        let here = |body: usize| moment.agents[body].position;
+        let here = |body: usize| moment.agents[body].pose.position;
         let mut pairs: BTreeMap<(usize, usize), f64> = BTreeMap::new();
         // The strongest contact says where a body leans on a wall.
         let mut walls: BTreeMap<(usize, usize), (f64, f64, Vec2)> = BTreeMap::new();
@@ -137,7 +164,7 @@ impl Shadow {
                 }
                 Pair::Face { disk, face, .. } => {
                     let (body, disk) = (scene.body_of(disk).index(), &scene.disks[disk.index()]);
-                    let centre = disk.offset.rotated(Rotation::by(moment.agents[body].theta));
+                    let centre = disk.offset.rotated(Rotation::by(moment.agents[body].pose.orientation));
                     let point = here(body) + centre - contact.normal * (disk.radius - 0.5 * contact.depth);
                     let wall = scene.faces[face.index()].wall.index();
                     let sum = walls.entry((body, wall)).or_insert((0.0, -1.0, point));
@@ -172,24 +199,12 @@ fn observed(frame: &Frame) -> &[Observed] {
 }
 
 /// Everybody at a time \[s\] of a run; its ends for times beyond them.
-pub fn agents_at(run: &Run, time: f64) -> Vec<AgentDynamics> {
+pub fn agents_at(run: &Run, time: f64) -> Vec<Motion> {
     let after = run.frames.partition_point(|frame| frame.time <= time);
     let (Some(before), Some(b)) = (after.checked_sub(1), run.frames.get(after)) else {
         return run.frames[after.min(run.frames.len() - 1)].agents.clone();
     };
     let a = &run.frames[before];
     let part = (time - a.time) / (b.time - a.time);
-    a.agents.iter().zip(&b.agents).map(|(a, b)| between(a, b, part)).collect()
-}
-
-fn between(a: &AgentDynamics, b: &AgentDynamics, part: f64) -> AgentDynamics {
-    let vector = |a: Vec2, b: Vec2| a + (b - a) * part;
-    let number = |a: f64, b: f64| a + (b - a) * part;
-    AgentDynamics {
-        position: vector(a.position, b.position),
-        velocity: vector(a.velocity, b.velocity),
-        theta: number(a.theta, b.theta),
-        omega: number(a.omega, b.omega),
-        ..a.clone()
-    }
+    a.agents.iter().zip(&b.agents).map(|(a, b)| a.towards(b, part)).collect()
 }

@@ -10,8 +10,8 @@ use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::run::REST;
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::files::{Scratch, Staged};
 use indicatif::{ProgressBar, ProgressStyle};
+use lemons_files::{Scratch, Staged};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
 use rayon::prelude::*;
 use std::fs::File;
@@ -30,7 +30,8 @@ const MOST_OF_GIF: f64 = 50.0;
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// MP4 (by ffmpeg), animated PNG or GIF; default: movie.mp4, movie.gif where there is no ffmpeg
+    /// File for the movie: MP4 (needs the program ffmpeg), animated PNG or GIF. Default: movie.mp4, or
+    /// movie.gif if there is no ffmpeg
     #[arg(short, long, value_name = "FILE.mp4, .png or .gif")]
     output: Option<PathBuf>,
     /// Frames per second of the movie
@@ -39,12 +40,12 @@ pub struct Arguments {
     /// Seconds of the run per second of the movie: 0.1 is slow motion
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = positive)]
     speed_up: f64,
-    /// Where the movie begins, in seconds
+    /// Start of the movie, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
-    /// Where it ends; still: when nobody is faster than 1 cm/s and 0.05 rad/s any more; a run that is
-    /// made now ends when that has been so for 1 s, and after 120 s. Default: a record's end, 5 s of a
-    /// run that is made now
+    /// End of the movie, in seconds. The word still: the movie ends when nobody is faster than 1 cm/s or
+    /// 0.05 rad/s any more; the simulation of a Trial or FMU then ends after 1 s of standstill, at the
+    /// latest after 120 s. Default: the end of earlier results; 5 for a Trial or FMU
     #[arg(long, value_name = "SECONDS or still", value_parser = end)]
     until: Option<End>,
     #[command(flatten)]

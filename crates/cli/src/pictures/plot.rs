@@ -1,7 +1,7 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
 use super::look::{Look, Looks, Quantity, positive, seconds};
-use super::moment::{Footage, Moment};
+use super::moment::{Moment, within};
 use super::series::{Selection, chart};
 use super::source::{End, Source, Wanted};
 use crate::error::Misused;
@@ -20,34 +20,35 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// Where the picture goes: PNG, or SVG or PDF for print (curves, no pixels)
+    /// File for the picture: PNG, or the vector formats SVG and PDF
     #[arg(short, long, default_value = "plot.png", value_name = "FILE.png, .svg or .pdf")]
     output: PathBuf,
-    /// Scenes at the communication points nearest to these times, in seconds; default: a Trial's or
-    /// FMU's start, the end of a record
+    /// Draw scenes at the communication points nearest to these times, in seconds. Default: the start of
+    /// a Trial or FMU; the end of earlier results
     #[arg(long, value_name = "T,T,…", value_delimiter = ',', allow_hyphen_values = true, conflicts_with_all = ["series", "density"])]
     at: Vec<f64>,
-    /// Scenes beside each other; default: by their shape
+    /// Number of scenes in a row. Default: chosen by their shape
     #[arg(long, value_name = "N", requires = "at", value_parser = clap::value_parser!(u32).range(1..))]
     columns: Option<u32>,
-    /// Instead of scenes: these over time, for each agent: squeeze is the mean over the communication step
-    /// that ends at each time, peak-squeeze the largest within it. Counts of different agents are drawn
-    /// slightly apart, equal curves in dashes of all their colours
+    /// Draw these quantities over time for each agent, instead of scenes. Curves of contacts are drawn
+    /// slightly apart; equal curves are drawn in dashes of all their colours
     #[arg(long, value_name = "QUANTITY,…", value_delimiter = ',', conflicts_with = "density")]
     series: Vec<Quantity>,
-    /// Only these agents' time series, by Id; default: all
+    /// Draw time series of these agents only, by Id. Default: all
     #[arg(long, value_name = "ID,…", value_delimiter = ',', requires = "series")]
     agents: Vec<String>,
-    /// Instead of scenes: people per square metre, the mean of all frames; walls hold it back
+    /// Draw a map of people per square metre, averaged over all frames, instead of scenes. Density does
+    /// not spread through walls
     #[arg(long)]
     density: bool,
-    /// Of the map of density: standard deviation of everybody's Gaussian, in metres
+    /// Standard deviation of the Gaussian of each person in the density map, in metres
     #[arg(long, value_name = "METRES", requires = "density", default_value_t = DENSITY_KERNEL, value_parser = kernel)]
     kernel: f64,
-    /// Time series and map begin here, in seconds
+    /// Start of time series and density map, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
-    /// Time series and map end here; default: a record's end, 5 s of a run that is made now
+    /// End of time series and density map, in seconds. Default: the end of earlier results; 5 for a Trial
+    /// or FMU
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     until: Option<f64>,
     #[command(flatten)]
@@ -112,7 +113,7 @@ impl Format {
 fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, at, look, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
-    let wanted = if look.shows_trails() { Wanted::All } else { Wanted::Around(at) };
+    let wanted = if look.shows_trails() { Wanted::All } else { Wanted::Around(at.clone()) };
     let footage = source.footage(latest.map(End::At), wanted, interrupt)?;
     at.iter().try_for_each(|time| footage.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
@@ -184,7 +185,7 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     }
     let mut map = DensityMap::new(view, arguments.kernel, &footage.trial.geometry.walls);
     for place in &places {
-        map.add(footage.run.frames[*place].agents.iter().map(|agent| agent.position));
+        map.add(footage.run.frames[*place].agents.iter().map(|agent| agent.pose.position));
     }
     map.range = look.range();
     note!("density: {}", map.described());
@@ -198,33 +199,5 @@ impl Arguments {
     /// \[s\] Of a run that is made now.
     fn end(&self) -> f64 {
         self.until.unwrap_or(crowd_mechanics::model_description::DEFAULT_STOP_TIME)
-    }
-}
-
-/// \[s\] Times are sums of steps: rounding does not leave a frame out.
-const ROUNDING: f64 = 1e-9;
-
-/// Whether a time lies between two, where they are given; all \[s\].
-pub fn within(time: f64, from: Option<f64>, until: Option<f64>) -> bool {
-    from.is_none_or(|from| time >= from - ROUNDING) && until.is_none_or(|until| time <= until + ROUNDING)
-}
-
-/// Of a run.
-impl Footage {
-    /// That a time \[s\] is one of the run's.
-    pub fn check(&self, time: f64) -> Result<()> {
-        let (first, last) = (self.first(), self.last());
-        if time < first - ROUNDING || time > last + ROUNDING {
-            let source = self.run.source.display();
-            bail!("{source}: t = {time:?} s is not in it: it goes from {first:?} to {last:?} s");
-        }
-        Ok(())
-    }
-
-    fn nothing_between(&self, from: Option<f64>, until: Option<f64>) -> String {
-        let (first, last) = (self.first(), self.last());
-        let (from, until) = (from.unwrap_or(first), until.unwrap_or(last));
-        let source = self.run.source.display();
-        format!("{source}: no frame from {from:?} to {until:?} s: it goes from {first:?} to {last:?} s")
     }
 }

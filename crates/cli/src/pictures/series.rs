@@ -2,11 +2,11 @@
 
 use super::look::{Look, Quantity};
 use super::measured::Measured;
-use super::plot::within;
+use super::moment::{Footage, within};
 use super::source::Opened;
 use anyhow::{Result, bail};
-use lemons_export::{Frame, Run};
 use lemons_picture::{Axis, Chart, ChartPanel, Line};
+use lemons_record::{Frame, Run};
 
 /// What is shown of a run.
 pub struct Selection<'a> {
@@ -24,14 +24,17 @@ pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart
     let Opened { trial, run } = opened;
     // What contacts do is recorded, or computed from the Trial's bodies.
     let run = match trial {
-        Some(trial) => super::moment::Footage::new(trial, run)?.run,
+        Some(trial) => Footage::new(trial, run)?.run,
         None => run,
     };
     let recorded = run.frames.iter().all(|frame| frame.observed.is_some());
     let mut of_contacts = selection.quantities.iter().filter(|quantity| quantity.is_of_contacts());
     if let Some(quantity) = of_contacts.next().filter(|_| !recorded) {
         let (name, _) = quantity.label();
-        bail!("{}: does not say the {name}: give the Trial or FMU that ran: --trial", run.source.display());
+        bail!(
+            "{}: it does not contain the {name}: give the Trial or FMU of the run with --trial",
+            run.source.display()
+        );
     }
     let places = places(&run, selection.agents)?;
     let within = |time: f64| within(time, selection.from, selection.until);

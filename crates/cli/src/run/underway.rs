@@ -1,10 +1,11 @@
 //! A run under way: what it has recorded can be completed while a step is still computed.
 
 use super::Ended;
-use crate::watch::Watch;
+use crate::error::and_then;
+use crate::watch::{Recorded, Watch};
 use anyhow::{Context, Result};
-use crowd_mechanics::files::Staged;
 use indicatif::ProgressBar;
+use lemons_files::Staged;
 use lemons_master::Saved;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -66,11 +67,12 @@ impl Underway {
             let _ = std::fs::remove_dir_all(directory);
         }
         let wall = self.started.elapsed();
-        let seen = self.watch.finish()?;
+        let Recorded { lines: seen, placed, .. } = self.watch.finish();
         let saved = match (self.at_hand, self.file) {
-            (Some(at_hand), Some((file, path))) => Some(at_hand.write(file, &path)?),
-            _ => None,
+            (Some(at_hand), Some((file, path))) => at_hand.write(file, &path).map(Some),
+            _ => Ok(None),
         };
+        let (saved, kept) = saved.map_or_else(|error| (None, Err(error)), |saved| (saved, Ok(())));
         Ok(Ended {
             simulated: self.time - self.first,
             wall,
@@ -78,12 +80,15 @@ impl Underway {
             coupling: self.coupling,
             seen,
             saved,
+            // A run that is shown is not shown in parts.
+            recorded: None,
+            failed: and_then(placed, kept).err(),
         })
     }
 }
 
 impl AtHand {
-    /// Writes the saved run; answers a line of the summary.
+    /// Writes the saved run; returns a line of the summary.
     pub fn write(&self, file: Staged, path: &Path) -> Result<String> {
         let path = path.display();
         self.saved.write(&self.states, file).with_context(|| format!("cannot write {path}"))?;

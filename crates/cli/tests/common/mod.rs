@@ -1,16 +1,26 @@
 //! What the tests of the command share.
 #![allow(dead_code)] // each test uses a part
 
-use std::path::{Path, PathBuf};
+pub use lemons_testing::{repository as root, trial_push as default_trial};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::Once;
 
-pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
-pub fn default_trial() -> PathBuf {
-    root().join("resources/Trial_push")
+/// A copy of the default Trial.
+pub fn copy_trial(to: &Path) {
+    let files = [
+        "Parameters.xml",
+        "static/Agents.xml",
+        "static/Geometry.xml",
+        "static/Materials.xml",
+        "dynamic/AgentDynamics.xml",
+        "drive.csv",
+    ];
+    for part in files {
+        let target = to.join(part);
+        std::fs::create_dir_all(target.parent().unwrap()).unwrap();
+        std::fs::copy(default_trial().join(part), target).unwrap();
+    }
 }
 
 pub fn command(directory: &Path, arguments: &[&str]) -> Command {

@@ -1,8 +1,8 @@
-//! Trials made for the tests, and an ad-hoc reader of the two files that matter here.
+//! Trials made for the tests.
 
-use crowd_mechanics::engine::{Vec2, vec2};
-use crowd_mechanics::trial::*;
-use std::path::{Path, PathBuf};
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::*;
+use std::path::PathBuf;
 
 /// A pedestrian in the manner of the paper, facing +x at θ = 0.
 pub fn pedestrian(id: &str) -> Agent {
@@ -66,43 +66,10 @@ pub fn trial(agents: Vec<(Agent, Vec2, f64)>, walls: Vec<Vec<Vec2>>) -> Trial {
     }
 }
 
-/// A Trial of the shared data; `None`, and a message, where the data are not there.
+/// A Trial of the shared data; `None`, and a message, if they are not there.
 #[allow(dead_code)]
 pub fn shared(name: &str) -> Option<Trial> {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
-    let Ok(agents) = std::fs::read_to_string(directory.join("static/Agents.xml")) else {
-        eprintln!("skipped: no {}", directory.display());
-        return None;
-    };
-    let geometry = std::fs::read_to_string(directory.join("static/Geometry.xml")).unwrap();
-    let dynamics = std::fs::read_to_string(directory.join("dynamic/AgentDynamics.xml")).unwrap();
-    let [agents, geometry, dynamics] =
-        [&agents, &geometry, &dynamics].map(|t| roxmltree::Document::parse(t).unwrap());
-    let real = |n: roxmltree::Node, a: &str| n.attribute(a).unwrap().parse::<f64>().unwrap();
-    let pair = |n: roxmltree::Node, a: &str| {
-        let (x, y) = n.attribute(a).unwrap().split_once(',').unwrap();
-        vec2(x.trim().parse().unwrap(), y.trim().parse().unwrap())
-    };
-    let tagged = |n: roxmltree::Node<'_, '_>, t: &str| {
-        n.descendants().filter(|n| n.has_tag_name(t)).map(|n| n.id()).collect::<Vec<_>>()
-    };
-    let shape = |n: roxmltree::Node| Shape {
-        radius: real(n, "Radius"),
-        material_id: String::new(),
-        position: pair(n, "Position"),
-    };
-    let poses = tagged(dynamics.root(), "Kinematics");
-    let people = tagged(agents.root(), "Agent").into_iter().zip(poses).map(|(a, k)| {
-        let (a, k) = (agents.get_node(a).unwrap(), dynamics.get_node(k).unwrap());
-        let shapes = tagged(a, "Shape").into_iter().map(|s| shape(agents.get_node(s).unwrap())).collect();
-        (agent(a.attribute("Id").unwrap(), shapes), pair(k, "Position"), real(k, "Theta"))
-    });
-    let corners = |w| {
-        tagged(geometry.get_node(w).unwrap(), "Corner")
-            .into_iter()
-            .map(|c| pair(geometry.get_node(c).unwrap(), "Coordinates"))
-            .collect()
-    };
-    let walls = tagged(geometry.root(), "Wall").into_iter().map(corners).collect();
-    Some(Trial { name: name.into(), ..trial(people.collect(), walls) })
+    let (trial, _) =
+        Trial::read(&lemons_testing::shared(name)?).unwrap_or_else(|problems| panic!("{problems}"));
+    Some(Trial { name: name.into(), ..trial })
 }

@@ -1,0 +1,161 @@
+//! Finds the sources from which the command `lemons` is built: the commit, its date, and whether files have changed
+//! since.
+//!
+//! It is the build script of `crates/cli`, the only crate that shows the version. As the build script of the root
+//! package it would rebuild the engine and everything that uses it for each commit. It never fails: what it cannot find
+//! is left empty.
+//!
+//! Packagers whose sources have no `.git` set `LEMONS_COMMIT`, and `LEMONS_COMMIT_DATE` (`2026-11-22`) or
+//! `SOURCE_DATE_EPOCH` \[s\]. These have priority over `.git`.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The commit, then the sources of the date in order of priority.
+const GIVEN: [&str; 3] = ["LEMONS_COMMIT", "LEMONS_COMMIT_DATE", "SOURCE_DATE_EPOCH"];
+/// Directories of a crate that are not part of a program.
+const ASIDE: [&str; 4] = ["tests", "benches", "examples", "target"];
+
+/// The version of the sources.
+#[derive(Default)]
+struct Sources {
+    /// The complete commit, hexadecimal.
+    commit: Option<String>,
+    /// Date of the commit in UTC, such as `2026-11-22`.
+    date: Option<String>,
+    /// Whether a file that the program is built from differs from the commit.
+    changed: bool,
+}
+
+fn main() {
+    // The workspace. A `.git` in a directory above it belongs to another project.
+    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
+    let root = root.canonicalize().unwrap_or(root);
+    println!("cargo::rerun-if-changed={}", root.join("build.rs").display());
+    GIVEN.iter().for_each(|name| println!("cargo::rerun-if-env-changed={name}"));
+    let [commit, date, epoch] = GIVEN.map(|name| env::var(name).ok());
+    let mut sources = match (&commit, git_directory(&root)) {
+        (None, Some(directory)) => of_git(&root, &directory),
+        _ => Sources::default(),
+    };
+    if let Some(commit) = commit {
+        sources.commit = plain(&commit);
+    }
+    let epoch = epoch.and_then(|seconds| day(seconds.trim().parse().ok()?));
+    sources.date = date.as_deref().and_then(plain).or(epoch).or(sources.date);
+    println!("cargo::rustc-env=LEMONS_BUILD_COMMIT={}", sources.commit.unwrap_or_default());
+    println!("cargo::rustc-env=LEMONS_BUILD_DATE={}", sources.date.unwrap_or_default());
+    println!("cargo::rustc-env=LEMONS_BUILD_CHANGED={}", if sources.changed { "1" } else { "" });
+}
+
+/// Returns the text if it is one short word without spaces, because it is printed in lines and tables.
+fn plain(text: &str) -> Option<String> {
+    let text = text.trim();
+    let fits = |c: char| c.is_ascii_alphanumeric() || "-+._:".contains(c);
+    (!text.is_empty() && text.len() <= 64 && text.chars().all(fits)).then(|| text.to_owned())
+}
+
+/// The directory `.git`, or the one that a file `.git` names (worktrees, submodules).
+fn git_directory(root: &Path) -> Option<PathBuf> {
+    let there = root.join(".git");
+    if there.is_dir() {
+        return Some(there);
+    }
+    let text = fs::read_to_string(there).ok()?;
+    Some(root.join(text.strip_prefix("gitdir:")?.trim()))
+}
+
+/// Reads the version with git, or from the files of `.git` if git is missing.
+fn of_git(root: &Path, directory: &Path) -> Sources {
+    let common = fs::read_to_string(directory.join("commondir")).map(|path| directory.join(path.trim()));
+    let common = common.unwrap_or_else(|_| directory.to_owned());
+    let head = fs::read_to_string(directory.join("HEAD")).unwrap_or_default();
+    let name = head.strip_prefix("ref:").map(str::trim);
+    // These files change when another commit is checked out or made. Missing files are left out, because cargo would
+    // then run this script every time. If the branch has no file, the log changes with the next commit.
+    let branch = name.into_iter().flat_map(|name| [directory.join(name), common.join(name)]);
+    let other =
+        [common.join("packed-refs"), common.join("reftable/tables.list"), directory.join("logs/HEAD")];
+    for path in [directory.join("HEAD")].into_iter().chain(branch).chain(other).chain(built_from(root)) {
+        if path.exists() {
+            println!("cargo::rerun-if-changed={}", path.display());
+        }
+    }
+    let said = git(root, &["log", "-1", "--no-show-signature", "--format=%H %ct"]);
+    if let Some((commit, seconds)) = said.as_deref().and_then(|said| said.trim().split_once(' ')) {
+        let status = ["status", "--porcelain", "--untracked-files=no", "--ignore-submodules", "--"];
+        let files = built_from(root).into_iter().map(|path| path.display().to_string()).collect::<Vec<_>>();
+        let all: Vec<&str> = status.into_iter().chain(files.iter().map(String::as_str)).collect();
+        return Sources {
+            commit: plain(commit),
+            date: seconds.parse().ok().and_then(day),
+            changed: git(root, &all).is_some_and(|said| !said.trim().is_empty()),
+        };
+    }
+    let commit = match name {
+        None => Some(head),
+        Some(name) => [directory, &common]
+            .into_iter()
+            .find_map(|place| fs::read_to_string(place.join(name)).ok())
+            .or_else(|| packed(&common, name)),
+    };
+    let whole = |text: &String| text.len() >= 40 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+    Sources { commit: commit.map(|text| text.trim().to_owned()).filter(whole), ..Sources::default() }
+}
+
+/// The commit of a branch that has no file of its own (a packed reference).
+fn packed(common: &Path, name: &str) -> Option<String> {
+    let text = fs::read_to_string(common.join("packed-refs")).ok()?;
+    let mut lines = text.lines().filter_map(|line| line.split_once(' '));
+    lines.find(|(_, other)| *other == name).map(|(commit, _)| commit.to_owned())
+}
+
+/// The files in the repository from which programs are built.
+fn built_from(root: &Path) -> Vec<PathBuf> {
+    let files = ["Cargo.toml", "Cargo.lock", "build.rs", "src"].map(|name| root.join(name));
+    let inside = |path: &Path| -> Vec<PathBuf> {
+        let entries = fs::read_dir(path).into_iter().flatten().flatten();
+        entries.map(|entry| entry.path()).collect()
+    };
+    let aside = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with('.') || ASIDE.contains(&&*name)
+    };
+    let crates = inside(&root.join("crates")).into_iter().flat_map(|path| inside(&path));
+    let mut all: Vec<PathBuf> =
+        files.into_iter().chain(crates.filter(|path| !aside(path))).filter(|path| path.exists()).collect();
+    all.sort();
+    all
+}
+
+/// The output of git for this repository, independent of hooks and settings.
+fn git(root: &Path, arguments: &[&str]) -> Option<String> {
+    let mut command = Command::new("git");
+    for name in ["GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_COMMON_DIR", "GIT_PREFIX"] {
+        command.env_remove(name);
+    }
+    if let Some(above) = root.parent() {
+        command.env("GIT_CEILING_DIRECTORIES", above);
+    }
+    // Git must not refresh the index: reading must not change files.
+    command.env("GIT_OPTIONAL_LOCKS", "0").arg("-C").arg(root).args(arguments);
+    let output = command.output().ok()?;
+    output.status.success().then(|| String::from_utf8(output.stdout).ok()).flatten()
+}
+
+/// Date in UTC, such as `2026-11-22`, from seconds since 1970; `None` if the year does not have four digits.
+fn day(seconds: i64) -> Option<String> {
+    // Days since 1 March of the year 0: a leap day is then the last day of a year. 400 years have 146 097 days
+    // (Gregorian calendar).
+    let days = seconds.div_euclid(86_400).checked_add(719_468)?;
+    let (cycle, day) = (days.div_euclid(146_097), days.rem_euclid(146_097));
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let rest = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * rest + 2) / 153;
+    let day = rest - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    let year = cycle * 400 + year + i64::from(month <= 2);
+    (1000..=9999).contains(&year).then(|| format!("{year}-{month:02}-{day:02}"))
+}

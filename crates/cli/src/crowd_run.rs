@@ -1,0 +1,325 @@
+//! A crowd among the components of a run: its trajectories and extremes, from the outputs of its FMU.
+
+use crate::recording::Recording;
+use crate::results::{self, Column, Content, FrameWriter, Kind, Place, Started, told};
+use anyhow::{Context, Result, bail};
+use lemons_files::Staged;
+use lemons_master::{Component, CrowdRecord, Extremes, Greatest, System};
+use lemons_plane::{Motion, Pose, Twist, vec2};
+use lemons_record::columns::{self, Groups};
+use lemons_record::{Extent, Frame, Observed, OfStep, Recorder, Run, Totals, Wanted};
+use lemons_ssp::{Interface, Kind as Causality, Type};
+use lemons_trial::Trial;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+/// Where the rows of a crowd go.
+pub enum Target {
+    Table(Place),
+    /// Those that are wanted.
+    Memory(Wanted),
+}
+
+enum Rows {
+    Table(Box<Table>),
+    Memory(Recorder),
+}
+
+struct Table {
+    writer: FrameWriter<Staged>,
+    path: PathBuf,
+    started: Started,
+}
+
+/// What became of the records.
+pub struct Recorded {
+    /// Of the summary.
+    pub lines: Vec<String>,
+    /// If it was to be kept in memory.
+    pub run: Option<Run>,
+    /// Whether each file is in its place.
+    pub placed: Result<()>,
+}
+
+/// The agents of an instance, and what has been seen of them.
+pub struct Crowd {
+    /// Among the components.
+    place: usize,
+    ids: Vec<String>,
+    motions: Vec<u32>,
+    contacts: Vec<u32>,
+    squeezes: Vec<u32>,
+    /// Empty if the FMU has none.
+    steps: Vec<u32>,
+    /// Empty if the FMU has none.
+    totals: Vec<u32>,
+    trajectories: Rows,
+    extremes: Extremes,
+    /// At the last look.
+    moves: bool,
+}
+
+/// \[m/s\] Who is not faster stands,
+const STANDING_SPEED: f64 = 0.01;
+/// \[rad/s\] if he does not turn faster than this.
+const STANDING_TURN: f64 = 0.05;
+
+/// Whether somebody with this speed \[m/s\] and turn \[rad/s\] moves, and does not stand.
+pub fn moves(speed: f64, turn: f64) -> bool {
+    speed > STANDING_SPEED || turn.abs() > STANDING_TURN
+}
+
+/// How many agents' outputs an FMU has under the names of our mechanics, from 0 on.
+pub fn agents_of(description: &Interface) -> usize {
+    let outputs = description.variables.iter().filter(|v| v.kind == Some(Causality::Output));
+    let outputs: HashSet<(&str, bool)> =
+        outputs.map(|v| (v.name.as_str(), matches!(v.of, Type::Real(_)))).collect();
+    let has = |i: usize| {
+        let reals = columns::MOTION.iter().chain([&columns::SQUEEZE]).map(|row| (row.variable, true));
+        let mut names = reals.chain(columns::CONTACTS.iter().map(|row| (row.variable, false)));
+        names.all(|(name, real)| outputs.contains(&(format!("agent[{i}].{name}").as_str(), real)))
+    };
+    (0..).take_while(|&i| has(i)).count()
+}
+
+/// Integer outputs of the whole crowd; none if one is missing.
+fn totals_of(component: &Component) -> Vec<u32> {
+    let totals = columns::TOTALS.iter().map(|row| {
+        let found = component.fmu.description.variable(row.variable)?;
+        (found.of == Type::Integer && found.kind == Some(Causality::Output)).then_some(found.reference)
+    });
+    totals.collect::<Option<_>>().unwrap_or_default()
+}
+
+/// Whether all these agents have the outputs of [`columns::OF_STEP`].
+fn has_steps(description: &Interface, agents: usize) -> bool {
+    let names = |i: usize| columns::OF_STEP.iter().map(move |row| format!("agent[{i}].{}", row.variable));
+    let has = |name: String| {
+        let found = description.variable(&name);
+        found.is_some_and(|v| matches!(v.of, Type::Real(_)))
+    };
+    (0..agents).flat_map(names).all(has)
+}
+
+/// The columns of the table.
+fn columns_of(description: &Interface, groups: Groups) -> Vec<Column> {
+    let mut all = groups.columns();
+    // What the FMU itself says comes first: it might count in other units.
+    for column in all.iter_mut().filter(|column| column.kind == Kind::Real) {
+        if let Some(name) = column.variable.strip_prefix("agent[i].") {
+            let own = description.variable(&format!("agent[0].{name}"));
+            let said = own.and_then(|own| own.of.unit()).map(str::to_owned);
+            column.unit = said.or(column.unit.take());
+        }
+    }
+    all
+}
+
+/// A communication point at which a run is looked at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Point {
+    /// The first one: its rows are written, and there has been no step.
+    Start,
+    /// The end of a step, whose rows are written.
+    Written,
+    /// The end of a step, of which only the extremes are noted.
+    Passed,
+}
+
+impl Crowd {
+    /// The first `agents` of an initialized component, perhaps after a run before.
+    pub fn create(
+        system: &System,
+        place: usize,
+        agents: usize,
+        trial: Option<Trial>,
+        to: Target,
+        recording: &mut Recording<'_>,
+    ) -> Result<Crowd> {
+        let component = &system.components()[place];
+        let trial = trial.filter(|trial| trial.agents.len() == agents);
+        let references = |rows: &[columns::Quantity]| -> Result<Vec<u32>> {
+            let names =
+                (0..agents).flat_map(|i| rows.iter().map(move |row| format!("agent[{i}].{}", row.variable)));
+            names.map(|name| Ok(component.instance.reference(&name)?)).collect()
+        };
+        let ids: Vec<String> = match &trial {
+            Some(trial) => trial.agents.iter().map(|agent| agent.id.clone()).collect(),
+            None => (0..agents).map(|i| i.to_string()).collect(),
+        };
+        let totals = totals_of(component);
+        let description = &component.fmu.description;
+        let steps = if has_steps(description, agents) { references(&columns::OF_STEP)? } else { Vec::new() };
+        let groups = Groups { contacts: true, of_step: !steps.is_empty(), totals: !totals.is_empty() };
+        let mut about = recording.about.clone();
+        about.extend(trial.as_ref().map(|trial| ("trial", trial.name.clone())));
+        about.push(("component", component.name.clone()));
+        about.extend([("model_name", description.model_name.clone()), ("guid", description.guid.clone())]);
+        let content = Content { columns: columns_of(description, groups), about };
+        let before = recording.before_of(&component.name)?;
+        let extremes = before.map(|before| before.extremes).unwrap_or_default();
+        if [extremes.mean_squeeze, extremes.peak_squeeze].iter().any(|most| most.agent >= agents) {
+            bail!(
+                "the saved run is damaged: it contains an agent that component {:?} does not have",
+                component.name
+            );
+        }
+        let trajectories = match to {
+            Target::Table(place) => {
+                let before = before.map(|before| before.extent());
+                let (table, started) = results::begin(&place, &content, before)?;
+                let writer = FrameWriter::new(table, ids.clone(), groups)?;
+                Rows::Table(Box::new(Table { writer, path: place.path, started }))
+            }
+            Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
+        };
+        Ok(Crowd {
+            motions: references(&columns::MOTION)?,
+            contacts: references(&columns::CONTACTS)?,
+            squeezes: references(&[columns::SQUEEZE])?,
+            steps,
+            totals,
+            place,
+            ids,
+            trajectories,
+            extremes,
+            moves: false,
+        })
+    }
+
+    /// Whether somebody moved at the last look.
+    pub fn moves(&self) -> bool {
+        self.moves
+    }
+
+    /// Reads the outputs at a communication point, notes the extremes, writes the rows if they are wanted.
+    pub fn look(&mut self, system: &System, point: Point) -> Result<()> {
+        let (time, instance) = (system.time(), &system.components()[self.place].instance);
+        let mut motions = vec![0.0; self.motions.len()];
+        let mut squeezes = vec![0.0; self.squeezes.len()];
+        instance.get_real(&self.motions, &mut motions)?;
+        instance.get_real(&self.squeezes, &mut squeezes)?;
+        let (motions, _) = motions.as_chunks::<6>();
+        self.moves = motions.iter().any(|[_, _, vx, vy, _, turn]| moves(vx.hypot(*vy), *turn));
+        let mut steps = vec![0.0; self.steps.len()];
+        if self.steps.is_empty() {
+            self.extremes.mean_squeeze.see(squeezes.iter().copied(), time);
+        } else {
+            instance.get_real(&self.steps, &mut steps)?;
+        }
+        let (steps, _) = steps.as_chunks::<3>();
+        // At the start they are the values of an instant.
+        if point != Point::Start {
+            self.extremes.mean_squeeze.see(steps.iter().map(|step| step[0]), time);
+            self.extremes.peak_squeeze.see(steps.iter().map(|step| step[1]), time);
+            let deepest = steps.iter().map(|step| step[2]);
+            self.extremes.largest_overlap = deepest.fold(self.extremes.largest_overlap, f64::max);
+        }
+        if point == Point::Passed {
+            return Ok(());
+        }
+        let mut contacts = vec![0; self.contacts.len()];
+        let mut totals = vec![0; self.totals.len()];
+        instance.get_integer(&self.contacts, &mut contacts)?;
+        instance.get_integer(&self.totals, &mut totals)?;
+        let (contacts, _) = contacts.as_chunks::<3>();
+        let frame = frame(time, motions, contacts, &squeezes, steps, &totals)?;
+        match &mut self.trajectories {
+            Rows::Table(table) => table.writer.frame(&frame).map_err(told),
+            Rows::Memory(recorder) => {
+                recorder.add(frame);
+                Ok(())
+            }
+        }
+    }
+
+    /// What a saved run keeps of it.
+    pub fn record(&self, component: &str) -> CrowdRecord {
+        let Extent { rows, last } = match &self.trajectories {
+            Rows::Table(table) => table.writer.extent(),
+            Rows::Memory(_) => Extent::default(),
+        };
+        CrowdRecord { component: component.to_owned(), rows, last, extremes: self.extremes }
+    }
+
+    /// Among the components.
+    pub fn place(&self) -> usize {
+        self.place
+    }
+
+    /// Puts the trajectories in their place.
+    pub fn finish(self) -> Recorded {
+        let Extremes { largest_overlap, mean_squeeze, peak_squeeze } = self.extremes;
+        let squeeze = |what: &str, Greatest { force, agent, time }: Greatest, when: &str| {
+            let line = format!("{what:<18} {force:>10.1} N");
+            if force > 0.0 {
+                format!("{line}   (squeeze of agent {}, {when} {time:.3} s)", self.ids[agent])
+            } else {
+                line
+            }
+        };
+        let mut lines = Vec::new();
+        if self.steps.is_empty() {
+            lines.push(squeeze("greatest squeeze", mean_squeeze, "communication point"));
+        } else {
+            lines.push(format!("largest overlap    {:>10.3} mm", 1e3 * largest_overlap));
+            lines.push(squeeze("greatest step mean", mean_squeeze, "step to"));
+            lines.push(squeeze("greatest peak", peak_squeeze, "step to"));
+        }
+        match self.trajectories {
+            Rows::Table(table) => {
+                let Table { writer, path, started } = *table;
+                let line = format!("trajectories       {}", started.said(&path));
+                let placed = results::place(writer.finish(), &path);
+                lines.extend(placed.is_ok().then_some(line));
+                Recorded { lines, run: None, placed }
+            }
+            Rows::Memory(recorder) => match recorder.finish(Path::new(""), self.ids) {
+                Ok(run) => Recorded { lines, run: Some(run), placed: Ok(()) },
+                Err(error) => Recorded { lines, run: None, placed: Err(error.into()) },
+            },
+        }
+    }
+}
+
+/// What the outputs of all agents say at a time \[s\].
+fn frame(
+    time: f64,
+    motions: &[[f64; 6]],
+    contacts: &[[i32; 3]],
+    squeezes: &[f64],
+    steps: &[[f64; 3]],
+    totals: &[i32],
+) -> Result<Frame> {
+    let agents = motions.iter().map(|&[x, y, vx, vy, orientation, angular_velocity]| Motion {
+        pose: Pose { position: vec2(x, y), orientation },
+        twist: Twist { velocity: vec2(vx, vy), angular_velocity },
+    });
+    let counted = |count: i32| u32::try_from(count).context("the FMU counts less than no contacts");
+    let observed = contacts.iter().zip(squeezes).enumerate().map(|(i, (counts, &normal_force))| {
+        let [agent_contacts, wall_contacts, contacting_agents] = counts.map(counted);
+        Ok(Observed {
+            agent_contacts: agent_contacts?,
+            wall_contacts: wall_contacts?,
+            contacting_agents: contacting_agents?,
+            normal_force,
+            of_step: steps.get(i).map(|&[mean_normal_force, peak_normal_force, peak_overlap]| OfStep {
+                mean_normal_force,
+                peak_normal_force,
+                peak_overlap,
+            }),
+        })
+    });
+    let totals = match totals {
+        &[agents, walls] => Some(Totals { agent_contacts: counted(agents)?, wall_contacts: counted(walls)? }),
+        _ => None,
+    };
+    Ok(Frame {
+        time,
+        agents: agents.collect(),
+        observed: Some(observed.collect::<Result<_>>()?),
+        totals,
+        interactions: None,
+        place: format!("t = {time:?} s"),
+    })
+}

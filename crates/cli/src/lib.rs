@@ -1,0 +1,216 @@
+//! The `lemons` command: checks, packs and runs Trials.
+//!
+//! Exit codes: 0 success; 1 a file or a run failed; 2 the command line is wrong; 3 a Trial has errors;
+//! 130 interrupted by a signal.
+
+// `tell` prints: a closed pipe or a full disk is an error, no panic.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+#[macro_use]
+mod tell;
+
+mod bench;
+mod binary;
+mod check;
+mod connect;
+mod crowd_run;
+mod decide;
+mod describe;
+mod error;
+mod examples;
+mod export;
+mod files;
+mod info;
+mod interrupt;
+mod output;
+mod outputs;
+mod pack;
+mod people;
+mod pictures;
+mod recording;
+mod results;
+mod run;
+mod sweep;
+mod verify;
+mod version;
+mod watch;
+mod words;
+
+use anyhow::Result;
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use error::{Misused, TrialHasErrors, said};
+use interrupt::{EXIT_CODE, Interrupted};
+use lemons_files::{give_up, waited_in_vain};
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+use version::SHORT_AND_LONG;
+
+/// Simulate contact mechanics of dense crowds: make, check, pack, run, couple and draw them
+///
+/// A Trial is a directory with the XML files of a scene. Exit codes: 0 success; 1 a file or a run
+/// failed; 2 the command line is wrong; 3 a Trial has errors; 130 interrupted by a signal.
+#[derive(Parser)]
+#[command(name = "lemons", version = SHORT_AND_LONG[0].as_str(), long_version = SHORT_AND_LONG[1].as_str(), arg_required_else_help = true, max_term_width = 80)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Make a crowd from anthropometric data: as a Trial, an FMU, tables, pictures or meshes
+    Crowd(Box<people::crowd::Arguments>),
+    /// Print the shape of one person, and write the body as a mesh or a picture
+    Person(people::person::Arguments),
+    /// Pack one or more Trials into an FMU
+    Pack(pack::Arguments),
+    /// Make the Decision FMU, which drives the people of a Trial along way-points
+    Decide(decide::Arguments),
+    /// Couple FMUs in an SSP: connect each output with the input of the same name
+    Connect(connect::Arguments),
+    /// Simulate a Trial, an FMU or coupled FMUs, and write the trajectories
+    Run(run::Arguments),
+    /// Simulate many combinations of parameters, and evaluate each run
+    Sweep(sweep::Arguments),
+    /// Draw scenes, time series or a density map of a run
+    Plot(Box<pictures::plot::Arguments>),
+    /// Draw a run as a movie
+    Movie(Box<pictures::movie::Arguments>),
+    /// Convert a run for JuPedSim, PedPy or ChAOS, to XML, or to a Trial that continues it
+    Export(export::Arguments),
+    /// List the variables of an FMU
+    Info(info::Arguments),
+    /// Report all errors of Trials, and what is probably not meant
+    Check(check::Arguments),
+    /// Print the modelDescription.xml of a Trial's FMU
+    Describe(describe::Arguments),
+    /// Compare the mechanics with analytic solutions, conservation laws and other integrators
+    Verify(verify::Arguments),
+    /// Measure the time that a mechanical step takes, and what the FMU adds
+    Bench(bench::Arguments),
+}
+
+/// The commands, arguments and help of `lemons`: for its reference, man pages and completions.
+pub fn definition() -> clap::Command {
+    Arguments::command().mut_subcommands(|command| {
+        let own = command.get_after_help().map(ToString::to_string);
+        let help = examples::help_of(command.get_name(), own);
+        command.after_help(help).mut_args(|argument| {
+            // A negative number is a value although it begins like an option. The option says what is wrong with it.
+            let number = argument.get_action().takes_values();
+            argument.allow_negative_numbers(number)
+        })
+    })
+}
+
+fn arguments() -> Result<(Arguments, ArgMatches), clap::Error> {
+    let matches = definition().try_get_matches()?;
+    Ok((Arguments::from_arg_matches(&matches)?, matches))
+}
+
+/// The command `lemons`: reads the command line, does what it says, and returns the exit code.
+pub fn main() -> ExitCode {
+    let done = interrupt::prepare().and_then(|()| command()).and_then(|()| Ok(tell::out().flush()?));
+    let done = done.map_err(|error| {
+        interrupt::wait_if_ending();
+        // Whatever became of the error on its way.
+        if waited_in_vain() { Interrupted::given_up().into() } else { error }
+    });
+    files::remember();
+    // What could not be removed while files were open.
+    give_up();
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<TrialHasErrors>() => ExitCode::from(3),
+        Err(error) if tell::nobody_listens(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            note!("lemons: {}", said(&error));
+            if error.is::<Misused>() {
+                return ExitCode::from(2);
+            }
+            if error.is::<Interrupted>() {
+                return ExitCode::from(EXIT_CODE);
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn command() -> Result<()> {
+    let (arguments, matches) = match arguments() {
+        Ok(read) => read,
+        // Where it was asked for, help goes where everything goes.
+        Err(asked) if std::io::stdout().is_terminal() || asked.use_stderr() => asked.exit(),
+        Err(asked) => return Ok(write!(tell::out(), "{}", asked.render())?),
+    };
+    matches.subcommand().map_or(Ok(()), |(name, matches)| files::begin(name, matches))?;
+    match arguments.command {
+        Command::Crowd(arguments) => people::crowd::crowd(*arguments),
+        Command::Person(arguments) => people::person::person(&arguments),
+        Command::Pack(arguments) => pack::pack(&arguments),
+        Command::Decide(arguments) => decide::decide(&arguments),
+        Command::Connect(arguments) => connect::connect(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Sweep(arguments) => sweep::sweep(&arguments),
+        Command::Plot(arguments) => pictures::plot::plot(&arguments),
+        Command::Movie(arguments) => pictures::movie::movie(&arguments),
+        Command::Export(arguments) => export::export(&arguments),
+        Command::Info(arguments) => info::info(&arguments),
+        Command::Check(arguments) => check::check(&arguments),
+        Command::Describe(arguments) => describe::describe(&arguments),
+        Command::Bench(arguments) => bench::bench(&arguments),
+        Command::Verify(arguments) => verify::verify(&arguments),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Arg;
+    use crowd_mechanics::pack::Binary;
+    use std::any::TypeId;
+    use std::path::PathBuf;
+
+    /// By its type, or by what its help calls its value.
+    fn names_a_file(argument: &Arg) -> bool {
+        let kind = argument.get_value_parser().type_id();
+        let called = argument.get_value_names().unwrap_or_default().join(" ");
+        let words = ["FILE", "TRIAL", "DIRECTORY", "TABLE", "SERIES", "OUT", "PATH"];
+        let typed = kind == TypeId::of::<PathBuf>() || kind == TypeId::of::<Binary>();
+        typed || words.iter().any(|word| called.split(|c: char| !c.is_alphabetic()).any(|part| part == *word))
+    }
+
+    #[test]
+    fn examples_of_the_help_are_accepted_by_the_command() {
+        for command in Arguments::command().get_subcommands() {
+            let found = examples::EXAMPLES.iter().find(|(name, _)| *name == command.get_name());
+            let (name, lines) = found.unwrap_or_else(|| panic!("{}: no example", command.get_name()));
+            for line in lines.replace("\\\n", "").lines() {
+                assert!(line.starts_with(&format!("lemons {name} ")) || line == "lemons verify", "{line}");
+                let read = definition().try_get_matches_from(line.split_whitespace());
+                assert!(read.is_ok(), "{line}: {}", read.unwrap_err());
+            }
+            for line in lines.lines() {
+                assert!(line.len() <= 78, "{line}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_argument_that_names_a_file_has_a_role() {
+        for command in Arguments::command().get_subcommands() {
+            let arguments = command.get_arguments().filter(|argument| names_a_file(argument));
+            let spelled =
+                |argument: &Arg| argument.get_long().map_or(String::new(), |long| format!("--{long}"));
+            let mut there: Vec<(String, String)> =
+                arguments.map(|argument| (argument.get_id().to_string(), spelled(argument))).collect();
+            let mut known: Vec<(String, String)> = files::roles_of(command.get_name())
+                .iter()
+                .map(|(id, spelled, _)| ((*id).to_owned(), (*spelled).to_owned()))
+                .collect();
+            there.sort();
+            known.sort();
+            assert_eq!(there, known, "{}: give it a role in files/roles.rs", command.get_name());
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! What the top-level `build.rs` says of the sources: it is compiled here and run on repositories of its own.
+
+mod common;
+
+use common::{done, out};
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::LazyLock;
+use tempfile::TempDir;
+
+/// The build script as a program.
+static SCRIPT: LazyLock<(TempDir, PathBuf)> = LazyLock::new(|| {
+    let directory = TempDir::new().unwrap();
+    let program = directory.path().join(format!("script{}", std::env::consts::EXE_SUFFIX));
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../build.rs");
+    let rustc = Path::new(env!("CARGO")).with_file_name(format!("rustc{}", std::env::consts::EXE_SUFFIX));
+    let mut command = Command::new(rustc);
+    command.args(["--edition", "2024", "--crate-name", "script", "-o"]).arg(&program).arg(source);
+    assert!(command.status().unwrap().success());
+    (directory, program)
+});
+
+/// What the script says of a workspace.
+struct Said {
+    commit: String,
+    date: String,
+    changed: bool,
+    /// What it is run again for.
+    watched: Vec<PathBuf>,
+}
+
+fn script(root: &Path, around: &[(&str, &str)]) -> Said {
+    let mut command = Command::new(&SCRIPT.1);
+    command.env("CARGO_MANIFEST_DIR", root.join("crates/cli"));
+    for name in ["LEMONS_COMMIT", "LEMONS_COMMIT_DATE", "SOURCE_DATE_EPOCH"] {
+        command.env_remove(name);
+    }
+    let output = command.envs(around.iter().copied()).output().unwrap();
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+    let text = out(&output);
+    let lines: Vec<&str> = text.lines().collect();
+    let values: HashMap<&str, &str> =
+        lines.iter().filter_map(|line| line.strip_prefix("cargo::rustc-env=")?.split_once('=')).collect();
+    let watched = lines.iter().filter_map(|line| line.strip_prefix("cargo::rerun-if-changed="));
+    let watched: Vec<PathBuf> = watched.map(PathBuf::from).collect();
+    // Cargo runs a script each time if a file is not there.
+    for path in &watched {
+        assert!(path.exists(), "{}", path.display());
+    }
+    Said {
+        commit: values["LEMONS_BUILD_COMMIT"].to_owned(),
+        date: values["LEMONS_BUILD_DATE"].to_owned(),
+        changed: values["LEMONS_BUILD_CHANGED"] == "1",
+        watched,
+    }
+}
+
+/// The directory of a workspace.
+fn workspace(at: &Path) -> PathBuf {
+    let root = at.join("workspace");
+    for (name, text) in [
+        ("Cargo.toml", "[workspace]"),
+        ("build.rs", ""),
+        ("src/lib.rs", "//! One."),
+        ("crates/cli/src/lib.rs", "//! Two."),
+        ("crates/cli/tests/all.rs", "//! Three."),
+        ("README.md", "four"),
+    ] {
+        let path = root.join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+    root.canonicalize().unwrap()
+}
+
+fn git(root: &Path, arguments: &[&str]) -> String {
+    let mut command = Command::new("git");
+    for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("GIT_")) {
+        command.env_remove(name);
+    }
+    let date = "2026-11-22T23:30:00-02:00";
+    command.env("GIT_AUTHOR_DATE", date).env("GIT_COMMITTER_DATE", date);
+    command.env("GIT_CONFIG_GLOBAL", root.join("none")).env("GIT_CONFIG_NOSYSTEM", "1");
+    let who = ["-c", "user.name=A", "-c", "user.email=a@example.org", "-c", "init.defaultBranch=main"];
+    let output = command.arg("-C").arg(root).args(who).args(arguments).output().unwrap();
+    assert!(output.status.success(), "git {arguments:?}: {output:?}");
+    out(&output).trim().to_owned()
+}
+
+/// A repository with one commit.
+fn repository(at: &Path) -> PathBuf {
+    let root = workspace(at);
+    git(&root, &["init", "-q"]);
+    git(&root, &["add", "."]);
+    git(&root, &["commit", "-q", "-m", "one"]);
+    root
+}
+
+/// Newest time of what a script is run again for.
+fn newest(said: &Said) -> std::time::SystemTime {
+    fn of(path: &Path) -> std::time::SystemTime {
+        let own = path.symlink_metadata().unwrap().modified().unwrap();
+        if !path.is_dir() {
+            return own;
+        }
+        fs::read_dir(path).unwrap().map(|entry| of(&entry.unwrap().path())).fold(own, Ord::max)
+    }
+    said.watched.iter().map(|path| of(path)).max().unwrap()
+}
+
+#[test]
+fn the_command_says_its_version_and_commit() {
+    let here = TempDir::new().unwrap();
+    let [short, long] = ["-V", "--version"].map(|option| out(&done(here.path(), &[option])));
+    let version = env!("CARGO_PKG_VERSION");
+    assert!(short.starts_with(&format!("lemons {version}")) && short.lines().count() == 1, "{short}");
+    assert_eq!(long.lines().next(), short.lines().next());
+    let Some((_, known)) = short.split_once(" (") else { return };
+    let commit = known.split([' ', ')']).next().unwrap();
+    assert!(long.contains(&format!("\ncommit {commit}")), "{short}{long}");
+    // Sources with `.git` are at least said to be of a commit.
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let told = option_env!("LEMONS_COMMIT").is_some();
+    assert!(told || !root.join(".git").exists() || commit.len() == 7, "{short}");
+}
+
+#[test]
+fn a_commit_its_date_and_changes_are_said() {
+    let directory = TempDir::new().unwrap();
+    let root = repository(directory.path());
+    let said = script(&root, &[]);
+    assert_eq!(said.commit, git(&root, &["rev-parse", "HEAD"]));
+    // In UTC it is the next day.
+    assert_eq!((said.date.as_str(), said.changed), ("2026-11-23", false));
+    // What no program is built from is no change of it.
+    fs::write(root.join("README.md"), "five").unwrap();
+    fs::write(root.join("crates/cli/tests/all.rs"), "//! Six.").unwrap();
+    fs::write(root.join("src/new.rs"), "//! Not in git, named by nobody.").unwrap();
+    assert!(!script(&root, &[]).changed);
+    fs::write(root.join("crates/cli/src/lib.rs"), "//! Seven.").unwrap();
+    assert!(script(&root, &[]).changed);
+    git(&root, &["commit", "-q", "-a", "-m", "two"]);
+    let after = script(&root, &[]);
+    assert!(!after.changed && after.commit != said.commit);
+    assert_eq!(after.commit, git(&root, &["rev-parse", "HEAD"]));
+}
+
+#[test]
+fn it_is_run_again_for_a_commit_and_not_for_a_question() {
+    let directory = TempDir::new().unwrap();
+    let root = repository(directory.path());
+    let next = |root: &Path, what: &str| {
+        let before = newest(&script(root, &[]));
+        // A program that asks git refreshes its index.
+        git(root, &["status"]);
+        assert_eq!(newest(&script(root, &[])), before, "{what}: nothing happened");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        let commit = script(root, &[]);
+        git(root, &["commit", "-q", "--allow-empty", "-m", what]);
+        // Of the files that were watched before.
+        assert!(newest(&commit) > before, "{what}: the commit is not seen");
+        assert_ne!(script(root, &[]).commit, commit.commit, "{what}");
+    };
+    next(&root, "a branch");
+    git(&root, &["pack-refs", "--all"]);
+    assert!(!root.join(".git/refs/heads/main").exists());
+    next(&root, "a packed branch");
+    git(&root, &["checkout", "-q", "--detach"]);
+    next(&root, "no branch");
+    git(&root, &["worktree", "add", "-q", "-b", "other", "../tree"]);
+    let tree = root.join("../tree").canonicalize().unwrap();
+    assert!(tree.join(".git").is_file());
+    next(&tree, "a worktree");
+    git(&root, &["pack-refs", "--all"]);
+    next(&tree, "a worktree of a packed branch");
+}
+
+/// No directory holds a git then.
+const NO_GIT: (&str, &str) = ("PATH", "");
+
+#[test]
+fn without_git_the_commit_is_read_from_its_files() {
+    let directory = TempDir::new().unwrap();
+    let root = repository(directory.path());
+    let check = |root: &Path| {
+        let said = script(root, &[NO_GIT]);
+        assert_eq!(said.commit, git(root, &["rev-parse", "HEAD"]));
+        assert_eq!((said.date.as_str(), said.changed), ("", false));
+    };
+    check(&root);
+    git(&root, &["worktree", "add", "-q", "-b", "other", "../tree"]);
+    let tree = root.join("../tree").canonicalize().unwrap();
+    check(&tree);
+    git(&root, &["pack-refs", "--all"]);
+    check(&root);
+    check(&tree);
+    git(&root, &["checkout", "-q", "--detach"]);
+    check(&root);
+    fs::write(root.join(".git/HEAD"), "rubbish").unwrap();
+    assert_eq!(script(&root, &[NO_GIT]).commit, "");
+}
+
+#[test]
+fn sources_without_git_have_a_version_only_wherever_they_lie() {
+    let directory = TempDir::new().unwrap();
+    // Within somebody else's repository.
+    let outer = repository(directory.path());
+    let root = workspace(&outer.join("vendored"));
+    let said = script(&root, &[]);
+    assert_eq!((said.commit.as_str(), said.date.as_str(), said.changed), ("", "", false));
+    // A `.git` that is none must not lead there either.
+    fs::create_dir(root.join(".git")).unwrap();
+    assert_eq!(script(&root, &[]).commit, "");
+    fs::remove_dir(root.join(".git")).unwrap();
+    fs::write(root.join(".git"), "gitdir: /nowhere/at/all\n").unwrap();
+    assert_eq!(script(&root, &[]).commit, "");
+    // Nor what a hook of it sets.
+    let hook = outer.join(".git");
+    assert_eq!(script(&root, &[("GIT_DIR", hook.to_str().unwrap())]).commit, "");
+}
+
+#[test]
+fn packagers_say_commit_and_date() {
+    let directory = TempDir::new().unwrap();
+    let root = repository(directory.path());
+    let own = git(&root, &["rev-parse", "HEAD"]);
+    fs::write(root.join("src/lib.rs"), "//! Patched.").unwrap();
+    for (around, commit, date, changed) in [
+        (
+            vec![("LEMONS_COMMIT", "v0.1.0"), ("LEMONS_COMMIT_DATE", "2026-11-20")],
+            "v0.1.0",
+            "2026-11-20",
+            false,
+        ),
+        (
+            vec![("LEMONS_COMMIT", "abc1234"), ("SOURCE_DATE_EPOCH", "1709164800")],
+            "abc1234",
+            "2024-02-29",
+            false,
+        ),
+        (vec![("LEMONS_COMMIT", "abc1234")], "abc1234", "", false),
+        (vec![("LEMONS_COMMIT", "")], "", "", false),
+        (vec![("LEMONS_COMMIT", "two words\nand lines")], "", "", false),
+        (vec![("SOURCE_DATE_EPOCH", "951782400")], own.as_str(), "2000-02-29", true),
+        (vec![("SOURCE_DATE_EPOCH", "951868799"), ("LEMONS_COMMIT_DATE", "")], &own, "2000-02-29", true),
+        (vec![("SOURCE_DATE_EPOCH", "-1")], &own, "1969-12-31", true),
+        (vec![("SOURCE_DATE_EPOCH", "4107542400")], &own, "2100-03-01", true),
+        (vec![("SOURCE_DATE_EPOCH", "9223372036854775807")], &own, "2026-11-23", true),
+        (vec![("SOURCE_DATE_EPOCH", "soon")], &own, "2026-11-23", true),
+    ] {
+        let said = script(&root, &around);
+        assert_eq!(
+            (said.commit.as_str(), said.date.as_str(), said.changed),
+            (commit, date, changed),
+            "{around:?}"
+        );
+    }
+}

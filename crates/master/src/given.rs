@@ -1,0 +1,137 @@
+//! A Trial as users give it: its directory, or a zip of that; and the FMU that it becomes.
+
+use crate::error::{Error, Place, Result};
+use crate::kind::Kind;
+use crate::unzip::unzip_trial;
+use crowd_mechanics::pack::{Binary, Draw, Naming, PackError, Package};
+use crowd_mechanics::setup;
+use lemons_files::Scratch;
+use lemons_trial::{Problem, Problems, Severity, Trial};
+use std::path::{Component, Path, PathBuf};
+
+/// A Trial that somebody has given. A zip is unpacked into a directory that exists as long as this does.
+pub struct Given {
+    /// As it was given.
+    path: PathBuf,
+    directory: PathBuf,
+    unpacked: Option<Scratch>,
+}
+
+impl Given {
+    /// `None` where there is neither a directory nor the zip of a Trial: perhaps an FMU.
+    ///
+    /// # Errors
+    /// The zip of a Trial cannot be unpacked.
+    pub fn find(path: &Path) -> Result<Option<Given>> {
+        let given = path.to_owned();
+        if path.is_dir() {
+            return Ok(Some(Given { directory: given.clone(), path: given, unpacked: None }));
+        }
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let scratch = Scratch::new().map_err(Error::io("cannot make a temporary directory"))?;
+        let found = unzip_trial(path, scratch.path()).place(|| path.display().to_string())?;
+        Ok(found.map(|directory| Given { path: given, directory, unpacked: Some(scratch) }))
+    }
+
+    /// For what takes nothing but Trials.
+    ///
+    /// # Errors
+    /// There is something else, or the zip of a Trial cannot be unpacked.
+    pub fn open(path: &Path) -> Result<Given> {
+        Kind::expect(path, &[Kind::Trial, Kind::Archive], "a Trial directory or a zip of one")?;
+        match Given::find(path)? {
+            Some(given) => Ok(given),
+            // Why it cannot be read says the reader.
+            None => Ok(Given { path: path.to_owned(), directory: path.to_owned(), unpacked: None }),
+        }
+    }
+
+    /// As it was given.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where its files are.
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// The Trial with its warnings.
+    ///
+    /// # Errors
+    /// All that is wrong with it, and the warnings; files have the names that the user knows.
+    pub fn read(&self) -> Result<(Trial, Problems), Problems> {
+        let (trial, warnings) = setup::read(&self.directory).map_err(|problems| self.renamed(&problems))?;
+        if self.unpacked.is_some() {
+            let parameters = &trial.parameters;
+            let outside = [parameters.static_path(), parameters.dynamic_path()].into_iter().find(|path| {
+                !path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+            });
+            if let Some(outside) = outside {
+                let mut problems = Problems::default();
+                problems.push(Problem {
+                    severity: Severity::Error,
+                    file: self.path.join("Parameters.xml"),
+                    line: None,
+                    element: Some("Directories".into()),
+                    attribute: None,
+                    value: None,
+                    message: format!("{outside:?} leads outside of the zip"),
+                });
+                return Err(problems);
+            }
+        }
+        Ok((trial, self.renamed(&warnings)))
+    }
+
+    /// A text in which the user's name for it replaces that of the place where it was unpacked.
+    pub fn under_its_name(&self, text: &str) -> String {
+        match self.unpacked {
+            Some(_) => text.replace(&*self.directory.to_string_lossy(), &self.path.to_string_lossy()),
+            None => text.to_owned(),
+        }
+    }
+
+    /// With the names of files within a zip instead of those where it was unpacked.
+    fn renamed(&self, problems: &Problems) -> Problems {
+        let mut renamed = Problems::default();
+        for problem in problems.iter() {
+            let file = match problem.file.strip_prefix(&self.directory) {
+                Ok(inside) if self.unpacked.is_some() => self.path.join(inside),
+                _ => problem.file.clone(),
+            };
+            renamed.push(Problem { file, ..problem.clone() });
+        }
+        renamed
+    }
+}
+
+/// Packs Trials into an FMU, and returns their warnings; `picture` draws its `model.png`.
+///
+/// # Errors
+/// [`Error::Broken`] if a Trial has errors, with the names of files that the user knows; else [`PackError`].
+pub fn pack(
+    trials: &[Given],
+    binaries: Vec<Binary>,
+    naming: Naming,
+    picture: Option<Draw>,
+    output: &Path,
+) -> Result<Vec<String>> {
+    let directories = trials.iter().map(|trial| trial.directory.clone()).collect();
+    let package = Package { trials: directories, binaries, picture, naming };
+    match package.write(output) {
+        Ok(warnings) => {
+            let known = |text: String| trials.iter().fold(text, |text, trial| trial.under_its_name(&text));
+            Ok(warnings.into_iter().map(known).collect())
+        }
+        Err(PackError::Broken { path, problems }) => {
+            Err(match trials.iter().find(|trial| trial.directory == path) {
+                Some(trial) => Error::Broken { path: trial.path.clone(), problems: trial.renamed(&problems) },
+                None => Error::Broken { path, problems },
+            })
+        }
+        Err(error) => Err(error.into()),
+    }
+}

@@ -1,0 +1,63 @@
+//! A drive on its way into the inputs of an instance.
+
+use crate::drive::{DriveTable, Missed};
+use crate::error::Result;
+use crate::fmu::Instance;
+use lemons_trial::Agent;
+
+/// A drive, into an instance of a crowd.
+pub struct Pushes {
+    drive: DriveTable,
+    fingerprint: String,
+    /// Of the agents that the drive names.
+    ids: Vec<String>,
+    inputs: Vec<u32>,
+}
+
+impl Pushes {
+    /// To the inputs of these agents of an instance.
+    ///
+    /// # Errors
+    /// The instance has not the inputs of an agent that the drive names.
+    pub fn new(instance: &Instance, agents: &[Agent], drive: DriveTable) -> Result<Pushes> {
+        let agents = agents.iter().enumerate();
+        let driven: Vec<_> = agents.filter(|(_, agent)| drive.at(&agent.id, 0.0).is_some()).collect();
+        let names = driven
+            .iter()
+            .flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(move |name| format!("agent[{i}].{name}")));
+        Ok(Pushes {
+            inputs: names.map(|name| instance.reference(&name)).collect::<Result<_>>()?,
+            ids: driven.iter().map(|(_, agent)| agent.id.clone()).collect(),
+            fingerprint: drive.fingerprint(),
+            drive,
+        })
+    }
+
+    /// As [`DriveTable::missed`].
+    pub fn missed(&self, start: f64, step: f64) -> Option<Missed> {
+        self.drive.missed(start, step)
+    }
+
+    /// As [`DriveTable::fingerprint`].
+    pub fn fingerprint(&self) -> &str {
+        &self.fingerprint
+    }
+
+    /// \[s\] When the last of them ends; `None` if there is none.
+    pub fn end(&self) -> Option<f64> {
+        self.drive.end()
+    }
+
+    /// What drives them at a time \[s\].
+    ///
+    /// # Errors
+    /// The FMU refuses the call.
+    pub fn send(&self, instance: &Instance, time: f64) -> Result<()> {
+        if self.inputs.is_empty() {
+            return Ok(());
+        }
+        let pushes = self.ids.iter().filter_map(|id| self.drive.at(id, time));
+        let values: Vec<f64> = pushes.flatten().collect();
+        instance.set_real(&self.inputs, &values)
+    }
+}

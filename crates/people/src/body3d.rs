@@ -1,0 +1,221 @@
+//! Three-dimensional bodies (section 3.3, `Shapes3D`): a standing person with hanging arms, as slices, sections or
+//! meshes.
+//!
+//! The paper scales the contours of two cadavers: vertically to the stature, horizontally by one factor for each
+//! direction. The factors are found at the altitude of the torso and fade out below the knees and above the neck (a
+//! door-shaped profile).
+//!
+//! Here a body follows from the person's own measures. 40 heights, breadths, depths and girths follow from sex,
+//! breadth, depth, stature and mass (conditional means in the US Army ANSUR II survey, 2012). Rounded outlines go
+//! through them, connected by monotone cubics of the altitude. So a heavy person has a larger waist, not wider bones,
+//! and men and women are built differently. The paper's door profile remains for the last step: one girth factor
+//! between knees and neck gives the body the volume of its mass. Breadth and depth at the torso's altitude are those of
+//! the person, as in the paper.
+
+mod export;
+mod landmarks;
+mod measures;
+mod mesh;
+mod outline;
+mod sections;
+mod skin;
+mod slices;
+mod template;
+
+pub use export::{write_geojson, write_obj, write_stl, write_wkt};
+pub use landmarks::TORSO_ALTITUDE;
+pub use mesh::{Mesh, MeshPart, crowd_parts};
+pub use sections::{CrowdSection, Placed, section, torso_altitudes};
+pub use slices::Polygon;
+
+use crate::person::Person;
+use lemons_plane::Vec2;
+use skin::Ring;
+use slices::volume;
+use std::fmt;
+use template::{Skins, Template, other_side};
+
+/// \[kg/m³\] Density of a body with air in its lungs. The volume of a body is mass / density.
+pub const BODY_DENSITY: f64 = 985.0;
+/// Range of the girth factor. A person whose mass needs a factor outside gets the nearest bound.
+pub const GIRTH_FACTORS: [f64; 2] = [0.8, 1.25];
+
+/// A closed part of a body, separate from the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Part {
+    /// From the crotch to the top of the head; above the armpits it includes the upper arms.
+    Trunk,
+    /// From the armpit to the fingertips.
+    LeftArm,
+    /// From the armpit to the fingertips.
+    RightArm,
+    /// From the crotch to the sole.
+    LeftLeg,
+    /// From the crotch to the sole.
+    RightLeg,
+}
+
+impl Part {
+    /// All parts, in the order in which a body lists them.
+    pub const ALL: [Part; 5] = [Part::Trunk, Part::LeftArm, Part::RightArm, Part::LeftLeg, Part::RightLeg];
+
+    /// Returns the name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Trunk => "trunk",
+            Part::LeftArm => "left_arm",
+            Part::RightArm => "right_arm",
+            Part::LeftLeg => "left_leg",
+            Part::RightLeg => "right_leg",
+        }
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Why a body cannot be made.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum BodyError {
+    /// A measure that no person has.
+    #[error("{measure} = {value} {unit}: must be from {least} to {most} {unit} for a body")]
+    Measure {
+        /// Name of the measure.
+        measure: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// The smallest possible value.
+        least: f64,
+        /// The largest possible value.
+        most: f64,
+    },
+    /// A chest that is deeper than the shoulders are broad.
+    #[error("chest depth = {depth} m: must not exceed the bideltoid breadth, {breadth} m")]
+    DeeperThanBroad {
+        /// \[m\] chest depth.
+        depth: f64,
+        /// \[m\] bideltoid breadth.
+        breadth: f64,
+    },
+}
+
+/// \[m, m, m, kg\] Name, unit, smallest and largest value of the measures of a body. The ranges are wider than those of
+/// any custom statistics of the paper.
+const LIMITS: [(&str, &str, f64, f64); 4] = [
+    ("bideltoid breadth", "m", 0.25, 0.8),
+    ("chest depth", "m", 0.1, 0.5),
+    ("stature", "m", 1.0, 2.5),
+    ("mass", "kg", 20.0, 250.0),
+];
+
+/// A person's body, standing upright with hanging arms.
+///
+/// Its frame is that of the person's two-dimensional shape: gaze along +x, left is +y. The vertical axis goes through
+/// the centroid of the section at the torso's altitude; z is the height above the soles. Each part is a stack of closed
+/// outlines (rings), with straight walls between two rings. Parts do not overlap: arms end where they enter the trunk's
+/// outline, legs where the trunk begins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body3d {
+    person: Person,
+    tubes: Vec<Tube>,
+    girth_factor: f64,
+}
+
+/// The rings of a part, from low to high. Two rings at the same altitude are a flat step.
+#[derive(Debug, Clone, PartialEq)]
+struct Tube {
+    part: Part,
+    rings: Vec<Ring>,
+}
+
+/// Returns the skins with the wanted volume \[m³\], or the nearest that [`GIRTH_FACTORS`] allow, and their girth
+/// factor.
+fn fit(template: &Template, wanted: f64) -> (Skins, f64) {
+    let volume_of = |skins: &Skins| volume(&skins.trunk) + 2.0 * (volume(&skins.arm) + volume(&skins.leg));
+    let [mut low, mut high] = GIRTH_FACTORS;
+    let (mut factor, mut round) = (1.03, 0);
+    loop {
+        let skins = template.skins(factor);
+        let ratio = volume_of(&skins) / wanted;
+        let at_end = factor == GIRTH_FACTORS[if ratio < 1.0 { 1 } else { 0 }];
+        if (ratio - 1.0).abs() < 1e-4 || at_end || high - low < 1e-5 {
+            return (skins, factor);
+        }
+        *(if ratio < 1.0 { &mut low } else { &mut high }) = factor;
+        // The volume grows roughly like this power of the factor. A bisection now and then guarantees that the search
+        // ends.
+        let aim = factor * libm::pow(ratio, -1.0 / 1.6);
+        round += 1;
+        factor = if round % 4 == 0 { 0.5 * (low + high) } else { aim.clamp(low, high) };
+    }
+}
+
+impl Body3d {
+    /// Makes the body of a person. The girth factor scales outlines evenly about their centres: by the paper's door
+    /// profile on trunk and legs, fully on the upper arms, less towards the hands. Outlines at the torso's altitude and
+    /// above keep their size.
+    ///
+    /// # Errors
+    /// A measure is not a number, or no person has it, or the depth exceeds the breadth.
+    pub fn of(person: &Person) -> Result<Body3d, BodyError> {
+        Body3d::possible(person)?;
+        let (mut skins, girth_factor) = fit(&Template::of(person), person.mass / BODY_DENSITY);
+        skins.lean_arm();
+        let Skins { trunk, arm, leg } = skins;
+        let (right_arm, right_leg) = (other_side(&arm), other_side(&leg));
+        let rings = [trunk, arm, right_arm, leg, right_leg];
+        let tubes = Part::ALL.into_iter().zip(rings).map(|(part, rings)| Tube { part, rings }).collect();
+        Ok(Body3d { person: *person, tubes, girth_factor }.about_torso())
+    }
+
+    /// Checks that a person can have a body.
+    ///
+    /// # Errors
+    /// Those of [`Body3d::of`].
+    pub fn possible(person: &Person) -> Result<(), BodyError> {
+        let given = [person.breadth, person.depth, person.stature, person.mass];
+        for (value, (measure, unit, least, most)) in given.into_iter().zip(LIMITS) {
+            if !(least..=most).contains(&value) {
+                return Err(BodyError::Measure { measure, value, unit, least, most });
+            }
+        }
+        if person.depth > person.breadth {
+            return Err(BodyError::DeeperThanBroad { depth: person.depth, breadth: person.breadth });
+        }
+        Ok(())
+    }
+
+    /// Moves the body so that the centroid of the section at the torso's altitude is on the axis.
+    fn about_torso(mut self) -> Body3d {
+        let torso = self.slice_at(self.torso_altitude());
+        let area: f64 = torso.iter().map(Polygon::area).sum();
+        let moment = torso.iter().fold(Vec2::ZERO, |sum, polygon| sum + polygon.centroid() * polygon.area());
+        let ahead = Vec2 { x: moment.x / area, y: 0.0 };
+        for ring in self.tubes.iter_mut().flat_map(|tube| &mut tube.rings) {
+            ring.points = ring.points.map(|point| point - ahead);
+        }
+        self
+    }
+
+    /// Returns the person whose body this is.
+    pub fn person(&self) -> &Person {
+        &self.person
+    }
+
+    /// Returns the altitude \[m\] at which bideltoid breadth and chest depth are measured: [`TORSO_ALTITUDE`] ×
+    /// stature.
+    pub fn torso_altitude(&self) -> f64 {
+        TORSO_ALTITUDE * self.person.stature
+    }
+
+    /// Returns the ratio of the girths between knees and neck to the mean of people with the same four measures. It
+    /// makes the volume mass / [`BODY_DENSITY`], and is within [`GIRTH_FACTORS`].
+    pub fn girth_factor(&self) -> f64 {
+        self.girth_factor
+    }
+}

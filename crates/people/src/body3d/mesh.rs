@@ -1,0 +1,152 @@
+//! Closed triangle meshes.
+
+use super::outline::POINTS;
+use super::skin::Ring;
+use super::{Body3d, Placed};
+use lemons_plane::{Pose, Rotation, Vec2};
+
+/// A closed surface of one part of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshPart {
+    /// Name, of letters, digits and `_`.
+    pub name: String,
+    /// \[m\] Coordinates x, y, z; z is up.
+    pub vertices: Vec<[f64; 3]>,
+    /// Triples of indices into `vertices`, counter-clockwise seen from outside. Every edge belongs to two triangles,
+    /// once in each direction.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Closed surfaces that do not overlap. Neighbouring parts may share a plane.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mesh {
+    /// The parts, in the order of the bodies.
+    pub parts: Vec<MeshPart>,
+}
+
+impl MeshPart {
+    /// The surface through rings, closed at both ends.
+    fn through(name: &str, rings: &[Ring]) -> MeshPart {
+        let mut part = MeshPart { name: name.to_owned(), vertices: Vec::new(), triangles: Vec::new() };
+        let mut below: Option<[u32; POINTS]> = None;
+        for (k, ring) in rings.iter().enumerate() {
+            // In a flat step most points are the same in both rings: they share a vertex.
+            let stands = |i: usize| rings[k - 1].z == ring.z && rings[k - 1].points[i] == ring.points[i];
+            let indices: [u32; POINTS] = std::array::from_fn(|i| match below {
+                Some(below) if stands(i) => below[i],
+                _ => part.vertex(ring.points[i], ring.z),
+            });
+            match below {
+                None => part.cap(ring, &indices, Cap::Bottom),
+                Some(below) => part.band(&below, &indices),
+            }
+            below = Some(indices);
+        }
+        if let (Some(ring), Some(indices)) = (rings.last(), below) {
+            part.cap(ring, &indices, Cap::Top);
+        }
+        part
+    }
+
+    fn vertex(&mut self, point: Vec2, z: f64) -> u32 {
+        self.vertices.push([point.x, point.y, z]);
+        (self.vertices.len() - 1) as u32
+    }
+
+    /// The band between two rings: two triangles for each side, fewer where points are shared.
+    fn band(&mut self, low: &[u32; POINTS], high: &[u32; POINTS]) {
+        for i in 0..POINTS {
+            let next = (i + 1) % POINTS;
+            // Cut along the shorter diagonal: creases stay sharp, and left and right are mirror images.
+            let [a, b, c, d] = [low[i], low[next], high[next], high[i]];
+            let halves = if self.distance(a, c) <= self.distance(b, d) {
+                [[a, b, c], [a, c, d]]
+            } else {
+                [[a, b, d], [b, c, d]]
+            };
+            for triangle in halves {
+                let [a, b, c] = triangle;
+                if a != b && b != c && c != a {
+                    self.triangles.push(triangle);
+                }
+            }
+        }
+    }
+
+    /// The squared distance between two vertices \[m²\].
+    fn distance(&self, a: u32, b: u32) -> f64 {
+        let [p, q] = [a, b].map(|index| self.vertices[index as usize]);
+        (0..3).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum()
+    }
+
+    /// Closes a ring with a fan about the mean of its points. All of them are visible from there.
+    fn cap(&mut self, ring: &Ring, indices: &[u32; POINTS], side: Cap) {
+        let sum = ring.points.iter().fold(Vec2::ZERO, |sum, &point| sum + point);
+        let centre = self.vertex(sum * (1.0 / POINTS as f64), ring.z);
+        for i in 0..POINTS {
+            let (a, b) = (indices[i], indices[(i + 1) % POINTS]);
+            self.triangles.push(match side {
+                Cap::Bottom => [centre, b, a],
+                Cap::Top => [centre, a, b],
+            });
+        }
+    }
+
+    /// Returns the corners of a triangle \[m\].
+    pub fn corners(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
+        triangle.map(|index| self.vertices[index as usize])
+    }
+
+    /// Returns the enclosed volume \[m³\]: the sum of tetrahedra with one common point. It is positive because the
+    /// triangles face outwards.
+    pub fn volume(&self) -> f64 {
+        let Some(origin) = self.vertices.first() else { return 0.0 };
+        let six = self.triangles.iter().map(|&triangle| {
+            let [a, b, c] =
+                self.corners(triangle).map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]);
+            a[0] * (b[1] * c[2] - b[2] * c[1])
+                + a[1] * (b[2] * c[0] - b[0] * c[2])
+                + a[2] * (b[0] * c[1] - b[1] * c[0])
+        });
+        six.sum::<f64>() / 6.0
+    }
+}
+
+enum Cap {
+    Bottom,
+    Top,
+}
+
+impl Mesh {
+    /// Returns the volume of all parts \[m³\].
+    pub fn volume(&self) -> f64 {
+        self.parts.iter().map(MeshPart::volume).sum()
+    }
+
+    /// Returns the mesh of a body at a pose, in world coordinates.
+    pub fn at(mut self, pose: &Pose) -> Mesh {
+        let turn = Rotation::by(pose.orientation);
+        for vertex in self.parts.iter_mut().flat_map(|part| &mut part.vertices) {
+            let point = Vec2 { x: vertex[0], y: vertex[1] }.rotated(turn) + pose.position;
+            (vertex[0], vertex[1]) = (point.x, point.y);
+        }
+        self
+    }
+}
+
+/// Returns the surfaces of a crowd, one body at a time. Names begin with `agent_` and the index in the list. Collect
+/// them into [`Mesh::parts`], or write them one by one: a body has about 30 000 triangles.
+pub fn crowd_parts(crowd: &[Placed<'_>]) -> impl Iterator<Item = MeshPart> + Clone {
+    crowd.iter().enumerate().flat_map(|(k, placed)| {
+        let parts = placed.body.mesh().at(&placed.pose).parts;
+        parts.into_iter().map(move |part| MeshPart { name: format!("agent_{k}_{}", part.name), ..part })
+    })
+}
+
+impl Body3d {
+    /// Returns its surface in the body's frame: one closed part each for the trunk with head, the arms and the legs.
+    pub fn mesh(&self) -> Mesh {
+        let parts = self.tubes.iter().map(|tube| MeshPart::through(tube.part.name(), &tube.rings));
+        Mesh { parts: parts.collect() }
+    }
+}

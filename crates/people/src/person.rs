@@ -1,0 +1,144 @@
+//! A person, described by four measures.
+
+use thiserror::Error;
+
+/// Sex, which selects the statistics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Sex {
+    /// A man.
+    Male,
+    /// A woman.
+    Female,
+}
+
+impl Sex {
+    /// Both sexes, in the order of all tables.
+    pub const ALL: [Sex; 2] = [Sex::Male, Sex::Female];
+
+    /// Returns "male" or "female".
+    pub fn name(self) -> &'static str {
+        match self {
+            Sex::Male => "male",
+            Sex::Female => "female",
+        }
+    }
+}
+
+/// One of a person's measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Measure {
+    /// \[m\] bideltoid breadth.
+    Breadth,
+    /// \[m\] chest depth.
+    Depth,
+    /// \[m\] stature.
+    Stature,
+    /// \[kg\] mass.
+    Mass,
+}
+
+impl Measure {
+    /// All measures, in the order of all tables and matrices here.
+    pub const ALL: [Measure; 4] = [Measure::Breadth, Measure::Depth, Measure::Stature, Measure::Mass];
+
+    /// Returns the name in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Measure::Breadth => "bideltoid breadth",
+            Measure::Depth => "chest depth",
+            Measure::Stature => "stature",
+            Measure::Mass => "mass",
+        }
+    }
+
+    /// Returns the range \[m\] or \[kg\] of human measures, from children to giants. A number outside is probably in
+    /// another unit.
+    pub fn possible(self) -> [f64; 2] {
+        match self {
+            Measure::Breadth => [0.1, 2.0],
+            Measure::Depth => [0.05, 2.0],
+            Measure::Stature => [0.3, 3.0],
+            Measure::Mass => [1.0, 500.0],
+        }
+    }
+
+    /// Returns "m" or "kg".
+    pub fn unit(self) -> &'static str {
+        if self == Measure::Mass { "kg" } else { "m" }
+    }
+}
+
+/// A person. Its two-dimensional shape and its three-dimensional body follow from these measures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Person {
+    /// Sex, which selects the statistics.
+    pub sex: Sex,
+    /// \[m\] bideltoid breadth: breadth of the shoulders.
+    pub breadth: f64,
+    /// \[m\] chest depth.
+    pub depth: f64,
+    /// \[m\] stature: height without shoes.
+    pub stature: f64,
+    /// \[kg\] mass.
+    pub mass: f64,
+}
+
+/// Measures that no person has.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum PersonError {
+    #[error("{} = {value} {}: must be positive and finite", measure.name(), measure.unit())]
+    NotPositive { measure: Measure, value: f64 },
+    #[error("chest depth = {depth} m: must not exceed the bideltoid breadth, {breadth} m")]
+    TooDeep { breadth: f64, depth: f64 },
+}
+
+impl Person {
+    /// Makes a person from measures in the order of [`Measure::ALL`].
+    pub fn from_measures(sex: Sex, [breadth, depth, stature, mass]: [f64; 4]) -> Person {
+        Person { sex, breadth, depth, stature, mass }
+    }
+
+    /// Returns the measures in the order of [`Measure::ALL`].
+    pub fn measures(&self) -> [f64; 4] {
+        [self.breadth, self.depth, self.stature, self.mass]
+    }
+
+    /// Checks that a shape and a body can be made.
+    ///
+    /// # Errors
+    /// A measure is not positive and finite, or the chest is deeper than the shoulders are broad.
+    pub fn check(&self) -> Result<(), PersonError> {
+        for (measure, value) in Measure::ALL.into_iter().zip(self.measures()) {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(PersonError::NotPositive { measure, value });
+            }
+        }
+        if self.depth > self.breadth {
+            return Err(PersonError::TooDeep { breadth: self.breadth, depth: self.depth });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_people_are_refused_by_name() {
+        let right = Person { sex: Sex::Male, breadth: 0.5, depth: 0.25, stature: 1.8, mass: 80.0 };
+        assert_eq!(right.check(), Ok(()));
+        assert_eq!(Person::from_measures(right.sex, right.measures()), right);
+        for (wrong, message) in [
+            (Person { mass: -80.0, ..right }, "mass = -80 kg: must be positive and finite"),
+            (Person { stature: f64::NAN, ..right }, "stature = NaN m: must be positive and finite"),
+            (
+                Person { depth: 0.6, ..right },
+                "chest depth = 0.6 m: must not exceed the bideltoid breadth, 0.5 m",
+            ),
+        ] {
+            assert_eq!(wrong.check().unwrap_err().to_string(), message);
+        }
+    }
+}

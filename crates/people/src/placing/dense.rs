@@ -1,0 +1,462 @@
+//! Our own packing algorithm. Soft shapes grow to their full size and move downhill in energy until nothing overlaps.
+//! Where they are stuck, some are moved elsewhere.
+
+use super::fire::Fire;
+use super::hull::hull_area;
+use super::pile::{Body, Boundary, Pile};
+use super::random::Random;
+use super::{
+    Ended, Orientation, Packing, PlacingError, Progress, Region, Stage, TOLERANCE, Watch, check,
+    check_orientation, check_shapes, measure,
+};
+use crate::shape::Shape;
+use lemons_plane::{Rotation, Vec2, vec2};
+use std::f64::consts::{PI, TAU};
+
+/// \[m\] Distance that shapes keep while they are pushed apart. So none overlaps in the end, although the energy
+/// approaches zero only slowly.
+const PAD: f64 = TOLERANCE;
+/// Relative sizes through which the shapes grow.
+const SIZES: [f64; 5] = [0.6, 0.75, 0.87, 0.95, 1.0];
+/// Steps at each size except the last.
+const GROWING_STEPS: u64 = 200;
+/// Largest number of steps of a slide.
+const SLIDE_STEPS: u64 = 3000;
+/// A slide is at rest at this imbalance: forces cancel to a thousandth.
+const AT_REST: f64 = 1e-6;
+/// Rounds of shaking without a gain before the shapes count as stuck.
+const PATIENCE: u32 = 80;
+/// A gain is at least this fraction of the energy.
+const GAIN: f64 = 1e-3;
+/// Steps between two progress reports.
+const REPORT: u64 = 25;
+/// Covered fraction of the circle in which a crowd in the open plane begins: the shapes hardly press on each other.
+const LOOSE_COVER: f64 = 0.5;
+/// Attempts to begin with at most the wanted density.
+const LOOSER: u32 = 24;
+/// Number of places tried for a shape that is moved elsewhere.
+const TRIALS: u32 = 400;
+/// \[rad\] Largest turn of a shape that is moved elsewhere, if shapes face one direction at the beginning.
+const ASKEW: f64 = PI / 6.0;
+/// Number of stuck shapes per centre of a round of shaking.
+const STUCK_TO_A_PLACE: usize = 60;
+/// Shaking is useless if the shapes overlap on average by more than this fraction of their size.
+const HOPELESS: f64 = 0.05;
+/// Fraction of the shapes that is removed in a round (first), and number of rounds (second), if not all shapes fit.
+const TAKEN_AWAY: f64 = 0.01;
+const TAKING_ROUNDS: u32 = 150;
+/// Steps of a slide after some shapes were removed.
+const TAKING_STEPS: u64 = 500;
+
+/// Settings of [`dense()`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dense {
+    /// \[1/m²\] In a region: the wanted density; as many of the first shapes are placed as it needs. `None`: all. In the
+    /// open plane all are placed, with at least this density; `None`: as dense as possible within the iterations.
+    pub density: Option<f64>,
+    /// The direction that the shapes face.
+    pub orientation: Orientation,
+    /// The same seed gives the same placing.
+    pub seed: u64,
+    /// Largest number of iterations.
+    pub max_iterations: u64,
+}
+
+impl Default for Dense {
+    fn default() -> Dense {
+        Dense { density: None, orientation: Orientation::Free, seed: 0, max_iterations: 200_000 }
+    }
+}
+
+/// Places shapes densely without overlap.
+///
+/// The shapes are soft: E = Σ ½ h² over all overlaps h of disks with each other and with the boundary. They start
+/// evenly spread at a fraction of their size, grow, and slide (FIRE) to where E vanishes. Where that fails, some are
+/// shaken, swapped or moved to the widest gap; changes that make E smaller are kept. In the open plane a circle presses
+/// them together.
+///
+/// `watch` gets the progress and may stop the algorithm. The result may be incomplete (`complete` is false) if the
+/// density is too high, or too high for that many iterations. Its `clear_density` is then the density of the shapes
+/// that could spread without overlap after others were removed.
+pub fn dense(
+    shapes: &[Shape],
+    region: &Region,
+    settings: &Dense,
+    watch: &mut Watch,
+) -> Result<Packing, PlacingError> {
+    check_shapes(shapes)?;
+    check_orientation(settings.orientation)?;
+    if let Some(density) = settings.density {
+        check("the density", density, density > 0.0, "a positive number of shapes per m²")?;
+    }
+    let shapes = match settings.density {
+        Some(density) if !region.is_plane() => {
+            let needed = libm::round(density * region.area()) as u64;
+            if needed > shapes.len() as u64 {
+                let (area, given) = (region.area(), shapes.len());
+                return Err(PlacingError::TooFewShapes { density, area, needed, given });
+            }
+            &shapes[..needed as usize]
+        }
+        _ => shapes,
+    };
+    let covered: f64 = shapes.iter().map(|shape| shape.moments().area).sum();
+    let room = match (settings.density, region.is_plane()) {
+        (Some(density), true) => shapes.len() as f64 / density,
+        _ => region.area(),
+    };
+    if covered > room {
+        return Err(PlacingError::NoRoom { shapes: shapes.len(), covered, area: room });
+    }
+    let random = Random::new(settings.seed);
+    let (iteration, limit) = (0, settings.max_iterations);
+    let mut packer = Packer { random, watch, iteration, limit, stage: Stage::Growing, density: 0.0 };
+    let (bodies, mut ended) = if shapes.is_empty() {
+        (Vec::new(), Ended::Done)
+    } else if region.is_plane() {
+        packer.in_the_open(shapes, settings, covered)
+    } else {
+        packer.density = shapes.len() as f64 / region.area();
+        packer.in_region(shapes, region, settings)
+    };
+    let poses: Vec<_> = bodies.iter().map(Body::pose).collect();
+    let measured = measure(shapes, region, &poses);
+    let enough = match settings.density {
+        Some(density) if region.is_plane() => measured.density >= density,
+        _ => true,
+    };
+    let mut clear_density = measured.clear_density;
+    if !region.is_plane() && measured.largest_overlap > TOLERANCE && ended != Ended::Cancelled {
+        match packer.without_some(shapes, &bodies, region, settings.orientation) {
+            Ok(density) => clear_density = clear_density.max(density),
+            Err(cancelled) => ended = cancelled,
+        }
+    }
+    Ok(Packing {
+        poses,
+        density: measured.density,
+        clear_density,
+        largest_overlap: measured.largest_overlap,
+        complete: enough && measured.largest_overlap <= TOLERANCE,
+        ended,
+        iterations: packer.iteration,
+    })
+}
+
+/// How a slide ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Slide {
+    /// Nothing overlaps.
+    Clear,
+    /// The forces balance, but overlaps remain.
+    AtRest,
+    /// The whole algorithm ends.
+    Over(Ended),
+}
+
+struct Packer<'w, 'c> {
+    random: Random,
+    watch: &'w mut Watch<'c>,
+    iteration: u64,
+    limit: u64,
+    stage: Stage,
+    /// \[1/m²\] The reported density.
+    density: f64,
+}
+
+impl Packer<'_, '_> {
+    fn in_region(&mut self, shapes: &[Shape], region: &Region, settings: &Dense) -> (Vec<Body>, Ended) {
+        let mut pile = Pile::new(shapes, Boundary::Region(region), settings.orientation, PAD);
+        self.strew(&mut pile, settings.orientation, |u, v, _| region.point_at(u, v));
+        let mut slide = self.grow(&mut pile);
+        if slide == Slide::AtRest {
+            slide = self.shake(&mut pile, settings.orientation);
+        }
+        (pile.bodies, ended(slide))
+    }
+
+    /// Compresses the crowd until the wanted density is reached. Returns the densest placing without overlap.
+    fn in_the_open(&mut self, shapes: &[Shape], settings: &Dense, covered: f64) -> (Vec<Body>, Ended) {
+        let wanted = settings.density.unwrap_or(f64::INFINITY);
+        let widest = shapes.iter().map(super::reach).fold(0.0, f64::max);
+        let mut radius =
+            (covered / (LOOSE_COVER * PI)).sqrt().max((shapes.len() as f64 / (wanted * PI)).sqrt());
+        let mut pile = Pile::new(shapes, Boundary::Circle(radius), settings.orientation, PAD);
+        let mut slide = Slide::AtRest;
+        for _ in 0..LOOSER {
+            pile.boundary = Boundary::Circle(radius.max(widest + PAD));
+            self.strew(&mut pile, settings.orientation, in_circle);
+            slide = self.grow(&mut pile);
+            // The hull is smaller than the circle, so even a loose crowd may be too dense.
+            let dense = shapes.len() as f64 / hull_area(&pile.circles()) / wanted;
+            match slide {
+                Slide::Clear if dense > 1.0 => radius *= dense.sqrt() * 1.01,
+                Slide::Clear | Slide::Over(_) => break,
+                // Long shapes need more room than their area.
+                Slide::AtRest => radius *= 1.3,
+            }
+        }
+        let mut best: Option<Vec<Body>> = None;
+        // The circle shrinks in smaller and smaller steps.
+        let mut press = 0.04;
+        loop {
+            if slide == Slide::AtRest && (best.is_none() || press < 0.003) {
+                slide = self.shake(&mut pile, settings.orientation);
+            }
+            let Boundary::Circle(radius) = pile.boundary else { break };
+            match slide {
+                Slide::Clear => {
+                    let density = shapes.len() as f64 / hull_area(&pile.circles());
+                    self.density = density;
+                    best = Some(pile.bodies.clone());
+                    // The hull of a single shape is the shape itself.
+                    if density >= wanted || shapes.len() == 1 {
+                        return (pile.bodies, Ended::Done);
+                    }
+                    let needed = 1.0 - (density / wanted).sqrt() + 1e-5;
+                    press = f64::min(press, needed);
+                    pile.boundary = Boundary::Circle(radius * (1.0 - press));
+                    pile.draw_in(1.0 - press);
+                }
+                // Go back, and then shrink by less.
+                Slide::AtRest if press >= 0.003 && best.is_some() => {
+                    pile.bodies = best.clone().unwrap_or_default();
+                    let before = radius / (1.0 - press);
+                    press *= 0.5;
+                    pile.boundary = Boundary::Circle(before * (1.0 - press));
+                    pile.draw_in(1.0 - press);
+                }
+                // Even shaking did not help: stop here.
+                Slide::AtRest => {
+                    let found = best.is_some();
+                    let ended = if found && settings.density.is_none() { Ended::Done } else { Ended::Stuck };
+                    return (best.unwrap_or(pile.bodies), ended);
+                }
+                Slide::Over(ended) => return (best.unwrap_or(pile.bodies), ended),
+            }
+            self.stage = Stage::Pressing;
+            slide = self.slide(&mut pile, SLIDE_STEPS);
+        }
+        (pile.bodies, Ended::Stuck)
+    }
+
+    /// Spreads the shapes in random order over evenly spread points, each with a small random offset.
+    fn strew(&mut self, pile: &mut Pile, orientation: Orientation, point: impl Fn(f64, f64, f64) -> Vec2) {
+        // The R2 sequence (Roberts 2018) with a random start: 1/p, 1/p² with p³ = p + 1.
+        const STEPS: (f64, f64) = (0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
+        let count = pile.bodies.len();
+        let radius = if let Boundary::Circle(radius) = pile.boundary { radius } else { 0.0 };
+        let (begin_u, begin_v) = (self.random.unit(), self.random.unit());
+        let off = 0.4 / (count as f64).sqrt();
+        for (k, who) in self.random.order(count).into_iter().enumerate() {
+            let u = begin_u + STEPS.0 * k as f64 + self.random.within(off);
+            let v = begin_v + STEPS.1 * k as f64 + self.random.within(off);
+            pile.bodies[who].position = point(u - libm::floor(u), v - libm::floor(v), radius);
+            pile.bodies[who].angle = match orientation {
+                Orientation::Free => self.random.within(PI),
+                Orientation::Fixed(angle) | Orientation::Towards(angle) => angle,
+            };
+        }
+    }
+
+    fn grow(&mut self, pile: &mut Pile) -> Slide {
+        self.stage = Stage::Growing;
+        for size in SIZES {
+            pile.scale = size;
+            let steps = if size < 1.0 { GROWING_STEPS } else { SLIDE_STEPS };
+            if size == 1.0 {
+                self.stage = Stage::Spreading;
+            }
+            let slide = self.slide(pile, steps);
+            if size == 1.0 || matches!(slide, Slide::Over(_)) {
+                return slide;
+            }
+        }
+        Slide::AtRest
+    }
+
+    fn slide(&mut self, pile: &mut Pile, steps: u64) -> Slide {
+        let mut fire = Fire::new(pile);
+        for step in 0..=steps {
+            let overlap = fire.pressure().overlap;
+            // A tenth of the pad is left for what remains after a slide.
+            if overlap <= 0.9 * PAD {
+                return Slide::Clear;
+            }
+            if step == steps || fire.imbalance() < AT_REST {
+                break;
+            }
+            if self.iteration >= self.limit {
+                return Slide::Over(Ended::Exhausted);
+            }
+            if self.iteration.is_multiple_of(REPORT) {
+                let progress = Progress {
+                    stage: self.stage,
+                    iteration: self.iteration,
+                    limit: self.limit,
+                    overlap: (overlap - PAD).max(0.0),
+                    density: self.density * pile.scale * pile.scale,
+                };
+                if (self.watch)(&progress).is_break() {
+                    return Slide::Over(Ended::Cancelled);
+                }
+            }
+            fire.step(pile);
+            self.iteration += 1;
+        }
+        // At rest with almost no overlap left.
+        if fire.pressure().overlap <= PAD + 0.9 * TOLERANCE { Slide::Clear } else { Slide::AtRest }
+    }
+
+    /// Moves shapes that overlap until nothing overlaps or no attempt helps. Leaves the best state.
+    fn shake(&mut self, pile: &mut Pile, orientation: Orientation) -> Slide {
+        self.stage = Stage::Shaking;
+        let mut best = (pile.press().energy, pile.bodies.clone());
+        let size = pile.bodies.iter().map(|b| b.reach * b.reach).sum::<f64>();
+        if 2.0 * best.0 > HOPELESS * HOPELESS * size {
+            return Slide::AtRest;
+        }
+        let (mut vain, mut round) = (0, 0);
+        while vain < PATIENCE {
+            let swell = self.disturb(pile, orientation, round);
+            round += 1;
+            pile.scale = swell;
+            let mut slide = if swell > 1.0 { self.slide(pile, GROWING_STEPS) } else { Slide::AtRest };
+            pile.scale = 1.0;
+            if !matches!(slide, Slide::Over(_)) {
+                slide = self.slide(pile, SLIDE_STEPS);
+            }
+            if slide == Slide::Clear {
+                return slide;
+            }
+            let energy = pile.press().energy;
+            vain = if energy < best.0 * (1.0 - GAIN) { 0 } else { vain + 1 };
+            if energy < best.0 {
+                best = (energy, pile.bodies.clone());
+            }
+            pile.bodies.clone_from(&best.1);
+            if let Slide::Over(_) = slide {
+                return slide;
+            }
+        }
+        Slide::AtRest
+    }
+
+    /// Moves some of the stuck shapes. Returns the size to which all shapes then grow for a while.
+    fn disturb(&mut self, pile: &mut Pile, orientation: Orientation, round: u32) -> f64 {
+        let loads = pile.loads();
+        let stuck: Vec<usize> = (0..loads.len()).filter(|&k| loads[k].1 > PAD).collect();
+        if stuck.is_empty() {
+            return 1.0;
+        }
+        for _ in 0..1 + stuck.len() / STUCK_TO_A_PLACE {
+            let one = stuck[self.random.below(stuck.len())];
+            match round % 4 {
+                // Move one of the worst shapes to the widest gap.
+                0 => {
+                    let rivals: [usize; 4] = std::array::from_fn(|_| stuck[self.random.below(stuck.len())]);
+                    let heaviest = |a: usize, b: usize| if loads[b].0 > loads[a].0 { b } else { a };
+                    self.reinsert(pile, orientation, rivals.into_iter().fold(one, heaviest));
+                }
+                // Exchange two shapes.
+                1 => {
+                    let other = self.random.below(pile.bodies.len());
+                    let (a, b) = (pile.bodies[one], pile.bodies[other]);
+                    (pile.bodies[one].position, pile.bodies[one].angle) = (b.position, b.angle);
+                    (pile.bodies[other].position, pile.bodies[other].angle) = (a.position, a.angle);
+                }
+                // Shake all shapes around one.
+                _ => {
+                    let (middle, wide) = (pile.bodies[one].position, 0.5 + 1.5 * self.random.unit());
+                    let far = 0.02 + 0.1 * self.random.unit();
+                    for body in &mut pile.bodies {
+                        if (body.position - middle).norm() < wide {
+                            body.position += self.random.vector(far);
+                            if !matches!(orientation, Orientation::Fixed(_)) {
+                                body.angle += self.random.within(6.0 * far);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        if round % 4 == 3 { 1.0 + 0.05 * self.random.unit() } else { 1.0 }
+    }
+
+    /// Returns the density \[1/m²\] that is possible without overlap if, little by little, the shapes with the largest
+    /// overlap are removed and the others spread; 0 if that takes too long.
+    fn without_some(
+        &mut self,
+        shapes: &[Shape],
+        bodies: &[Body],
+        region: &Region,
+        orientation: Orientation,
+    ) -> Result<f64, Ended> {
+        self.stage = Stage::Thinning;
+        self.limit = self.iteration + u64::from(TAKING_ROUNDS) * TAKING_STEPS;
+        let mut left: Vec<(&Shape, Body)> = shapes.iter().zip(bodies.iter().copied()).collect();
+        for _ in 0..TAKING_ROUNDS {
+            if left.is_empty() {
+                break;
+            }
+            let shapes: Vec<Shape> = left.iter().map(|(s, _)| (*s).clone()).collect();
+            let mut pile = Pile::new(&shapes, Boundary::Region(region), orientation, PAD);
+            for (body, (_, old)) in pile.bodies.iter_mut().zip(&left) {
+                (body.position, body.angle) = (old.position, old.angle);
+            }
+            self.density = left.len() as f64 / region.area();
+            match self.slide(&mut pile, TAKING_STEPS) {
+                Slide::Clear => return Ok(self.density),
+                Slide::Over(Ended::Cancelled) => return Err(Ended::Cancelled),
+                Slide::Over(_) => break,
+                Slide::AtRest => {}
+            }
+            let loads = pile.loads();
+            let mut worst: Vec<usize> = (0..loads.len()).collect();
+            worst.sort_by(|&a, &b| loads[b].0.total_cmp(&loads[a].0).then(a.cmp(&b)));
+            worst.truncate(1 + (TAKEN_AWAY * left.len() as f64) as usize);
+            let mut k = 0;
+            left.iter_mut().zip(&pile.bodies).for_each(|(old, new)| old.1 = *new);
+            left.retain(|_| {
+                k += 1;
+                !worst.contains(&(k - 1))
+            });
+        }
+        Ok(0.0)
+    }
+
+    /// Moves a shape to the place with the smallest overlap among some hundred random places.
+    fn reinsert(&mut self, pile: &mut Pile, orientation: Orientation, who: usize) {
+        let grid = pile.grid();
+        let mut best = (f64::INFINITY, pile.bodies[who].position, pile.bodies[who].angle);
+        for _ in 0..TRIALS {
+            let position = match pile.boundary {
+                Boundary::Region(region) => region.random_point(&mut self.random),
+                Boundary::Circle(radius) => in_circle(self.random.unit(), self.random.unit(), radius),
+            };
+            let angle = match orientation {
+                Orientation::Fixed(angle) => angle,
+                Orientation::Towards(angle) => angle + self.random.within(ASKEW),
+                Orientation::Free => self.random.within(PI),
+            };
+            let energy = pile.energy_at(&grid, who, position, angle, best.0);
+            if energy < best.0 {
+                best = (energy, position, angle);
+            }
+        }
+        (pile.bodies[who].position, pile.bodies[who].angle) = (best.1, best.2);
+    }
+}
+
+/// The point of a circle at two fractions of its area: from the centre outwards, and around.
+fn in_circle(u: f64, v: f64, radius: f64) -> Vec2 {
+    vec2(radius * u.sqrt(), 0.0).rotated(Rotation::by(TAU * v))
+}
+
+fn ended(slide: Slide) -> Ended {
+    match slide {
+        Slide::Clear => Ended::Done,
+        Slide::AtRest => Ended::Stuck,
+        Slide::Over(ended) => ended,
+    }
+}

@@ -1,0 +1,214 @@
+//! Shapes on a grid, in rows across a direction.
+
+use super::random::Random;
+use super::{
+    Ended, Orientation, Packing, PlacingError, Region, TOLERANCE, check, check_orientation, check_shapes,
+    measure, reach,
+};
+use crate::shape::Shape;
+use lemons_plane::{Pose, Rotation, Vec2, vec2};
+use std::f64::consts::PI;
+
+/// Settings of [`grid()`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// \[m\] Spacing along the direction (x) and across it (y). `None`: the largest bounding box of a shape or, where
+    /// shapes face any direction, the largest bounding circle.
+    pub spacing: Option<Vec2>,
+    /// Direction of the shapes and of the columns. For `Free` each shape faces a random direction and the columns are
+    /// along +x.
+    pub orientation: Orientation,
+    /// The same seed gives the same placing.
+    pub seed: u64,
+}
+
+impl Default for Grid {
+    fn default() -> Grid {
+        Grid { spacing: None, orientation: Orientation::Fixed(0.0), seed: 0 }
+    }
+}
+
+/// Number of offsets of the grid along each axis that are tried in a region. The one with most places is used.
+const LAYS: usize = 8;
+/// Largest number of places that are tried.
+const MOST_PLACES: u64 = 10_000_000;
+/// \[m\] Neighbours at the computed spacing touch; this distance keeps rounding from making them overlap.
+const SLACK: f64 = 1e-9;
+/// \[m\] A shape may reach this far through the boundary, so that a region of exactly the right size holds its rows.
+const EXACT: f64 = 1e-7;
+
+/// Bounding box of a shape that faces +x.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    low: Vec2,
+    high: Vec2,
+}
+
+/// Places shapes on a grid, row by row; the first shapes are in front (in the direction they face).
+///
+/// # Errors
+/// The region has too few places in which the shapes are inside, or shapes at the given spacing overlap.
+pub fn grid(shapes: &[Shape], region: &Region, settings: &Grid) -> Result<Packing, PlacingError> {
+    check_shapes(shapes)?;
+    check_orientation(settings.orientation)?;
+    if let Some(spacing) = settings.spacing {
+        for (name, value) in [("the spacing along", spacing.x), ("the spacing across", spacing.y)] {
+            check(name, value, value > 0.0, "a positive length in metres")?;
+        }
+    }
+    let extents: Vec<Extent> = shapes.iter().map(|s| extent(s, settings.orientation)).collect();
+    let spacing = settings.spacing.unwrap_or_else(|| {
+        let size = |e: &Extent| e.high - e.low;
+        extents.iter().map(size).fold(Vec2::ZERO, |a, b| vec2(a.x.max(b.x + SLACK), a.y.max(b.y + SLACK)))
+    });
+    let (direction, mut random) = (direction(settings.orientation), Random::new(settings.seed));
+    let turn = Rotation::by(direction);
+    let places = match region.bounds() {
+        None => in_the_open(shapes.len(), spacing),
+        Some(_) => in_region(region, spacing, turn, &extents, shapes.len()),
+    };
+    if places.len() < shapes.len() {
+        let (along, across) = (spacing.x, spacing.y);
+        return Err(PlacingError::NoPlaces { places: places.len(), along, across, shapes: shapes.len() });
+    }
+    let poses: Vec<Pose> = extents
+        .iter()
+        .zip(&places)
+        .map(|(e, &place)| Pose {
+            position: (place - (e.low + e.high) * 0.5).rotated(turn),
+            orientation: match settings.orientation {
+                Orientation::Free => random.within(PI),
+                _ => super::wrapped(direction),
+            },
+        })
+        .collect();
+    let measured = measure(shapes, region, &poses);
+    if measured.largest_overlap > TOLERANCE {
+        let (along, across, overlap) = (spacing.x, spacing.y, measured.largest_overlap);
+        return Err(PlacingError::TooNarrow { along, across, overlap });
+    }
+    Ok(Packing {
+        poses,
+        density: measured.density,
+        clear_density: measured.clear_density,
+        largest_overlap: measured.largest_overlap,
+        complete: true,
+        ended: Ended::Done,
+        iterations: 0,
+    })
+}
+
+fn direction(orientation: Orientation) -> f64 {
+    match orientation {
+        Orientation::Free => 0.0,
+        Orientation::Fixed(angle) | Orientation::Towards(angle) => angle,
+    }
+}
+
+fn extent(shape: &Shape, orientation: Orientation) -> Extent {
+    if orientation == Orientation::Free {
+        let reach = reach(shape);
+        return Extent { low: vec2(-reach, -reach), high: vec2(reach, reach) };
+    }
+    let mut extent =
+        Extent { low: vec2(f64::INFINITY, f64::INFINITY), high: -vec2(f64::INFINITY, f64::INFINITY) };
+    for d in &shape.disks {
+        let (low, high) = (&mut extent.low, &mut extent.high);
+        *low = vec2(low.x.min(d.centre.x - d.radius), low.y.min(d.centre.y - d.radius));
+        *high = vec2(high.x.max(d.centre.x + d.radius), high.y.max(d.centre.y + d.radius));
+    }
+    extent
+}
+
+/// Places as nearly in a square as possible about the origin, in the frame of the direction; the front row first.
+fn in_the_open(count: usize, spacing: Vec2) -> Vec<Vec2> {
+    let wide = libm::ceil((count as f64 * spacing.x / spacing.y).sqrt()).max(1.0) as usize;
+    let (columns, rows) = (wide.min(count).max(1), count.div_ceil(wide.min(count).max(1)));
+    let middle = vec2((rows as f64 - 1.0) * 0.5, (columns as f64 - 1.0) * 0.5);
+    (0..count)
+        .map(|k| {
+            let (row, column) = ((k / columns) as f64, (k % columns) as f64);
+            vec2((middle.x - row) * spacing.x, (middle.y - column) * spacing.y)
+        })
+        .collect()
+}
+
+/// Places, in the frame of the direction, at which every shape is inside the region; the front row first. Of several
+/// offsets of the grid it uses the one with most places, and as few rows as the shapes need.
+fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Extent], wanted: usize) -> Vec<Vec2> {
+    let back = Rotation { sin: -turn.sin, cos: turn.cos };
+    let corners = region.rings()[0].iter().map(|c| c.rotated(back));
+    let far = vec2(f64::INFINITY, f64::INFINITY);
+    let (low, high) = corners.fold((far, -far), |(low, high), c| {
+        (vec2(low.x.min(c.x), low.y.min(c.y)), vec2(high.x.max(c.x), high.y.max(c.y)))
+    });
+    // The smallest box that contains every shape, each box centred at the origin.
+    let half = extents.iter().fold(Vec2::ZERO, |half, e| {
+        let own = (e.high - e.low) * 0.5;
+        vec2(half.x.max(own.x), half.y.max(own.y))
+    });
+    let fits = |place: Vec2| {
+        let box_corners = [vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0)];
+        let at = |s: Vec2| place + vec2(s.x * half.x, s.y * half.y);
+        box_inside(region, &box_corners.map(|s| at(s).rotated(turn)))
+    };
+    let room = vec2(high.x - low.x, high.y - low.y) - half * 2.0;
+    if room.x < -EXACT || room.y < -EXACT {
+        return Vec::new();
+    }
+    let steps = |room: f64, spacing: f64| libm::floor((room + EXACT).max(0.0) / spacing);
+    let (rows, columns) = (steps(room.x, spacing.x), steps(room.y, spacing.y));
+    let spare = vec2((room.x - rows * spacing.x).max(0.0), (room.y - columns * spacing.y).max(0.0));
+    let mut best: Vec<Vec2> = Vec::new();
+    let mut looked_at = 0;
+    for lay in 0..LAYS * LAYS {
+        // Try first: flush with the front, and centred.
+        let part = |k: usize| k as f64 / (LAYS - 1) as f64;
+        let shift = vec2(spare.x * part(lay / LAYS), spare.y * ((0.5 + part(lay % LAYS)) % 1.0));
+        let first = vec2(high.x - half.x - shift.x, low.y + half.y + shift.y);
+        let mut places = Vec::new();
+        for row in 0..=rows as u64 {
+            for column in 0..=columns as u64 {
+                let place = first + vec2(-(row as f64) * spacing.x, column as f64 * spacing.y);
+                looked_at += 1;
+                if fits(place) {
+                    places.push(place);
+                }
+                if places.len() >= wanted || looked_at >= MOST_PLACES {
+                    break;
+                }
+            }
+            if places.len() >= wanted || looked_at >= MOST_PLACES {
+                break;
+            }
+        }
+        if places.len() > best.len() {
+            best = places;
+        }
+        if best.len() >= wanted || looked_at >= MOST_PLACES {
+            break;
+        }
+    }
+    best
+}
+
+/// Whether a box, given by its corners, lies inside a region, except for rounding.
+fn box_inside(region: &Region, corners: &[Vec2; 4]) -> bool {
+    let middle = (corners[0] + corners[2]) * 0.5;
+    if !region.contains(middle) {
+        return false;
+    }
+    // No edge of the region may cross the box, made slightly smaller.
+    let shrunk = corners.map(|c| {
+        let way = middle - c;
+        c + way * (2.0 * EXACT / way.norm().max(2.0 * EXACT))
+    });
+    let sides = [(0, 1), (1, 2), (2, 3), (3, 0)];
+    region.edges().iter().all(|e| {
+        let crosses = sides.iter().any(|&(a, b)| super::region::meet(e.start, e.end, shrunk[a], shrunk[b]));
+        let along = [shrunk[1] - shrunk[0], shrunk[3] - shrunk[0]];
+        let within =
+            |p: Vec2| along.iter().all(|u| (0.0..=u.norm_squared()).contains(&(p - shrunk[0]).dot(*u)));
+        !crosses && !within(e.start)
+    })
+}

@@ -1,0 +1,118 @@
+//! The quality of a placing: overlaps and density, computed again from the poses.
+
+use super::hull::hull_area;
+use super::neighbours::CellGrid;
+use super::{Circle, Region, TOLERANCE, disks_at, reach};
+use crate::shape::Shape;
+use lemons_plane::{Pose, Vec2};
+use std::collections::BinaryHeap;
+
+/// The quality of a placing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measure {
+    /// \[m\] Largest overlap of disks of two shapes, or of a disk and the boundary; 0 if there is none.
+    pub largest_overlap: f64,
+    /// Number of pairs of shapes that overlap by more than [`TOLERANCE`].
+    pub overlapping_pairs: usize,
+    /// Number of shapes that reach through the boundary by more than [`TOLERANCE`].
+    pub through_boundary: usize,
+    /// \[1/m²\] Number of shapes per area of the region; in the open plane, per area of the convex hull of all disks.
+    pub density: f64,
+    /// \[1/m²\] Density of the shapes that remain if, one after the other, the shape with the largest overlap is
+    /// removed until no overlap exceeds [`TOLERANCE`].
+    pub clear_density: f64,
+}
+
+/// Measures shapes at poses: one finite pose for each shape.
+pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
+    let disks: Vec<Vec<Circle>> = shapes.iter().zip(poses).map(|(s, p)| disks_at(s, *p).collect()).collect();
+    let boundary: Vec<f64> = disks.iter().map(|d| through_boundary(region, d)).collect();
+    let pairs = overlapping_pairs(shapes, poses, &disks);
+    let largest = pairs.iter().map(|p| p.2).chain(boundary.iter().copied()).fold(0.0, f64::max);
+
+    // For each shape: the sum of its overlaps, and the shapes that it overlaps.
+    let mut sum = boundary.clone();
+    let mut partners = vec![Vec::new(); disks.len()];
+    let mut overlapping_pairs = 0;
+    for &(a, b, overlap) in pairs.iter().filter(|p| p.2 > TOLERANCE) {
+        overlapping_pairs += 1;
+        for (one, other) in [(a, b), (b, a)] {
+            sum[one] += overlap;
+            partners[one].push((other, overlap));
+        }
+    }
+    let mut left = vec![true; disks.len()];
+    // The bits of non-negative numbers have the same order as the numbers. A sum that has become smaller is pushed
+    // again; its old entry is skipped.
+    let entry = |sum: &[f64], k: usize| (sum[k].max(0.0).to_bits(), k);
+    let overlaps = |sum: &[f64], k: usize| sum[k] > TOLERANCE;
+    let mut heap: BinaryHeap<(u64, usize)> =
+        (0..sum.len()).filter(|&k| overlaps(&sum, k)).map(|k| entry(&sum, k)).collect();
+    while let Some(top) = heap.pop() {
+        let worst = top.1;
+        if !left[worst] || top != entry(&sum, worst) {
+            continue;
+        }
+        left[worst] = false;
+        for &(other, overlap) in &partners[worst] {
+            sum[other] -= overlap;
+            if left[other] && overlaps(&sum, other) {
+                heap.push(entry(&sum, other));
+            }
+        }
+    }
+    let clear: Vec<Vec<Circle>> =
+        disks.iter().zip(&left).filter(|(_, l)| **l).map(|(d, _)| d.clone()).collect();
+    Measure {
+        largest_overlap: largest,
+        overlapping_pairs,
+        through_boundary: boundary.iter().filter(|h| **h > TOLERANCE).count(),
+        density: density(region, &disks),
+        clear_density: if clear.len() == disks.len() {
+            density(region, &disks)
+        } else {
+            density(region, &clear)
+        },
+    }
+}
+
+/// \[m\] Largest distance by which a disk reaches through the boundary.
+pub(super) fn through_boundary(region: &Region, disks: &[Circle]) -> f64 {
+    if region.is_plane() {
+        return 0.0;
+    }
+    disks.iter().map(|d| d.radius - region.depth(d.centre)).fold(0.0, f64::max)
+}
+
+/// \[m\] Largest overlap of a disk of one shape with a disk of another; negative if the shapes are apart.
+pub(super) fn overlap(a: &[Circle], b: &[Circle]) -> f64 {
+    let of = |p: &Circle, q: &Circle| p.radius + q.radius - (p.centre - q.centre).norm();
+    a.iter().flat_map(|p| b.iter().map(move |q| of(p, q))).fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn overlapping_pairs(shapes: &[Shape], poses: &[Pose], disks: &[Vec<Circle>]) -> Vec<(usize, usize, f64)> {
+    let centres: Vec<Vec2> = poses.iter().map(|p| p.position).collect();
+    let reaches: Vec<f64> = shapes.iter().map(reach).collect();
+    let grid = CellGrid::new(&centres, 2.0 * reaches.iter().copied().fold(0.0, f64::max));
+    let mut found = Vec::new();
+    for a in 0..disks.len() {
+        grid.for_each_near(centres[a], |b| {
+            let reach = reaches[a] + reaches[b];
+            if b > a && (centres[a] - centres[b]).norm_squared() < reach * reach {
+                let overlap = overlap(&disks[a], &disks[b]);
+                if overlap > 0.0 {
+                    found.push((a, b, overlap));
+                }
+            }
+        });
+    }
+    found
+}
+
+fn density(region: &Region, disks: &[Vec<Circle>]) -> f64 {
+    if disks.is_empty() {
+        return 0.0;
+    }
+    let area = if region.is_plane() { hull_area(&disks.concat()) } else { region.area() };
+    disks.len() as f64 / area
+}

@@ -1,0 +1,423 @@
+//! The region in which people may stand.
+
+use super::random::Random;
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::Geometry;
+
+/// \[m\] Corners further from the origin are refused: up to there a millimetre is exact.
+const FARTHEST: f64 = 1e6;
+/// \[m²\] Smallest allowed area of a polygon or hole.
+const SMALLEST_AREA: f64 = 1e-6;
+/// Largest number of corners of all rings together: all pairs of edges are compared.
+const MOST_CORNERS: usize = 10_000;
+
+/// A part of the plane: all of it, or a simple polygon with holes.
+#[derive(Debug, Clone)]
+pub struct Region {
+    /// The outer polygon, then the holes, without repeating the first corner; the inside is to their left. Empty for
+    /// the open plane.
+    rings: Vec<Vec<Vec2>>,
+    edges: Vec<Edge>,
+    area: f64,
+    slabs: Vec<Slab>,
+}
+
+/// An edge from a corner to the next.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    pub start: Vec2,
+    pub end: Vec2,
+    /// One over the squared length.
+    inverse_square: f64,
+}
+
+impl Edge {
+    /// The point of the edge nearest to a point.
+    #[inline]
+    pub fn nearest(&self, point: Vec2) -> Vec2 {
+        let along = self.end - self.start;
+        let t = (point - self.start).dot(along) * self.inverse_square;
+        self.start + along * t.clamp(0.0, 1.0)
+    }
+}
+
+/// A slab between two successive heights of corners. The width of the region is linear in it.
+#[derive(Debug, Clone, Copy)]
+struct Slab {
+    low: f64,
+    high: f64,
+    width_low: f64,
+    width_high: f64,
+    /// \[m²\] Area of this slab and all slabs below.
+    area_to_top: f64,
+}
+
+/// Why a polygon cannot be a region.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RegionError {
+    /// A corner that is not finite or too far out.
+    #[error("{ring}: corner {corner} at ({x}, {y}) m is not within {FARTHEST} m of the origin")]
+    Corner {
+        /// Name of the polygon.
+        ring: String,
+        /// Index of the corner.
+        corner: usize,
+        /// \[m\] x of the corner.
+        x: f64,
+        /// \[m\] y of the corner.
+        y: f64,
+    },
+    /// A polygon with fewer than three different corners.
+    #[error("{ring}: has {corners} different corners; at least 3 are needed")]
+    TooFewCorners {
+        /// Name of the polygon.
+        ring: String,
+        /// Number of corners that differ from the one before.
+        corners: usize,
+    },
+    /// Too many corners.
+    #[error("{corners} corners; at most {MOST_CORNERS} are allowed")]
+    TooManyCorners {
+        /// Number of corners of all polygons together.
+        corners: usize,
+    },
+    /// A polygon without an inside.
+    #[error("{ring}: its area is {area} m²; at least {SMALLEST_AREA} m² is needed")]
+    NoArea {
+        /// Name of the polygon.
+        ring: String,
+        /// \[m²\] Its area.
+        area: f64,
+    },
+    /// Two edges cross or touch.
+    #[error("{first} and {second} cross or touch near ({x}, {y}) m")]
+    Crossing {
+        /// Name of an edge.
+        first: String,
+        /// Name of the other edge.
+        second: String,
+        /// \[m\] x of the place.
+        x: f64,
+        /// \[m\] y of the place.
+        y: f64,
+    },
+    /// A hole outside the outer polygon or in another hole.
+    #[error("{ring} does not lie inside the outer polygon and outside the other holes")]
+    HoleOutside {
+        /// Name of the hole.
+        ring: String,
+    },
+    /// A wall of a Trial that does not end at its first corner.
+    #[error("wall {id} is not closed: its first corner is {first:?}, its last corner {last:?}")]
+    OpenWall {
+        /// Id of the wall.
+        id: String,
+        /// \[m\] first corner.
+        first: (f64, f64),
+        /// \[m\] last corner.
+        last: (f64, f64),
+    },
+    /// A Trial without walls.
+    #[error("no walls: nothing bounds the region")]
+    NoWalls,
+}
+
+impl Region {
+    /// Returns the open plane.
+    pub fn plane() -> Region {
+        Region { rings: Vec::new(), edges: Vec::new(), area: f64::INFINITY, slabs: Vec::new() }
+    }
+
+    /// Returns the rectangle between two opposite corners \[m\].
+    pub fn rectangle(low: Vec2, high: Vec2) -> Result<Region, RegionError> {
+        Region::polygon(&[low, vec2(high.x, low.y), high, vec2(low.x, high.y)], &[])
+    }
+
+    /// Returns the region inside a simple polygon \[m\] and outside each of the holes. Polygons may go round in either
+    /// direction, and may repeat the first corner at the end.
+    ///
+    /// Edges may meet only at successive corners: holes touch neither the outer polygon nor each other.
+    ///
+    /// # Errors
+    /// The polygons do not bound a region.
+    pub fn polygon(outer: &[Vec2], holes: &[Vec<Vec2>]) -> Result<Region, RegionError> {
+        let mut named = vec![("the outer polygon".to_string(), outer)];
+        named.extend(holes.iter().enumerate().map(|(k, hole)| (format!("hole {k}"), hole.as_slice())));
+        Region::of_rings(&named)
+    }
+
+    /// Returns the region inside the closed walls of a Trial: the largest wall is the outer polygon, the others are
+    /// holes.
+    ///
+    /// # Errors
+    /// A wall is not closed, there are no walls, or they do not bound a region.
+    pub fn from_walls(geometry: &Geometry) -> Result<Region, RegionError> {
+        let mut named = Vec::new();
+        for wall in &geometry.walls {
+            let (Some(&first), Some(&last)) = (wall.corners.first(), wall.corners.last()) else {
+                return Err(RegionError::TooFewCorners { ring: format!("wall {}", wall.id), corners: 0 });
+            };
+            if first != last {
+                let (first, last) = ((first.x, first.y), (last.x, last.y));
+                return Err(RegionError::OpenWall { id: wall.id.clone(), first, last });
+            }
+            named.push((format!("wall {}", wall.id), wall.corners.as_slice()));
+        }
+        if named.is_empty() {
+            return Err(RegionError::NoWalls);
+        }
+        let largest = (0..named.len())
+            .max_by(|&a, &b| signed_area(named[a].1).abs().total_cmp(&signed_area(named[b].1).abs()));
+        named.swap(0, largest.unwrap_or(0));
+        Region::of_rings(&named)
+    }
+
+    fn of_rings(named: &[(String, &[Vec2])]) -> Result<Region, RegionError> {
+        let corners = named.iter().map(|(_, ring)| ring.len()).sum();
+        if corners > MOST_CORNERS {
+            return Err(RegionError::TooManyCorners { corners });
+        }
+        let mut rings = Vec::new();
+        for (name, corners) in named {
+            rings.push(checked_ring(name, corners)?);
+        }
+        let edges: Vec<Edge> = rings.iter().flat_map(|ring: &Vec<Vec2>| ring_edges(ring)).collect();
+        refuse_crossings(named, &rings, &edges)?;
+        for (k, ring) in rings.iter().enumerate().skip(1) {
+            let within = |other: &Vec<Vec2>| winds_round(ring_edges(other), ring[0]);
+            let in_a_hole = rings.iter().enumerate().skip(1).any(|(j, other)| j != k && within(other));
+            if !within(&rings[0]) || in_a_hole {
+                return Err(RegionError::HoleOutside { ring: named[k].0.clone() });
+            }
+        }
+        let area =
+            signed_area(&rings[0]).abs() - rings[1..].iter().map(|r| signed_area(r).abs()).sum::<f64>();
+        if area < SMALLEST_AREA {
+            return Err(RegionError::NoArea { ring: "the polygon without its holes".into(), area });
+        }
+        for (k, ring) in rings.iter_mut().enumerate() {
+            if (signed_area(ring) > 0.0) != (k == 0) {
+                ring.reverse();
+            }
+        }
+        let edges: Vec<Edge> = rings.iter().flat_map(|ring: &Vec<Vec2>| ring_edges(ring)).collect();
+        let slabs = slabs(&edges);
+        Ok(Region { rings, edges, area, slabs })
+    }
+
+    /// Returns the area \[m²\], infinite for the open plane.
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// Returns whether this is the open plane.
+    pub fn is_plane(&self) -> bool {
+        self.rings.is_empty()
+    }
+
+    /// Returns the outer polygon, then the holes \[m\], without repeating their first corners; empty for the open
+    /// plane.
+    pub fn rings(&self) -> &[Vec<Vec2>] {
+        &self.rings
+    }
+
+    /// Returns the lowest and the highest coordinates \[m\]; `None` for the open plane.
+    pub fn bounds(&self) -> Option<(Vec2, Vec2)> {
+        let outer = self.rings.first()?;
+        let low = outer.iter().fold(outer[0], |low, c| vec2(low.x.min(c.x), low.y.min(c.y)));
+        let high = outer.iter().fold(outer[0], |high, c| vec2(high.x.max(c.x), high.y.max(c.y)));
+        Some((low, high))
+    }
+
+    /// Returns whether a point \[m\] lies inside. On the boundary the result may be either.
+    pub fn contains(&self, point: Vec2) -> bool {
+        self.is_plane() || winds_round(self.edges.iter().copied(), point)
+    }
+
+    /// Returns the distance \[m\] of a point inside from the boundary; negative outside, infinite in the open plane.
+    pub fn depth(&self, point: Vec2) -> f64 {
+        if self.is_plane() {
+            return f64::INFINITY;
+        }
+        let square = self.edges.iter().map(|e| (point - e.nearest(point)).norm_squared());
+        let distance = square.fold(f64::INFINITY, f64::min).sqrt();
+        if self.contains(point) { distance } else { -distance }
+    }
+
+    /// Returns whether a whole disk \[m\] lies inside.
+    pub fn contains_disk(&self, centre: Vec2, radius: f64) -> bool {
+        self.depth(centre) >= radius
+    }
+
+    pub(super) fn edges(&self) -> &[Edge] {
+        &self.edges
+    }
+
+    /// The point at two fractions in \[0, 1) of the area: from the bottom up, then from left to right. It maps points
+    /// evenly spread over the unit square to points evenly spread over the region.
+    pub(super) fn point_at(&self, upwards: f64, across: f64) -> Vec2 {
+        let wanted = upwards * self.area;
+        let place = self.slabs.partition_point(|slab| slab.area_to_top < wanted).min(self.slabs.len() - 1);
+        let slab = self.slabs[place];
+        let below = if place == 0 { 0.0 } else { self.slabs[place - 1].area_to_top };
+        let (height, w0, w1) = (slab.high - slab.low, slab.width_low, slab.width_high);
+        // The width is w0 + (w1 − w0) t: solve the quadratic of the area in t without cancellation.
+        let part = ((wanted - below) / height).max(0.0);
+        let root = (w0 * w0 + 2.0 * (w1 - w0) * part).max(0.0).sqrt();
+        let t = if w0 + root > 0.0 { (2.0 * part / (w0 + root)).clamp(0.0, 1.0) } else { 0.5 };
+        // Avoid the exact heights of corners, where an edge may be missed.
+        let y = slab.low + height * t.clamp(1e-9, 1.0 - 1e-9);
+        let crossings = crossings(&self.edges, y);
+        let width: f64 = crossings.chunks_exact(2).map(|c| c[1] - c[0]).sum();
+        let mut left = across * width;
+        for c in crossings.chunks_exact(2) {
+            if left <= c[1] - c[0] {
+                return vec2(c[0] + left, y);
+            }
+            left -= c[1] - c[0];
+        }
+        vec2(crossings.last().copied().unwrap_or(0.0), y)
+    }
+
+    /// A random point, evenly distributed.
+    pub(super) fn random_point(&self, random: &mut Random) -> Vec2 {
+        let (upwards, across) = (random.unit(), random.unit());
+        self.point_at(upwards, across)
+    }
+}
+
+/// The x at which the region's edges cross a height, ascending.
+fn crossings(edges: &[Edge], y: f64) -> Vec<f64> {
+    let mut found: Vec<f64> = edges
+        .iter()
+        .filter(|e| (e.start.y > y) != (e.end.y > y))
+        .map(|e| e.start.x + (y - e.start.y) / (e.end.y - e.start.y) * (e.end.x - e.start.x))
+        .collect();
+    found.sort_by(f64::total_cmp);
+    found
+}
+
+fn slabs(edges: &[Edge]) -> Vec<Slab> {
+    let mut heights: Vec<f64> = edges.iter().map(|e| e.start.y).collect();
+    heights.sort_by(f64::total_cmp);
+    heights.dedup();
+    let width = |y: f64| -> f64 { crossings(edges, y).chunks_exact(2).map(|c| c[1] - c[0]).sum() };
+    let mut area_to_top = 0.0;
+    let mut slabs = Vec::new();
+    for pair in heights.windows(2) {
+        let (low, high) = (pair[0], pair[1]);
+        // The width is linear in the slab: two heights well inside give the widths at both ends.
+        let (a, b) = (width(low + 0.25 * (high - low)), width(low + 0.75 * (high - low)));
+        let (width_low, width_high) = ((1.5 * a - 0.5 * b).max(0.0), (1.5 * b - 0.5 * a).max(0.0));
+        area_to_top += 0.5 * (width_low + width_high) * (high - low);
+        slabs.push(Slab { low, high, width_low, width_high, area_to_top });
+    }
+    slabs
+}
+
+fn ring_edges(ring: &[Vec2]) -> impl Iterator<Item = Edge> + '_ {
+    (0..ring.len()).map(|k| {
+        let (start, end) = (ring[k], ring[(k + 1) % ring.len()]);
+        Edge { start, end, inverse_square: 1.0 / (end - start).norm_squared() }
+    })
+}
+
+/// Whether a ray from the point crosses an odd number of edges.
+fn winds_round(edges: impl Iterator<Item = Edge>, point: Vec2) -> bool {
+    let crosses = |e: &Edge| {
+        (e.start.y > point.y) != (e.end.y > point.y)
+            // The edge passes to the right of the point.
+            && ((e.end - e.start).cross(point - e.start) > 0.0) == (e.end.y > e.start.y)
+    };
+    edges.filter(crosses).count() % 2 == 1
+}
+
+/// By the shoelace formula about the first corner; the ring may repeat it at the end.
+fn signed_area(ring: &[Vec2]) -> f64 {
+    let Some(&first) = ring.first() else { return 0.0 };
+    0.5 * ring.windows(2).map(|p| (p[0] - first).cross(p[1] - first)).sum::<f64>()
+}
+
+fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Vec<Vec2>, RegionError> {
+    for (corner, c) in corners.iter().enumerate() {
+        // Also catches NaN.
+        if !(c.x.abs() <= FARTHEST && c.y.abs() <= FARTHEST) {
+            return Err(RegionError::Corner { ring: name.into(), corner, x: c.x, y: c.y });
+        }
+    }
+    let mut ring = corners.to_vec();
+    ring.dedup();
+    while ring.len() > 1 && ring.first() == ring.last() {
+        ring.pop();
+    }
+    if ring.len() < 3 {
+        return Err(RegionError::TooFewCorners { ring: name.into(), corners: ring.len() });
+    }
+    let area = signed_area(&ring).abs();
+    if area < SMALLEST_AREA {
+        return Err(RegionError::NoArea { ring: name.into(), area });
+    }
+    Ok(ring)
+}
+
+fn refuse_crossings(
+    named: &[(String, &[Vec2])],
+    rings: &[Vec<Vec2>],
+    edges: &[Edge],
+) -> Result<(), RegionError> {
+    // Edges with their ring and index, sorted by their left ends: the search stops at edges that begin right of an
+    // edge.
+    let mut placed: Vec<(usize, usize, Edge)> = Vec::with_capacity(edges.len());
+    let mut edge = edges.iter();
+    for (ring, corners) in rings.iter().enumerate() {
+        placed.extend(edge.by_ref().take(corners.len()).enumerate().map(|(k, e)| (ring, k, *e)));
+    }
+    let left = |e: &Edge| e.start.x.min(e.end.x);
+    placed.sort_by(|a, b| left(&a.2).total_cmp(&left(&b.2)));
+    for (n, &(ring_a, a, first)) in placed.iter().enumerate() {
+        let right = first.start.x.max(first.end.x);
+        for &(ring_b, b, second) in placed[n + 1..].iter().take_while(|(_, _, e)| left(e) <= right) {
+            let count = rings[ring_a].len();
+            let meet = if ring_a == ring_b && (a + 1) % count == b {
+                folds_back(&first, &second)
+            } else if ring_a == ring_b && (b + 1) % count == a {
+                folds_back(&second, &first)
+            } else {
+                touch(&first, &second)
+            };
+            if meet {
+                let name = |ring: usize, k: usize| format!("edge {k} of {}", named[ring].0);
+                let at = first.nearest(second.nearest((first.start + first.end) * 0.5));
+                let (first, second) = (name(ring_a, a), name(ring_b, b));
+                return Err(RegionError::Crossing { first, second, x: at.x, y: at.y });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether an edge goes back along the one before.
+fn folds_back(before: &Edge, after: &Edge) -> bool {
+    let (u, v) = (before.end - before.start, after.end - after.start);
+    u.cross(v) == 0.0 && u.dot(v) < 0.0
+}
+
+/// Whether two segments have a common point.
+pub(super) fn meet(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
+    let piece = |start, end| Edge { start, end, inverse_square: 0.0 };
+    touch(&piece(a, b), &piece(c, d))
+}
+
+/// Whether two edges have a common point.
+fn touch(a: &Edge, b: &Edge) -> bool {
+    let side = |e: &Edge, p: Vec2| (e.end - e.start).cross(p - e.start);
+    let (b0, b1, a0, a1) = (side(a, b.start), side(a, b.end), side(b, a.start), side(b, a.end));
+    if b0 == 0.0 && b1 == 0.0 {
+        // On one line: do their bounding boxes meet?
+        let apart = |a0: f64, a1: f64, b0: f64, b1: f64| a0.max(a1) < b0.min(b1) || b0.max(b1) < a0.min(a1);
+        return !apart(a.start.x, a.end.x, b.start.x, b.end.x)
+            && !apart(a.start.y, a.end.y, b.start.y, b.end.y);
+    }
+    let parts = |p: f64, q: f64| (p > 0.0 && q > 0.0) || (p < 0.0 && q < 0.0);
+    !parts(b0, b1) && !parts(a0, a1)
+}

@@ -1,0 +1,307 @@
+//! A user's own copy of the public ANSUR II tables: real people, drawn with replacement.
+//!
+//! The public files ("ANSUR II MALE Public.csv", "… FEMALE …") have one line per person, lengths in mm, and the
+//! column `weightkg` in tenths of a kg. Bideltoid breadth, chest depth, measured stature and measured mass are read.
+
+use crate::person::{Measure, Person, Sex};
+use csv::{ByteRecord, ReaderBuilder};
+use lemons_files::input;
+use std::borrow::Cow;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A column: the number of its units in an SI unit and, in its own unit, the range of human values, children included.
+/// The range detects files in other units.
+struct Column {
+    name: &'static str,
+    per_unit: f64,
+    least: f64,
+    most: f64,
+}
+
+/// The columns, in the order of [`Measure::ALL`].
+const COLUMNS: [Column; 4] = [
+    Column { name: "bideltoidbreadth", per_unit: 1000.0, least: 150.0, most: 900.0 },
+    Column { name: "chestdepth", per_unit: 1000.0, least: 80.0, most: 800.0 },
+    Column { name: "stature", per_unit: 1000.0, least: 500.0, most: 2800.0 },
+    Column { name: "weightkg", per_unit: 10.0, least: 30.0, most: 5000.0 },
+];
+
+/// The people of a survey.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Survey {
+    men: Vec<Person>,
+    women: Vec<Person>,
+}
+
+/// A cell that is not a measure of a person.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BadCell {
+    /// The file, as it was given.
+    pub file: PathBuf,
+    /// Line number, from 1.
+    pub line: u64,
+    /// Name of the column in the header; empty if the whole line is wrong.
+    pub column: String,
+    /// Its text.
+    pub value: String,
+    /// What is wrong.
+    pub fault: String,
+}
+
+/// One line, such as `male.csv:12: chestdepth = "x": must be a decimal number`.
+impl fmt::Display for BadCell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}: ", self.file.display(), self.line)?;
+        if !self.column.is_empty() {
+            // A cell may contain anything: show it on one line, and cut it to a readable length.
+            write!(f, "{} = {:.60}: ", self.column, format!("{:?}", self.value))?;
+        }
+        f.write_str(&self.fault)
+    }
+}
+
+/// All cells that were refused.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BadCells(pub Vec<BadCell>);
+
+impl fmt::Display for BadCells {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const SHOWN: usize = 20;
+        for (place, cell) in self.0.iter().take(SHOWN).enumerate() {
+            write!(f, "{}{cell}", if place > 0 { "\n" } else { "" })?;
+        }
+        match self.0.len().saturating_sub(SHOWN) {
+            0 => Ok(()),
+            more => write!(f, "\nand {more} more"),
+        }
+    }
+}
+
+/// Why the file of a survey cannot be used.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum SurveyError {
+    #[error("{}: cannot be read: {error}", file.display())]
+    Read { file: PathBuf, error: std::io::Error },
+    #[error("{}: is not CSV: {error}", file.display())]
+    Csv { file: PathBuf, error: csv::Error },
+    #[error("{}: has no column {column:?}", file.display())]
+    NoColumn { file: PathBuf, column: &'static str },
+    #[error("{}: has more than one column {column:?}", file.display())]
+    Twice { file: PathBuf, column: &'static str },
+    #[error("{}: has no people", file.display())]
+    Nobody { file: PathBuf },
+    #[error("{0}")]
+    Cells(BadCells),
+}
+
+/// Decodes UTF-8, or else Latin-1 as in the public files: its bytes are Unicode's first 256 characters.
+fn text(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
+    }
+}
+
+/// A finite decimal number. Rust's own parser also accepts "inf" and "nan".
+fn decimal(text: &str) -> Option<f64> {
+    let plain = text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
+    text.parse().ok().filter(|value: &f64| plain && value.is_finite())
+}
+
+impl Survey {
+    /// Reads the public files, or tables with the same columns. Without a file for a sex, the survey has no people of
+    /// that sex.
+    ///
+    /// # Errors
+    /// The first file that cannot be read or lacks a column; or else all cells that are not a measure, with their
+    /// places.
+    pub fn read(men: Option<&Path>, women: Option<&Path>) -> Result<Survey, SurveyError> {
+        let mut survey = Survey::default();
+        for (sex, file) in [(Sex::Male, men), (Sex::Female, women)] {
+            if let Some(file) = file {
+                let bytes = input::read_given(file, input::LARGEST_SETTINGS)
+                    .map_err(|error| SurveyError::Read { file: file.to_owned(), error })?;
+                survey.add(sex, file, &bytes)?;
+            }
+        }
+        Ok(survey)
+    }
+
+    /// Adds the people of one sex from the content of a file.
+    ///
+    /// # Errors
+    /// Those of [`Survey::read`].
+    pub fn add(&mut self, sex: Sex, file: &Path, content: &[u8]) -> Result<(), SurveyError> {
+        let csv_error = |error| SurveyError::Csv { file: file.to_owned(), error };
+        let content = content.strip_prefix(b"\xef\xbb\xbf").unwrap_or(content);
+        let mut reader = ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(content);
+        let header = reader.byte_headers().map_err(csv_error)?.clone();
+        let place = |column: &'static str| {
+            let mut places =
+                header.iter().enumerate().filter(|(_, name)| name.eq_ignore_ascii_case(column.as_bytes()));
+            match (places.next(), places.next()) {
+                (Some((place, _)), None) => Ok(place),
+                (None, _) => Err(SurveyError::NoColumn { file: file.to_owned(), column }),
+                (Some(_), Some(_)) => Err(SurveyError::Twice { file: file.to_owned(), column }),
+            }
+        };
+        let places = [
+            place(COLUMNS[0].name)?,
+            place(COLUMNS[1].name)?,
+            place(COLUMNS[2].name)?,
+            place(COLUMNS[3].name)?,
+        ];
+        let gender = match place("gender") {
+            Ok(place) => Some(place),
+            Err(SurveyError::NoColumn { .. }) => None,
+            Err(error) => return Err(error),
+        };
+        let (mut people, mut bad) = (Vec::new(), Vec::new());
+        let mut record = ByteRecord::new();
+        while reader.read_byte_record(&mut record).map_err(csv_error)? {
+            let line = record.position().map_or(0, csv::Position::line);
+            let mut refuse = |column: &str, value: &str, fault: String| {
+                let (column, value) = (column.to_owned(), value.to_owned());
+                bad.push(BadCell { file: file.to_owned(), line, column, value, fault });
+            };
+            if record.len() != header.len() {
+                let fault = format!("has {} cells, but the header has {}", record.len(), header.len());
+                refuse("", "", fault);
+                continue;
+            }
+            if let Some(place) = gender {
+                let value = text(&record[place]);
+                if !value.eq_ignore_ascii_case(sex.name()) {
+                    refuse("gender", &value, format!("must be {:?} in this file", sex.name()));
+                }
+            }
+            let mut measures = [f64::NAN; 4];
+            for ((measure, place), column) in measures.iter_mut().zip(places).zip(&COLUMNS) {
+                let value = text(&record[place]);
+                match decimal(&value) {
+                    None => refuse(column.name, &value, "must be a decimal number".into()),
+                    Some(number) if !(column.least..=column.most).contains(&number) => {
+                        refuse(
+                            column.name,
+                            &value,
+                            format!("must be within {}…{}", column.least, column.most),
+                        );
+                    }
+                    Some(number) => *measure = number / column.per_unit,
+                }
+            }
+            let person = Person::from_measures(sex, measures);
+            if person.depth > person.breadth {
+                let depth = &COLUMNS[1];
+                let fault = format!("must not exceed {}, {}", COLUMNS[0].name, person.breadth * 1000.0);
+                refuse(depth.name, &text(&record[places[1]]), fault);
+            }
+            people.push(person);
+        }
+        if !bad.is_empty() {
+            return Err(SurveyError::Cells(BadCells(bad)));
+        }
+        if people.is_empty() {
+            return Err(SurveyError::Nobody { file: file.to_owned() });
+        }
+        match sex {
+            Sex::Male => self.men.append(&mut people),
+            Sex::Female => self.women.append(&mut people),
+        }
+        Ok(())
+    }
+
+    /// Returns all people of one sex, in the order of the files.
+    pub fn people(&self, sex: Sex) -> &[Person] {
+        match sex {
+            Sex::Male => &self.men,
+            Sex::Female => &self.women,
+        }
+    }
+
+    /// Returns a measure \[m or kg\] of all people of one sex.
+    pub fn values(&self, sex: Sex, measure: Measure) -> impl Iterator<Item = f64> + '_ {
+        self.people(sex).iter().map(move |person| person.measures()[measure as usize])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As in the public files: other columns around, Latin-1 in a place name.
+    const MEN: &[u8] = b"subjectid,bideltoidbreadth,chestdepth,stature,weightkg,Gender,WritingPreference,SubjectsBirthLocation\r\n\
+        10027,493,237,1776,815,Male,Right hand,North Dakota\r\n\
+        10032,479,253,1702,726,Male,\"Left, \"\"hand\",Cura\xe7ao\r\n\
+        10033,544,282,1735,929,Male,Left hand,New York\r\n";
+
+    fn read(content: &[u8]) -> Result<Survey, SurveyError> {
+        let mut survey = Survey::default();
+        survey.add(Sex::Male, Path::new("male.csv"), content).map(|()| survey)
+    }
+
+    #[test]
+    fn the_public_columns_are_read_in_their_units() {
+        let survey = read(MEN).unwrap();
+        let measures =
+            [[0.493, 0.237, 1.776, 81.5], [0.479, 0.253, 1.702, 72.6], [0.544, 0.282, 1.735, 92.9]];
+        let people = measures.map(|measures| Person::from_measures(Sex::Male, measures));
+        assert_eq!(survey.people(Sex::Male), people);
+        assert!(survey.people(Sex::Female).is_empty());
+        let masses: Vec<f64> = survey.values(Sex::Male, Measure::Mass).collect();
+        assert_eq!(masses, [81.5, 72.6, 92.9]);
+        // Other columns and their order do not matter, nor a byte order mark, nor the case of the names.
+        let mut other =
+            b"\xef\xbb\xbfSTATURE, WeightKG ,ChestDepth,bideltoidbreadth\n1776, 815,237,493\n".to_vec();
+        assert_eq!(read(&other).unwrap().people(Sex::Male), &people[..1]);
+        other.extend_from_slice(b"\n");
+        assert!(read(&other).is_ok());
+    }
+
+    #[test]
+    fn every_bad_cell_is_named() {
+        let content = b"bideltoidbreadth,chestdepth,stature,weightkg,Gender\n\
+            493,,1776,815,Male\n\
+            493,237,177.6,x\xe9,Male\n\
+            200,237,1776,815,Female\n\
+            493,237\n\
+            nan,1e9,-5,0x10,male\n";
+        let message = read(content).unwrap_err().to_string();
+        let expected = "male.csv:2: chestdepth = \"\": must be a decimal number\n\
+            male.csv:3: stature = \"177.6\": must be within 500…2800\n\
+            male.csv:3: weightkg = \"xé\": must be a decimal number\n\
+            male.csv:4: gender = \"Female\": must be \"male\" in this file\n\
+            male.csv:4: chestdepth = \"237\": must not exceed bideltoidbreadth, 200\n\
+            male.csv:5: has 2 cells, but the header has 5\n\
+            male.csv:6: bideltoidbreadth = \"nan\": must be a decimal number\n\
+            male.csv:6: chestdepth = \"1e9\": must be within 80…800\n\
+            male.csv:6: stature = \"-5\": must be within 500…2800\n\
+            male.csv:6: weightkg = \"0x10\": must be a decimal number";
+        assert_eq!(message, expected);
+        let mut many = b"bideltoidbreadth,chestdepth,stature,weightkg\n".to_vec();
+        many.extend(b"x,237,1776,815\n".repeat(1000));
+        let message = read(&many).unwrap_err().to_string();
+        assert!(message.lines().count() == 21 && message.ends_with("and 980 more"), "{message}");
+        let long =
+            format!("bideltoidbreadth,chestdepth,stature,weightkg\n{},237,1776,815\n", "é\u{7}".repeat(5000));
+        assert!(read(long.as_bytes()).unwrap_err().to_string().len() < 300);
+    }
+
+    #[test]
+    fn files_that_are_no_survey_are_refused() {
+        let message = |content: &[u8]| read(content).unwrap_err().to_string();
+        assert_eq!(message(b""), "male.csv: has no column \"bideltoidbreadth\"");
+        assert_eq!(message(b"bideltoidbreadth,chestdepth,weightkg\n"), "male.csv: has no column \"stature\"");
+        let header = b"bideltoidbreadth,chestdepth,stature,weightkg\n";
+        assert_eq!(message(header), "male.csv: has no people");
+        assert_eq!(
+            message(b"stature,bideltoidbreadth,chestdepth,stature,weightkg\n"),
+            "male.csv: has more than one column \"stature\""
+        );
+        let missing = Survey::read(Some(Path::new("no such file")), None).unwrap_err();
+        assert!(missing.to_string().starts_with("no such file: cannot be read: "));
+    }
+}

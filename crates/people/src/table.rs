@@ -1,0 +1,295 @@
+//! Tables of a crowd: its agents as CSV, and its statistics.
+
+use crate::bicycle::BICYCLE_MEASURES;
+use crate::person::{Measure, Sex};
+use crate::population::Agent;
+use std::fmt;
+
+/// A kind of agents in the tables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// Pedestrians, men or women.
+    Pedestrian(Sex),
+    /// Bicycles with their riders.
+    Bicycle,
+}
+
+impl Kind {
+    /// All kinds, in the order of the tables.
+    pub const ALL: [Kind; 3] = [Kind::Pedestrian(Sex::Male), Kind::Pedestrian(Sex::Female), Kind::Bicycle];
+
+    /// Returns the kind of an agent.
+    pub fn of(agent: &Agent) -> Kind {
+        match agent {
+            Agent::Pedestrian(person) => Kind::Pedestrian(person.sex),
+            Agent::Bicycle(_) => Kind::Bicycle,
+        }
+    }
+
+    /// Returns "male", "female" or "bicycle".
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Pedestrian(sex) => sex.name(),
+            Kind::Bicycle => "bicycle",
+        }
+    }
+
+    /// Returns names and units of its measures.
+    pub fn measures(self) -> Vec<(&'static str, &'static str)> {
+        match self {
+            Kind::Pedestrian(_) => Measure::ALL.map(|measure| (measure.name(), measure.unit())).to_vec(),
+            Kind::Bicycle => {
+                BICYCLE_MEASURES.map(|name| (name, if name == "mass" { "kg" } else { "m" })).to_vec()
+            }
+        }
+    }
+}
+
+/// The measures of an agent, in the order of [`Kind::measures`].
+fn measures(agent: &Agent) -> Vec<f64> {
+    match agent {
+        Agent::Pedestrian(person) => person.measures().to_vec(),
+        Agent::Bicycle(bicycle) => bicycle.measures().to_vec(),
+    }
+}
+
+/// Statistics of one measure over some agents.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Name of the measure.
+    pub measure: &'static str,
+    /// "m" or "kg".
+    pub unit: &'static str,
+    /// Mean, in that unit.
+    pub mean: f64,
+    /// Standard deviation of the sample (divided by count − 1), in that unit; `None` for a single agent.
+    pub sd: Option<f64>,
+    /// Smallest value, in that unit.
+    pub min: f64,
+    /// Largest value, in that unit.
+    pub max: f64,
+}
+
+/// Statistics of one kind of agents.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KindStatistics {
+    /// The kind.
+    pub kind: Kind,
+    /// Number of agents.
+    pub count: usize,
+    /// Fraction of the whole crowd, 0…1.
+    pub proportion: f64,
+    /// Statistics of each measure, in the order of [`Kind::measures`].
+    pub measures: Vec<Summary>,
+}
+
+/// Statistics of each kind that a crowd has, in the order of [`Kind::ALL`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CrowdStatistics(pub Vec<KindStatistics>);
+
+impl CrowdStatistics {
+    /// Computes the statistics of agents.
+    pub fn of(agents: &[Agent]) -> CrowdStatistics {
+        let mut kinds = Vec::new();
+        for kind in Kind::ALL {
+            let members: Vec<Vec<f64>> =
+                agents.iter().filter(|agent| Kind::of(agent) == kind).map(measures).collect();
+            if members.is_empty() {
+                continue;
+            }
+            let names = kind.measures().into_iter().enumerate();
+            let measures = names.map(|(place, (measure, unit))| {
+                let values: Vec<f64> = members.iter().map(|member| member[place]).collect();
+                summary(measure, unit, &values)
+            });
+            let measures = measures.collect();
+            let proportion = members.len() as f64 / agents.len() as f64;
+            kinds.push(KindStatistics { kind, count: members.len(), proportion, measures });
+        }
+        CrowdStatistics(kinds)
+    }
+
+    /// Returns CSV, one line for each kind and measure.
+    pub fn csv(&self) -> String {
+        let header = ["kind", "count", "proportion", "measure", "unit", "mean", "sd", "min", "max"];
+        let mut rows = vec![header.map(String::from).to_vec()];
+        for KindStatistics { kind, count, proportion, measures } in &self.0 {
+            for Summary { measure, unit, mean, sd, min, max } in measures {
+                rows.push(vec![
+                    kind.name().into(),
+                    count.to_string(),
+                    number(*proportion),
+                    (*measure).into(),
+                    (*unit).into(),
+                    number(*mean),
+                    sd.map(number).unwrap_or_default(),
+                    number(*min),
+                    number(*max),
+                ]);
+            }
+        }
+        csv_text(&rows)
+    }
+}
+
+/// A readable table, in cm and kg.
+impl fmt::Display for CrowdStatistics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, KindStatistics { kind, count, proportion, measures }) in self.0.iter().enumerate() {
+            if place > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{}: {count} ({:.1} %)", kind.name(), 100.0 * proportion)?;
+            for Summary { measure, unit, mean, sd, min, max } in measures {
+                let (scale, unit) = if *unit == "m" { (100.0, "cm") } else { (1.0, *unit) };
+                write!(f, "\n    {measure:<18}{:8.2}", mean * scale)?;
+                match sd {
+                    Some(sd) => write!(f, " ± {:6.2}", sd * scale)?,
+                    None => write!(f, "         ")?,
+                }
+                write!(f, "  {:8.2} … {:8.2} {unit}", min * scale, max * scale)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `values` must not be empty.
+fn summary(measure: &'static str, unit: &'static str, values: &[f64]) -> Summary {
+    // Relative to the first value, so that equal values have no deviation.
+    let count = values.len() as f64;
+    let mean = values[0] + values.iter().map(|value| value - values[0]).sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
+    Summary {
+        measure,
+        unit,
+        mean,
+        sd: (values.len() > 1).then(|| (squares / (count - 1.0)).sqrt()),
+        min: values.iter().copied().fold(f64::INFINITY, f64::min),
+        max: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    }
+}
+
+/// Returns the agents as CSV, one per line with its index from 0. Cells for measures of the other kind are empty.
+/// Lengths are in m, masses in kg, as the shortest decimals that are read back as the same doubles.
+pub fn crowd_csv(agents: &[Agent]) -> String {
+    let header = [
+        "id",
+        "type",
+        "sex",
+        "bideltoid_breadth_m",
+        "chest_depth_m",
+        "stature_m",
+        "mass_kg",
+        "wheel_width_m",
+        "length_m",
+        "handlebar_m",
+        "top_tube_m",
+    ];
+    let mut rows = vec![header.map(String::from).to_vec()];
+    for (id, agent) in agents.iter().enumerate() {
+        let empty = String::new;
+        let mut row = vec![id.to_string()];
+        match agent {
+            Agent::Pedestrian(person) => {
+                row.extend(["pedestrian".into(), person.sex.name().into()]);
+                row.extend(person.measures().map(number));
+                row.extend(std::array::from_fn::<_, 4, _>(|_| empty()));
+            }
+            Agent::Bicycle(bicycle) => {
+                let [wheel_width, length, handlebar, top_tube, mass] = bicycle.measures().map(number);
+                row.extend(["bicycle".into(), empty(), empty(), empty(), empty(), mass]);
+                row.extend([wheel_width, length, handlebar, top_tube]);
+            }
+        }
+        rows.push(row);
+    }
+    csv_text(&rows)
+}
+
+/// The shortest decimal that is read back as the same double.
+fn number(value: f64) -> String {
+    format!("{value:?}")
+}
+
+/// Writing rows of one length into memory cannot fail, so the results are dropped.
+fn csv_text(rows: &[Vec<String>]) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        let _ = writer.write_record(row);
+    }
+    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bicycle::Bicycle;
+    use crate::person::Person;
+    use crate::population::{Population, Proportions, Source};
+
+    fn person(sex: Sex, breadth: f64, mass: f64) -> Agent {
+        Agent::Pedestrian(Person { sex, breadth, depth: 0.25, stature: 1.75, mass })
+    }
+
+    #[test]
+    fn statistics_of_a_small_crowd() {
+        let agents = [
+            person(Sex::Female, 0.4, 50.0),
+            person(Sex::Female, 0.45, 60.0),
+            person(Sex::Male, 0.5, 80.0),
+            Agent::Bicycle(Bicycle::TEMPLATE),
+        ];
+        let statistics = CrowdStatistics::of(&agents);
+        let [men, women, bicycles] = &statistics.0[..] else { panic!("{statistics:?}") };
+        assert_eq!((men.count, women.count, bicycles.count), (1, 2, 1));
+        assert_eq!((men.proportion, women.proportion), (0.25, 0.5));
+        let mass = &women.measures[3];
+        assert_eq!((mass.mean, mass.min, mass.max), (55.0, 50.0, 60.0));
+        assert!((mass.sd.unwrap() - 50.0f64.sqrt()).abs() < 1e-14);
+        assert_eq!((men.measures[0].mean, men.measures[0].sd), (0.5, None));
+        assert_eq!(women.measures[1].sd, Some(0.0));
+        assert_eq!(bicycles.measures[1].mean, 1.42);
+        let csv = statistics.csv();
+        let line = csv.lines().nth(8).unwrap();
+        assert_eq!(line, format!("female,2,0.5,mass,kg,55.0,{:?},50.0,60.0", 50.0f64.sqrt()));
+        assert_eq!(csv.lines().nth(1), Some("male,1,0.25,bideltoid breadth,m,0.5,,0.5,0.5"));
+        assert_eq!(csv.lines().count(), 1 + 4 + 4 + 5);
+        let shown = statistics.to_string();
+        assert!(
+            shown.contains("female: 2 (50.0 %)") && shown.contains("mass                 55.00 ±   7.07"),
+            "{shown}"
+        );
+        assert_eq!(CrowdStatistics::of(&[]), CrowdStatistics::default());
+    }
+
+    #[test]
+    fn a_crowds_csv_reads_back_to_the_same_doubles() {
+        let proportions = Proportions { men: 0.5, pedestrians: 0.7 };
+        let population = Population::new(Source::Ansur, proportions).unwrap();
+        let agents: Vec<Agent> = population.agents(9).take(300).collect();
+        let text = crowd_csv(&agents);
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let mut lines = 0;
+        for (place, record) in reader.records().enumerate() {
+            let record = record.unwrap();
+            let cells = |columns: &[usize]| -> Vec<f64> {
+                columns.iter().map(|&column| record[column].parse().unwrap()).collect()
+            };
+            assert_eq!(record[0], place.to_string());
+            match &agents[place] {
+                Agent::Pedestrian(person) => {
+                    assert_eq!((&record[1], &record[2]), ("pedestrian", person.sex.name()));
+                    assert_eq!(cells(&[3, 4, 5, 6]), person.measures());
+                    assert!(record.iter().skip(7).all(str::is_empty));
+                }
+                Agent::Bicycle(bicycle) => {
+                    assert_eq!((&record[1], &record[2]), ("bicycle", ""));
+                    assert_eq!(cells(&[7, 8, 9, 10, 6]), bicycle.measures());
+                }
+            }
+            lines += 1;
+        }
+        assert_eq!(lines, 300);
+    }
+}

@@ -1,0 +1,490 @@
+//! Bodies against what they are to follow: a person's measures, Euler's and Gauss's theorems, other tools' readers.
+
+use lemons_people::*;
+use lemons_plane::{Pose, Vec2, vec2};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::collections::BTreeMap;
+
+/// Breadth, depth, stature \[m\], mass \[kg\]: means, SDs, correlations in the US Army ANSUR II survey (2012).
+struct Four {
+    sex: Sex,
+    mean: [f64; 4],
+    sd: [f64; 4],
+    /// Breadth–depth, breadth–stature, depth–stature, breadth–mass, depth–mass, stature–mass.
+    correlation: [f64; 6],
+}
+
+const MEN: Four = Four {
+    sex: Sex::Male,
+    mean: [0.51042, 0.25385, 1.75621, 85.523],
+    sd: [0.0325, 0.02625, 0.06856, 14.222],
+    correlation: [0.758, 0.3, 0.205, 0.877, 0.854, 0.448],
+};
+const WOMEN: Four = Four {
+    sex: Sex::Female,
+    mean: [0.45032, 0.2474, 1.62847, 67.758],
+    sd: [0.02869, 0.02734, 0.0642, 10.985],
+    correlation: [0.731, 0.33, 0.206, 0.853, 0.776, 0.511],
+};
+
+/// Drawn from a multivariate normal, each measure kept within 2.5 SDs.
+fn draw(four: &Four, count: usize, rng: &mut ChaCha8Rng) -> Vec<Person> {
+    let [r01, r02, r12, r03, r13, r23] = four.correlation;
+    let r = [[1.0, r01, r02, r03], [r01, 1.0, r12, r13], [r02, r12, 1.0, r23], [r03, r13, r23, 1.0]];
+    let mut root = [[0.0f64; 4]; 4];
+    for i in 0..4 {
+        for j in 0..=i {
+            let rest = r[i][j] - (0..j).map(|k| root[i][k] * root[j][k]).sum::<f64>();
+            root[i][j] = if i == j { rest.sqrt() } else { rest / root[j][j] };
+        }
+    }
+    let mut uniform = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let mut normal = || {
+        let (u, v) = (1.0 - uniform(), uniform());
+        (-2.0 * libm::log(u)).sqrt() * libm::cos(2.0 * std::f64::consts::PI * v)
+    };
+    let mut person = || {
+        let z: [f64; 4] = std::array::from_fn(|_| normal());
+        let [breadth, depth, stature, mass] = std::array::from_fn(|i| {
+            let score: f64 = (0..=i).map(|k| root[i][k] * z[k]).sum();
+            four.mean[i] + four.sd[i] * score.clamp(-2.5, 2.5)
+        });
+        Person { sex: four.sex, breadth, depth, stature, mass }
+    };
+    (0..count).map(|_| person()).collect()
+}
+
+/// Place of the middle of the lower cap among a part's vertices: after the first ring.
+const POINT_BELOW_CAP: usize = 64;
+
+/// A hundred men, a hundred women.
+fn people() -> Vec<Person> {
+    let mut rng = ChaCha8Rng::seed_from_u64(2012);
+    [MEN, WOMEN].iter().flat_map(|four| draw(four, 100, &mut rng)).collect()
+}
+
+fn mean_person(four: &Four) -> Person {
+    let [breadth, depth, stature, mass] = four.mean;
+    Person { sex: four.sex, breadth, depth, stature, mass }
+}
+
+fn extent(polygons: &[Polygon], along: fn(&Vec2) -> f64) -> f64 {
+    let all = || polygons.iter().flat_map(|polygon| &polygon.points).map(along);
+    all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
+}
+
+/// Triangles about a fixed point, apart from the library's own sums.
+fn signed_volume(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> f64 {
+    let six: f64 = triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|k| vertices[k]);
+            a[0] * (b[1] * c[2] - b[2] * c[1])
+                + a[1] * (b[2] * c[0] - b[0] * c[2])
+                + a[2] * (b[0] * c[1] - b[1] * c[0])
+        })
+        .sum();
+    six / 6.0
+}
+
+/// Every edge twice, once in each direction; V − E + F = 2.
+fn assert_closed(vertices: usize, triangles: &[[usize; 3]], name: &str) {
+    let mut edges: BTreeMap<(usize, usize), i32> = BTreeMap::new();
+    for t in triangles {
+        assert!(t[0] != t[1] && t[1] != t[2] && t[2] != t[0], "{name}: {t:?}");
+        for k in 0..3 {
+            *edges.entry((t[k], t[(k + 1) % 3])).or_default() += 1;
+        }
+    }
+    for (&(a, b), &count) in &edges {
+        assert_eq!((count, edges.get(&(b, a))), (1, Some(&1)), "{name}: edge {a}-{b}");
+    }
+    assert_eq!(vertices as i64 - edges.len() as i64 / 2 + triangles.len() as i64, 2, "{name}: Euler");
+}
+
+fn indices(part: &MeshPart) -> Vec<[usize; 3]> {
+    part.triangles.iter().map(|t| t.map(|k| k as usize)).collect()
+}
+
+#[test]
+fn two_hundred_bodies_follow_their_people() {
+    let (mut worst_volume, mut at_the_end) = (0.0f64, 0);
+    let mut factors = [f64::MAX, f64::MIN];
+    for person in people() {
+        let body = Body3d::of(&person).unwrap();
+        let torso = body.slice_at(body.torso_altitude());
+        assert_eq!(body.torso_altitude(), 0.8124 * person.stature);
+        assert!((extent(&torso, |p| p.y) - person.breadth).abs() < 1e-3, "{person:?}");
+        assert!((extent(&torso, |p| p.x) - person.depth).abs() < 1e-3, "{person:?}");
+        // From the ground to the stature, and nothing beyond.
+        assert_eq!(body.slice_at(0.0).len(), 2);
+        assert_eq!(body.slice_at(person.stature).len(), 1);
+        assert!(body.slice_at(-1e-9).is_empty() && body.slice_at(person.stature + 1e-9).is_empty());
+        let tops =
+            body.mesh().parts.iter().flat_map(|part| &part.vertices).fold(f64::MIN, |z, v| z.max(v[2]));
+        assert_eq!(tops, person.stature);
+        worst_volume = worst_volume.max((body.volume() / (person.mass / 985.0) - 1.0).abs());
+        factors = [factors[0].min(body.girth_factor()), factors[1].max(body.girth_factor())];
+        at_the_end += usize::from(GIRTH_FACTORS.contains(&body.girth_factor()));
+    }
+    println!(
+        "worst volume {worst_volume:.4}, girth factors {factors:?}, {at_the_end} at the end of their range"
+    );
+    assert!(worst_volume < 0.1, "{worst_volume}");
+}
+
+#[test]
+fn heavier_people_have_larger_waists() {
+    for four in [MEN, WOMEN] {
+        let mean = mean_person(&four);
+        let waist = |person: &Person| {
+            let body = Body3d::of(person).unwrap();
+            let trunk = body.slice_at(0.6 * person.stature).remove(0);
+            assert_eq!(trunk.part, Part::Trunk);
+            let around = trunk.points.iter().zip(trunk.points.iter().cycle().skip(1));
+            around.map(|(&a, &b)| (b - a).norm()).sum::<f64>()
+        };
+        let (lean, usual, heavy) = (
+            waist(&Person { mass: mean.mass - 1.5 * four.sd[3], ..mean }),
+            waist(&mean),
+            waist(&Person { mass: mean.mass + 1.5 * four.sd[3], ..mean }),
+        );
+        // Waist girth at the navel: 0.941 m of men, 0.861 m of women.
+        let survey = if four.sex == Sex::Male { 0.941 } else { 0.861 };
+        assert!((usual / survey - 1.0).abs() < 0.06, "{usual} {survey}");
+        assert!(heavy > usual + 0.05 && usual > lean + 0.05, "{lean} {usual} {heavy}");
+    }
+}
+
+#[test]
+fn meshes_are_closed_and_face_outwards() {
+    for person in people().iter().step_by(10) {
+        let body = Body3d::of(person).unwrap();
+        let mesh = body.mesh();
+        assert_eq!(mesh.parts.len(), 5);
+        let mut sum = 0.0;
+        for part in &mesh.parts {
+            let triangles = indices(part);
+            assert_closed(part.vertices.len(), &triangles, &part.name);
+            let volume = signed_volume(&part.vertices, &triangles);
+            assert!(volume > 0.0, "{}", part.name);
+            sum += volume;
+        }
+        assert!((sum / body.volume() - 1.0).abs() < 0.01, "{sum} {}", body.volume());
+        assert!((mesh.volume() / sum - 1.0).abs() < 1e-9);
+        // The area integrated apart from Simpson's exact slabs.
+        let stack = body.stack(0.002);
+        let mean: f64 =
+            stack.iter().flat_map(|(_, slice)| slice).map(Polygon::area).sum::<f64>() / stack.len() as f64;
+        assert!((mean * person.stature / body.volume() - 1.0).abs() < 2e-3);
+    }
+}
+
+#[test]
+fn parts_do_not_overlap_and_mirror_each_other() {
+    for person in people().iter().step_by(4) {
+        let body = Body3d::of(person).unwrap();
+        let placed = Placed { body: &body, pose: Pose::default() };
+        for (z, slice) in body.stack(0.04) {
+            let union = section(&[placed], z).covered();
+            let sum: f64 = slice.iter().map(Polygon::area).sum();
+            assert!((union - sum).abs() < 1e-8, "{person:?}: {z} m: {union} of {sum}");
+            assert!(slice.iter().all(|polygon| polygon.area() > 0.0));
+            let side: f64 = slice.iter().map(|polygon| polygon.area() * polygon.centroid().y).sum();
+            assert!(side.abs() < 1e-12, "{z} m");
+        }
+    }
+}
+
+/// Arms hang: from armpit to fingertips they lean outwards by less than ten degrees, even beside a wide waist.
+#[test]
+fn arms_hang() {
+    let mut most = 0.0f64;
+    for person in people() {
+        let body = Body3d::of(&person).unwrap();
+        let mesh = body.mesh();
+        let arm = &mesh.parts[1];
+        assert_eq!(arm.name, "left_arm");
+        let ends = [arm.vertices[arm.vertices.len() - 1], arm.vertices[POINT_BELOW_CAP]];
+        let [top, tip] = ends;
+        most = most.max((tip[1] - top[1]) / (top[2] - tip[2]));
+    }
+    println!("leaning by at most {most:.3}");
+    assert!(most < 0.17, "{most}");
+}
+
+/// Whatever the custom statistics of the paper can draw, and beyond: closed, rising, breadth and depth.
+#[test]
+fn nobody_is_too_odd() {
+    for sex in [Sex::Male, Sex::Female] {
+        for breadth in [0.3, 0.65] {
+            for depth in [0.15, 0.3, 0.45] {
+                for stature in [1.4, 2.4] {
+                    for mass in [30.0, 160.0] {
+                        let person = Person { sex, breadth, depth, stature, mass };
+                        let body = match Body3d::of(&person) {
+                            Err(error) => {
+                                assert!(depth > breadth, "{error}");
+                                continue;
+                            }
+                            Ok(body) => body,
+                        };
+                        let torso = body.slice_at(body.torso_altitude());
+                        assert!((extent(&torso, |p| p.y) - breadth).abs() < 1e-3, "{person:?}");
+                        assert!((extent(&torso, |p| p.x) - depth).abs() < 1e-3, "{person:?}");
+                        for part in body.mesh().parts {
+                            assert_closed(part.vertices.len(), &indices(&part), &part.name);
+                            assert!(part.volume() > 0.0);
+                            assert!(
+                                part.vertices.windows(2).all(|pair| pair[1][2] >= pair[0][2]),
+                                "{person:?}"
+                            );
+                        }
+                        for (z, slice) in body.stack(0.05) {
+                            assert!(slice.iter().all(|polygon| polygon.area() > 0.0), "{person:?} at {z}");
+                            let placed = [Placed { body: &body, pose: Pose::default() }];
+                            let (union, sum) = (section(&placed, z).covered(), body.area_at(z));
+                            assert!((union - sum).abs() < 1e-8, "{person:?} at {z}: {union} of {sum}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn nobodies_are_refused_by_name() {
+    let man = mean_person(&MEN);
+    let said = |person: Person| Body3d::of(&person).unwrap_err().to_string();
+    assert!(said(Person { breadth: f64::NAN, ..man }).contains("bideltoid breadth = NaN m"));
+    assert!(said(Person { stature: 0.0, ..man }).contains("stature = 0 m"));
+    assert!(said(Person { mass: f64::INFINITY, ..man }).contains("mass = inf kg"));
+    assert!(
+        said(Person { depth: 0.5, breadth: 0.4, ..man }).contains("must not exceed the bideltoid breadth")
+    );
+}
+
+#[test]
+fn sections_of_a_crowd() {
+    let bodies: Vec<Body3d> = people().iter().step_by(20).map(|person| Body3d::of(person).unwrap()).collect();
+    let apart = |k: usize| Pose { position: vec2(k as f64, -0.5 * k as f64), orientation: 0.7 * k as f64 };
+    let crowd: Vec<Placed> =
+        bodies.iter().enumerate().map(|(k, body)| Placed { body, pose: apart(k) }).collect();
+    let [least, mean, most] = torso_altitudes(&crowd).unwrap();
+    assert!(least < mean && mean < most);
+    for z in [least, mean, most] {
+        let cut = section(&crowd, z);
+        let own: f64 = bodies.iter().map(|body| body.area_at(z)).sum();
+        // Neither turning nor moving changes areas; apart, nothing is counted twice.
+        assert!((cut.area() - own).abs() < 1e-12 && (cut.covered() - own).abs() < 1e-7, "{z}");
+        assert_eq!(cut.cut(), crowd.len());
+        assert!((cut.density(5.0) - 2.0).abs() < 1e-12);
+    }
+    // The gaze of the second: its toes lie that way from the axis.
+    let feet = section(&crowd[1..2], 0.01);
+    let sum = feet.bodies[0].iter().fold(Vec2::ZERO, |sum, foot| sum + foot.centroid());
+    let ahead = sum * 0.5 - vec2(1.0, -0.5);
+    assert!((libm::atan2(ahead.y, ahead.x) - 0.7).abs() < 1e-9, "{ahead:?}");
+    // Two in the same place cover the ground once.
+    let twice = [crowd[0], crowd[0]];
+    let cut = section(&twice, mean);
+    assert!((cut.area() - 2.0 * cut.covered()).abs() < 1e-7);
+    // The tallest alone stands out.
+    let tallest = bodies.iter().map(|body| body.person().stature).fold(0.0, f64::max);
+    assert_eq!(section(&crowd, tallest).cut(), 1);
+    assert_eq!(section(&crowd, tallest + 0.01).covered(), 0.0);
+    assert_eq!(torso_altitudes(&[]), None);
+}
+
+#[test]
+fn the_torso_section_is_about_as_large_as_the_papers_five_disks() {
+    // Template area 1458.8 cm² for 61.718 cm by 30 cm.
+    for four in [MEN, WOMEN] {
+        let person = mean_person(&four);
+        let body = Body3d::of(&person).unwrap();
+        let area = body.area_at(body.torso_altitude());
+        let disks = 0.14588 / (0.61718 * 0.30) * person.breadth * person.depth;
+        assert!((area / disks - 1.0).abs() < 0.06, "{area} {disks}");
+    }
+}
+
+/// The paper's comparison of two dimensions with sections at the torsos of the shortest, on average, of the tallest: low
+/// sections cut everybody, high ones pass over the short; none covers more than a little above the disks.
+#[test]
+fn sections_cover_less_the_higher_they_are() {
+    let bodies: Vec<Body3d> = people().iter().map(|person| Body3d::of(person).unwrap()).collect();
+    let crowd: Vec<Placed> = bodies.iter().map(|body| Placed { body, pose: Pose::default() }).collect();
+    let disks: f64 =
+        bodies.iter().map(|b| 0.14588 / (0.61718 * 0.30) * b.person().breadth * b.person().depth).sum();
+    let areas = torso_altitudes(&crowd).unwrap().map(|z| section(&crowd, z).area() / disks);
+    println!("of the disks' area: {areas:.3?}");
+    assert!(areas[0] > areas[1] && areas[1] > areas[2], "{areas:?}");
+    assert!((0.75..1.05).contains(&areas[0]) && areas[2] < 0.3, "{areas:?}");
+    assert_eq!(section(&crowd, torso_altitudes(&crowd).unwrap()[0]).cut(), crowd.len());
+}
+
+#[test]
+fn stl_reads_back() {
+    let body = Body3d::of(&mean_person(&MEN)).unwrap();
+    let mut file = Vec::new();
+    write_stl(&body.mesh().parts, &mut file).unwrap();
+    let mut reader = std::io::Cursor::new(&file);
+    let read = stl_io::read_stl(&mut reader).unwrap();
+    let count: usize = body.mesh().parts.iter().map(|part| part.triangles.len()).sum();
+    assert_eq!((read.faces.len(), file.len()), (count, 84 + 50 * count));
+    let vertices: Vec<[f64; 3]> =
+        read.vertices.iter().map(|v| [f64::from(v[0]), f64::from(v[1]), f64::from(v[2])]).collect();
+    let triangles: Vec<[usize; 3]> = read.faces.iter().map(|face| face.vertices).collect();
+    assert!((signed_volume(&vertices, &triangles) / body.mesh().volume() - 1.0).abs() < 1e-4);
+    for face in &read.faces {
+        let [a, b, c] = face.vertices.map(|k| vertices[k]);
+        let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
+        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let ahead: f64 = (0..3).map(|k| n[k] * f64::from(face.normal[k])).sum();
+        assert!(ahead >= -1e-12, "{face:?}");
+    }
+}
+
+#[test]
+fn obj_of_a_crowd_reads_back() {
+    let bodies = [MEN, WOMEN].map(|four| Body3d::of(&mean_person(&four)).unwrap());
+    let pose = |x: f64, orientation: f64| Pose { position: vec2(x, 2.0), orientation };
+    let crowd = [
+        Placed { body: &bodies[0], pose: pose(0.0, 1.0) },
+        Placed { body: &bodies[1], pose: pose(0.6, -2.0) },
+    ];
+    let mut file = Vec::new();
+    write_obj(crowd_parts(&crowd), &mut file).unwrap();
+    let (models, _) = tobj::load_obj_buf(&mut file.as_slice(), &tobj::LoadOptions::default(), |_| {
+        Err(tobj::LoadError::OpenFileFailed)
+    })
+    .unwrap();
+    let names: Vec<&str> = models.iter().map(|model| model.name.as_str()).collect();
+    assert_eq!(names.len(), 10);
+    assert_eq!((names[0], names[9]), ("agent_0_trunk", "agent_1_right_leg"));
+    let mut volume = 0.0;
+    for model in &models {
+        let numbers: Vec<f64> = model.mesh.positions.iter().map(|&x| f64::from(x)).collect();
+        let vertices: Vec<[f64; 3]> = numbers.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect();
+        let faces: Vec<usize> = model.mesh.indices.iter().map(|&k| k as usize).collect();
+        let triangles: Vec<[usize; 3]> = faces.chunks_exact(3).map(|f| [f[0], f[1], f[2]]).collect();
+        assert_closed(vertices.len(), &triangles, &model.name);
+        volume += signed_volume(&vertices, &triangles);
+    }
+    let wanted = bodies[0].volume() + bodies[1].volume();
+    assert!((volume / wanted - 1.0).abs() < 0.01, "{volume} {wanted}");
+}
+
+#[test]
+fn geojson_and_wkt_read_back() {
+    let body = Body3d::of(&mean_person(&WOMEN)).unwrap();
+    let placed = [Placed { body: &body, pose: Pose { position: vec2(3.0, 1.0), orientation: 0.4 } }];
+    let sections: Vec<CrowdSection> =
+        body.stack(0.05).iter().map(|(altitude, _)| section(&placed, *altitude)).collect();
+    let mut area = BTreeMap::new();
+    for section in &sections {
+        for polygon in section.bodies.iter().flatten() {
+            *area.entry(polygon.part.name().to_owned()).or_insert(0.0) += polygon.area();
+        }
+    }
+    let ring_area = |ring: &[[f64; 2]]| {
+        assert_eq!(ring.first(), ring.last());
+        0.5 * ring.windows(2).map(|p| p[0][0] * p[1][1] - p[1][0] * p[0][1]).sum::<f64>()
+    };
+
+    let mut file = Vec::new();
+    write_geojson(&sections, &mut file).unwrap();
+    let read: geojson::GeoJson = std::str::from_utf8(&file).unwrap().parse().unwrap();
+    let geojson::GeoJson::FeatureCollection(read) = read else { panic!("not a collection") };
+    let mut read_area = BTreeMap::new();
+    for feature in &read.features {
+        let altitude = feature.property("altitude").unwrap().as_f64().unwrap();
+        let part = feature.property("part").unwrap().as_str().unwrap().to_owned();
+        assert_eq!(feature.property("body").unwrap().as_u64(), Some(0));
+        let geojson::GeometryValue::Polygon { coordinates } = &feature.geometry.as_ref().unwrap().value
+        else {
+            panic!("not a polygon")
+        };
+        assert_eq!(coordinates.len(), 1);
+        assert!(coordinates[0].iter().all(|p| p[2] == altitude));
+        let ring: Vec<[f64; 2]> = coordinates[0].iter().map(|p| [p[0], p[1]]).collect();
+        *read_area.entry(part).or_insert(0.0) += ring_area(&ring);
+    }
+    assert_eq!(area.len(), 5);
+    for (part, value) in &area {
+        assert!((read_area[part] / value - 1.0).abs() < 1e-4, "{part}");
+    }
+
+    let mut file = Vec::new();
+    write_wkt(&sections, &mut file).unwrap();
+    let text = String::from_utf8(file).unwrap();
+    assert_eq!(text.lines().count(), sections.len());
+    for (line, section) in text.lines().zip(&sections) {
+        let wkt::Wkt::MultiPolygon(read) = line.parse::<wkt::Wkt<f64>>().unwrap() else { panic!("{line}") };
+        let sum: f64 = read
+            .polygons()
+            .iter()
+            .map(|polygon| {
+                let coords = polygon.rings()[0].coords();
+                assert!(coords.iter().all(|c| (c.z.unwrap() - section.altitude).abs() < 1e-6));
+                ring_area(&coords.iter().map(|c| [c.x, c.y]).collect::<Vec<_>>())
+            })
+            .sum();
+        assert!((sum - section.area()).abs() < 1e-6, "{line}");
+    }
+}
+
+/// What no file can hold is refused, not written.
+#[test]
+fn poses_that_are_not_finite_are_refused() {
+    let body = Body3d::of(&mean_person(&MEN)).unwrap();
+    let lost = [Placed { body: &body, pose: Pose { position: vec2(f64::NAN, 0.0), orientation: 0.0 } }];
+    let cut = [section(&lost, 1.0)];
+    assert!(cut[0].covered().is_nan());
+    let mut file = Vec::new();
+    assert!(write_obj(crowd_parts(&lost), &mut file).unwrap_err().to_string().contains("not finite"));
+    assert!(write_stl(crowd_parts(&lost), &mut file).is_err());
+    assert!(write_geojson(&cut, &mut file).is_err() && write_wkt(&cut, &mut file).is_err());
+}
+
+/// Outlines of the mean bodies at landmarks, against the survey's girths and breadths \[m\].
+#[test]
+fn mean_bodies_have_the_surveys_girths() {
+    // Buttocks, waist, lower thigh just above the knee, calf, ankle, head: altitude, girth.
+    let men =
+        [(0.888, 1.020), (1.056, 0.941), (0.548, 0.409), (0.343, 0.392), (0.108, 0.229), (1.662, 0.574)];
+    let women =
+        [(0.834, 1.021), (0.980, 0.861), (0.505, 0.401), (0.319, 0.373), (0.098, 0.216), (1.534, 0.561)];
+    for (four, table) in [(MEN, men), (WOMEN, women)] {
+        let body = Body3d::of(&mean_person(&four)).unwrap();
+        for (z, girth) in table {
+            let slice = body.slice_at(z);
+            let leg =
+                slice.iter().find(|polygon| matches!(polygon.part, Part::LeftLeg | Part::Trunk)).unwrap();
+            let around = leg.points.iter().zip(leg.points.iter().cycle().skip(1));
+            let own: f64 = around.map(|(&a, &b)| (b - a).norm()).sum();
+            println!("{:?} {z}: {:.3} of the survey's", four.sex, own / girth);
+            assert!((own / girth - 1.0).abs() < 0.06, "{:?} at {z}: {own}, survey {girth}", four.sex);
+        }
+        // Hip breadth, head breadth and length.
+        let (hip, head, length) =
+            if four.sex == Sex::Male { (0.346, 0.154, 0.200) } else { (0.354, 0.148, 0.190) };
+        let trunk = |z: f64| {
+            body.slice_at(z).into_iter().filter(|polygon| polygon.part == Part::Trunk).collect::<Vec<_>>()
+        };
+        assert!((extent(&trunk(table[0].0), |p| p.y) / hip - 1.0).abs() < 0.06);
+        assert!((extent(&trunk(table[5].0), |p| p.y) / head - 1.0).abs() < 0.01);
+        assert!((extent(&trunk(table[5].0), |p| p.x) / length - 1.0).abs() < 0.01);
+    }
+}
+
+/// A person has the same bits on every machine.
+#[test]
+fn bits_are_kept() {
+    let body = Body3d::of(&mean_person(&MEN)).unwrap();
+    let vertices = body.mesh().parts.into_iter().flat_map(|part| part.vertices).flatten();
+    let sum = vertices.fold(0u64, |sum, value| sum.rotate_left(5) ^ value.to_bits());
+    assert_eq!(sum, 0x437a_a0d1_4284_d3f4, "{sum:#x}: a change of shape is told in CHANGELOG");
+}

@@ -1,0 +1,483 @@
+//! The placers, looked at by brute force.
+
+mod people;
+
+use lemons_people::placing::{
+    Dense, Ended, Grid, Orientation, Packing, Paper, PlacingError, Progress, Region, RegionError, Stage,
+    TOLERANCE, dense, grid, measure, paper,
+};
+use lemons_people::{Disk, Shape};
+use lemons_plane::{Pose, Vec2, vec2};
+use lemons_trial::{Geometry, Wall};
+use people::people;
+use std::ops::ControlFlow;
+
+fn go(_: &Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn square(side: f64) -> Region {
+    Region::rectangle(vec2(0.0, 0.0), vec2(side, side)).unwrap()
+}
+
+/// An L of 12 m² less a pillar of 0.64 m².
+fn l_with_pillar() -> Region {
+    let outer =
+        [(0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (1.0, 2.0), (1.0, 4.0), (0.0, 4.0)].map(|(x, y)| vec2(x, y));
+    let pillar = [(2.0, 0.6), (2.8, 0.6), (2.8, 1.4), (2.0, 1.4)].map(|(x, y)| vec2(x, y));
+    Region::polygon(&outer, &[pillar.to_vec()]).unwrap()
+}
+
+/// Every disk at its pose, by the platform's sine and cosine: centre and radius.
+fn disks(shape: &Shape, pose: &Pose) -> Vec<(f64, f64, f64)> {
+    let (sin, cos) = pose.orientation.sin_cos();
+    let at = |d: &Disk| {
+        let (x, y) = (cos * d.centre.x - sin * d.centre.y, sin * d.centre.x + cos * d.centre.y);
+        (pose.position.x + x, pose.position.y + y, d.radius)
+    };
+    shape.disks.iter().map(at).collect()
+}
+
+/// \[m\] Largest overlap of all disks with all, and with the outside of the region: the rim of each disk, in a hundred
+/// points, lies inside.
+fn brute_force(shapes: &[Shape], region: &Region, packing: &Packing) -> f64 {
+    let all: Vec<_> = shapes.iter().zip(&packing.poses).map(|(s, p)| disks(s, p)).collect();
+    let mut worst = 0.0f64;
+    for (a, one) in all.iter().enumerate() {
+        for (x, y, r) in one {
+            for (u, v, s) in all[..a].iter().flatten() {
+                worst = worst.max(r + s - (x - u).hypot(y - v));
+            }
+            for k in 0..100 {
+                let (sin, cos) = (f64::from(k) * 0.02 * std::f64::consts::PI).sin_cos();
+                let inner = r - TOLERANCE;
+                let point = (x + inner * cos, y + inner * sin);
+                assert!(
+                    inside(region, point),
+                    "shape {a} at {:?} reaches out at {point:?}",
+                    packing.poses[a]
+                );
+            }
+        }
+    }
+    worst
+}
+
+/// By the winding of all rings together, an angle at a time.
+fn inside(region: &Region, (x, y): (f64, f64)) -> bool {
+    if region.rings().is_empty() {
+        return true;
+    }
+    let mut turned = 0.0;
+    for ring in region.rings() {
+        for k in 0..ring.len() {
+            let (a, b) = (ring[k], ring[(k + 1) % ring.len()]);
+            let (a, b) = ((a.x - x, a.y - y), (b.x - x, b.y - y));
+            turned += (a.0 * b.1 - a.1 * b.0).atan2(a.0 * b.0 + a.1 * b.1);
+        }
+    }
+    turned > std::f64::consts::PI
+}
+
+fn assert_clear(shapes: &[Shape], region: &Region, packing: &Packing) {
+    assert_eq!(packing.poses.len(), shapes.len());
+    let worst = brute_force(shapes, region, packing);
+    assert!(worst <= TOLERANCE && packing.complete && packing.ended == Ended::Done, "{worst} {packing:?}");
+    assert!(worst <= packing.largest_overlap + 1e-12);
+    assert_eq!(packing.clear_density, packing.density);
+}
+
+#[test]
+fn dense_in_a_box_as_in_the_paper() {
+    for seed in 1..=3 {
+        let (shapes, region) = (people(150, seed), square(4.56));
+        for orientation in [Orientation::Free, Orientation::Towards(1.0), Orientation::Fixed(1.0)] {
+            let packing =
+                dense(&shapes, &region, &Dense { seed, orientation, ..Dense::default() }, &mut go).unwrap();
+            assert_clear(&shapes, &region, &packing);
+            assert!((packing.density - 150.0 / (4.56 * 4.56)).abs() < 1e-12);
+            if let Orientation::Fixed(angle) = orientation {
+                assert!(packing.poses.iter().all(|p| p.orientation == angle));
+            }
+        }
+    }
+}
+
+#[test]
+fn dense_in_an_l_with_a_pillar() {
+    let region = l_with_pillar();
+    assert!((region.area() - 11.36).abs() < 1e-12);
+    for seed in 1..=3 {
+        let shapes = people(200, seed);
+        let settings = Dense { density: Some(6.5), seed, ..Dense::default() };
+        let packing = dense(&shapes, &region, &settings, &mut go).unwrap();
+        // 6.5 × 11.36 = 73.84
+        assert_clear(&shapes[..74], &region, &packing);
+    }
+}
+
+/// Narrow corners, many edges, far from the origin: a star of 400 corners around a hole like it.
+#[test]
+fn dense_in_a_star() {
+    let star = |size: f64| -> Vec<Vec2> {
+        (0..400)
+            .map(|k| {
+                let angle = f64::from(k) * std::f64::consts::TAU / 400.0;
+                let radius = size * (1.0 + 0.3 * libm::cos(5.0 * angle));
+                vec2(1000.0 + radius * libm::cos(angle), -500.0 + radius * libm::sin(angle))
+            })
+            .collect()
+    };
+    let region = Region::polygon(&star(3.0), &[star(1.0)]).unwrap();
+    let shapes = people(200, 1);
+    let settings = Dense { density: Some(6.0), seed: 1, ..Dense::default() };
+    let packing = dense(&shapes, &region, &settings, &mut go).unwrap();
+    assert_clear(&shapes[..packing.poses.len()], &region, &packing);
+    assert!((packing.density - 6.0).abs() < 0.03);
+}
+
+/// \[m²\] of the convex hull of many points on the rims, which the hull of the disks contains.
+fn hull_of_points(shapes: &[Shape], packing: &Packing) -> f64 {
+    let directions = 3000;
+    let all: Vec<_> = shapes.iter().zip(&packing.poses).flat_map(|(s, p)| disks(s, p)).collect();
+    let furthest = |k: i32| {
+        let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / f64::from(directions)).sin_cos();
+        let (x, y, r) = all.iter().max_by(|a, b| {
+            let reach = |d: &(f64, f64, f64)| d.0 * cos + d.1 * sin + d.2;
+            reach(a).total_cmp(&reach(b))
+        })?;
+        Some((x + r * cos, y + r * sin))
+    };
+    let points: Vec<(f64, f64)> = (0..=directions).filter_map(furthest).collect();
+    0.5 * points.windows(2).map(|w| w[0].0 * w[1].1 - w[1].0 * w[0].1).sum::<f64>()
+}
+
+#[test]
+fn dense_in_the_open() {
+    for (count, density, seed) in [(50, 6.5, 1), (50, 6.5, 2), (50, 6.5, 3), (50, 2.0, 4), (300, 7.0, 5)] {
+        let (shapes, region) = (people(count, seed), Region::plane());
+        let settings = Dense { density: Some(density), seed, ..Dense::default() };
+        let packing = dense(&shapes, &region, &settings, &mut go).unwrap();
+        assert_clear(&shapes, &region, &packing);
+        let found = count as f64 / hull_of_points(&shapes, &packing);
+        assert!((found - packing.density).abs() < 1e-4 * found, "{found} {}", packing.density);
+        assert!(packing.density >= density && packing.density < 1.02 * density, "{}", packing.density);
+    }
+}
+
+/// People four times as broad as deep do not fit the first circle, which is made for round ones.
+#[test]
+fn long_shapes_in_the_open() {
+    for count in [2, 3, 5, 8] {
+        for seed in 1..4 {
+            let shapes = vec![Shape::fit(0.8, 0.15).unwrap(); count];
+            let settings = Dense { seed, ..Dense::default() };
+            let packing = dense(&shapes, &Region::plane(), &settings, &mut go).unwrap();
+            assert!(packing.complete, "{count} {seed}: {packing:?}");
+            assert_clear(&shapes, &Region::plane(), &packing);
+        }
+    }
+}
+
+#[test]
+fn as_dense_as_it_goes() {
+    let (shapes, region) = (people(20, 1), Region::plane());
+    let settings = Dense { max_iterations: 10_000, ..Dense::default() };
+    let packing = dense(&shapes, &region, &settings, &mut go).unwrap();
+    assert!(packing.complete && packing.density > 7.5, "{packing:?}");
+    assert!(brute_force(&shapes, &region, &packing) <= TOLERANCE);
+    // A disk alone is its own hull; two touch.
+    let disk = Shape { disks: vec![Disk { radius: 0.5, centre: Vec2::ZERO }] };
+    let one = dense(std::slice::from_ref(&disk), &region, &Dense::default(), &mut go).unwrap();
+    assert!((one.density - 4.0 / std::f64::consts::PI).abs() < 1e-9, "{one:?}");
+    let two = dense(&[disk.clone(), disk], &region, &settings, &mut go).unwrap();
+    let apart = (two.poses[0].position - two.poses[1].position).norm();
+    assert!((0.9999..1.01).contains(&apart), "{apart}");
+}
+
+#[test]
+fn same_seed_same_placing() {
+    let (shapes, region) = (people(60, 1), square(2.62));
+    let with = |seed| {
+        let settings = Dense { seed, ..Dense::default() };
+        dense(&shapes, &region, &settings, &mut go).unwrap()
+    };
+    let bits = |packing: &Packing| -> Vec<[u64; 3]> {
+        let bits = |p: &Pose| [p.position.x, p.position.y, p.orientation].map(f64::to_bits);
+        packing.poses.iter().map(bits).collect()
+    };
+    assert_eq!(bits(&with(7)), bits(&with(7)));
+    assert_ne!(bits(&with(7)), bits(&with(8)));
+    // On any machine: what shakes them, too, has its part in this. Changes whenever the algorithm does.
+    let settings = Dense { seed: 7, max_iterations: 3000, ..Dense::default() };
+    let mut shook = 0;
+    let shaken = dense(&shapes[..40], &square(2.1), &settings, &mut |p| {
+        shook += usize::from(p.stage == Stage::Shaking);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert!(shook > 20);
+    let mixed = |packing: &Packing| bits(packing).iter().flatten().fold(0, |m: u64, b| m.rotate_left(7) ^ b);
+    assert_eq!(
+        [mixed(&with(7)), mixed(&shaken)].map(|m| format!("{m:016x}")),
+        ["b9f164bf8cf8b61f", "c2a57177eb221771"]
+    );
+    let slow = |seed| {
+        let settings = Paper { seed, orientation: Orientation::Free, max_iterations: 30, ..Paper::default() };
+        paper(&shapes, &region, &settings, &mut go).unwrap()
+    };
+    assert_eq!(bits(&slow(7)), bits(&slow(7)));
+    assert_ne!(bits(&slow(7)), bits(&slow(8)));
+}
+
+/// More than the area holds is refused at once; more than can be packed is given up, and what could stand is told.
+#[test]
+fn impossible_densities_are_refused() {
+    let shapes = people(40, 1);
+    let refused = dense(&shapes, &square(1.8), &Dense::default(), &mut go).unwrap_err();
+    assert!(
+        matches!(refused, PlacingError::NoRoom { shapes: 40, covered, area } if covered > area),
+        "{refused}"
+    );
+    let settings = Dense { density: Some(12.0), ..Dense::default() };
+    assert!(matches!(dense(&shapes, &Region::plane(), &settings, &mut go), Err(PlacingError::NoRoom { .. })));
+    for density in [9.3, 10.0f64] {
+        let region = square((40.0 / density).sqrt());
+        let settings = Dense { max_iterations: 5000, ..Dense::default() };
+        let packing = dense(&shapes, &region, &settings, &mut go).unwrap();
+        assert!(
+            !packing.complete && packing.ended != Ended::Done && packing.iterations < 80_000,
+            "{packing:?}"
+        );
+        assert!(packing.largest_overlap > TOLERANCE && packing.poses.len() == 40);
+        assert!((7.5..9.2).contains(&packing.clear_density), "{}", packing.clear_density);
+    }
+    // In the open the best without overlap is handed back.
+    let settings = Dense { density: Some(10.2), max_iterations: 5000, ..Dense::default() };
+    let packing = dense(&shapes, &Region::plane(), &settings, &mut go).unwrap();
+    assert!(
+        !packing.complete && packing.largest_overlap <= TOLERANCE && packing.density > 8.0,
+        "{packing:?}"
+    );
+    let settings = Dense { density: Some(8.0), ..Dense::default() };
+    let few = dense(&shapes, &square(3.0), &settings, &mut go);
+    assert!(matches!(few, Err(PlacingError::TooFewShapes { needed: 72, given: 40, .. })), "{few:?}");
+}
+
+#[test]
+fn breaks_off_when_told() {
+    let (shapes, region) = (people(40, 1), square(2.07));
+    for patience in [1, 5, 40] {
+        let mut calls = 0;
+        let mut last = 0;
+        let packing = dense(&shapes, &region, &Dense::default(), &mut |progress| {
+            assert!(
+                progress.iteration >= last && progress.iteration <= progress.limit && progress.overlap >= 0.0
+            );
+            last = progress.iteration;
+            calls += 1;
+            if calls == patience { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+        .unwrap();
+        assert_eq!((packing.ended, packing.complete, calls), (Ended::Cancelled, false, patience));
+        assert!(packing.poses.iter().all(|p| p.position.is_finite()));
+    }
+    let mut stop = |_: &Progress| ControlFlow::Break(());
+    assert_eq!(paper(&shapes, &region, &Paper::default(), &mut stop).unwrap().ended, Ended::Cancelled);
+    let settings = Dense { density: Some(6.0), ..Dense::default() };
+    assert_eq!(dense(&shapes, &Region::plane(), &settings, &mut stop).unwrap().ended, Ended::Cancelled);
+}
+
+#[test]
+fn paper_places_what_is_not_too_dense() {
+    let shapes = people(40, 1);
+    for (region, orientation) in [
+        (square(2.83), Orientation::Free),
+        (Region::plane(), Orientation::Towards(0.5)),
+        (l_with_pillar(), Orientation::Fixed(0.5)),
+    ] {
+        let settings = Paper { orientation, seed: 1, ..Paper::default() };
+        let packing = paper(&shapes, &region, &settings, &mut go).unwrap();
+        assert_clear(&shapes, &region, &packing);
+        assert!(packing.iterations < settings.max_iterations);
+    }
+    // At the same place to begin with, in a region too small: says so.
+    let packing =
+        paper(&shapes, &square(1.0), &Paper { max_iterations: 50, ..Paper::default() }, &mut go).unwrap();
+    assert!(!packing.complete && packing.largest_overlap > 0.01 && packing.clear_density < packing.density);
+}
+
+#[test]
+fn grid_in_rows() {
+    // Breadth 0.6 along y when facing +x; depth 0.4.
+    let disk = |y: f64| Disk { radius: 0.2, centre: vec2(0.0, y) };
+    let shapes = vec![Shape { disks: vec![disk(0.1), disk(-0.1)] }; 12];
+    let settings = Grid::default();
+    // Two rows of three would be 0.8 × 1.8 m: four rows of three fit exactly.
+    let region = Region::rectangle(vec2(-1.0, 2.0), vec2(0.6, 3.8)).unwrap();
+    let packing = grid(&shapes, &region, &settings).unwrap();
+    assert_clear(&shapes, &region, &packing);
+    let rows: Vec<f64> = packing.poses.iter().map(|p| p.position.x).collect();
+    for (k, x) in rows.iter().enumerate() {
+        assert!((x - (0.4 - 0.4 * (k / 3) as f64)).abs() < 1e-5, "{rows:?}");
+    }
+    let tight = Region::rectangle(vec2(-1.0, 2.0), vec2(0.59, 3.8)).unwrap();
+    let refused = grid(&shapes, &tight, &settings).unwrap_err();
+    assert!(matches!(refused, PlacingError::NoPlaces { places: 9, shapes: 12, .. }), "{refused}");
+    let narrow = Grid { spacing: Some(vec2(0.3, 0.6)), ..settings };
+    let refused = grid(&shapes, &region, &narrow).unwrap_err();
+    assert!(
+        matches!(refused, PlacingError::TooNarrow { overlap, .. } if (overlap - 0.1).abs() < 1e-9),
+        "{refused}"
+    );
+    // Facing +y, the rows lie along x.
+    let turned = Grid { orientation: Orientation::Fixed(std::f64::consts::FRAC_PI_2), ..settings };
+    let region = Region::rectangle(vec2(0.0, 0.0), vec2(1.8, 1.6)).unwrap();
+    let packing = grid(&shapes, &region, &turned).unwrap();
+    assert_clear(&shapes, &region, &packing);
+    assert!(packing.poses.windows(2).all(|p| p[0].position.y > p[1].position.y - 1e-9));
+}
+
+#[test]
+fn grid_of_people_anywhere() {
+    let shapes = people(30, 2);
+    for orientation in [Orientation::Fixed(0.4), Orientation::Towards(-2.0), Orientation::Free] {
+        let settings = Grid { orientation, seed: 3, spacing: None };
+        for region in [Region::plane(), l_with_pillar(), square(4.0)] {
+            let count = if orientation == Orientation::Free { 10 } else { 20 };
+            let packing = grid(&shapes[..count], &region, &settings).unwrap();
+            assert_clear(&shapes[..count], &region, &packing);
+        }
+    }
+    assert!(matches!(grid(&shapes, &square(1.5), &Grid::default()), Err(PlacingError::NoPlaces { .. })));
+}
+
+#[test]
+fn measure_counts_what_overlaps() {
+    let disk = Shape { disks: vec![Disk { radius: 0.5, centre: Vec2::ZERO }] };
+    let shapes = vec![disk; 4];
+    let pose = |x: f64| Pose { position: vec2(x, 0.6), orientation: 0.0 };
+    let region = Region::rectangle(vec2(0.0, 0.0), vec2(10.0, 2.0)).unwrap();
+    let measured = measure(&shapes, &region, &[0.4, 1.3, 2.29, 4.0].map(pose));
+    assert!((measured.largest_overlap - 0.1).abs() < 1e-12, "{measured:?}");
+    assert_eq!((measured.overlapping_pairs, measured.through_boundary, measured.density), (2, 1, 0.2));
+    // The first, twice wrong, goes; the second and third still overlap by a centimetre: one of them goes.
+    assert_eq!(measured.clear_density, 0.1);
+}
+
+#[test]
+fn bad_shapes_and_settings_are_refused() {
+    let region = square(3.0);
+    let disk = |radius: f64, x: f64| Shape { disks: vec![Disk { radius, centre: vec2(x, 0.0) }] };
+    let of = |shapes: &[Shape]| dense(shapes, &region, &Dense::default(), &mut go).unwrap_err();
+    assert!(matches!(of(&[disk(0.2, 0.0), Shape { disks: vec![] }]), PlacingError::NoDisks { shape: 1 }));
+    for (radius, x) in
+        [(0.0, 0.0), (-0.1, 0.0), (f64::NAN, 0.0), (0.1, f64::INFINITY), (0.1, f64::NAN), (1e9, 0.0)]
+    {
+        assert!(matches!(of(&[disk(radius, x)]), PlacingError::Disk { shape: 0, disk: 0, .. }));
+    }
+    let shapes = [disk(0.2, 0.0)];
+    for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let settings = Dense { density: Some(value), ..Dense::default() };
+        assert!(matches!(dense(&shapes, &region, &settings, &mut go), Err(PlacingError::Setting { .. })));
+        let settings = Grid { spacing: Some(vec2(0.5, value)), ..Grid::default() };
+        assert!(matches!(grid(&shapes, &region, &settings), Err(PlacingError::Setting { .. })));
+        let settings = Paper { repulsion_length: value, ..Paper::default() };
+        assert!(matches!(paper(&shapes, &region, &settings, &mut go), Err(PlacingError::Setting { .. })));
+    }
+    let settings = Dense { orientation: Orientation::Fixed(f64::NAN), ..Dense::default() };
+    assert!(matches!(dense(&shapes, &region, &settings, &mut go), Err(PlacingError::Setting { .. })));
+    // None at all are placed at once.
+    for region in [region, Region::plane()] {
+        assert!(dense(&[], &region, &Dense::default(), &mut go).unwrap().poses.is_empty());
+        assert!(grid(&[], &region, &Grid::default()).unwrap().poses.is_empty());
+        assert!(paper(&[], &region, &Paper::default(), &mut go).unwrap().poses.is_empty());
+    }
+}
+
+#[test]
+fn regions_know_their_inside() {
+    let region = l_with_pillar();
+    for (x, y, depth) in [
+        (0.5, 3.0, 0.5),
+        (4.0, 1.0, 1.0),
+        (1.5, 1.0, 0.5),
+        (2.4, 1.0, -0.4),
+        (2.0, 3.0, -1.0),
+        (-3.0, -4.0, -5.0),
+        (0.7, 1.7, (0.18f64).sqrt()),
+    ] {
+        assert!((region.depth(vec2(x, y)) - depth).abs() < 1e-12, "({x}, {y}) {}", region.depth(vec2(x, y)));
+        assert_eq!(region.contains(vec2(x, y)), depth > 0.0);
+    }
+    assert!(region.contains_disk(vec2(4.0, 1.0), 0.99) && !region.contains_disk(vec2(4.0, 1.0), 1.01));
+    assert_eq!(region.bounds(), Some((vec2(0.0, 0.0), vec2(5.0, 4.0))));
+    let plane = Region::plane();
+    assert!(plane.is_plane() && plane.area() == f64::INFINITY && plane.contains_disk(vec2(1e9, 0.0), 1e6));
+}
+
+#[test]
+fn bad_regions_are_refused() {
+    let ring = |corners: &[(f64, f64)]| -> Vec<Vec2> { corners.iter().map(|&(x, y)| vec2(x, y)).collect() };
+    let of = |outer: &[(f64, f64)], holes: &[&[(f64, f64)]]| {
+        let holes: Vec<Vec<Vec2>> = holes.iter().map(|h| ring(h)).collect();
+        Region::polygon(&ring(outer), &holes)
+    };
+    let square = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)];
+    let hole: &[(f64, f64)] = &[(1.0, 1.0), (2.0, 1.0), (2.0, 2.0)];
+    // Closed or not, in either sense, a corner twice: the same region.
+    let closed = [(0.0, 4.0), (4.0, 4.0), (4.0, 4.0), (4.0, 0.0), (0.0, 0.0), (0.0, 4.0)];
+    assert_eq!(of(&square, &[hole]).unwrap().area(), 15.5);
+    assert_eq!(of(&closed, &[hole]).unwrap().area(), 15.5);
+
+    for bad in [f64::NAN, f64::INFINITY, 1e7] {
+        let refused = of(&[(0.0, 0.0), (1.0, bad), (1.0, 1.0)], &[]).unwrap_err();
+        assert!(matches!(refused, RegionError::Corner { corner: 1, .. }), "{refused}");
+    }
+    let few = of(&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.0)], &[]).unwrap_err();
+    assert!(matches!(few, RegionError::TooFewCorners { corners: 2, .. }), "{few}");
+    let flat = of(&[(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)], &[]).unwrap_err();
+    assert!(matches!(flat, RegionError::NoArea { .. }), "{flat}");
+    let crossing = |outer: &[(f64, f64)], holes: &[&[(f64, f64)]]| {
+        let refused = of(outer, holes).unwrap_err();
+        assert!(matches!(refused, RegionError::Crossing { .. }), "{refused}");
+        refused.to_string()
+    };
+    let bow = [(0.0, 0.0), (4.0, 4.0), (4.0, 0.0), (0.0, 3.0)];
+    let told = crossing(&bow, &[]);
+    assert!(told.contains("edge 0 of the outer polygon") && told.contains("edge 2"), "{told}");
+    // A spike that returns along itself; a corner upon an edge; a hole through the wall, at it, and into another.
+    crossing(&[(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (4.0, 2.0), (0.0, 2.0)], &[]);
+    crossing(&[(0.0, 0.0), (4.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)], &[]);
+    crossing(&square, &[&[(3.0, 1.0), (5.0, 1.0), (3.0, 2.0)]]);
+    crossing(&square, &[&[(0.0, 1.0), (1.0, 1.0), (0.0, 2.0)]]);
+    crossing(&square, &[hole, &[(1.5, 1.2), (3.0, 1.2), (3.0, 1.4)]]);
+    for outside in
+        [&[(5.0, 5.0), (6.0, 5.0), (6.0, 6.0)] as &[(f64, f64)], &[(1.6, 1.2), (1.8, 1.2), (1.8, 1.4)]]
+    {
+        let refused = of(&square, &[hole, outside]).unwrap_err();
+        assert!(matches!(refused, RegionError::HoleOutside { .. }), "{refused}");
+    }
+    let many: Vec<(f64, f64)> = (0..20_000).map(|k| (f64::from(k), f64::from(k % 2))).collect();
+    assert!(matches!(of(&many, &[]), Err(RegionError::TooManyCorners { corners: 20_000 })));
+}
+
+#[test]
+fn walls_of_a_trial_bound_a_region() {
+    let wall = |id: &str, corners: &[(f64, f64)]| Wall {
+        id: id.into(),
+        material_id: "concrete".into(),
+        corners: corners.iter().map(|&(x, y)| vec2(x, y)).collect(),
+    };
+    let pillar = wall("pillar", &[(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0), (1.0, 1.0)]);
+    let room = wall("room", &[(0.0, 0.0), (6.0, 0.0), (6.0, 5.0), (0.0, 5.0), (0.0, 0.0)]);
+    let of = |walls: Vec<Wall>| Region::from_walls(&Geometry { dimensions: None, walls });
+    let region = of(vec![pillar.clone(), room.clone()]).unwrap();
+    assert_eq!((region.area(), region.rings().len()), (29.0, 2));
+    assert!(!region.contains(vec2(1.5, 1.5)) && region.contains(vec2(3.0, 3.0)));
+    let open = of(vec![room.clone(), wall("door", &[(3.0, 1.0), (4.0, 1.0)])]).unwrap_err();
+    assert!(matches!(&open, RegionError::OpenWall { id, .. } if id == "door"), "{open}");
+    assert!(matches!(of(vec![]), Err(RegionError::NoWalls)));
+    let twice = of(vec![room.clone(), pillar.clone(), pillar]).unwrap_err();
+    assert!(twice.to_string().contains("wall pillar"), "{twice}");
+}

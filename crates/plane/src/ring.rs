@@ -1,0 +1,130 @@
+//! Closed polygons.
+
+use crate::{Bounds, Vec2, segments_touch, turn, vec2};
+
+/// A closed polygon, clockwise or counter-clockwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ring {
+    /// The first corner is repeated at the end.
+    corners: Vec<Vec2>,
+}
+
+impl Ring {
+    /// Makes a ring through corners \[m\]; the first may be repeated at the end. Returns `None` without corners.
+    pub fn through(mut corners: Vec<Vec2>) -> Option<Ring> {
+        let first = *corners.first()?;
+        if corners.len() < 2 || corners[corners.len() - 1] != first {
+            corners.push(first);
+        }
+        Some(Ring { corners })
+    }
+
+    /// Returns the rim of a rectangle, counter-clockwise from the lowest corner.
+    pub fn around(Bounds { low, high }: Bounds) -> Ring {
+        Ring { corners: vec![low, vec2(high.x, low.y), high, vec2(low.x, high.y), low] }
+    }
+
+    /// Returns the corners \[m\]; the first is repeated at the end.
+    pub fn closed(&self) -> &[Vec2] {
+        &self.corners
+    }
+
+    /// Returns the corners \[m\] without repeating the first.
+    pub fn corners(&self) -> &[Vec2] {
+        &self.corners[..self.corners.len() - 1]
+    }
+
+    /// Returns the sides \[m\], from each corner to the next.
+    pub fn sides(&self) -> impl Iterator<Item = (Vec2, Vec2)> + Clone {
+        self.corners.windows(2).map(|side| (side[0], side[1]))
+    }
+
+    /// Returns the area \[m²\], positive if the ring is counter-clockwise.
+    pub fn signed_area(&self) -> f64 {
+        // Relative to a corner, so that no digits are lost far from the origin.
+        let origin = self.corners[0];
+        0.5 * self.sides().map(|(a, b)| turn(origin, a, b)).sum::<f64>()
+    }
+
+    /// Returns the area \[m²\].
+    pub fn area(&self) -> f64 {
+        self.signed_area().abs()
+    }
+
+    /// Returns the bounding rectangle \[m\].
+    pub fn bounds(&self) -> Bounds {
+        let nowhere = Bounds { low: self.corners[0], high: self.corners[0] };
+        Bounds::of(self.corners.iter().copied()).unwrap_or(nowhere)
+    }
+
+    /// Returns whether a point \[m\] lies inside: a ray to the right crosses the ring an odd number of times. On the
+    /// rim the result may be either.
+    pub fn contains(&self, p: Vec2) -> bool {
+        let crossed = self.sides().filter(|(a, b)| {
+            (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
+        });
+        crossed.count() % 2 == 1
+    }
+
+    /// Returns whether the rims have a common point.
+    pub fn touches(&self, other: &Ring) -> bool {
+        self.sides().any(|(a, b)| other.sides().any(|(c, d)| segments_touch(a, b, c, d)))
+    }
+
+    /// Returns whether it has an area and its sides meet only where one follows the other.
+    pub fn is_simple(&self) -> bool {
+        let sides: Vec<_> = self.sides().collect();
+        let n = sides.len();
+        let meet = |i: usize, j: usize| {
+            let ((a, b), (c, d)) = (sides[i], sides[j]);
+            if j == i + 1 || (i == 0 && j + 1 == n) {
+                // They share a corner, and more only if one goes back along the other.
+                let (from, over, to) = if j == i + 1 { (a, b, d) } else { (c, a, b) };
+                turn(from, over, to) == 0.0 && (from - over).dot(to - over) > 0.0
+            } else {
+                segments_touch(a, b, c, d)
+            }
+        };
+        n >= 3 && !(0..n).any(|i| (i + 1..n).any(|j| meet(i, j)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vec2;
+
+    fn ring(corners: &[(f64, f64)]) -> Ring {
+        Ring::through(corners.iter().map(|&(x, y)| vec2(x, y)).collect()).unwrap()
+    }
+
+    #[test]
+    fn area_and_sense_of_an_l() {
+        let l = ring(&[(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)]);
+        assert_eq!((l.signed_area(), l.corners().len(), l.closed().len()), (4.0, 6, 7));
+        let turned = Ring::through(l.corners().iter().rev().copied().collect()).unwrap();
+        assert_eq!((turned.signed_area(), turned.area()), (-4.0, 4.0));
+        assert_eq!(l.bounds(), Bounds { low: vec2(0.0, 0.0), high: vec2(2.0, 3.0) });
+        assert!(l.contains(vec2(0.5, 2.5)) && l.contains(vec2(1.5, 0.5)) && !l.contains(vec2(1.5, 1.5)));
+        // The first corner given twice is the same ring.
+        assert_eq!(ring(&[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, 0.0)]).corners().len(), 3);
+        assert_eq!(Ring::through(Vec::new()), None);
+    }
+
+    #[test]
+    fn simple_is_what_meets_itself_nowhere() {
+        assert!(ring(&[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]).is_simple());
+        assert!(!ring(&[(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)]).is_simple());
+        assert!(!ring(&[(0.0, 0.0), (1.0, 0.0)]).is_simple());
+        assert!(!ring(&[(0.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0)]).is_simple());
+    }
+
+    #[test]
+    fn rims_touch() {
+        let square = |x: f64| ring(&[(x, 0.0), (x + 1.0, 0.0), (x + 1.0, 1.0), (x, 1.0)]);
+        assert!(square(0.0).touches(&square(1.0)));
+        assert!(!square(0.0).touches(&square(1.5)));
+        // One in the other: the rims do not.
+        assert!(!ring(&[(-5.0, -5.0), (9.0, -5.0), (0.0, 9.0)]).touches(&square(0.0)));
+    }
+}

@@ -1,0 +1,98 @@
+//! Text formats: one file for PedPy, one file for each agent for ChAOS.
+
+use crate::error::RecordError;
+use crate::record::Record;
+use lemons_files::{Staged, WriteError};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Writes a text file that `pedpy.load_trajectory` reads: the frame rate, then lines `id frame x y z`, with x, y, z in m.
+///
+/// # Errors
+/// The run has no constant frame rate, or the file cannot be written.
+pub fn pedpy(record: &Record, path: &Path) -> Result<(), RecordError> {
+    pedpy_into(record, Staged::beside(path).map_err(WriteError::at(path))?, path)
+}
+
+/// As [`pedpy`], into an open file. Messages call it `path`.
+///
+/// # Errors
+/// As [`pedpy`].
+pub fn pedpy_into(record: &Record, file: Staged, path: &Path) -> Result<(), RecordError> {
+    let (rate, names) = (record.frame_rate()?, record.names());
+    let mut out = BufWriter::new(file);
+    let cannot = WriteError::at(path);
+    let head = writeln!(out, "# framerate: {rate:?} fps\n# id frame x/m y/m z/m");
+    head.map_err(cannot)?;
+    record.each(|k, frame| {
+        let mut rows = names.numbers.iter().zip(&frame.agents);
+        let written = rows.try_for_each(|(number, agent)| {
+            writeln!(out, "{number} {k} {:?} {:?} 0.0", agent.pose.position.x, agent.pose.position.y)
+        });
+        Ok(written.map_err(WriteError::at(path))?)
+    })?;
+    ended(out, path)
+}
+
+/// Files that are written at once.
+const TOGETHER: usize = 64;
+
+/// Names of the files that [`chaos`] writes.
+pub fn chaos_files(record: &Record) -> Vec<String> {
+    (0..record.ids().len()).map(|place| format!("traj{place:03}.csv")).collect()
+}
+
+/// Writes a file `trajNNN.csv` for each agent into a directory; NNN is the agent's place, from 0. Lines are `t,x,y,0.0`,
+/// with t in s, x and y in m. There is no header.
+///
+/// # Errors
+/// The directory holds such files of other agents, or a file cannot be written.
+pub fn chaos(record: &Record, directory: &Path) -> Result<(), RecordError> {
+    let names = chaos_files(record);
+    own(directory, &names, |name| name.starts_with("traj") && name.ends_with(".csv"))?;
+    let paths: Vec<PathBuf> = names.iter().map(|name| directory.join(name)).collect();
+    let positions = record.positions()?;
+    for (group, paths) in paths.chunks(TOGETHER).enumerate() {
+        let first = group * TOGETHER;
+        let files = paths.iter().map(|path| Ok((begun(path)?, path)));
+        let mut files = files.collect::<Result<Vec<_>, RecordError>>()?;
+        for (time, positions) in record.times().zip(positions.of(first..first + paths.len())) {
+            for ((out, path), position) in files.iter_mut().zip(positions) {
+                let written = writeln!(out, "{time:?},{:?},{:?},0.0", position.x, position.y);
+                written.map_err(WriteError::at(path))?;
+            }
+        }
+        positions.check().map_err(WriteError::at(directory))?;
+        files.into_iter().try_for_each(|(out, path)| ended(out, path))?;
+    }
+    Ok(())
+}
+
+/// Makes a directory for these files; those of the same kind that an earlier export left would be read as this one's.
+pub(crate) fn own(
+    directory: &Path,
+    names: &[String],
+    kind: impl Fn(&str) -> bool,
+) -> Result<(), RecordError> {
+    std::fs::create_dir_all(directory).map_err(WriteError::at(directory))?;
+    let names: std::collections::BTreeSet<&str> = names.iter().map(String::as_str).collect();
+    let cannot = |error| RecordError::Read { path: directory.to_owned(), error };
+    for entry in std::fs::read_dir(directory).map_err(cannot)? {
+        let name = entry.map_err(cannot)?.file_name();
+        let name = name.to_string_lossy();
+        if kind(&name) && !names.contains(&*name) {
+            let message = "is of another run and would be taken for this one's: choose an empty directory";
+            return Err(RecordError::wrong(&directory.join(&*name), message));
+        }
+    }
+    Ok(())
+}
+
+fn begun(path: &Path) -> Result<BufWriter<Staged>, RecordError> {
+    Ok(BufWriter::new(Staged::beside(path).map_err(WriteError::at(path))?))
+}
+
+fn ended(out: BufWriter<Staged>, path: &Path) -> Result<(), RecordError> {
+    let file = out.into_inner().map_err(|error| error.into_error());
+    Ok(file.and_then(Staged::persist).map_err(WriteError::at(path))?)
+}

@@ -1,0 +1,94 @@
+//! What can go wrong with a sweep.
+
+use std::io;
+use std::path::PathBuf;
+
+/// The result of what this crate does.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Why a sweep cannot be read, run or kept.
+///
+/// A text does not contain that of its [`source()`](StdError::source): all of them together, with `: ` between them, are
+/// the whole message.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Where it happened: a file, or a key of `sweep.toml`.
+    #[error("{place}")]
+    In {
+        /// As the user knows it.
+        place: String,
+        /// What happened there.
+        source: Box<Error>,
+    },
+    /// `sweep.toml` is not TOML, or a key is unknown, missing or of another type.
+    #[error(transparent)]
+    Toml(#[from] toml::de::Error),
+    /// What `sweep.toml` or its table of points says is not possible: key, value and why.
+    #[error("{0}")]
+    Spec(String),
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// A table in CSV cannot be read or written.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// A table in Parquet cannot be read or written.
+    #[error(transparent)]
+    Table(#[from] lemons_columns::TableError),
+    /// A manifest is not JSON.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// The FMU or the drive cannot be used, or the FMU fails.
+    #[error(transparent)]
+    Master(#[from] lemons_master::Error),
+    /// Another process writes into the directory.
+    #[error("{}: another process writes its results here", .0.display())]
+    Busy(PathBuf),
+    /// The directory is not one of a sweep.
+    #[error("{} contains tables, but no {manifest}", directory.display())]
+    NoManifest {
+        /// The directory.
+        directory: PathBuf,
+        /// The name of the file that is missing.
+        manifest: &'static str,
+    },
+    /// The directory is that of another sweep.
+    #[error(
+        "{} contains another sweep: its {manifest} differs in {}; give another directory, or remove this one",
+        directory.display(),
+        keys.join(", ")
+    )]
+    OtherSweep {
+        /// The directory.
+        directory: PathBuf,
+        /// What differs, by its keys in the manifest.
+        keys: Vec<String>,
+        /// The manifest's name.
+        manifest: &'static str,
+    },
+    /// A table of the directory is damaged, or of other points.
+    #[error("{0}")]
+    Damaged(String),
+    /// A fault in this program.
+    #[error("a worker thread panicked")]
+    Worker,
+}
+
+impl Error {
+    /// The whole message: see [`lemons_master::whole`].
+    pub fn whole(&self) -> String {
+        lemons_master::whole(self)
+    }
+}
+
+/// Says where an error happened.
+pub(crate) trait Place<T> {
+    /// The place comes before the error's own text.
+    fn place(self, place: impl FnOnce() -> String) -> Result<T>;
+}
+
+impl<T, E: Into<Error>> Place<T> for Result<T, E> {
+    fn place(self, place: impl FnOnce() -> String) -> Result<T> {
+        self.map_err(|error| Error::In { place: place(), source: Box::new(error.into()) })
+    }
+}

@@ -1,0 +1,351 @@
+//! The directory: its files, read and checked together, and written.
+
+use crate::agents::{self, Agent};
+use crate::dynamics::{self, AgentDynamics, DynamicsElement, dynamics_xml};
+use crate::geometry::{self, Geometry};
+use crate::interactions::{self, Interactions, interactions_xml};
+use crate::materials::{self, Materials};
+use crate::parameters::{self, Parameters};
+use crate::problem::Problems;
+use crate::xml;
+use lemons_files::{WriteError, remove_file, write_atomically};
+use std::io::ErrorKind;
+use std::path::{Component, Path, PathBuf};
+use uuid::Uuid;
+
+/// A Trial directory, read and checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// The directory's own name.
+    pub name: String,
+    /// Where it was read from.
+    pub directory: PathBuf,
+    /// `Parameters.xml`
+    pub parameters: Parameters,
+    /// `Materials.xml`
+    pub materials: Materials,
+    /// `Geometry.xml`
+    pub geometry: Geometry,
+    /// `Agents.xml`, in file order.
+    pub agents: Vec<Agent>,
+    /// `AgentDynamics.xml`, in the order of `agents` (whatever the order in the file).
+    pub dynamics: Vec<AgentDynamics>,
+    /// `AgentInteractions.xml`; empty when there is no such file.
+    pub interactions: Interactions,
+}
+
+/// Names of the Trial's files.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileNames {
+    /// Relative to the Trial directory.
+    pub parameters: PathBuf,
+    /// Relative to the Static directory.
+    pub materials: PathBuf,
+    /// Relative to the Static directory.
+    pub geometry: PathBuf,
+    /// Relative to the Static directory.
+    pub agents: PathBuf,
+    /// Relative to the Dynamic directory.
+    pub dynamics: PathBuf,
+}
+
+/// Paths of a Trial's files.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Places {
+    /// `Parameters.xml`
+    pub parameters: PathBuf,
+    /// `Geometry.xml`
+    pub geometry: PathBuf,
+    /// `Agents.xml`
+    pub agents: PathBuf,
+    /// `AgentDynamics.xml`
+    pub dynamics: PathBuf,
+}
+
+/// The paper's.
+impl Default for FileNames {
+    fn default() -> FileNames {
+        FileNames {
+            parameters: "Parameters.xml".into(),
+            materials: "Materials.xml".into(),
+            geometry: "Geometry.xml".into(),
+            agents: "Agents.xml".into(),
+            dynamics: "AgentDynamics.xml".into(),
+        }
+    }
+}
+
+impl FileNames {
+    fn places(&self, directory: &Path, fixed: &Path, moving: &Path) -> Vec<PathBuf> {
+        let fixed = [&self.materials, &self.geometry, &self.agents].map(|name| fixed.join(name));
+        let moving = [&self.dynamics, Path::new(INTERACTIONS)].map(|name| moving.join(name));
+        std::iter::once(directory.join(&self.parameters)).chain(fixed).chain(moving).collect()
+    }
+}
+
+/// The contacts' file in the Dynamic directory; there only if there are contacts.
+pub const INTERACTIONS: &str = "AgentInteractions.xml";
+
+impl Trial {
+    /// Reads and checks a Trial directory: the Trial with the warnings, or all that is wrong with it. What may be a mistake
+    /// in its mechanics is not looked at here (`crowd_mechanics::setup::read` does).
+    ///
+    /// # Errors
+    /// Errors in its files, all of them.
+    pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
+        Trial::read_named(directory, &FileNames::default())
+    }
+
+    /// The files of which [`Trial::read`] reads a directory, whether they are there or not.
+    pub fn files_read(directory: &Path) -> Vec<PathBuf> {
+        let names = FileNames::default();
+        let first = directory.join(&names.parameters);
+        // What is wrong with it those say who read the Trial.
+        let parameters =
+            xml::read_file(&first, &parameters::PARAMETERS, &mut Problems::default(), parameters::read);
+        let Some(parameters) = parameters else { return vec![first] };
+        let fixed = directory.join(parameters.static_path());
+        let moving = directory.join(parameters.dynamic_path());
+        names.places(directory, &fixed, &moving)
+    }
+
+    /// As [`Trial::read`], with other file names.
+    ///
+    /// # Errors
+    /// As [`Trial::read`].
+    pub fn read_named(directory: &Path, names: &FileNames) -> Result<(Trial, Problems), Problems> {
+        let mut problems = Problems::default();
+        match Trial::read_checked(directory, names, &mut problems) {
+            Some(trial) if !problems.has_errors() => Ok((trial, problems)),
+            _ => Err(problems),
+        }
+    }
+
+    /// Where its files are, as messages name them.
+    pub fn places(&self, names: &FileNames) -> Places {
+        let fixed = self.directory.join(self.parameters.static_path());
+        let moving = self.directory.join(self.parameters.dynamic_path());
+        Places {
+            parameters: tidy(&self.directory.join(&names.parameters)),
+            geometry: tidy(&fixed.join(&names.geometry)),
+            agents: tidy(&fixed.join(&names.agents)),
+            dynamics: tidy(&moving.join(&names.dynamics)),
+        }
+    }
+
+    /// `None` only after an error. A file is checked against the others as far as those could be read.
+    fn read_checked(directory: &Path, names: &FileNames, problems: &mut Problems) -> Option<Trial> {
+        let parameters = xml::read_file(
+            &directory.join(&names.parameters),
+            &parameters::PARAMETERS,
+            problems,
+            parameters::read,
+        )?;
+        // Without them, reported already, nobody knows where the other files are.
+        let place = |named: &str| (!named.trim().is_empty()).then(|| tidy(&directory.join(named.trim())));
+        let fixed = place(&parameters.static_directory);
+        let moving = place(&parameters.dynamic_directory);
+
+        let materials = fixed.as_ref().and_then(|fixed| {
+            xml::read_file(&fixed.join(&names.materials), &materials::MATERIALS, problems, materials::read)
+        });
+        let material_ids = materials.as_ref().map(|read| &read.ids);
+        let geometry = fixed.as_ref().and_then(|fixed| {
+            xml::read_file(&fixed.join(&names.geometry), &geometry::GEOMETRY, problems, |root, problems| {
+                geometry::read(root, material_ids, problems)
+            })
+        });
+        let agents = fixed.as_ref().and_then(|fixed| {
+            xml::read_file(&fixed.join(&names.agents), &agents::AGENTS, problems, |root, problems| {
+                agents::read(root, material_ids, problems)
+            })
+        });
+        if let (Some(materials), Some((agents, _))) = (&materials, &agents) {
+            materials::check_pairs(
+                materials,
+                geometry.as_ref().map(|(geometry, _)| geometry),
+                agents,
+                problems,
+            );
+        }
+        let dynamics = moving.as_ref().and_then(|moving| {
+            xml::read_file(&moving.join(&names.dynamics), &dynamics::AGENTS, problems, |root, problems| {
+                dynamics::read(root, agents.as_ref().map(|(agents, ids)| (agents.as_slice(), ids)), problems)
+            })
+        });
+        let interactions = match (moving.map(|moving| moving.join(INTERACTIONS)), &agents, &geometry) {
+            (Some(path), Some((agents, agent_ids)), Some((geometry, wall_ids)))
+                if !matches!(path.try_exists(), Ok(false)) =>
+            {
+                xml::read_file(&path, &interactions::INTERACTIONS, problems, |root, problems| {
+                    interactions::read(root, (agents, agent_ids), (geometry, wall_ids), problems)
+                })?
+            }
+            _ => Interactions::default(),
+        };
+        Some(Trial {
+            name: own_name(directory),
+            directory: directory.to_owned(),
+            parameters,
+            materials: materials?.materials,
+            geometry: geometry?.0,
+            agents: agents?.0,
+            dynamics: dynamics?,
+            interactions,
+        })
+    }
+
+    /// Reads an `AgentDynamics.xml` of this Trial's agents, in their order.
+    ///
+    /// # Errors
+    /// All errors in its files.
+    pub fn read_dynamics(&self, path: &Path) -> Result<Vec<AgentDynamics>, Problems> {
+        let ids = self.agent_ids();
+        checked(|problems| {
+            xml::read_file(path, &dynamics::AGENTS, problems, |root, problems| {
+                dynamics::read(root, Some((&self.agents, &ids)), problems)
+            })
+        })
+    }
+
+    /// Reads an `AgentInteractions.xml` of this Trial's agents and walls.
+    ///
+    /// # Errors
+    /// All errors in its files.
+    pub fn read_interactions(&self, path: &Path) -> Result<Interactions, Problems> {
+        let agents = self.agent_ids();
+        let walls = xml::Ids::of(self.geometry.walls.iter().map(|wall| wall.id.as_str()));
+        checked(|problems| {
+            xml::read_file(path, &interactions::INTERACTIONS, problems, |root, problems| {
+                interactions::read(root, (&self.agents, &agents), (&self.geometry, &walls), problems)
+            })
+        })
+    }
+
+    fn agent_ids(&self) -> xml::Ids {
+        xml::Ids::of(self.agents.iter().map(|agent| agent.id.as_str()))
+    }
+
+    /// The parameters of a copy in this directory, and its Static and Dynamic directories.
+    fn places_in(&self, directory: &Path) -> (Parameters, PathBuf, PathBuf) {
+        let mut parameters = self.parameters.clone();
+        for (named, own) in [
+            (&mut parameters.static_directory, "./static/"),
+            (&mut parameters.dynamic_directory, "./dynamic/"),
+        ] {
+            if !is_inside(named) {
+                *named = own.into();
+            }
+        }
+        let fixed = tidy(&directory.join(parameters.static_directory.trim()));
+        let moving = tidy(&directory.join(parameters.dynamic_directory.trim()));
+        (parameters, fixed, moving)
+    }
+
+    /// Tells one Trial from another by its content: the name-based UUID (version 5) of its files' texts, as
+    /// [`Trial::write`] writes them. Neither its name nor where it was read from counts.
+    pub fn fingerprint(&self) -> u128 {
+        let mut content = Vec::new();
+        for text in [
+            parameters::xml(&self.parameters),
+            materials::xml(&self.materials),
+            geometry::xml(&self.geometry),
+            agents::xml(&self.agents),
+            dynamics_xml(&self.agents, &self.dynamics, DynamicsElement::Written),
+            interactions_xml(&self.agents, &self.geometry, &self.interactions),
+        ] {
+            // With its length: where one text ends and the next begins counts.
+            content.extend((text.len() as u64).to_le_bytes());
+            content.extend(text.into_bytes());
+        }
+        Uuid::new_v5(&Uuid::NAMESPACE_OID, &content).as_u128()
+    }
+
+    /// The files that [`Trial::write`] writes into a directory; the last one, the contacts, perhaps goes.
+    pub fn files_written(&self, directory: &Path) -> Vec<PathBuf> {
+        let (_, fixed, moving) = self.places_in(directory);
+        FileNames::default().places(directory, &fixed, &moving)
+    }
+
+    /// Writes a complete Trial directory, each file whole or not at all.
+    ///
+    /// Static and Dynamic directories that lie outside the Trial directory become `./static/` and `./dynamic/`
+    /// in it: a copy neither overwrites the original's files nor depends on them.
+    pub fn write(&self, directory: &Path) -> Result<(), WriteError> {
+        let (parameters, fixed, moving) = self.places_in(directory);
+        for path in [directory, &fixed, &moving] {
+            std::fs::create_dir_all(path).map_err(|error| WriteError { path: path.to_owned(), error })?;
+        }
+        let names = FileNames::default();
+        write_atomically(&directory.join(names.parameters), &parameters::xml(&parameters))?;
+        write_atomically(&fixed.join(names.materials), &materials::xml(&self.materials))?;
+        write_atomically(&fixed.join(names.geometry), &geometry::xml(&self.geometry))?;
+        write_atomically(&fixed.join(names.agents), &agents::xml(&self.agents))?;
+        write_atomically(
+            &moving.join(names.dynamics),
+            &dynamics_xml(&self.agents, &self.dynamics, DynamicsElement::Written),
+        )?;
+        let path = moving.join(INTERACTIONS);
+        if self.interactions != Interactions::default() {
+            return write_atomically(
+                &path,
+                &interactions_xml(&self.agents, &self.geometry, &self.interactions),
+            );
+        }
+        // A stale one would start the next run with springs that are no more.
+        match remove_file(&path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => Err(WriteError { path, error }),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn checked<T>(read: impl FnOnce(&mut Problems) -> Option<T>) -> Result<T, Problems> {
+    let mut problems = Problems::default();
+    match read(&mut problems) {
+        Some(read) if !problems.has_errors() => Ok(read),
+        _ => Err(problems),
+    }
+}
+
+/// Without `.` in between: `Trial/./static` is `Trial/static`.
+fn tidy(path: &Path) -> PathBuf {
+    path.components().collect()
+}
+
+/// Whether a directory of Parameters.xml lies in the Trial directory.
+fn is_inside(named: &str) -> bool {
+    let mut components = Path::new(named.trim()).components();
+    components.all(|component| matches!(component, Component::Normal(_) | Component::CurDir))
+}
+
+/// The name of `.` or `..` is that of the directory meant.
+fn own_name(directory: &Path) -> String {
+    let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    name(directory).or_else(|| name(&directory.canonicalize().ok()?)).unwrap_or_else(|| "Trial".into())
+}
+
+/// The names of the two files of a communication point \[s\] in an `OutputDirectory`: dynamics, interactions.
+pub fn output_names(time: f64) -> [String; 2] {
+    let time = output_time(time);
+    [format!("AgentDynamics output t={time}.xml"), format!("AgentInteractions t={time}.xml")]
+}
+
+/// A time \[s\] as the paper's script writes it into file names, with as many decimals as it needs.
+fn output_time(time: f64) -> String {
+    let rounded = (time * 1e9).round() / 1e9;
+    if (rounded * 10.0).fract() == 0.0 { format!("{rounded:.1}") } else { format!("{rounded}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn output_times_are_the_scripts_where_those_are_exact() {
+        assert_eq!(output_time(0.1 + 0.2), "0.3");
+        assert_eq!(output_time(1.0), "1.0");
+        assert_eq!(output_time(0.05), "0.05");
+        assert_eq!(output_time(2.65), "2.65");
+    }
+}

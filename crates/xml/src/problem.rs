@@ -1,0 +1,119 @@
+//! What is wrong with a document, and where.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Whether the document can be used in spite of the problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// The document cannot be used.
+    Error,
+    /// The document can be used, but perhaps not as intended.
+    Warning,
+}
+
+/// One error or warning about a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// Error or warning.
+    pub severity: Severity,
+    /// The file's path, beginning as the user gave it; empty if the text comes from no file.
+    pub file: PathBuf,
+    /// Line number, from 1.
+    pub line: Option<u32>,
+    /// Name of the XML element.
+    pub element: Option<String>,
+    /// Name of its attribute.
+    pub attribute: Option<String>,
+    /// The attribute's value, as written.
+    pub value: Option<String>,
+    /// What is wrong; the fields above say where.
+    pub message: String,
+}
+
+/// Of a reader that stops at the first problem. The box keeps results small.
+pub type Result<T> = std::result::Result<T, Box<Problem>>;
+
+impl Problem {
+    /// An error about a whole file, or about a line of it.
+    pub fn of_file(file: &Path, line: Option<u32>, message: impl Into<String>) -> Problem {
+        Problem {
+            severity: Severity::Error,
+            file: file.to_owned(),
+            line,
+            element: None,
+            attribute: None,
+            value: None,
+            message: message.into(),
+        }
+    }
+}
+
+impl std::error::Error for Problem {}
+
+/// One line: `static/Agents.xml:12: <Shape> Radius="-0.1": must be positive`
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.severity == Severity::Warning {
+            write!(f, "warning: ")?;
+        }
+        let file = self.file.display();
+        match (self.file.as_os_str().is_empty(), self.line) {
+            (false, Some(line)) => write!(f, "{file}:{line}: ")?,
+            (false, None) => write!(f, "{file}: ")?,
+            (true, Some(line)) => write!(f, "line {line}: ")?,
+            (true, None) => {}
+        }
+        if let Some(element) = &self.element {
+            write!(f, "<{element}>")?;
+            if let Some(attribute) = &self.attribute {
+                write!(f, " {attribute}")?;
+                if let Some(value) = &self.value {
+                    write!(f, "={}", quoted(value))?;
+                }
+            }
+            write!(f, ": ")?;
+        }
+        write!(f, "{}", self.message)
+    }
+}
+
+/// The text in quotes, on one line, cut to a readable length.
+pub fn quoted(text: &str) -> String {
+    const LONGEST: usize = 80;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{:?}…", &text[..end]),
+        None => format!("{text:?}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn problem(value: &str) -> Problem {
+        Problem {
+            severity: Severity::Error,
+            file: "static/Agents.xml".into(),
+            line: Some(12),
+            element: Some("Shape".into()),
+            attribute: Some("Radius".into()),
+            value: Some(value.into()),
+            message: "must be positive".into(),
+        }
+    }
+
+    #[test]
+    fn a_problem_is_one_line_that_says_where() {
+        let good = problem("-0.1");
+        assert_eq!(good.to_string(), "static/Agents.xml:12: <Shape> Radius=\"-0.1\": must be positive");
+        let nameless = Problem { file: PathBuf::new(), value: None, ..good.clone() };
+        assert_eq!(nameless.to_string(), "line 12: <Shape> Radius: must be positive");
+        let warning = Problem { severity: Severity::Warning, attribute: None, line: None, ..good };
+        assert_eq!(warning.to_string(), "warning: static/Agents.xml: <Shape>: must be positive");
+        let whole = Problem::of_file(Path::new(""), None, "is not XML");
+        assert_eq!(whole.to_string(), "is not XML");
+        let hostile = problem(&"é\n".repeat(100_000)).to_string();
+        assert!(hostile.len() < 400 && !hostile.contains('\n'), "{hostile}");
+    }
+}

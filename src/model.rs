@@ -1,0 +1,462 @@
+//! The crowd behind an FMU instance: a Trial's documents, and the world that is built from them.
+//!
+//! A parameter is an edit of the documents. When initialization ends, the engine's world is built from them.
+
+mod saved;
+
+pub use saved::Saved;
+
+use crate::engine::{AdvanceError, Pair, ThreadsError, World, Wrench, step_count};
+use crate::resources::{Resources, ResourcesError};
+use crate::setup::Setup;
+use crate::setup::{WorldError, dynamics_of, interactions_of};
+use crate::variables::{
+    AgentQuantity, MOST_MECHANICAL_STEPS, Quantity, Role, Variable, guid, in_documents, in_documents_mut,
+    table,
+};
+use lemons_files::{Change, WriteError, change_all};
+use lemons_fmi2::{Model, Phase, StepError};
+use lemons_trial::{DynamicsElement, Trial, dynamics_xml, interactions_xml, output_names};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Why the crowd refuses a call.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum ModelError {
+    #[error(transparent)]
+    Resources(#[from] ResourcesError),
+    #[error(transparent)]
+    World(#[from] WorldError),
+    #[error("Trial = {value:?}: must be one of the packed Trials: {names}")]
+    NoSuchTrial { value: String, names: String },
+    #[error("the state belongs to another model: Trial {0:?} has other variables than this FMU")]
+    OtherVariables(String),
+    #[error("the state belongs to another model: Trial {0:?} has changed since the state was saved")]
+    OtherTrial(String),
+    #[error("the state is damaged or is not a state of this FMU: {0}")]
+    Saved(&'static str),
+    #[error("Threads: {0}")]
+    Threads(#[from] ThreadsError),
+    #[error("{0}")]
+    Advance(String),
+    #[error(
+        "a communication step of {step:?} s takes {steps} mechanical steps of {mechanical_step:?} s, more than \
+        MostMechanicalSteps = {most}: take shorter communication steps, or set that parameter"
+    )]
+    TooManySteps { step: f64, steps: u64, mechanical_step: f64, most: f64 },
+    #[error("OutputDirectory: {0}")]
+    Output(#[from] WriteError),
+}
+
+/// The values of Reals that were set, by index in the table.
+type Settings = BTreeMap<u32, f64>;
+
+/// The crowd of one FMU instance: its packed Trials, parameters and motion.
+pub struct CrowdModel {
+    resources: Resources,
+    table: Vec<Variable>,
+    /// The Trial as packed: the start for a reset or the choice of another Trial.
+    packed: Arc<Trial>,
+    /// Fingerprint of `packed`.
+    fingerprint: u128,
+    /// The Trial with the settings of this instance.
+    trial: Trial,
+    settings: Settings,
+    threads: i32,
+    /// A communication step with more mechanical steps is refused.
+    most_steps: f64,
+    output_directory: String,
+    /// Rates of the inputs over the next step, by agent; missing ones are constant.
+    rates: BTreeMap<usize, Wrench>,
+    /// Made when initialization ends, or earlier if a computed output is read.
+    world: Option<World>,
+    /// Warnings that were not yet returned.
+    warnings: Vec<String>,
+    /// The first pair of the last warning about coinciding centres.
+    said_coincident: Option<Pair>,
+}
+
+impl Model for CrowdModel {
+    type Quantity = Quantity;
+    type Saved = Saved;
+    type Error = ModelError;
+
+    const INTERPOLATES_INPUTS: bool = true;
+    const STATE_VERSION: u32 = 4;
+
+    fn load(location: &str) -> Result<CrowdModel, ModelError> {
+        let resources = Resources::from_uri(location)?;
+        let (packed, warnings) = resources.load(resources.first())?;
+        Ok(CrowdModel {
+            resources,
+            table: table(&packed),
+            trial: packed.clone(),
+            fingerprint: packed.fingerprint(),
+            packed: Arc::new(packed),
+            settings: Settings::new(),
+            threads: 1,
+            most_steps: MOST_MECHANICAL_STEPS,
+            output_directory: String::new(),
+            rates: BTreeMap::new(),
+            world: None,
+            warnings,
+            said_coincident: None,
+        })
+    }
+
+    fn table(&self) -> Vec<Variable> {
+        self.table.clone()
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+
+    #[inline(always)]
+    fn real(&mut self, quantity: Quantity) -> Result<f64, ModelError> {
+        match self.in_world(quantity) {
+            Some(value) => Ok(value),
+            None => self.without_world(quantity),
+        }
+    }
+
+    #[inline(always)]
+    fn integer(&mut self, quantity: Quantity) -> Result<i32, ModelError> {
+        match self.world.as_ref().and_then(|world| count(world, quantity)) {
+            Some(count) => Ok(count),
+            None => self.integer_without_world(quantity),
+        }
+    }
+
+    fn string(&self, quantity: Quantity) -> &str {
+        match quantity {
+            Quantity::Trial => &self.packed.name,
+            _ => &self.output_directory,
+        }
+    }
+
+    #[inline]
+    fn set_real(&mut self, reference: u32, quantity: Quantity, value: f64, phase: Phase) {
+        if quantity == Quantity::MostMechanicalSteps {
+            self.most_steps = value;
+            return;
+        }
+        match self.world.as_mut().and_then(|world| drive_mut(world, quantity)) {
+            Some(input) => *input = value,
+            None => self.world = None,
+        }
+        if phase != Phase::StepComplete || self.world.is_none() {
+            self.edit(reference, quantity, value);
+        }
+    }
+
+    fn set_integer(&mut self, quantity: Quantity, value: i32) {
+        if quantity == Quantity::Threads {
+            self.threads = value;
+            self.world = None;
+        }
+    }
+
+    fn set_strings(&mut self, values: &[(Quantity, &str)]) -> Result<(), ModelError> {
+        let last =
+            |wanted| values.iter().rev().find(|(quantity, _)| *quantity == wanted).map(|(_, value)| *value);
+        for (_, value) in values.iter().filter(|(quantity, _)| *quantity == Quantity::Trial) {
+            self.known_trial(value)?;
+        }
+        if let Some(name) = last(Quantity::Trial).filter(|name| *name != self.packed.name) {
+            self.choose(name)?;
+        }
+        if let Some(directory) = last(Quantity::OutputDirectory) {
+            directory.clone_into(&mut self.output_directory);
+        }
+        Ok(())
+    }
+
+    fn set_rate(&mut self, input: Quantity, rate: f64) {
+        let Quantity::Agent(i, quantity) = input else { return };
+        let rates = self.rates.entry(i as usize).or_default();
+        match quantity {
+            AgentQuantity::FpX => rates.force.x = rate,
+            AgentQuantity::FpY => rates.force.y = rate,
+            AgentQuantity::Mp => rates.torque = rate,
+            _ => {}
+        }
+    }
+
+    fn initialize(&mut self) -> Result<(), ModelError> {
+        self.make_world()?;
+        make_directory(&self.output_directory)?;
+        if self.settings.keys().any(|&reference| self.table[reference as usize].role != Role::Input) {
+            self.warnings.extend(Setup::of(&self.trial).advice_as_edited());
+        }
+        // Warnings about these centres were given when they were read or set.
+        self.said_coincident = self.first_coincident();
+        Ok(())
+    }
+
+    fn advance(&mut self, step: f64, to: f64) -> Result<(), StepError<ModelError>> {
+        self.make_world().map_err(StepError::Refused)?;
+        self.few_steps(step).map_err(StepError::Refused)?;
+        if let Err(error) = self.advance_world(step) {
+            let told = ModelError::Advance(Setup::of(&self.trial).name_body(&error));
+            // All other errors are found before the step begins.
+            let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
+            return Err(if failed { StepError::Failed(told) } else { StepError::Refused(told) });
+        }
+        self.warn_of_coincidence();
+        // A rate is used for one step.
+        self.rates.clear();
+        self.write_output(to).map_err(|error| StepError::Failed(error.into()))
+    }
+
+    fn reset(&mut self) -> Result<(), ModelError> {
+        if self.packed.name != self.resources.first() {
+            self.packed = Arc::new(self.resources.load(self.resources.first())?.0);
+            self.fingerprint = self.packed.fingerprint();
+        }
+        self.trial = (*self.packed).clone();
+        self.settings.clear();
+        self.threads = 1;
+        self.most_steps = MOST_MECHANICAL_STEPS;
+        self.output_directory.clear();
+        self.rates.clear();
+        self.world = None;
+        self.said_coincident = None;
+        Ok(())
+    }
+
+    fn save(&self) -> Saved {
+        self.saved()
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Result<(), ModelError> {
+        self.go_back(saved)
+    }
+}
+
+impl CrowdModel {
+    fn make_world(&mut self) -> Result<&mut World, ModelError> {
+        if self.world.is_none() {
+            let mut world = Setup::of(&self.trial).world()?;
+            give_threads(&mut world, self.threads, None)?;
+            self.world = Some(world);
+        }
+        Ok(self.world.as_mut().expect("made above"))
+    }
+
+    /// Checks that a communication step \[s\] has no more mechanical steps than allowed.
+    fn few_steps(&self, step: f64) -> Result<(), ModelError> {
+        let Some(mechanical_step) = self.world.as_ref().map(|world| world.mechanical_step) else {
+            return Ok(());
+        };
+        // If the number of steps is not defined, the world reports the error.
+        let steps = step_count(step, mechanical_step).unwrap_or(0);
+        let most = self.most_steps;
+        if steps as f64 > most {
+            return Err(ModelError::TooManySteps { step, steps, mechanical_step, most });
+        }
+        Ok(())
+    }
+
+    /// Warns of coinciding centres whenever the first such pair changes.
+    fn warn_of_coincidence(&mut self) {
+        let first = self.first_coincident();
+        if first != self.said_coincident
+            && let Some(world) = &self.world
+        {
+            let told = Setup::of(&self.trial).name_coincident(world.scene(), &world.contacts().coincident);
+            self.warnings.extend(told);
+        }
+        self.said_coincident = first;
+    }
+
+    fn first_coincident(&self) -> Option<Pair> {
+        self.world.as_ref().and_then(|world| world.contacts().coincident.first().copied())
+    }
+
+    fn advance_world(&mut self, step: f64) -> Result<(), AdvanceError> {
+        let Some(world) = &mut self.world else { return Ok(()) };
+        world.drive_rate.fill(Wrench::default());
+        for (&i, &rate) in &self.rates {
+            world.drive_rate[i] = rate;
+        }
+        world.advance(step)
+    }
+
+    /// Applies a setting of this instance to the documents.
+    #[cold]
+    fn edit(&mut self, reference: u32, quantity: Quantity, value: f64) {
+        if let Some(place) = in_documents_mut(&mut self.trial, quantity) {
+            *place = value;
+        }
+        self.settings.insert(reference, value);
+    }
+
+    /// Returns a Real that the running world contains.
+    ///
+    /// In groups of three: one match of all would become an indirect jump, which processors predict badly. It takes
+    /// half of the time of a call that reads thousands of values.
+    #[inline(always)]
+    fn in_world(&self, quantity: Quantity) -> Option<f64> {
+        use AgentQuantity::*;
+        let (world, Quantity::Agent(i, quantity)) = (self.world.as_ref()?, quantity) else { return None };
+        let i = i as usize;
+        if quantity == NormalForce {
+            return Some(world.contacts().bodies[i].squeeze);
+        }
+        let (first, second, third) = match quantity {
+            MeanNormalForce | PeakNormalForce | PeakOverlap => {
+                let exposure = &world.exposures()[i];
+                (exposure.mean_force, exposure.peak_force, exposure.peak_overlap)
+            }
+            FpX | FpY | Mp => (world.drive[i].force.x, world.drive[i].force.y, world.drive[i].torque),
+            PositionX | PositionY | Theta => {
+                let pose = &world.state().poses[i];
+                (pose.position.x, pose.position.y, pose.orientation)
+            }
+            VelocityX | VelocityY | Omega => {
+                let twist = &world.state().twists[i];
+                (twist.velocity.x, twist.velocity.y, twist.angular_velocity)
+            }
+            _ => return None,
+        };
+        Some(match quantity {
+            FpX | PositionX | VelocityX | MeanNormalForce => first,
+            FpY | PositionY | VelocityY | PeakNormalForce => second,
+            _ => third,
+        })
+    }
+
+    #[cold]
+    fn integer_without_world(&mut self, quantity: Quantity) -> Result<i32, ModelError> {
+        match quantity {
+            Quantity::Threads => Ok(self.threads),
+            quantity => Ok(count(self.make_world()?, quantity).unwrap_or(0)),
+        }
+    }
+
+    /// Returns a Real of the documents, or one for which a world must be made first; 0 otherwise.
+    #[cold]
+    fn without_world(&mut self, quantity: Quantity) -> Result<f64, ModelError> {
+        if let Some(value) = in_documents(&self.trial, quantity) {
+            return Ok(value);
+        }
+        if quantity == Quantity::MostMechanicalSteps {
+            return Ok(self.most_steps);
+        }
+        let world = self.make_world()?;
+        if quantity == Quantity::LargestOverlap {
+            return Ok(world.largest_overlap());
+        }
+        Ok(self.in_world(quantity).unwrap_or(0.0))
+    }
+
+    fn known_trial(&self, name: &str) -> Result<(), ModelError> {
+        if self.resources.names().iter().any(|known| known == name) {
+            return Ok(());
+        }
+        let names = self.resources.names().join(", ");
+        Err(ModelError::NoSuchTrial { value: name.to_owned(), names })
+    }
+
+    /// Loads another packed Trial; settings are kept.
+    fn choose(&mut self, name: &str) -> Result<(), ModelError> {
+        let (packed, warnings) = self.resources.load(name)?;
+        if guid(&table(&packed)) != guid(&self.table) {
+            return Err(ModelError::OtherVariables(name.to_owned()));
+        }
+        self.trial = edited(&packed, &self.settings, &self.table);
+        self.fingerprint = packed.fingerprint();
+        self.packed = Arc::new(packed);
+        self.warnings.extend(warnings);
+        self.world = None;
+        Ok(())
+    }
+
+    /// Writes the XML files of the paper's script, with its file names, at a communication point \[s\].
+    fn write_output(&self, time: f64) -> Result<(), WriteError> {
+        let (Some(world), false) = (&self.world, self.output_directory.is_empty()) else { return Ok(()) };
+        let directory = Path::new(&self.output_directory);
+        let [dynamics_name, interactions_name] = output_names(time);
+        let dynamics = dynamics_xml(&self.trial.agents, &dynamics_of(world), DynamicsElement::Omitted);
+        let dynamics = Change::Write(directory.join(dynamics_name), dynamics);
+        // A file of an earlier run must not be mistaken for one of this run.
+        let place = directory.join(interactions_name);
+        let interactions = if world.contacts().contacts.is_empty() {
+            Change::Remove(place)
+        } else {
+            Change::Write(
+                place,
+                interactions_xml(&self.trial.agents, &self.trial.geometry, &interactions_of(world)),
+            )
+        };
+        change_all(&[dynamics, interactions])
+    }
+}
+
+/// Returns the input of a running world behind a quantity, if it is one.
+#[inline]
+fn drive_mut(world: &mut World, quantity: Quantity) -> Option<&mut f64> {
+    let Quantity::Agent(i, quantity) = quantity else { return None };
+    let drive = &mut world.drive[i as usize];
+    match quantity {
+        AgentQuantity::FpX => Some(&mut drive.force.x),
+        AgentQuantity::FpY => Some(&mut drive.force.y),
+        AgentQuantity::Mp => Some(&mut drive.torque),
+        _ => None,
+    }
+}
+
+/// Returns the number of contacts behind a quantity; `None` if it is another quantity.
+#[inline(always)]
+fn count(world: &World, quantity: Quantity) -> Option<i32> {
+    let contacts = world.contacts();
+    let count = match quantity {
+        Quantity::Agent(i, quantity) => {
+            let body = &contacts.bodies[i as usize];
+            match quantity {
+                AgentQuantity::AgentContacts => body.agent_contacts,
+                AgentQuantity::WallContacts => body.wall_contacts,
+                AgentQuantity::ContactingAgents => body.touching_bodies,
+                _ => return None,
+            }
+        }
+        Quantity::AgentContacts => contacts.agent_contacts,
+        Quantity::WallContacts => contacts.wall_contacts,
+        Quantity::CoincidentContacts => u32::try_from(contacts.coincident.len()).unwrap_or(u32::MAX),
+        _ => return None,
+    };
+    Some(i32::try_from(count).unwrap_or(i32::MAX))
+}
+
+/// Gives a world a number of threads: those of the previous world, if it has as many.
+fn give_threads(world: &mut World, threads: i32, so_far: Option<&World>) -> Result<(), ThreadsError> {
+    if let Some(so_far) = so_far {
+        world.share_threads(so_far);
+    }
+    world.set_threads(usize::try_from(threads).unwrap_or(1))
+}
+
+/// Creates the OutputDirectory, if one is set.
+fn make_directory(name: &str) -> Result<(), WriteError> {
+    let directory = Path::new(name);
+    if name.is_empty() {
+        Ok(())
+    } else {
+        std::fs::create_dir_all(directory).map_err(WriteError::at(directory))
+    }
+}
+
+/// A packed Trial with an instance's settings.
+fn edited(packed: &Trial, settings: &Settings, table: &[Variable]) -> Trial {
+    let mut trial = packed.clone();
+    for (&reference, &value) in settings {
+        if let Some(place) = in_documents_mut(&mut trial, table[reference as usize].quantity) {
+            *place = value;
+        }
+    }
+    trial
+}

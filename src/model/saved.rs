@@ -1,0 +1,134 @@
+//! The crowd's part of FMI's "FMU state": saving and restoring.
+
+use super::{CrowdModel, ModelError, Settings, edited, give_threads, make_directory};
+use crate::engine::{Exposure, State, World, Wrench};
+use crate::setup::Setup;
+use crate::variables::{Kind, guid, table};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The complete state of a crowd, without the location of its resources.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Saved {
+    trial: String,
+    fingerprint: u128,
+    settings: Settings,
+    threads: i32,
+    most_steps: f64,
+    output_directory: String,
+    rates: BTreeMap<usize, Wrench>,
+    running: Option<Running>,
+}
+
+/// The state that determines the future of a running world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Running {
+    drive: Vec<Wrench>,
+    state: State,
+    /// Outputs; the future does not depend on them.
+    exposures: Vec<Exposure>,
+}
+
+impl CrowdModel {
+    pub(super) fn saved(&self) -> Saved {
+        Saved {
+            trial: self.packed.name.clone(),
+            fingerprint: self.fingerprint,
+            settings: self.settings.clone(),
+            threads: self.threads,
+            most_steps: self.most_steps,
+            output_directory: self.output_directory.clone(),
+            rates: self.rates.clone(),
+            running: self.world.as_ref().map(|world| Running {
+                drive: world.drive.clone(),
+                state: world.state().clone(),
+                exposures: world.exposures().to_vec(),
+            }),
+        }
+    }
+
+    /// Restores a state. After an error nothing has changed.
+    pub(super) fn go_back(&mut self, saved: &Saved) -> Result<(), ModelError> {
+        let (packed, fingerprint) = if saved.trial == self.packed.name {
+            (self.packed.clone(), self.fingerprint)
+        } else {
+            // Another name might lead out of the resources.
+            self.known_trial(&saved.trial)?;
+            let packed = self.resources.load(&saved.trial)?.0;
+            let fingerprint = packed.fingerprint();
+            (Arc::new(packed), fingerprint)
+        };
+        if fingerprint != saved.fingerprint || guid(&table(&packed)) != guid(&self.table) {
+            return Err(ModelError::OtherTrial(saved.trial.clone()));
+        }
+        for (&reference, &value) in &saved.settings {
+            let variable = self.table.get(reference as usize).filter(|row| matches!(row.kind, Kind::Real(_)));
+            let variable = variable.ok_or(ModelError::Saved("a setting of an unknown variable"))?;
+            variable.domain.check(value).map_err(|_| ModelError::Saved("a setting out of its domain"))?;
+        }
+        if !saved.rates.iter().all(|(&i, rate)| i < packed.agents.len() && finite(rate)) {
+            return Err(ModelError::Saved("a rate of an unknown agent, or one that is not finite"));
+        }
+        if saved.threads < 1 || saved.output_directory.contains('\0') {
+            return Err(ModelError::Saved("a number of threads or an OutputDirectory that cannot be set"));
+        }
+        if !(saved.most_steps > 0.0 && saved.most_steps.is_finite()) {
+            return Err(ModelError::Saved("a MostMechanicalSteps that cannot be set"));
+        }
+        let trial = edited(&packed, &saved.settings, &self.table);
+        let world = match &saved.running {
+            None => None,
+            Some(running) => {
+                let mut world = Setup::of(&trial).world()?;
+                check_running(&world, running)?;
+                give_threads(&mut world, saved.threads, self.world.as_ref())?;
+                world
+                    .restore_with(running.state.clone(), running.exposures.clone())
+                    .map_err(|_| ModelError::Saved("more agents in one place than can be held"))?;
+                world.drive.clone_from(&running.drive);
+                Some(world)
+            }
+        };
+        if world.is_some() {
+            make_directory(&saved.output_directory)?;
+        }
+        (self.packed, self.fingerprint, self.trial, self.world) = (packed, fingerprint, trial, world);
+        self.said_coincident = self.first_coincident();
+        self.settings.clone_from(&saved.settings);
+        self.threads = saved.threads;
+        self.most_steps = saved.most_steps;
+        self.output_directory.clone_from(&saved.output_directory);
+        self.rates.clone_from(&saved.rates);
+        Ok(())
+    }
+}
+
+/// Checks that a state from outside fits the scene, before the engine uses its indices.
+fn check_running(world: &World, running: &Running) -> Result<(), ModelError> {
+    let (scene, state) = (world.scene(), &running.state);
+    let bodies = scene.bodies.len();
+    let (disks, faces) = (scene.disks.len(), scene.faces.len());
+    let fits = state.poses.len() == bodies
+        && state.twists.len() == bodies
+        && running.drive.len() == bodies
+        && running.exposures.len() == bodies
+        && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)
+        && state.face_springs.iter().all(|s| s.disk.index() < disks && s.face.index() < faces);
+    if !fits {
+        return Err(ModelError::Saved("it does not fit the scene"));
+    }
+    let positive = |number: f64| number >= 0.0 && number.is_finite();
+    let exposed = |of: &Exposure| [of.mean_force, of.peak_force, of.peak_overlap].into_iter().all(positive);
+    let finite = running.drive.iter().all(finite)
+        && running.exposures.iter().all(exposed)
+        && state.poses.iter().all(|pose| pose.position.is_finite() && pose.orientation.is_finite())
+        && state.twists.iter().all(|twist| twist.velocity.is_finite() && twist.angular_velocity.is_finite())
+        && state.disk_springs.iter().all(|spring| spring.elongation.is_finite())
+        && state.face_springs.iter().all(|spring| spring.elongation.is_finite());
+    if finite { Ok(()) } else { Err(ModelError::Saved("a number that is not finite")) }
+}
+
+fn finite(wrench: &Wrench) -> bool {
+    wrench.force.is_finite() && wrench.torque.is_finite()
+}

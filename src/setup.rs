@@ -1,0 +1,51 @@
+//! From a Trial's documents to the engine's world and back, and warnings about the Trial.
+
+mod advice;
+mod plausible;
+mod within;
+mod world;
+
+pub use world::{WorldError, dynamics_of, interactions_of};
+
+use lemons_trial::{FileNames, Problems, Trial};
+use std::ops::Deref;
+use std::path::Path;
+
+/// A Trial, prepared for the engine.
+#[derive(Debug, Clone, Copy)]
+pub struct Setup<'a>(&'a Trial);
+
+impl<'a> Setup<'a> {
+    /// Prepares a Trial.
+    pub fn of(trial: &'a Trial) -> Setup<'a> {
+        Setup(trial)
+    }
+}
+
+impl Deref for Setup<'_> {
+    type Target = Trial;
+
+    fn deref(&self) -> &Trial {
+        self.0
+    }
+}
+
+/// Reads and checks a Trial directory. Returns the Trial and all warnings, including those about its mechanics.
+///
+/// # Errors
+/// All errors in its files, or more people at one place than can be simulated.
+pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
+    read_named(directory, &FileNames::default())
+}
+
+/// Like [`read`], with other file names.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_named(directory: &Path, names: &FileNames) -> Result<(Trial, Problems), Problems> {
+    let (trial, mut problems) = Trial::read_named(directory, names)?;
+    for problem in Setup::of(&trial).advice(&trial.places(names)) {
+        problems.push(problem);
+    }
+    if problems.has_errors() { Err(problems) } else { Ok((trial, problems)) }
+}

@@ -1,0 +1,609 @@
+//! Warnings about the mechanics of a Trial without errors.
+
+use super::plausible::Doubt;
+use super::{Setup, WorldError};
+use crate::engine::{ContactReport, DiskId, Pair, Scene};
+use lemons_trial::{Places, Problem, Severity, quoted};
+use std::collections::HashSet;
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+
+/// A mechanical step longer than this fraction of the shortest contact period causes a warning. Up to it, without
+/// damping, bodies separate at most 1 % faster than they met.
+const LONGEST_SHARE: f64 = 1.0 / 20.0;
+
+/// Assumed number of simultaneous contacts of a body in a dense crowd. All of them act on the same motion of it.
+const CONTACTS_AT_ONCE: f64 = 8.0;
+
+/// \[1/s\] Largest allowed growth rate of the slip of a sticking contact with almost no damping.
+const FASTEST_GROWTH: f64 = 0.5;
+
+/// The proposed step, as a fraction of the shortest contact period.
+const PROPOSED_SHARE: f64 = 1.0 / 50.0;
+
+/// Largest proposed step, as a fraction of the shortest time in which the damping of a contact slows a motion to 1/e. A
+/// step of that whole time would make one contact unstable.
+const PROPOSED_DAMPING_SHARE: f64 = 1.0 / 10.0;
+
+/// Largest distance that a disk moves in a proposed step, as a fraction of its radius.
+const PROPOSED_SHARE_OF_RADIUS: f64 = 1.0 / 10.0;
+
+/// Damping this many times the critical one (above which nothing bounces back) is probably a mistake.
+const ABSURD_DAMPING: f64 = 1000.0;
+
+/// \[s\] Assumed duration of a drive without relaxation.
+const DRIVEN_FOR: f64 = 10.0;
+
+impl Setup<'_> {
+    /// Returns warnings about overlaps at the start without a spring from an earlier step, and about a mechanical step
+    /// that does not resolve the shortest contact.
+    pub(super) fn advice(&self, places: &Places) -> Vec<Problem> {
+        let Places { parameters, agents, geometry, dynamics } = places;
+        let world = match self.world() {
+            Ok(world) => world,
+            Err(crowded @ WorldError::Crowded { .. }) => {
+                return vec![Problem {
+                    severity: Severity::Error,
+                    ..warning(dynamics, None, crowded.to_string())
+                }];
+            }
+            // Materials that cannot touch were reported as errors already.
+            Err(_) => return Vec::new(),
+        };
+        let scene = world.scene();
+        let mut advice = self.overlaps(scene, world.contacts(), dynamics);
+        let coincident = self.name_coincident(scene, &world.contacts().coincident);
+        advice.extend(coincident.map(|message| warning(dynamics, None, message)));
+        advice.extend(self.coarse_step(scene, parameters));
+        advice.extend(self.stepping_over(scene, parameters));
+        advice.extend(self.doubts(scene).into_iter().map(|doubt| match doubt {
+            Doubt::Parameters(attribute, value, message) => {
+                warning(parameters, Some(("Times", attribute, value)), message)
+            }
+            Doubt::Agents(message) => warning(agents, None, message),
+            Doubt::Geometry(message) => warning(geometry, None, message),
+            Doubt::Dynamics(message) => warning(dynamics, None, message),
+        }));
+        advice
+    }
+
+    /// Returns the same warnings for a Trial whose numbers were edited after reading, as lines of text.
+    pub fn advice_as_edited(&self) -> Vec<String> {
+        let of = |name: &str| PathBuf::from(format!("{} ({name}, with the parameters as set)", self.name));
+        let advice = self.advice(&Places {
+            parameters: of("Parameters.xml"),
+            agents: of("Agents.xml"),
+            geometry: of("Geometry.xml"),
+            dynamics: of("AgentDynamics.xml"),
+        });
+        advice.iter().map(ToString::to_string).collect()
+    }
+
+    fn overlaps(&self, scene: &Scene, contacts: &ContactReport, file: &Path) -> Vec<Problem> {
+        let state = self.state(scene);
+        let known_disks: HashSet<_> =
+            state.disk_springs.iter().map(|spring| (spring.first, spring.second)).collect();
+        let known_faces: HashSet<_> =
+            state.face_springs.iter().map(|spring| (spring.disk, spring.face)).collect();
+        let agent = |disk: DiskId| quoted(&self.agents[scene.body_of(disk).index()].id);
+        let (mut among_agents, mut with_walls) = (Deepest::default(), Deepest::default());
+        for contact in &contacts.contacts {
+            match contact.pair {
+                Pair::Disks { first, second } if !known_disks.contains(&(first, second)) => {
+                    among_agents
+                        .see(contact.depth, || format!("agents {} and {}", agent(first), agent(second)));
+                }
+                Pair::Face { disk, face, .. } if !known_faces.contains(&(disk, face)) => {
+                    let wall = &self.geometry.walls[scene.faces[face.index()].wall.index()];
+                    with_walls.see(contact.depth, || {
+                        format!("agent {} and wall {}", agent(disk), quoted(&wall.id))
+                    });
+                }
+                _ => {}
+            }
+        }
+        let said = [among_agents.says("disks of different agents"), with_walls.says("disks and walls")];
+        said.into_iter().flatten().map(|message| warning(file, None, message)).collect()
+    }
+
+    fn coarse_step(&self, scene: &Scene, file: &Path) -> Option<Problem> {
+        let step = self.parameters.time_step_mechanical;
+        let contacts = self.fastest_contacts(scene)?;
+        let Fastest { pair, rates, materials } = &contacts.least_allowed;
+        if step <= rates.longest_step() {
+            return None;
+        }
+        let verdict = if step < rates.unstable_from(1.0) {
+            "is long for"
+        } else {
+            "is unstable, bodies part faster than they met, for"
+        };
+        let ratio = rates.damping / rates.critical_damping();
+        if ratio > ABSURD_DAMPING {
+            let message =
+                format!("{verdict} the contact of {pair}: {}", self.absurd_damping(scene, *materials, ratio));
+            return Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message));
+        }
+        let Some(proposed) = contacts.proposed_step() else {
+            let message = format!(
+                "no step resolves the contact of {pair}: are mass, moment of inertia and materials right?"
+            );
+            return Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message));
+        };
+        let damping = match rates.damping {
+            0.0 => String::new(),
+            damping => format!(", damping time {:.2e} s", 1.0 / damping),
+        };
+        let message = format!(
+            "{verdict} the contact of {pair} (period {:.2e} s{damping}): at most {proposed:e} s would resolve all contacts",
+            rates.period()
+        );
+        Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message))
+    }
+
+    /// Returns a message that the damping of two materials is the cause, not the step.
+    fn absurd_damping(&self, scene: &Scene, (first, second): (usize, usize), ratio: f64) -> String {
+        let law = scene.law(first, second);
+        let (name, damping) = if law.normal_damping >= law.tangential_damping {
+            ("GammaNormal", law.normal_damping)
+        } else {
+            ("GammaTangential", law.tangential_damping)
+        };
+        let places = self.material_places();
+        let materials = self.materials_placed(&places);
+        let [first, second] = [first, second].map(|place| quoted(&materials[place].id));
+        format!(
+            "its damping is the cause, {name} {damping:?} kg/s of the materials {first} and {second}, {ratio:.1e} times the \
+             critical damping of {:.1e} kg/s, from which on nothing bounces back: is it right?",
+            damping / ratio
+        )
+    }
+
+    /// \[s\] A mechanical step that resolves every contact that these agents and walls can have. `None` if nothing can
+    /// touch, or if there is no such step.
+    ///
+    /// A contact acts like a spring on an effective mass m\\*: 1/m\\* = Σ (1/m + R²/I) over the bodies in contact (walls
+    /// do not move), where R is the distance from the centre of mass to the rim. The step is the least of three times: a
+    /// fiftieth of the shortest period 2π √(m\\*/k), where k is the stiffer of the two springs; a tenth of the shortest
+    /// damping time m\\*/γ; and the step up to which a sticking contact gains almost no energy. It is rounded down to 1,
+    /// 2 or 5 times a power of ten.
+    pub fn proposed_step(&self) -> Option<f64> {
+        self.fastest_contacts(&self.scene().ok()?)?.proposed_step()
+    }
+
+    /// Returns `None` if nothing can touch.
+    fn fastest_contacts(&self, scene: &Scene) -> Option<FastestContacts> {
+        let materials = self.material_places().len();
+        // The two lightest agents of each material, because a contact may be between two agents of the same material.
+        let mut lightest: Vec<[Option<(f64, usize)>; 2]> = vec![[None; 2]; materials];
+        for (b, body) in scene.bodies.iter().enumerate() {
+            // Acceleration of a point at the body's rim per unit of force there.
+            let lightness = 1.0 / body.mass + body.bounding_radius * body.bounding_radius / body.inertia;
+            let mut carried: Vec<usize> = body.disks.clone().map(|disk| scene.disks[disk].material).collect();
+            carried.sort_unstable();
+            carried.dedup();
+            for material in carried {
+                let [first, second] = &mut lightest[material];
+                if first.is_none_or(|(other, _)| lightness > other) {
+                    *second = first.replace((lightness, b));
+                } else if second.is_none_or(|(other, _)| lightness > other) {
+                    *second = Some((lightness, b));
+                }
+            }
+        }
+        // One wall for each material.
+        let mut walls: Vec<Option<usize>> = vec![None; materials];
+        for (wall, faces) in scene.wall_faces.iter().enumerate() {
+            walls[scene.faces[faces.start].material].get_or_insert(wall);
+        }
+        let id = |b: usize| quoted(&self.agents[b].id);
+        let mut fastest: Option<FastestContacts> = None;
+        let mut consider = |first: usize, second: usize, lightness: f64, whose: &dyn Fn() -> String| {
+            let law = scene.law(first, second);
+            let rates = Rates {
+                stiffness: law.normal_stiffness.max(law.tangential_stiffness) * lightness,
+                damping: law.normal_damping.max(law.tangential_damping) * lightness,
+                tangential_stiffness: law.tangential_stiffness * lightness,
+                tangential_damping: law.tangential_damping * lightness,
+            };
+            match &mut fastest {
+                None => {
+                    let least_allowed = Fastest { pair: whose(), rates, materials: (first, second) };
+                    fastest = Some(FastestContacts {
+                        stiffness: rates.stiffness,
+                        damping: rates.damping,
+                        to_stick: rates.longest_to_stick(),
+                        least_allowed,
+                    });
+                }
+                Some(fastest) => {
+                    fastest.stiffness = fastest.stiffness.max(rates.stiffness);
+                    fastest.damping = fastest.damping.max(rates.damping);
+                    fastest.to_stick = fastest.to_stick.min(rates.longest_to_stick());
+                    if rates.longest_step() < fastest.least_allowed.rates.longest_step() {
+                        let materials = (first, second);
+                        fastest.least_allowed = Fastest { pair: whose(), rates, materials };
+                    }
+                }
+            }
+        };
+        for first in 0..materials {
+            let Some((lightness, a)) = lightest[first][0] else { continue };
+            for (second, others) in lightest.iter().enumerate().skip(first) {
+                let pairs = lightest[first].iter().flatten().flat_map(|one| {
+                    others.iter().flatten().filter(|other| other.1 != one.1).map(move |other| (one, other))
+                });
+                let sum = |pair: &(&(f64, usize), &(f64, usize))| pair.0.0 + pair.1.0;
+                if let Some(pair) = pairs.max_by(|a, b| sum(a).total_cmp(&sum(b))) {
+                    let whose = || format!("agents {} and {}", id(pair.0.1), id(pair.1.1));
+                    consider(first, second, sum(&pair), &whose);
+                }
+            }
+            for (material, wall) in walls.iter().enumerate() {
+                let Some(wall) = wall else { continue };
+                consider(first, material, lightness, &|| {
+                    format!("agent {} and wall {}", id(a), quoted(&self.geometry.walls[*wall].id))
+                });
+            }
+        }
+        fastest
+    }
+
+    /// Finds disks that may be on the far side of a wall or of a person before a contact is detected.
+    fn stepping_over(&self, scene: &Scene, file: &Path) -> Option<Problem> {
+        let step = self.parameters.time_step_mechanical;
+        let (mut count, mut worst) = (0, None::<(f64, f64, usize)>);
+        for (b, (body, dynamics)) in scene.bodies.iter().zip(&self.dynamics).enumerate() {
+            let for_so_long = |rate: f64| (1.0 / rate).min(DRIVEN_FOR);
+            let speed = dynamics.velocity.norm()
+                + dynamics.fp.norm() * body.inverse_mass * for_so_long(body.translation_rate);
+            let spin = dynamics.omega.abs()
+                + dynamics.mp.abs() * body.inverse_inertia * for_so_long(body.rotation_rate);
+            // The disk of the body that moves furthest relative to its size.
+            let steps = scene.disks[body.disks.clone()].iter().map(|disk| {
+                let speed = speed + spin * disk.offset.norm();
+                (speed * step / disk.radius, disk.radius)
+            });
+            let Some((share, radius)) = steps.max_by(|(a, _), (b, _)| a.total_cmp(b)) else { continue };
+            if share > 1.0 {
+                count += 1;
+                if worst.is_none_or(|(most, ..)| share > most) {
+                    worst = Some((share, radius, b));
+                }
+            }
+        }
+        let (share, radius, b) = worst?;
+        let others = if count > 1 { format!(" ({count} agents may)") } else { String::new() };
+        let id = quoted(&self.agents[b].id);
+        let cure = match rounded_down(PROPOSED_SHARE_OF_RADIUS * step / share) {
+            Some(proposed) => format!("at most {proposed:e} s would be short enough"),
+            None => "no step is short enough: are its speed and its drive right?".to_owned(),
+        };
+        let (moved, speed) = (share * radius, share * radius / step);
+        let message = format!(
+            "a disk of agent {id} may move {moved:.2e} m in it, further than its radius {radius:?} m, and step over a \
+             wall{others}: by Velocity and Fp the agent comes to {speed:.2e} m/s; {cure}"
+        );
+        Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message))
+    }
+}
+
+/// The stiffness and damping of a contact, divided by the effective mass of the touching points.
+#[derive(Debug, Clone, Copy)]
+struct Rates {
+    /// \[1/s²\] k/m\*
+    stiffness: f64,
+    /// \[1/s\] γ/m\*
+    damping: f64,
+    /// \[1/s²\]
+    tangential_stiffness: f64,
+    /// \[1/s\]
+    tangential_damping: f64,
+}
+
+impl Rates {
+    /// \[s\] Period of the contact.
+    fn period(&self) -> f64 {
+        TAU / self.stiffness.sqrt()
+    }
+
+    /// \[1/s\] Critical γ/m\*, above which nothing bounces back: 2 √(k/m\*).
+    fn critical_damping(&self) -> f64 {
+        2.0 * self.stiffness.sqrt()
+    }
+
+    /// \[s\] Step from which the integration gains energy if a body has this many such contacts.
+    ///
+    /// Velocity Verlet with the force from x and the predicted velocity at the same instant has the characteristic
+    /// polynomial z³ + (κ + 3g/2 − 2) z² + (1 − 2g) z + g/2 for κ = (k/m\*) dt², g = (γ/m\*) dt. All its roots are
+    /// inside the unit circle exactly if κ/4 + g < 1. With n contacts of a body, κ and g are up to n times as large.
+    fn unstable_from(&self, contacts: f64) -> f64 {
+        let (damping, stiffness) = (contacts * self.damping, contacts * self.stiffness);
+        2.0 / (damping + (damping * damping + stiffness).sqrt())
+    }
+
+    /// \[s\] Longest step at which the slip of a sticking contact grows no faster than allowed.
+    ///
+    /// A tangential spring is integrated by the trapezoidal rule for the predicted slip:
+    /// 4z (z − 1)² + (3z − 1) (κ (z + 1) + 2g (z − 1)) = 0. For small κ and g its complex roots grow by κ²/8 − g/2 in
+    /// a step.
+    fn longest_to_stick(&self) -> f64 {
+        let squared = self.tangential_stiffness * self.tangential_stiffness;
+        (8.0 * (FASTEST_GROWTH + 0.5 * self.tangential_damping) / squared).cbrt()
+    }
+
+    /// \[s\] Longest step without a warning.
+    fn longest_step(&self) -> f64 {
+        let stable = self.unstable_from(CONTACTS_AT_ONCE).min(self.longest_to_stick());
+        stable.min(LONGEST_SHARE * self.period())
+    }
+}
+
+/// A contact and its owners.
+struct Fastest {
+    pair: String,
+    rates: Rates,
+    /// Indices of both materials in the table of laws.
+    materials: (usize, usize),
+}
+
+/// The contacts that a mechanical step must resolve.
+struct FastestContacts {
+    /// \[1/s²\] k/m\* of the stiffest contact.
+    stiffness: f64,
+    /// \[1/s\] γ/m\* of the most strongly damped contact.
+    damping: f64,
+    /// \[s\] The shortest [`Rates::longest_to_stick`].
+    to_stick: f64,
+    /// The contact with the shortest allowed step.
+    least_allowed: Fastest,
+}
+
+impl FastestContacts {
+    /// See [`Setup::proposed_step`].
+    fn proposed_step(&self) -> Option<f64> {
+        let period = TAU / self.stiffness.sqrt();
+        rounded_down((PROPOSED_SHARE * period).min(PROPOSED_DAMPING_SHARE / self.damping).min(self.to_stick))
+    }
+}
+
+/// The number of overlaps, and the deepest.
+#[derive(Default)]
+struct Deepest {
+    count: usize,
+    depth: f64,
+    whose: String,
+}
+
+impl Deepest {
+    fn see(&mut self, depth: f64, whose: impl FnOnce() -> String) {
+        self.count += 1;
+        if depth > self.depth {
+            self.depth = depth;
+            self.whose = whose();
+        }
+    }
+
+    fn says(&self, what: &str) -> Option<String> {
+        let pairs = if self.count == 1 { "pair" } else { "pairs" };
+        let (count, depth, whose) = (self.count, 1e3 * self.depth, &self.whose);
+        (count > 0).then(|| {
+            format!("{count} {pairs} of {what} overlap at the start, the deepest by {depth:.3} mm ({whose})")
+        })
+    }
+}
+
+/// Rounds down to 1, 2 or 5 times a power of ten; `None` if the result is not a normal number.
+fn rounded_down(value: f64) -> Option<f64> {
+    let power = value.log10().floor();
+    // Parsed from text, so that it is the double nearest to the decimal number.
+    let rounded = [5, 2, 1].map(|lead| format!("{lead}e{power}").parse().unwrap_or(f64::NAN));
+    rounded.into_iter().find(|rounded| *rounded <= value).filter(|rounded| rounded.is_normal())
+}
+
+fn warning(file: &Path, subject: Option<(&str, &str, f64)>, message: String) -> Problem {
+    Problem {
+        severity: Severity::Warning,
+        file: file.to_owned(),
+        line: None,
+        element: subject.map(|(element, _, _)| element.into()),
+        attribute: subject.map(|(_, attribute, _)| attribute.into()),
+        value: subject.map(|(_, _, value)| format!("{value:?}")),
+        message,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Vec2;
+    use lemons_trial::Trial;
+
+    fn push() -> Trial {
+        Trial::read(&lemons_testing::trial_push()).expect("the default Trial is in order").0
+    }
+
+    fn said(trial: &Trial) -> Vec<String> {
+        let [parameters, agents, geometry, dynamics] =
+            ["Parameters.xml", "Agents.xml", "Geometry.xml", "AgentDynamics.xml"].map(PathBuf::from);
+        let advice = Setup::of(trial).advice(&Places { parameters, agents, geometry, dynamics });
+        advice.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn nothing_to_say_of_the_default_trial() {
+        assert_eq!(said(&push()), [""; 0]);
+    }
+
+    #[test]
+    fn overlaps_are_counted_and_the_deepest_named() {
+        let mut trial = push();
+        trial.dynamics[1].position.x = 0.2;
+        let said = said(&trial);
+        assert_eq!(said.len(), 1);
+        assert!(said[0].starts_with("warning: AgentDynamics.xml: "), "{said:?}");
+        assert!(said[0].contains("(agents \"0\" and \"1\")"), "{said:?}");
+        trial.dynamics[1].position.x = 0.279;
+        trial.dynamics[4].position.x = 1.7;
+        let said = super::tests::said(&trial);
+        assert!(said[0].contains("(agent \"4\" and wall \"0\")"), "{said:?}");
+    }
+
+    #[test]
+    fn centres_at_one_place_are_counted_and_two_agents_named() {
+        let mut trial = push();
+        for agent in &mut trial.agents {
+            agent.shapes.truncate(1);
+            agent.shapes[0].position = Vec2::ZERO;
+        }
+        // On both sides of a cell's edge.
+        trial.dynamics[3].position = Vec2 { x: 0.5 - 4e-10, y: 0.5 };
+        trial.dynamics[1].position = Vec2 { x: 0.5 + 4e-10, y: 0.5 };
+        let said_of_two = said(&trial).join("\n");
+        let words = "agents \"1\" and \"3\" have their centres at one place: no force acts between them";
+        assert!(said_of_two.contains(words), "{said_of_two}");
+        trial.dynamics[4].position = trial.dynamics[1].position;
+        assert!(said(&trial).join("\n").contains("at one place, and 2 more pairs: no"), "{:?}", said(&trial));
+        trial.dynamics[4].position.x += 1e-6;
+        assert!(said(&trial).join("\n").contains("at one place: no"), "{:?}", said(&trial));
+    }
+
+    #[test]
+    fn a_centre_on_a_corner_is_named() {
+        let mut trial = push();
+        trial.agents[2].shapes.truncate(1);
+        trial.agents[2].shapes[0].position = Vec2::ZERO;
+        trial.dynamics[2].position = trial.geometry.walls[0].corners[0];
+        let said = said(&trial).join("\n");
+        let words = "agent \"2\" and a corner of wall \"0\" have their centres at one place: no force acts between them";
+        assert!(said.contains(words), "{said}");
+    }
+
+    #[test]
+    fn a_coarse_step_is_named_with_one_that_would_do() {
+        let mut trial = push();
+        trial.parameters.time_step_mechanical = 0.002;
+        let said = said(&trial);
+        assert_eq!(said.len(), 1);
+        assert!(said[0].contains("<Times> TimeStepMechanical=\"0.002\": is long for"), "{said:?}");
+        // k_n = 4.99e6 N/m; 1/63 kg + (0.2225 m)²/1.02 kg.m2: a period of 11 ms.
+        assert!(said[0].contains("at most 2e-4 s"), "{said:?}");
+        trial.parameters.time_step_mechanical = 2e-4;
+        assert_eq!(super::tests::said(&trial), [""; 0]);
+    }
+
+    #[test]
+    fn the_proposed_step_resolves_springs_and_dampers() {
+        let mut trial = push();
+        // As warned of above.
+        assert_eq!(Setup::of(&trial).proposed_step(), Some(2e-4));
+        // 1/m* of agent 1 and a wall is 0.0644/kg: with 1e6 kg/s a time of 15.5 µs, a tenth of it 1.55 µs.
+        trial.materials.binary[2].gamma_tangential = 1e6;
+        assert_eq!(Setup::of(&trial).proposed_step(), Some(1e-6));
+        trial.geometry.walls.clear();
+        trial.agents.truncate(1);
+        assert_eq!(Setup::of(&trial).proposed_step(), None);
+    }
+
+    #[test]
+    fn damping_that_makes_the_step_unstable_is_warned_of() {
+        // The paper's agent 1 on a wall: 1/m* is 0.0644/kg.
+        let mut trial = push();
+        trial.parameters.time_step_mechanical = 1e-4;
+        assert_eq!(said(&trial), [""; 0]);
+        for normal in [true, false] {
+            let mut trial = trial.clone();
+            let contact = &mut trial.materials.binary[2];
+            let (damping, which) = if normal {
+                (2e6, &mut contact.gamma_normal)
+            } else {
+                (2.5e4, &mut contact.gamma_tangential)
+            };
+            *which = damping;
+            let said = said(&trial);
+            assert_eq!(said.len(), 1, "{said:?}");
+            let words = if normal {
+                [
+                    "is unstable, bodies part faster than they met, for the contact of",
+                    "damping time 7.73e-6 s",
+                    "at most 5e-7 s",
+                ]
+            } else {
+                ["is long for the contact of", "damping time 6.19e-4 s", "at most 5e-5 s"]
+            };
+            assert!(words.iter().all(|word| said[0].contains(word)), "{said:?}");
+            trial.parameters.time_step_mechanical = Setup::of(&trial).proposed_step().unwrap();
+            assert_eq!(super::tests::said(&trial), [""; 0]);
+        }
+    }
+
+    /// It proposed a step of 1e-12 s.
+    #[test]
+    fn absurd_damping_is_named_as_the_cause_instead_of_a_step() {
+        for normal in [true, false] {
+            let mut trial = push();
+            let contact = &mut trial.materials.binary[2];
+            let which = if normal { &mut contact.gamma_normal } else { &mut contact.gamma_tangential };
+            *which = 1e12;
+            let name = if normal { "GammaNormal" } else { "GammaTangential" };
+            let [first, second] = [&contact.id1, &contact.id2].map(|id| format!("{id:?}"));
+            let said = said(&trial);
+            assert_eq!(said.len(), 1, "{said:?}");
+            let words = [&format!("its damping is the cause, {name} 1000000000000.0 kg/s"), &first, &second];
+            assert!(words.iter().all(|word| said[0].contains(*word)), "{said:?}");
+            // 2 √(k m*), m* = 15.5 kg, k = 5.0e6 N/m: 1.8e4 kg/s.
+            assert!(
+                said[0].contains("critical damping of 1.8e4 kg/s") && !said[0].contains("at most"),
+                "{said:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_light_body_is_warned_of_by_its_damping() {
+        let mut trial = push();
+        trial.parameters.time_step_mechanical = 1e-6;
+        (trial.agents[2].mass, trial.agents[2].moment_of_inertia) = (0.001, 0.001);
+        let said = said(&trial);
+        assert!(said.len() == 1 && said[0].contains("is unstable") && said[0].contains("\"2\""), "{said:?}");
+    }
+
+    #[test]
+    fn what_no_step_resolves_is_not_given_one_of_zero() {
+        let mut trial = push();
+        trial.agents[0].moment_of_inertia = 1e-320;
+        let said = said(&trial).join("\n");
+        assert!(said.contains("no step resolves the contact of agents") && !said.contains("0e0"), "{said}");
+        assert_eq!(Setup::of(&trial).proposed_step(), None);
+    }
+
+    #[test]
+    fn disks_that_may_step_over_a_wall_are_warned_of() {
+        // A radius of 0.095 m; 1 m/s is nothing.
+        let mut trial = push();
+        trial.parameters.time_step_mechanical = 1e-4;
+        trial.dynamics[1].velocity.x = 1.0;
+        assert_eq!(said(&trial), [""; 0]);
+        trial.dynamics[1].velocity.x = 1500.0;
+        let said_of_speed = said(&trial).join("\n");
+        assert!(said_of_speed.contains("a disk of agent \"1\" may move 1.5"), "{said_of_speed}");
+        assert!(said_of_speed.contains("at most 5e-6 s would be short enough"), "{said_of_speed}");
+        // By its drive, against the relaxation.
+        trial.dynamics[1].velocity.x = 0.0;
+        trial.dynamics[1].fp.y = 1500.0 * trial.agents[1].mass * trial.agents[1].floor_damping;
+        assert!(said(&trial).join("\n").contains("step over a wall"), "{:?}", said(&trial));
+        // By turning.
+        trial.dynamics[1].fp.y = 0.0;
+        trial.dynamics[1].omega = 1e4;
+        trial.dynamics[2].omega = 1e4;
+        assert!(said(&trial).join("\n").contains("(2 agents may)"), "{:?}", said(&trial));
+    }
+
+    #[test]
+    fn rounding_goes_down() {
+        assert_eq!(rounded_down(0.000_73), Some(0.000_5));
+        assert_eq!(rounded_down(0.3), Some(0.2));
+        assert_eq!(rounded_down(1.9), Some(1.0));
+        assert_eq!([0.0, 1e-320, f64::NAN, f64::INFINITY].map(rounded_down), [None; 4]);
+    }
+}

@@ -1,0 +1,377 @@
+//! Warnings about possible but probably unintended values in a Trial: sizes a hundred times too large or small, steps
+//! of a minute, people outside of the walls or inside a pillar.
+
+use super::Setup;
+use super::within::{Inside, within_pillars};
+use crate::engine::{Scene, Vec2, vec2};
+use lemons_plane::{Bounds, ConvexHull};
+use lemons_trial::quoted;
+
+/// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
+const RIM: [f64; 2] = [0.02, 3.0];
+/// \[m\] A hall longer and wider than this ...
+const LARGE_HALL: f64 = 50.0;
+/// \[1/m²\] ... and with fewer people than this may be in centimetres: with a hundredth of the length and width it
+/// would have 10 per m².
+const FEW_PEOPLE: f64 = 1e-3;
+/// \[s\] Usual range of TimeStep. A drive is constant, and results are written, once in a TimeStep.
+const TIME_STEP: [f64; 2] = [1e-5, 2.0];
+/// Mechanical steps in a TimeStep that take some seconds for each agent.
+const MANY_STEPS: f64 = 1e8;
+/// \[m\] A person this close to the outside of a room may be about to enter.
+const OUTSIDE: f64 = 2.0;
+/// \[m\] Distance from all other people and walls that is taken for a mistake.
+const FAR_AWAY: f64 = 1000.0;
+/// Number of directions in which walls are searched, and number of them in which a person in a room sees one: a room
+/// may have doors.
+const DIRECTIONS: u32 = 32;
+const ENCLOSED: u32 = 24;
+/// Number of people who are tested for being in a room.
+const SAMPLE: usize = 50;
+
+/// A doubt: its file and message.
+pub(super) enum Doubt {
+    Parameters(&'static str, f64, String),
+    Agents(String),
+    Geometry(String),
+    Dynamics(String),
+}
+
+impl Setup<'_> {
+    /// Returns all doubts.
+    pub(super) fn doubts(&self, scene: &Scene) -> Vec<Doubt> {
+        let mut doubts = self.doubts_of_steps();
+        doubts.extend(self.doubts_of_bodies(scene));
+        doubts.extend(self.doubts_of_walls(scene));
+        let places: Vec<Vec2> = self.dynamics.iter().map(|dynamics| dynamics.position).collect();
+        doubts.extend(self.doubts_of_places(scene, &places));
+        doubts.extend(self.doubts_of_pillars(&places));
+        doubts
+    }
+
+    fn doubts_of_steps(&self) -> Vec<Doubt> {
+        let (step, mechanical) = (self.parameters.time_step, self.parameters.time_step_mechanical);
+        let mut doubts = Vec::new();
+        let [short, long] = TIME_STEP;
+        if step > long {
+            let message = format!(
+                "is long: drives are constant and results are written once during it; usual is \
+                 0.01 to 1 s, and TimeStepMechanical is the step of the integration ({mechanical:?} s)"
+            );
+            doubts.push(Doubt::Parameters("TimeStep", step, message));
+        } else if step < short {
+            let message = "is short: results are written at every TimeStep; 0.01 to 1 s is usual".to_owned();
+            doubts.push(Doubt::Parameters("TimeStep", step, message));
+        }
+        let steps = step / mechanical;
+        if steps > MANY_STEPS {
+            let message = format!("is short: each TimeStep of {step:?} s takes {steps:.1e} mechanical steps");
+            doubts.push(Doubt::Parameters("TimeStepMechanical", mechanical, message));
+        }
+        doubts
+    }
+
+    fn doubts_of_bodies(&self, scene: &Scene) -> Option<Doubt> {
+        let [small, large] = RIM;
+        let doubted = |rim: f64| rim < small || rim > large;
+        let mut odd = scene.bodies.iter().enumerate().filter(|(_, body)| doubted(body.bounding_radius));
+        let (b, body) = odd.next()?;
+        let others = match odd.count() {
+            0 => String::new(),
+            count => format!(" ({} agents in all)", count + 1),
+        };
+        let (id, width) = (quoted(&self.agents[b].id), 2.0 * body.bounding_radius);
+        Some(Doubt::Agents(format!(
+            "agent {id} is {width:.3} m wide{others}: are Radius and Position of its shapes in metres?"
+        )))
+    }
+
+    fn doubts_of_walls(&self, scene: &Scene) -> Option<Doubt> {
+        let size = Bounds::of(scene.corners.iter().map(|corner| corner.position))?.size();
+        let agents = scene.bodies.len() as f64;
+        let widest = scene.bodies.iter().map(|body| 2.0 * body.bounding_radius).fold(0.0, f64::max);
+        let spans = format!("the walls span {:.3} m × {:.3} m", size.x, size.y);
+        let message = if size.x.max(size.y) < widest {
+            format!("{spans}, less than an agent: are their Coordinates in metres?")
+        } else if size.x.min(size.y) > LARGE_HALL && agents < FEW_PEOPLE * size.x * size.y {
+            let noun = if agents == 1.0 { "agent" } else { "agents" };
+            format!("{spans} around {agents} {noun}: are their Coordinates in metres?")
+        } else {
+            return None;
+        };
+        Some(Doubt::Geometry(message))
+    }
+
+    fn doubts_of_places(&self, scene: &Scene, places: &[Vec2]) -> Option<Doubt> {
+        let walls = Surroundings::of(scene);
+        let name = |b: usize| quoted(&self.agents[b].id);
+        // Far from the middle of the crowd, whatever walls there are.
+        let middle = middle_of(places)?;
+        let far = places.iter().enumerate().filter(|(_, place)| (**place - middle).norm() > FAR_AWAY);
+        let lost = match &walls {
+            None => far.map(|(b, _)| b).next(),
+            Some(walls) => walls.beyond(FAR_AWAY, far).next(),
+        };
+        if let Some(b) = lost {
+            let away = (places[b] - middle).norm();
+            return Some(Doubt::Dynamics(format!(
+                "agent {} stands {away:.0} m away from the others: is its Position in metres?",
+                name(b)
+            )));
+        }
+        let outside: Vec<usize> = walls?.beyond(OUTSIDE, places.iter().enumerate()).collect();
+        let inside = places.len() - outside.len();
+        // If most people are outside, or no person is in a room, being outside is intended.
+        if outside.is_empty() || 2 * outside.len() > places.len() || outside.len() == places.len() {
+            return None;
+        }
+        let insiders = (0..places.len()).filter(|b| outside.binary_search(b).is_err());
+        let sample: Vec<usize> = insiders.step_by(inside.div_ceil(SAMPLE)).collect();
+        let enclosed = sample.iter().filter(|&&b| is_enclosed(scene, places[b])).count();
+        if 2 * enclosed <= sample.len() {
+            return None;
+        }
+        let who = match outside.len() {
+            1 => format!("agent {} stands", name(outside[0])),
+            count => format!("{count} agents stand (first {})", name(outside[0])),
+        };
+        Some(Doubt::Dynamics(format!(
+            "{who} outside of all walls, but the others are inside: is this intended?"
+        )))
+    }
+
+    fn doubts_of_pillars(&self, places: &[Vec2]) -> Option<Doubt> {
+        let Inside { agent, wall, count, around } = within_pillars(&self.geometry.walls, places)?;
+        let (agent, wall) = (quoted(&self.agents[agent].id), quoted(&self.geometry.walls[wall].id));
+        let who = match count {
+            1 => format!("agent {agent} stands inside the closed wall {wall}"),
+            count => format!("{count} agents stand inside closed walls (first {agent} inside {wall})"),
+        };
+        let others = match around {
+            1 => "around which the other one stands".to_owned(),
+            around => format!("around which {around} others stand"),
+        };
+        Some(Doubt::Dynamics(format!("{who}, {others}: is it a pillar?")))
+    }
+}
+
+/// The area of the walls.
+struct Surroundings {
+    bounds: Bounds,
+    hull: ConvexHull,
+}
+
+impl Surroundings {
+    /// `None` without walls.
+    fn of(scene: &Scene) -> Option<Surroundings> {
+        let corners = || scene.corners.iter().map(|corner| corner.position);
+        Some(Surroundings { bounds: Bounds::of(corners())?, hull: ConvexHull::of(corners())? })
+    }
+
+    /// Returns those of some indexed places that are further \[m\] than a distance from the walls' convex hull (at its
+    /// corners by up to 2 % more). Each place needs some binary searches; computing its distance would visit each
+    /// corner.
+    fn beyond<'a>(
+        &self,
+        far: f64,
+        places: impl Iterator<Item = (usize, &'a Vec2)>,
+    ) -> impl Iterator<Item = usize> {
+        let mut around = None;
+        let outside = places.filter(move |(_, place)| {
+            // Nearly all people are between the walls.
+            let between = self.bounds.contains(**place) && self.hull.contains(**place);
+            !between
+                && around
+                    .get_or_insert_with(|| grown(&self.hull, far))
+                    .as_ref()
+                    .is_none_or(|around| !around.contains(**place))
+        });
+        outside.map(|(b, _)| b)
+    }
+}
+
+/// Returns the hull enlarged by a distance \[m\], at its corners by up to 2 % more.
+fn grown(hull: &ConvexHull, by: f64) -> Option<ConvexHull> {
+    const SIDES: u32 = 16;
+    let turn = std::f64::consts::TAU / f64::from(SIDES);
+    // The polygon contains the circle.
+    let reach = by / libm::cos(0.5 * turn);
+    let offset = |k: u32| {
+        let angle = f64::from(k) * turn;
+        vec2(reach * libm::cos(angle), reach * libm::sin(angle))
+    };
+    let around: Vec<Vec2> = (0..SIDES).map(offset).collect();
+    ConvexHull::of(hull.corners().iter().flat_map(|corner| around.iter().map(|offset| *corner + *offset)))
+}
+
+/// Returns the median of each coordinate.
+fn middle_of(places: &[Vec2]) -> Option<Vec2> {
+    let median = |coordinate: fn(&Vec2) -> f64| {
+        let mut values: Vec<f64> = places.iter().map(coordinate).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied()
+    };
+    Some(Vec2 { x: median(|place| place.x)?, y: median(|place| place.y)? })
+}
+
+/// Whether walls are visible in most directions.
+fn is_enclosed(scene: &Scene, place: Vec2) -> bool {
+    let sees = |direction: &u32| {
+        let angle = std::f64::consts::TAU * (f64::from(*direction) + 0.5) / f64::from(DIRECTIONS);
+        let towards = Vec2 { x: libm::cos(angle), y: libm::sin(angle) };
+        scene.faces.iter().any(|face| {
+            let (from, to) = (face.start - place, face.end - place);
+            let (a, b) = (towards.cross(from), towards.cross(to));
+            // The ends are on different sides of the line of sight, and the crossing is ahead.
+            (a > 0.0) != (b > 0.0) && (from * b - to * a).dot(towards) * (b - a) > 0.0
+        })
+    };
+    (0..DIRECTIONS).filter(sees).count() as u32 >= ENCLOSED
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lemons_trial::Trial;
+
+    /// The paper's five in a room of 6 m × 4 m with a door of 1.2 m in its right wall.
+    fn room() -> Trial {
+        let mut trial = Trial::read(&lemons_testing::trial_push()).expect("the default Trial is in order").0;
+        trial.geometry.walls.truncate(1);
+        trial.geometry.walls[0].corners =
+            [(6.0, 2.6), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.4)]
+                .map(|(x, y)| vec2(x, y))
+                .to_vec();
+        for (k, dynamics) in trial.dynamics.iter_mut().enumerate() {
+            dynamics.position = vec2(0.8 + k as f64, 2.0);
+        }
+        trial
+    }
+
+    fn said(trial: &Trial) -> Vec<String> {
+        Setup::of(trial).advice_as_edited()
+    }
+
+    fn says(trial: &Trial, words: &str) {
+        let said = said(trial);
+        assert!(said.len() == 1 && said[0].contains(words), "{said:?}");
+    }
+
+    #[test]
+    fn nothing_is_doubted_of_a_room_with_a_door() {
+        let mut trial = room();
+        assert_eq!(said(&trial), [""; 0]);
+        // In the door, and just through it.
+        trial.dynamics[4].position = vec2(6.0, 2.0);
+        assert_eq!(said(&trial), [""; 0]);
+        trial.dynamics[4].position = vec2(7.5, 2.0);
+        assert_eq!(said(&trial), [""; 0]);
+    }
+
+    #[test]
+    fn an_agent_outside_of_all_walls_is_named() {
+        let mut trial = room();
+        trial.dynamics[3].position = vec2(3.8, -7.0);
+        says(&trial, "agent \"3\" stands outside of all walls, but the others are inside");
+        trial.dynamics[1].position = vec2(13.8, 2.0);
+        says(&trial, "2 agents stand (first \"1\") outside of all walls");
+        // Pillars and a bottleneck in the open are no room.
+        let mut open = trial.clone();
+        open.geometry.walls[0].corners = vec![vec2(0.0, 0.0), vec2(6.0, 0.0)];
+        assert_eq!(said(&open), [""; 0]);
+        trial.dynamics[1].position = vec2(5e4, 2.0);
+        says(&trial, "agent \"1\" stands 49996 m away from the others");
+    }
+
+    /// Trials of the resources and of the examples are not doubted: tests of the command check them.
+    #[test]
+    fn an_agent_in_a_pillar_is_named_with_it() {
+        let mut trial = room();
+        let mut pillar = trial.geometry.walls[0].clone();
+        pillar.id = "pillar".into();
+        pillar.corners =
+            [(2.5, 1.7), (3.1, 1.7), (3.1, 2.3), (2.5, 2.3), (2.5, 1.7)].map(|(x, y)| vec2(x, y)).to_vec();
+        trial.geometry.walls.push(pillar);
+        let said = said(&trial).join("\n");
+        let words = "agent \"2\" stands inside the closed wall \"pillar\", around which 4 others stand: is it a pillar?";
+        assert!(said.contains(words), "{said}");
+        trial.dynamics[2].position = vec2(2.8, 3.0);
+        assert_eq!(super::tests::said(&trial), [""; 0]);
+    }
+
+    #[test]
+    fn a_hull_grows_by_the_distance() {
+        let circle =
+            |k: u32| vec2(50.0 * libm::cos(f64::from(k) * 1e-2), 50.0 * libm::sin(f64::from(k) * 1e-2));
+        let corners: [Vec<Vec2>; 3] =
+            [vec![vec2(50.0, 0.0)], vec![vec2(50.0, 0.0), vec2(0.0, 0.0)], (0..629).map(circle).collect()];
+        for corners in corners {
+            let hull = ConvexHull::of(corners).unwrap();
+            let grown = grown(&hull, 2.0).unwrap();
+            for k in 0..2000 {
+                let place = vec2(45.0 + 5e-3 * f64::from(k), 3.0 - 3e-3 * f64::from(k));
+                let (away, within) = (hull.distance(place), grown.contains(place));
+                assert!(if within { away < 2.04 } else { away > 1.999 }, "{place:?} {away}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_room_in_centimetres_is_doubted() {
+        let mut trial = room();
+        for corner in &mut trial.geometry.walls[0].corners {
+            *corner = *corner * 100.0;
+        }
+        says(
+            &trial,
+            "the walls span 600.000 m × 400.000 m around 5 agents: are their Coordinates in metres?",
+        );
+        for dynamics in &mut trial.dynamics {
+            dynamics.position = dynamics.position * 100.0;
+        }
+        says(&trial, "the walls span 600.000 m × 400.000 m");
+        for corner in &mut trial.geometry.walls[0].corners {
+            *corner = *corner * 1e-5;
+        }
+        assert!(said(&trial)[0].contains("less than an agent"), "{:?}", said(&trial));
+    }
+
+    #[test]
+    fn bodies_in_centimetres_are_doubted() {
+        let mut trial = room();
+        for (agent, place) in trial.agents.iter_mut().zip(0..) {
+            agent.moment_of_inertia *= 1e4;
+            for shape in &mut agent.shapes {
+                shape.radius *= 100.0;
+                shape.position = shape.position * 100.0;
+            }
+            trial.dynamics[place].position = vec2(200.0 * place as f64, 0.0);
+        }
+        trial.geometry.walls.clear();
+        let said = said(&trial);
+        let words = [
+            "agent \"0\" is ",
+            " m wide (5 agents in all): are Radius and Position of its shapes in metres?",
+        ];
+        assert!(said.len() == 1 && words.iter().all(|word| said[0].contains(word)), "{said:?}");
+    }
+
+    #[test]
+    fn steps_that_nobody_means_are_doubted() {
+        let mut trial = room();
+        trial.parameters.time_step = 50.0;
+        trial.parameters.time_step_mechanical = 1e-5;
+        says(
+            &trial,
+            "<Times> TimeStep=\"50.0\": is long: drives are constant and results are written once during it",
+        );
+        trial.parameters.time_step = 1.0;
+        trial.parameters.time_step_mechanical = 1e-9;
+        says(
+            &trial,
+            "<Times> TimeStepMechanical=\"1e-9\": is short: each TimeStep of 1.0 s takes 1.0e9 mechanical steps",
+        );
+        (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (1e-6, 1e-6);
+        says(&trial, "<Times> TimeStep=\"1e-6\": is short");
+    }
+}

@@ -1,0 +1,219 @@
+//! Finds people inside closed walls.
+
+use crate::engine::Vec2;
+use lemons_plane::{Bounds, Ring};
+use lemons_trial::Wall;
+use std::collections::HashMap;
+
+/// Largest number of tests whether a person is left of a face; of a larger crowd an evenly chosen part is tested.
+const MOST_LOOKS: u64 = 50_000_000;
+/// At most this many people inside a wall may be a mistake ...
+const FEW: usize = 2;
+/// ... or at most this fraction (1/20) of the people around it; otherwise it is a room.
+const SMALL_PART: usize = 20;
+
+/// A person inside a closed wall while the others are around it.
+#[derive(Debug, PartialEq)]
+pub(super) struct Inside {
+    /// Index of the first such agent.
+    pub(super) agent: usize,
+    /// Index of the closed wall around it.
+    pub(super) wall: usize,
+    /// Number of agents inside such walls.
+    pub(super) count: usize,
+    /// Number of agents around that wall.
+    pub(super) around: usize,
+}
+
+/// Whether a wall ends where it begins.
+fn is_closed(wall: &Wall) -> bool {
+    wall.corners.len() > 3 && wall.corners.first() == wall.corners.last()
+}
+
+/// Finds people inside pillars.
+///
+/// Closed walls bound areas, one inside the other. Compare an area with the closed walls directly inside it: if more
+/// people are around these walls than in all of them together, the walls are pillars, and people inside them are
+/// reported. Otherwise they are rooms of a larger one. A wall around several people, more than a twentieth of those
+/// around it, is a room in any case.
+pub(super) fn within_pillars(walls: &[Wall], places: &[Vec2]) -> Option<Inside> {
+    let chains = chains(walls, places, MOST_LOOKS).0;
+    // Each area: the closed walls around it from the largest on, as the index of the outer area and the last wall.
+    let mut areas: HashMap<(usize, usize), usize> = HashMap::new();
+    let mut counts = vec![Area::default()];
+    for (agent, chain) in chains {
+        let mut at = 0;
+        counts[at].total += 1;
+        for wall in chain {
+            let next = counts.len();
+            let inner = *areas.entry((at, wall)).or_insert(next);
+            if inner == next {
+                counts.push(Area { first: agent, wall, outer: at, ..Area::default() });
+            }
+            at = inner;
+            counts[at].total += 1;
+            counts[at].first = counts[at].first.min(agent);
+        }
+        counts[at].around += 1;
+    }
+    let doubted = counts.iter().skip(1).filter(|area| {
+        let outer = &counts[area.outer];
+        let inside = outer.total - outer.around;
+        outer.around > inside && area.total <= FEW.max(outer.around / SMALL_PART)
+    });
+    // Walls inside a pillar are not reported again: either no person is around them in it, or the pillar itself is
+    // reported.
+    let mut told: Option<Inside> = None;
+    for area in doubted {
+        let (agent, wall, around) = (area.first, area.wall, counts[area.outer].around);
+        let count = told.as_ref().map_or(0, |told| told.count) + area.total;
+        told = Some(match told {
+            Some(first) if first.agent < agent => Inside { count, ..first },
+            _ => Inside { agent, wall, count, around },
+        });
+    }
+    told
+}
+
+/// The people in an area inside closed walls.
+#[derive(Default)]
+struct Area {
+    /// Number of people in it and in no closed wall inside it.
+    around: usize,
+    /// Number of people in it.
+    total: usize,
+    /// Index of the first of these people.
+    first: usize,
+    /// The wall around it.
+    wall: usize,
+    /// The area outside it.
+    outer: usize,
+}
+
+/// Returns for each tested agent the closed walls around it, from the largest on; and the number of tests whether a
+/// person is left of a face.
+fn chains(walls: &[Wall], places: &[Vec2], most: u64) -> (Vec<(usize, Vec<usize>)>, u64) {
+    let mut closed: Vec<(f64, usize)> = walls
+        .iter()
+        .enumerate()
+        .filter(|(_, wall)| is_closed(wall))
+        .filter_map(|(place, wall)| Some((Ring::through(wall.corners.clone())?.area(), place)))
+        .collect();
+    closed.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    if closed.is_empty() {
+        return (Vec::new(), 0);
+    }
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    order.sort_by(|&a, &b| places[a].y.total_cmp(&places[b].y));
+    let faces = || closed.iter().flat_map(|&(_, wall)| walls[wall].corners.windows(2));
+    // A horizontal ray from a place meets only the faces at its height.
+    let level = |order: &[usize], face: &[Vec2]| {
+        let (low, high) = (face[0].y.min(face[1].y), face[0].y.max(face[1].y));
+        let from = order.partition_point(|&agent| places[agent].y < low);
+        from..from + order[from..].partition_point(|&agent| places[agent].y < high)
+    };
+    let looks: u64 = faces().map(|face| level(&order, face).len() as u64).sum();
+    let each = usize::try_from(looks.div_ceil(most)).unwrap_or(usize::MAX).max(1);
+    let order: Vec<usize> = order.into_iter().step_by(each).collect();
+    let mut chains: Vec<Vec<usize>> = vec![Vec::new(); order.len()];
+    let (mut odd, mut looked) = (vec![false; order.len()], 0);
+    for &(_, wall) in &closed {
+        for face in walls[wall].corners.windows(2) {
+            let level = level(&order, face);
+            looked += level.len() as u64;
+            let (low, high) = if face[0].y < face[1].y { (face[0], face[1]) } else { (face[1], face[0]) };
+            for at in level {
+                odd[at] ^= (high - low).cross(places[order[at]] - low) > 0.0;
+            }
+        }
+        let Some(bounds) = Bounds::of(walls[wall].corners.iter().copied()) else { continue };
+        for at in level(&order, &[bounds.low, bounds.high]) {
+            if std::mem::take(&mut odd[at]) {
+                chains[at].push(wall);
+            }
+        }
+    }
+    (order.into_iter().zip(chains).collect(), looked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::vec2;
+
+    fn closed(id: &str, corners: impl IntoIterator<Item = (f64, f64)>) -> Wall {
+        let mut corners: Vec<Vec2> = corners.into_iter().map(|(x, y)| vec2(x, y)).collect();
+        corners.extend(corners.first().copied());
+        Wall { id: id.into(), material_id: "concrete".into(), corners }
+    }
+
+    fn square(id: &str, x: f64, y: f64, side: f64) -> Wall {
+        closed(id, [(x, y), (x + side, y), (x + side, y + side), (x, y + side)])
+    }
+
+    /// So many, side by side.
+    fn row(count: u32, x: f64, y: f64) -> Vec<Vec2> {
+        (0..count).map(|k| vec2(x + 0.1 * f64::from(k), y)).collect()
+    }
+
+    #[test]
+    fn who_stands_in_a_pillar_of_a_room_is_told_and_nobody_in_rooms() {
+        let (room, pillar) = (square("room", 0.0, 0.0, 10.0), square("pillar", 4.0, 4.0, 1.0));
+        let people = |more: &[Vec2]| [row(4, 1.0, 1.0), more.to_vec()].concat();
+        let in_pillar = people(&[vec2(4.5, 4.5)]);
+        let told = |agent, wall, count, around| Some(Inside { agent, wall, count, around });
+        assert_eq!(within_pillars(&[room.clone(), pillar.clone()], &in_pillar), told(4, 1, 1, 4));
+        // Of a room with a door, which is not closed, too; and in the open.
+        assert_eq!(within_pillars(std::slice::from_ref(&pillar), &in_pillar), told(4, 0, 1, 4));
+        let two = people(&[vec2(4.5, 4.5), vec2(4.2, 4.7)]);
+        assert_eq!(within_pillars(&[pillar.clone(), room.clone()], &two), told(4, 0, 2, 4));
+        // On its edge's line, beside it, and in nothing at all.
+        for beside in [vec2(4.5, 3.9), vec2(3.0, 4.0), vec2(5.1, 5.0), vec2(-1.0, 4.5)] {
+            assert_eq!(
+                within_pillars(&[room.clone(), pillar.clone()], &people(&[beside])),
+                None,
+                "{beside:?}"
+            );
+        }
+        // A hollow pillar is told once.
+        let hollow = square("hollow", 4.2, 4.2, 0.6);
+        assert_eq!(within_pillars(&[hollow, room, pillar], &in_pillar), told(4, 2, 1, 4));
+    }
+
+    #[test]
+    fn rooms_within_larger_ones_are_no_pillars() {
+        let (hall, cabin) = (square("hall", 0.0, 0.0, 30.0), square("cabin", 20.0, 20.0, 5.0));
+        // All in the inner one; most there; rooms beside each other; a cabin for ten of a hundred.
+        let inner = row(20, 21.0, 22.0);
+        assert_eq!(within_pillars(&[hall.clone(), cabin.clone()], &inner), None);
+        let some = [inner, row(5, 2.0, 2.0)].concat();
+        assert_eq!(within_pillars(&[hall.clone(), cabin.clone()], &some), None);
+        let rooms: Vec<Wall> = (0..10).map(|k| square("room", 2.0 * f64::from(k), 5.0, 1.5)).collect();
+        let people: Vec<Vec2> = (0..10).flat_map(|k| row(1 + k % 3, 2.0 * f64::from(k) + 0.2, 5.5)).collect();
+        let corridor = row(12, 1.0, 1.0);
+        let all = [vec![hall.clone()], rooms].concat();
+        assert_eq!(within_pillars(&all, &[people, corridor].concat()), None);
+        let hundred = [row(100, 2.0, 2.0), row(10, 21.0, 22.0)].concat();
+        assert_eq!(within_pillars(&[hall, cabin], &hundred), None);
+    }
+
+    /// Closed walls of 100 000 corners among as many people.
+    #[test]
+    fn the_work_has_a_bound_however_many_people_and_faces_there_are() {
+        // Each face is as high as the wall.
+        let comb = |teeth: u32| {
+            let teeth = (0..teeth).map(f64::from);
+            closed("comb", teeth.flat_map(|k| [(k, 0.0), (k + 0.5, 9.0)]).chain([(0.0, 10.0)]))
+        };
+        let people: Vec<Vec2> = (0..3000).map(|k| vec2(f64::from(k), 1e-3 * f64::from(k))).collect();
+        let (chains, looked) = chains(&[comb(3000)], &people, 100_000);
+        assert!(looked <= 100_000 + 6001 && chains.len() >= 10, "{looked} {}", chains.len());
+        // Where faces are short, all are looked at: two faces each.
+        let angle = |k: u32| f64::from(k) * 1e-3;
+        let circle =
+            closed("circle", (0..6283).map(|k| (50.0 * libm::cos(angle(k)), 50.0 * libm::sin(angle(k)))));
+        let (chains, looked) = super::chains(&[circle], &people, 100_000);
+        assert_eq!((chains.len(), looked), (3000, 6000));
+        assert_eq!(chains.iter().filter(|(_, within)| within.len() == 1).count(), 50);
+    }
+}
