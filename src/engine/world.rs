@@ -222,8 +222,8 @@ impl World {
 
     /// Like [`World::restore`], with the exposures of the step that ended in this state, one for each body.
     ///
+    /// # Errors
     /// Those of [`World::restore`].
-    /// As [`World::restore`].
     pub fn restore_with(&mut self, state: State, exposures: Vec<Exposure>) -> Result<(), Crowded> {
         assert_eq!(exposures.len(), self.scene.bodies.len(), "one exposure for each body");
         self.restore(state)?;

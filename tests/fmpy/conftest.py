@@ -6,15 +6,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import documented
 import pytest
 from crowd import REPOSITORY, TARGET, TRIAL_DOOR, TRIAL_PUSH, Crowd, ids_of, read_table
 from documented import tool_version
 from fmpy import extract
 
 SHARED = REPOSITORY.parent / "shared"
-
-
-rows = {}  # test -> its rows of the table of tools in docs/fmi.md
 
 
 @pytest.fixture
@@ -27,23 +25,46 @@ def row(request):
     def row(package, tried, result):
         test = f"{request.path.name}::{request.node.originalname}"
         line = [f"{package} {tool_version(package)}", tried, result, f"`{test}`"]
-        rows.setdefault(request.node.nodeid, []).append(line)
+        request.node.user_properties.append(("row", line))
 
     return row
 
 
-@pytest.fixture
-def rows_of_tools(request):
-    """All rows so far, sorted by tool, and whether these are all that there are."""
-    with_rows = {item.nodeid for item in request.session.items if "row" in item.fixturenames}
-    files = {item.path for item in request.session.items}
-    everything = not request.config.stash[deselected] and files >= set(Path(__file__).parent.glob("test_*.py"))
-    lines = [tuple(line) for test in rows.values() for line in test]
-    lines = sorted(dict.fromkeys(lines), key=lambda line: line[0].lower())
-    return lines, everything and with_rows == set(rows)
+class Rows:
+    """The table of tools in docs/fmi.md, of all tests: the reports bring their rows, also from other processes."""
 
+    def __init__(self, config):
+        self.lines = []
+        self.files = set()
+        self.without = set()  # tests that make rows and made none: skipped or failed
+        named = any("::" in str(argument) for argument in config.args)
+        self.selected = named or bool(config.option.keyword or config.option.markexpr or config.option.lf)
 
-deselected = pytest.StashKey()
+    def pytest_runtest_logreport(self, report):
+        self.files.add(report.nodeid.split("::")[0].rsplit("/", 1)[-1])
+        if report.when == "teardown":
+            names = [name for name, _ in report.user_properties]
+            if "makes rows" in names and "row" not in names:
+                self.without.add(report.nodeid)
+            self.lines += [tuple(line) for name, line in report.user_properties if name == "row"]
+
+    def pytest_sessionfinish(self, session):
+        if session.config.option.collectonly:
+            return
+        files = {path.name for path in Path(__file__).parent.glob("test_*.py")}
+        whole = not self.selected and not self.without and self.files >= files
+        lines = sorted(dict.fromkeys(self.lines), key=lambda line: line[0].lower())
+        try:
+            documented.check("tools", ["tool", "tried", "result", "test in `tests/fmpy`"], lines, whole)
+        except AssertionError as error:
+            self.error = error
+            session.exitstatus = session.exitstatus or pytest.ExitCode.TESTS_FAILED
+
+    error = None
+
+    def pytest_terminal_summary(self, terminalreporter):
+        if self.error:
+            terminalreporter.write_line(str(self.error), red=True)
 
 
 # The package of this clone, for the tests and for all that they start.
@@ -53,17 +74,14 @@ os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [PACKAGE, os.environ.get
 
 
 def pytest_configure(config):
-    config.stash[deselected] = False
+    # With `-n` only the process that starts the others sees all reports.
+    if not hasattr(config, "workerinput"):
+        config.pluginmanager.register(Rows(config))
 
 
-def pytest_deselected(items):
-    for item in items:
-        item.config.stash[deselected] = True
-
-
-def pytest_collection_modifyitems(items):
-    """Who reads the rows comes after all who write them."""
-    items.sort(key=lambda item: "rows_of_tools" in item.fixturenames)
+def pytest_runtest_setup(item):
+    if "row" in item.fixturenames:
+        item.user_properties.append(("makes rows", True))
 
 
 @pytest.fixture(scope="session")

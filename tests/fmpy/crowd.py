@@ -29,7 +29,7 @@ TRIAL_PUSH = REPOSITORY / "resources" / "Trial_push"
 TRIAL_DOOR = REPOSITORY / "resources" / "Trial_door"
 
 INPUTS = ["Fp.x", "Fp.y", "Mp"]
-# The columns of the table of `lemons run`. Written by `COLUMNS_TABLE=write cargo test -p lemons-record --test columns`.
+# The columns of the table of `lemons run`. Written by `COLUMNS_TABLE=write cargo test -p lemons-record --test record columns`.
 with (REPOSITORY / "tests/columns.csv").open(newline="") as _file:
     TABLE = list(csv.DictReader(_file))
 COLUMNS = {row["name"]: row["unit"] or None for row in TABLE}

@@ -8,7 +8,7 @@ mod people;
 
 use lemons_people::Shape;
 use lemons_people::placing::{Dense, Orientation, Packing, Paper, Region, dense, measure, paper};
-use lemons_plane::{Rotation, vec2};
+use lemons_plane::{Bounds, Rotation, vec2};
 use people::people;
 use std::fmt::Write;
 use std::ops::ControlFlow;
@@ -130,9 +130,9 @@ fn main() {
 
 /// An SVG picture in metres, the y axis upwards. The colour shows the orientation of a person.
 fn picture(shapes: &[Shape], region: &Region, packing: &Packing) -> String {
-    let (low, high) = region.bounds().unwrap_or_else(|| {
+    let Bounds { low, high } = region.bounds().unwrap_or_else(|| {
         let far = packing.poses.iter().map(|p| p.position.norm()).fold(0.0, f64::max) + 0.35;
-        (vec2(-far, -far), vec2(far, far))
+        Bounds { low: vec2(-far, -far), high: vec2(far, far) }
     });
     let (wide, tall) = (high.x - low.x, high.y - low.y);
     let margin = 0.02 * wide;
@@ -147,7 +147,7 @@ fn picture(shapes: &[Shape], region: &Region, packing: &Packing) -> String {
     );
     let draw = |svg: &mut String, text: std::fmt::Arguments| svg.write_fmt(text).expect("a string takes all");
     for ring in region.rings() {
-        let points: Vec<String> = ring.iter().map(|c| format!("{},{}", c.x, c.y)).collect();
+        let points: Vec<String> = ring.corners().iter().map(|c| format!("{},{}", c.x, c.y)).collect();
         let line = 0.002 * wide;
         draw(
             &mut svg,

@@ -9,7 +9,7 @@ use crate::person::Person;
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
 use lemons_files::{Change, Scratch, Staged, StagedDirectory, WriteError, change_all};
-use lemons_plane::{Pose, Vec2, vec2};
+use lemons_plane::{Pose, Ring, Vec2};
 use lemons_trial::{
     Agent, AgentDynamics, Contact, Geometry, INTERACTIONS, Interactions, Material, Materials, Parameters,
     Trial, Wall,
@@ -86,19 +86,13 @@ pub fn paper_materials() -> Materials {
 
 /// Returns closed walls \[m\] of one material: the outline of a region, then its holes. Its dimensions are those of the
 /// first wall; the drawn area begins at the origin, as in the paper's files. Without rings: the open plane.
-pub fn walls(rings: &[Vec<Vec2>], material: &str) -> Geometry {
-    let closed = |ring: &Vec<Vec2>| ring.iter().chain(ring.first()).copied().collect();
-    let wall = |(id, ring): (usize, &Vec<Vec2>)| Wall {
+pub fn walls(rings: &[Ring], material: &str) -> Geometry {
+    let wall = |(id, ring): (usize, &Ring)| Wall {
         id: id.to_string(),
         material_id: material.into(),
-        corners: closed(ring),
+        corners: ring.closed().to_vec(),
     };
-    let dimensions = rings.first().map(|ring| {
-        let (low, high) = ring.iter().fold((ring[0], ring[0]), |(low, high), corner| {
-            (vec2(low.x.min(corner.x), low.y.min(corner.y)), vec2(high.x.max(corner.x), high.y.max(corner.y)))
-        });
-        high - low
-    });
+    let dimensions = rings.first().map(|ring| ring.bounds().size());
     Geometry { dimensions, walls: rings.iter().enumerate().map(wall).collect() }
 }
 
@@ -342,6 +336,7 @@ pub fn write_trial_zip(trial: &Trial, file: &Path) -> Result<(), TrialError> {
 mod tests {
     use super::*;
     use crate::person::Sex;
+    use lemons_plane::{Bounds, vec2};
     use tempfile::TempDir;
 
     fn person(breadth: f64) -> Person {
@@ -353,7 +348,7 @@ mod tests {
     }
 
     fn square(side: f64) -> Geometry {
-        walls(&[vec![vec2(0.0, 0.0), vec2(side, 0.0), vec2(side, side), vec2(0.0, side)]], "concrete")
+        walls(&[Ring::around(Bounds { low: Vec2::ZERO, high: vec2(side, side) })], "concrete")
     }
 
     fn two(settings: &TrialSettings) -> Result<Trial, TrialError> {

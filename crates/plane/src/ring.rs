@@ -1,6 +1,6 @@
 //! Closed polygons.
 
-use crate::{Bounds, Vec2, segments_touch, turn, vec2};
+use crate::{Bounds, Vec2, ray_crosses, segments_touch, turn, vec2};
 
 /// A closed polygon, clockwise or counter-clockwise.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,14 @@ impl Ring {
     /// Returns the rim of a rectangle, counter-clockwise from the lowest corner.
     pub fn around(Bounds { low, high }: Bounds) -> Ring {
         Ring { corners: vec![low, vec2(high.x, low.y), high, vec2(low.x, high.y), low] }
+    }
+
+    /// Returns the ring in the other direction, from what was its last corner.
+    pub fn reversed(mut self) -> Ring {
+        self.corners.pop();
+        self.corners.reverse();
+        self.corners.push(self.corners[0]);
+        self
     }
 
     /// Returns the corners \[m\]; the first is repeated at the end.
@@ -60,10 +68,7 @@ impl Ring {
     /// Returns whether a point \[m\] lies inside: a ray to the right crosses the ring an odd number of times. On the
     /// rim the result may be either.
     pub fn contains(&self, p: Vec2) -> bool {
-        let crossed = self.sides().filter(|(a, b)| {
-            (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
-        });
-        crossed.count() % 2 == 1
+        self.sides().filter(|&(a, b)| ray_crosses(p, a, b)).count() % 2 == 1
     }
 
     /// Returns whether the rims have a common point.
@@ -102,7 +107,7 @@ mod tests {
     fn area_and_sense_of_an_l() {
         let l = ring(&[(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)]);
         assert_eq!((l.signed_area(), l.corners().len(), l.closed().len()), (4.0, 6, 7));
-        let turned = Ring::through(l.corners().iter().rev().copied().collect()).unwrap();
+        let turned = l.clone().reversed();
         assert_eq!((turned.signed_area(), turned.area()), (-4.0, 4.0));
         assert_eq!(l.bounds(), Bounds { low: vec2(0.0, 0.0), high: vec2(2.0, 3.0) });
         assert!(l.contains(vec2(0.5, 2.5)) && l.contains(vec2(1.5, 0.5)) && !l.contains(vec2(1.5, 1.5)));

@@ -10,20 +10,21 @@ pub fn turn(a: Vec2, b: Vec2, c: Vec2) -> f64 {
 
 /// Returns whether the segments `a b` and `c d` have a common point.
 pub fn segments_touch(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
-    let on = |p: Vec2, q: Vec2, r: Vec2| {
-        turn(p, q, r) == 0.0
-            && r.x >= p.x.min(q.x)
-            && r.x <= p.x.max(q.x)
-            && r.y >= p.y.min(q.y)
-            && r.y <= p.y.max(q.y)
-    };
     let (c_side, d_side) = (turn(a, b, c), turn(a, b, d));
-    let (a_side, b_side) = (turn(c, d, a), turn(c, d, b));
-    (c_side * d_side < 0.0 && a_side * b_side < 0.0)
-        || on(a, b, c)
-        || on(a, b, d)
-        || on(c, d, a)
-        || on(c, d, b)
+    if c_side == 0.0 && d_side == 0.0 {
+        // On one line: they touch if their bounding rectangles do.
+        let apart = |a: f64, b: f64, c: f64, d: f64| a.max(b) < c.min(d) || c.max(d) < a.min(b);
+        return !apart(a.x, b.x, c.x, d.x) && !apart(a.y, b.y, c.y, d.y);
+    }
+    let parts = |p: f64, q: f64| (p > 0.0 && q > 0.0) || (p < 0.0 && q < 0.0);
+    !parts(c_side, d_side) && !parts(turn(c, d, a), turn(c, d, b))
+}
+
+/// Returns whether the ray from `p` in the direction of x crosses the segment `a b`. Of a segment's ends, only the lower
+/// one belongs to it, so a ray through a corner crosses one of two sides, or both or neither.
+#[inline]
+pub fn ray_crosses(p: Vec2, a: Vec2, b: Vec2) -> bool {
+    (a.y > p.y) != (b.y > p.y) && (turn(a, b, p) > 0.0) == (b.y > a.y)
 }
 
 /// Returns the point of the segment `a b` nearest to `p`; `a` if the segment has no length.
@@ -50,6 +51,17 @@ mod tests {
         assert!(!segments_touch(o, e, n, ne));
         assert!(!segments_touch(o, e, vec2(1.5, 0.0), vec2(2.0, 0.0)));
         assert!(!segments_touch(o, e, vec2(0.5, 1e-9), vec2(0.5, 1.0)));
+    }
+
+    #[test]
+    fn a_ray_crosses_what_is_to_the_right() {
+        let (low, high) = (vec2(1.0, 0.0), vec2(2.0, 2.0));
+        for (a, b) in [(low, high), (high, low)] {
+            assert!(ray_crosses(vec2(0.0, 1.0), a, b) && !ray_crosses(vec2(3.0, 1.0), a, b));
+            assert!(ray_crosses(vec2(0.0, 0.0), a, b) && !ray_crosses(vec2(0.0, 2.0), a, b));
+            assert!(!ray_crosses(vec2(0.0, -1.0), a, b));
+        }
+        assert!(!ray_crosses(vec2(0.0, 0.0), low, vec2(5.0, 0.0)));
     }
 
     #[test]

@@ -8,7 +8,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// Why a sweep cannot be read, run or kept.
 ///
-/// A text does not contain that of its [`source()`](StdError::source): all of them together, with `: ` between them, are
+/// A text does not contain that of its [`source()`](std::error::Error::source): all of them together, with `: ` between them, are
 /// the whole message.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

@@ -3,7 +3,7 @@
 //!
 //! Nothing is guarded by default: the library of an FMU never guards a file.
 
-use super::only_path;
+use super::paths::only_path;
 use std::collections::BTreeMap;
 use std::fs::Metadata;
 use std::io;

@@ -6,7 +6,7 @@ use super::{
     measure, reach,
 };
 use crate::shape::Shape;
-use lemons_plane::{Pose, Rotation, Vec2, vec2};
+use lemons_plane::{Bounds, Pose, Rotation, Vec2, segments_touch, vec2};
 use std::f64::consts::PI;
 
 /// Settings of [`grid()`].
@@ -137,11 +137,8 @@ fn in_the_open(count: usize, spacing: Vec2) -> Vec<Vec2> {
 /// offsets of the grid it uses the one with most places, and as few rows as the shapes need.
 fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Extent], wanted: usize) -> Vec<Vec2> {
     let back = Rotation { sin: -turn.sin, cos: turn.cos };
-    let corners = region.rings()[0].iter().map(|c| c.rotated(back));
-    let far = vec2(f64::INFINITY, f64::INFINITY);
-    let (low, high) = corners.fold((far, -far), |(low, high), c| {
-        (vec2(low.x.min(c.x), low.y.min(c.y)), vec2(high.x.max(c.x), high.y.max(c.y)))
-    });
+    let corners = region.rings()[0].corners().iter().map(|c| c.rotated(back));
+    let Some(Bounds { low, high }) = Bounds::of(corners) else { return Vec::new() };
     // The smallest box that contains every shape, each box centred at the origin.
     let half = extents.iter().fold(Vec2::ZERO, |half, e| {
         let own = (e.high - e.low) * 0.5;
@@ -205,7 +202,7 @@ fn box_inside(region: &Region, corners: &[Vec2; 4]) -> bool {
     });
     let sides = [(0, 1), (1, 2), (2, 3), (3, 0)];
     region.edges().iter().all(|e| {
-        let crosses = sides.iter().any(|&(a, b)| super::region::meet(e.start, e.end, shrunk[a], shrunk[b]));
+        let crosses = sides.iter().any(|&(a, b)| segments_touch(e.start, e.end, shrunk[a], shrunk[b]));
         let along = [shrunk[1] - shrunk[0], shrunk[3] - shrunk[0]];
         let within =
             |p: Vec2| along.iter().all(|u| (0.0..=u.norm_squared()).contains(&(p - shrunk[0]).dot(*u)));

@@ -6,7 +6,7 @@ use super::neighbours::CellGrid;
 use super::region::Edge;
 use super::{Circle, Orientation, Region};
 use crate::shape::Shape;
-use lemons_plane::{Pose, Rotation, Vec2, vec2};
+use lemons_plane::{Bounds, Pose, Rotation, Vec2, vec2};
 
 /// \[m\] The list of near pairs is made again when something has moved by half of this. Results do not depend on it.
 const SKIN: f64 = 0.08;
@@ -478,7 +478,7 @@ const MOST_CELLS: f64 = 65536.0;
 impl EdgeGrid {
     /// Makes a grid in which each point of a cell finds all edges within a distance \[m\].
     fn new(region: &Region, distance: f64) -> EdgeGrid {
-        let Some((low, high)) = region.bounds() else { return EdgeGrid::default() };
+        let Some(Bounds { low, high }) = region.bounds() else { return EdgeGrid::default() };
         let (width, height) = (high.x - low.x, high.y - low.y);
         let cell =
             (0.5 * distance).max((width * height / MOST_CELLS).sqrt()).max(width.max(height) / MOST_CELLS);

@@ -1,7 +1,7 @@
 //! The region in which people may stand.
 
 use super::random::Random;
-use lemons_plane::{Vec2, vec2};
+use lemons_plane::{Bounds, Ring, Vec2, ray_crosses, segments_touch, vec2};
 use lemons_trial::Geometry;
 
 /// \[m\] Corners further from the origin are refused: up to there a millimetre is exact.
@@ -14,9 +14,8 @@ const MOST_CORNERS: usize = 10_000;
 /// A part of the plane: all of it, or a simple polygon with holes.
 #[derive(Debug, Clone)]
 pub struct Region {
-    /// The outer polygon, then the holes, without repeating the first corner; the inside is to their left. Empty for
-    /// the open plane.
-    rings: Vec<Vec<Vec2>>,
+    /// The outer polygon, then the holes; the inside is to their left. Empty for the open plane.
+    rings: Vec<Ring>,
     edges: Vec<Edge>,
     area: f64,
     slabs: Vec<Slab>,
@@ -166,8 +165,8 @@ impl Region {
         if named.is_empty() {
             return Err(RegionError::NoWalls);
         }
-        let largest = (0..named.len())
-            .max_by(|&a, &b| signed_area(named[a].1).abs().total_cmp(&signed_area(named[b].1).abs()));
+        let area = |k: usize| Ring::through(named[k].1.to_vec()).map_or(0.0, |ring| ring.area());
+        let largest = (0..named.len()).max_by(|&a, &b| area(a).total_cmp(&area(b)));
         named.swap(0, largest.unwrap_or(0));
         Region::of_rings(&named)
     }
@@ -181,26 +180,23 @@ impl Region {
         for (name, corners) in named {
             rings.push(checked_ring(name, corners)?);
         }
-        let edges: Vec<Edge> = rings.iter().flat_map(|ring: &Vec<Vec2>| ring_edges(ring)).collect();
-        refuse_crossings(named, &rings, &edges)?;
+        refuse_crossings(named, &rings)?;
         for (k, ring) in rings.iter().enumerate().skip(1) {
-            let within = |other: &Vec<Vec2>| winds_round(ring_edges(other), ring[0]);
+            let within = |other: &Ring| other.contains(ring.corners()[0]);
             let in_a_hole = rings.iter().enumerate().skip(1).any(|(j, other)| j != k && within(other));
             if !within(&rings[0]) || in_a_hole {
                 return Err(RegionError::HoleOutside { ring: named[k].0.clone() });
             }
         }
-        let area =
-            signed_area(&rings[0]).abs() - rings[1..].iter().map(|r| signed_area(r).abs()).sum::<f64>();
+        let area = rings[0].area() - rings[1..].iter().map(Ring::area).sum::<f64>();
         if area < SMALLEST_AREA {
             return Err(RegionError::NoArea { ring: "the polygon without its holes".into(), area });
         }
-        for (k, ring) in rings.iter_mut().enumerate() {
-            if (signed_area(ring) > 0.0) != (k == 0) {
-                ring.reverse();
-            }
-        }
-        let edges: Vec<Edge> = rings.iter().flat_map(|ring: &Vec<Vec2>| ring_edges(ring)).collect();
+        let inside_to_the_left = |(k, ring): (usize, Ring)| {
+            if (ring.signed_area() > 0.0) == (k == 0) { ring } else { ring.reversed() }
+        };
+        let rings: Vec<Ring> = rings.into_iter().enumerate().map(inside_to_the_left).collect();
+        let edges: Vec<Edge> = rings.iter().flat_map(edges).collect();
         let slabs = slabs(&edges);
         Ok(Region { rings, edges, area, slabs })
     }
@@ -215,23 +211,19 @@ impl Region {
         self.rings.is_empty()
     }
 
-    /// Returns the outer polygon, then the holes \[m\], without repeating their first corners; empty for the open
-    /// plane.
-    pub fn rings(&self) -> &[Vec<Vec2>] {
+    /// Returns the outer polygon, then the holes \[m\]; empty for the open plane.
+    pub fn rings(&self) -> &[Ring] {
         &self.rings
     }
 
     /// Returns the lowest and the highest coordinates \[m\]; `None` for the open plane.
-    pub fn bounds(&self) -> Option<(Vec2, Vec2)> {
-        let outer = self.rings.first()?;
-        let low = outer.iter().fold(outer[0], |low, c| vec2(low.x.min(c.x), low.y.min(c.y)));
-        let high = outer.iter().fold(outer[0], |high, c| vec2(high.x.max(c.x), high.y.max(c.y)));
-        Some((low, high))
+    pub fn bounds(&self) -> Option<Bounds> {
+        self.rings.first().map(Ring::bounds)
     }
 
     /// Returns whether a point \[m\] lies inside. On the boundary the result may be either.
     pub fn contains(&self, point: Vec2) -> bool {
-        self.is_plane() || winds_round(self.edges.iter().copied(), point)
+        self.is_plane() || self.edges.iter().filter(|e| ray_crosses(point, e.start, e.end)).count() % 2 == 1
     }
 
     /// Returns the distance \[m\] of a point inside from the boundary; negative outside, infinite in the open plane.
@@ -315,30 +307,11 @@ fn slabs(edges: &[Edge]) -> Vec<Slab> {
     slabs
 }
 
-fn ring_edges(ring: &[Vec2]) -> impl Iterator<Item = Edge> + '_ {
-    (0..ring.len()).map(|k| {
-        let (start, end) = (ring[k], ring[(k + 1) % ring.len()]);
-        Edge { start, end, inverse_square: 1.0 / (end - start).norm_squared() }
-    })
+fn edges(ring: &Ring) -> impl Iterator<Item = Edge> + '_ {
+    ring.sides().map(|(start, end)| Edge { start, end, inverse_square: 1.0 / (end - start).norm_squared() })
 }
 
-/// Whether a ray from the point crosses an odd number of edges.
-fn winds_round(edges: impl Iterator<Item = Edge>, point: Vec2) -> bool {
-    let crosses = |e: &Edge| {
-        (e.start.y > point.y) != (e.end.y > point.y)
-            // The edge passes to the right of the point.
-            && ((e.end - e.start).cross(point - e.start) > 0.0) == (e.end.y > e.start.y)
-    };
-    edges.filter(crosses).count() % 2 == 1
-}
-
-/// By the shoelace formula about the first corner; the ring may repeat it at the end.
-fn signed_area(ring: &[Vec2]) -> f64 {
-    let Some(&first) = ring.first() else { return 0.0 };
-    0.5 * ring.windows(2).map(|p| (p[0] - first).cross(p[1] - first)).sum::<f64>()
-}
-
-fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Vec<Vec2>, RegionError> {
+fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Ring, RegionError> {
     for (corner, c) in corners.iter().enumerate() {
         // Also catches NaN.
         if !(c.x.abs() <= FARTHEST && c.y.abs() <= FARTHEST) {
@@ -350,40 +323,34 @@ fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Vec<Vec2>, RegionError> 
     while ring.len() > 1 && ring.first() == ring.last() {
         ring.pop();
     }
-    if ring.len() < 3 {
-        return Err(RegionError::TooFewCorners { ring: name.into(), corners: ring.len() });
-    }
-    let area = signed_area(&ring).abs();
+    let few = RegionError::TooFewCorners { ring: name.into(), corners: ring.len() };
+    let ring = if ring.len() < 3 { None } else { Ring::through(ring) }.ok_or(few)?;
+    let area = ring.area();
     if area < SMALLEST_AREA {
         return Err(RegionError::NoArea { ring: name.into(), area });
     }
     Ok(ring)
 }
 
-fn refuse_crossings(
-    named: &[(String, &[Vec2])],
-    rings: &[Vec<Vec2>],
-    edges: &[Edge],
-) -> Result<(), RegionError> {
+fn refuse_crossings(named: &[(String, &[Vec2])], rings: &[Ring]) -> Result<(), RegionError> {
     // Edges with their ring and index, sorted by their left ends: the search stops at edges that begin right of an
     // edge.
-    let mut placed: Vec<(usize, usize, Edge)> = Vec::with_capacity(edges.len());
-    let mut edge = edges.iter();
-    for (ring, corners) in rings.iter().enumerate() {
-        placed.extend(edge.by_ref().take(corners.len()).enumerate().map(|(k, e)| (ring, k, *e)));
+    let mut placed: Vec<(usize, usize, Edge)> = Vec::new();
+    for (n, ring) in rings.iter().enumerate() {
+        placed.extend(edges(ring).enumerate().map(|(k, edge)| (n, k, edge)));
     }
     let left = |e: &Edge| e.start.x.min(e.end.x);
     placed.sort_by(|a, b| left(&a.2).total_cmp(&left(&b.2)));
     for (n, &(ring_a, a, first)) in placed.iter().enumerate() {
         let right = first.start.x.max(first.end.x);
         for &(ring_b, b, second) in placed[n + 1..].iter().take_while(|(_, _, e)| left(e) <= right) {
-            let count = rings[ring_a].len();
+            let count = rings[ring_a].corners().len();
             let meet = if ring_a == ring_b && (a + 1) % count == b {
                 folds_back(&first, &second)
             } else if ring_a == ring_b && (b + 1) % count == a {
                 folds_back(&second, &first)
             } else {
-                touch(&first, &second)
+                segments_touch(first.start, first.end, second.start, second.end)
             };
             if meet {
                 let name = |ring: usize, k: usize| format!("edge {k} of {}", named[ring].0);
@@ -400,24 +367,4 @@ fn refuse_crossings(
 fn folds_back(before: &Edge, after: &Edge) -> bool {
     let (u, v) = (before.end - before.start, after.end - after.start);
     u.cross(v) == 0.0 && u.dot(v) < 0.0
-}
-
-/// Whether two segments have a common point.
-pub(super) fn meet(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
-    let piece = |start, end| Edge { start, end, inverse_square: 0.0 };
-    touch(&piece(a, b), &piece(c, d))
-}
-
-/// Whether two edges have a common point.
-fn touch(a: &Edge, b: &Edge) -> bool {
-    let side = |e: &Edge, p: Vec2| (e.end - e.start).cross(p - e.start);
-    let (b0, b1, a0, a1) = (side(a, b.start), side(a, b.end), side(b, a.start), side(b, a.end));
-    if b0 == 0.0 && b1 == 0.0 {
-        // On one line: do their bounding boxes meet?
-        let apart = |a0: f64, a1: f64, b0: f64, b1: f64| a0.max(a1) < b0.min(b1) || b0.max(b1) < a0.min(a1);
-        return !apart(a.start.x, a.end.x, b.start.x, b.end.x)
-            && !apart(a.start.y, a.end.y, b.start.y, b.end.y);
-    }
-    let parts = |p: f64, q: f64| (p > 0.0 && q > 0.0) || (p < 0.0 && q < 0.0);
-    !parts(b0, b1) && !parts(a0, a1)
 }

@@ -7,7 +7,7 @@ use lemons_people::placing::{
     TOLERANCE, dense, grid, measure, paper,
 };
 use lemons_people::{Disk, Shape};
-use lemons_plane::{Pose, Vec2, vec2};
+use lemons_plane::{Bounds, Pose, Vec2, vec2};
 use lemons_trial::{Geometry, Wall};
 use people::people;
 use std::ops::ControlFlow;
@@ -70,8 +70,7 @@ fn inside(region: &Region, (x, y): (f64, f64)) -> bool {
     }
     let mut turned = 0.0;
     for ring in region.rings() {
-        for k in 0..ring.len() {
-            let (a, b) = (ring[k], ring[(k + 1) % ring.len()]);
+        for (a, b) in ring.sides() {
             let (a, b) = ((a.x - x, a.y - y), (b.x - x, b.y - y));
             turned += (a.0 * b.1 - a.1 * b.0).atan2(a.0 * b.0 + a.1 * b.1);
         }
@@ -411,7 +410,7 @@ fn regions_know_their_inside() {
         assert_eq!(region.contains(vec2(x, y)), depth > 0.0);
     }
     assert!(region.contains_disk(vec2(4.0, 1.0), 0.99) && !region.contains_disk(vec2(4.0, 1.0), 1.01));
-    assert_eq!(region.bounds(), Some((vec2(0.0, 0.0), vec2(5.0, 4.0))));
+    assert_eq!(region.bounds(), Some(Bounds { low: vec2(0.0, 0.0), high: vec2(5.0, 4.0) }));
     let plane = Region::plane();
     assert!(plane.is_plane() && plane.area() == f64::INFINITY && plane.contains_disk(vec2(1e9, 0.0), 1e6));
 }

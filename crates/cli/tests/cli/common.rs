@@ -1,5 +1,4 @@
 //! What the tests of the command share.
-#![allow(dead_code)] // each test uses a part
 
 pub use lemons_testing::{repository as root, trial_push as default_trial};
 use std::path::Path;

@@ -1,8 +1,6 @@
 //! PDF: what is in the file, and that it shows what the PNG shows.
 
-mod common;
-
-use common::{pedestrian, trial};
+use crate::common::{pedestrian, trial};
 use lemons_picture::*;
 use lemons_plane::vec2;
 use lemons_trial::Trial;

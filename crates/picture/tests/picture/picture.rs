@@ -1,8 +1,6 @@
 //! What is in the pictures.
 
-mod common;
-
-use common::{agent, pedestrian, trial};
+use crate::common::{agent, pedestrian, trial};
 use lemons_picture::{
     Colour, Fill, Pose, Scene, Style, Theme, Values, View, Visibility, body_area, png, svg, viridis,
 };

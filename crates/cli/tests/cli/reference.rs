@@ -1,6 +1,6 @@
 //! docs/command.md is what clap knows of the command; man pages and completions can be made.
 
-#[path = "../examples/reference/page.rs"]
+#[path = "../../examples/reference/page.rs"]
 mod page;
 
 use clap_complete::Shell;

@@ -37,7 +37,7 @@ fn columns_are_outputs_of_the_fmu_in_its_units() {
     }
 }
 
-/// For tests of programs in other languages. `COLUMNS_TABLE=write cargo test -p lemons-record --test columns` writes it.
+/// For tests of programs in other languages. `COLUMNS_TABLE=write cargo test -p lemons-record --test record columns` writes it.
 #[test]
 fn the_committed_table_is_that_of_the_library() {
     let groups = Groups { contacts: true, of_step: true, totals: true };
@@ -56,7 +56,7 @@ fn the_committed_table_is_that_of_the_library() {
     let committed = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(
         committed == text,
-        "write it again: COLUMNS_TABLE=write cargo test -p lemons-record --test columns"
+        "write it again: COLUMNS_TABLE=write cargo test -p lemons-record --test record columns"
     );
 }
 

@@ -1,8 +1,6 @@
 //! Forces, trails, density and sheets in the SVG.
 
-mod common;
-
-use common::{pedestrian, trial};
+use crate::common::{pedestrian, trial};
 use lemons_picture::*;
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::Trial;

@@ -1,6 +1,6 @@
 //! Coupled FMUs against loops written out here, and against recurrences done by hand.
 
-#[path = "../../../tests/coupling/controller.rs"]
+#[path = "../../../../tests/coupling/controller.rs"]
 mod controller;
 
 use controller::{DESCRIPTION, write_controller, write_zip};

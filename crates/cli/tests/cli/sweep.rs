@@ -1,8 +1,6 @@
 //! `lemons sweep`: what it finds is what single runs find, and nothing is lost.
 
-mod common;
-
-use common::{assert_code, command, default_trial, done, err, lemons, out};
+use crate::common::{assert_code, command, default_trial, done, err, lemons, out};
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;

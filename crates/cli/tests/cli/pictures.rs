@@ -1,8 +1,6 @@
 //! `lemons plot` and `lemons movie`: what is in the pictures is what was in the run.
 
-mod common;
-
-use common::{assert_code, command, default_trial, done, err, lemons};
+use crate::common::{assert_code, command, default_trial, done, err, lemons};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;

@@ -1,6 +1,6 @@
 //! `lemons connect` and `lemons run FILE.ssp` as their users meet them.
 
-#[path = "../../../tests/coupling/controller.rs"]
+#[path = "../../../../tests/coupling/controller.rs"]
 mod controller;
 
 use controller::{DESCRIPTION, write_controller, write_zip};

@@ -1,8 +1,6 @@
 //! The command as its users meet it: exit codes, messages, files.
 
-mod common;
-
-use common::{assert_code, copy_trial, default_trial, err, lemons, out};
+use crate::common::{assert_code, copy_trial, default_trial, err, lemons, out};
 use lemons_master::{Observer, Prepared, Reached, Settings, System};
 use std::fs;
 use std::path::Path;

@@ -1,8 +1,6 @@
 //! What `lemons run` writes, stops and goes on with.
 
-mod common;
-
-use common::{command, out};
+use crate::common::{command, out};
 use crowd_mechanics::setup;
 use lemons_record::Run;
 use std::fs::{self, File};
@@ -194,7 +192,7 @@ fn broken_parquet_is_refused_without_a_panic() {
 fn the_greatest_mean_is_of_a_step_and_not_of_the_start() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
-    let (mut trial, _) = setup::read(Path::new(&crate::trial())).unwrap();
+    let (mut trial, _) = setup::read(Path::new(&trial())).unwrap();
     trial.dynamics[1].position.x -= 0.08;
     trial.write(&at.join("T")).unwrap();
     let summary = said(&lemons(at, &["run", "T", "--until", "0.2", "--no-drive"]), 0);

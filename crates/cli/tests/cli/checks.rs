@@ -1,8 +1,6 @@
 //! What is refused before it is begun, and what `lemons check` warns of.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use lemons_plane::vec2;
 use std::fs;
 use std::path::Path;

@@ -1,8 +1,6 @@
 //! What the top-level `build.rs` says of the sources: it is compiled here and run on repositories of its own.
 
-mod common;
-
-use common::{done, out};
+use crate::common::{done, out};
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};

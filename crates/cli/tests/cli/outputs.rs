@@ -1,11 +1,9 @@
 //! What becomes of the files and streams that the command writes: closed pipes, full disks, signals, devices.
-#![cfg(unix)]
 
-mod common;
-#[path = "../src/files/roles.rs"]
+#[path = "../../src/files/roles.rs"]
 mod roles;
 
-use common::{assert_code, command, decision_library, default_trial, done, err, lemons, out};
+use crate::common::{assert_code, command, decision_library, default_trial, done, err, lemons, out};
 use roles::{ROLES, Role};
 use std::fs::File;
 use std::os::unix::fs::{FileTypeExt, symlink};

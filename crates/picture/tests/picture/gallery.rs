@@ -1,8 +1,6 @@
 //! Pictures to look at, in the target directory.
 
-mod common;
-
-use common::{agent, pedestrian, shared, trial};
+use crate::common::{agent, pedestrian, shared, trial};
 use lemons_picture::*;
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::{Shape, Trial};

@@ -1,0 +1,16 @@
+//! The `lemons` command as its users meet it.
+//!
+//! One program for all of them: linking takes longer than compiling.
+
+mod checks;
+mod command;
+mod common;
+mod coupling;
+#[cfg(unix)]
+mod outputs;
+mod people;
+mod pictures;
+mod reference;
+mod results;
+mod sweep;
+mod version;
