@@ -45,3 +45,21 @@ fn start(trial: &Trial, variable: &Variable) -> Option<String> {
         quantity => in_documents(trial, quantity).map(number),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::setup;
+    use lemons_testing::{repository, trial_push};
+
+    #[test]
+    fn the_committed_one_is_the_generated_one() {
+        let (trial, warnings) = setup::read(&trial_push()).unwrap();
+        assert!(warnings.is_empty(), "{warnings}");
+        let committed = std::fs::read_to_string(repository().join("fmu/modelDescription.xml")).unwrap();
+        assert!(
+            committed == model_description(&trial, Naming::Structured),
+            "regenerate it: cargo run --release -- describe resources/Trial_push > fmu/modelDescription.xml"
+        );
+    }
+}
