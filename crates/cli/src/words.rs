@@ -34,6 +34,7 @@ pub fn refused(error: PrepareError) -> anyhow::Error {
             anyhow!("--step {step:?}: the saved run has a communication step of {saved:?} s")
         }
         E::OtherEvery { every, saved } => anyhow!("--every {every}: the saved run has --every {saved}"),
+        E::Every => anyhow!("{error} (--every)"),
         E::OtherDrive => {
             anyhow!("{error}: give the same drive file as before, or --no-drive as before")
         }

@@ -3,6 +3,28 @@
 /// Why there are no such communication points.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ClockError {
+    /// A time or the step is infinite or not a number.
+    #[error("{what} {value:?} s: not a finite number")]
+    NotFinite {
+        /// Which one.
+        what: &'static str,
+        /// \[s\]
+        value: f64,
+    },
+    /// The step is zero or negative.
+    #[error("a communication step of {step:?} s: it must be greater than 0")]
+    NotPositive {
+        /// \[s\]
+        step: f64,
+    },
+    /// The end is not after the start.
+    #[error("from {start:?} to {until:?} s there is nothing to simulate")]
+    Nothing {
+        /// \[s\]
+        start: f64,
+        /// \[s\]
+        until: f64,
+    },
     /// More of them than are made.
     #[error(
         "from {start:?} to {until:?} s there are {:.4e} communication steps of {step:?} s: at most {most:e} are made",
@@ -47,20 +69,42 @@ impl Clock {
     /// Greatest number of communication steps of a run: more take weeks, and their results fill any disk.
     pub const MOST_STEPS: u64 = 1_000_000_000;
 
-    /// The communication points of a run.
+    /// The communication points from `start` to `until` \[s\] with a communication step \[s\]. If `until` is a multiple
+    /// of the step except for rounding, the last point is that multiple, as every longer run has it. Otherwise the
+    /// last step is shorter.
     ///
     /// # Errors
-    /// There are too many, or the step is lost in rounding.
+    /// A value is not finite, the step is not positive, `until` is not after `start`, there are too many points, or the
+    /// step is lost in rounding.
     pub fn new(start: f64, step: f64, until: f64) -> Result<Clock, ClockError> {
-        let steps = ((until - start) / step - 1e-9).ceil().max(1.0);
-        let mut clock = Clock { start, step, until, steps: steps as u64 };
+        for (what, value) in [("start time", start), ("communication step", step), ("stop time", until)] {
+            if !value.is_finite() {
+                return Err(ClockError::NotFinite { what, value });
+            }
+        }
+        if step <= 0.0 {
+            return Err(ClockError::NotPositive { step });
+        }
+        if until <= start {
+            return Err(ClockError::Nothing { start, until });
+        }
+        let quotient = (until - start) / step;
+        let mut clock = Clock { start, step, until, steps: quotient.round().max(1.0) as u64 };
         clock.check_at_most(Clock::MOST_STEPS)?;
         if start + step <= start || until - step >= until {
             return Err(ClockError::Lost { start, step, until });
         }
-        // As every longer run has it: multiples are rounded.
-        if (clock.point(clock.steps) - until).abs() <= 1e-9 * step {
-            clock.until = clock.point(clock.steps);
+        // Both the quotient and the multiple are rounded: by less than a few of the smallest differences of such times.
+        let rounding = 4.0 * (until.abs().next_up() - until.abs()).max(start.abs().next_up() - start.abs());
+        let multiple = clock.point(clock.steps);
+        if (multiple - until).abs() <= rounding.max(1e-9 * step) {
+            clock.until = multiple;
+        } else {
+            clock.steps = quotient.ceil().max(1.0) as u64;
+        }
+        // No step has the length 0.
+        while clock.steps > 1 && clock.point(clock.steps - 1) >= clock.until {
+            clock.steps -= 1;
         }
         Ok(clock)
     }
@@ -111,6 +155,37 @@ mod tests {
         assert!(said(-1e308, 1.0, 1e308).contains("communication steps"));
         assert!(said(1e17, 0.05, 1e17 + 64.0).contains("is lost in rounding"));
         assert!(Clock::new(0.0, 1e299, 1e300).is_ok());
+        assert!(said(0.0, 1e-300, 1e300).contains("communication steps of 1e-300 s: at most 1e9"));
+    }
+
+    #[test]
+    fn values_outside_of_the_domain_are_named() {
+        let said = |start, step, until| Clock::new(start, step, until).unwrap_err().to_string();
+        assert_eq!(said(0.0, f64::NAN, 1.0), "communication step NaN s: not a finite number");
+        assert_eq!(said(f64::NEG_INFINITY, 0.1, 1.0), "start time -inf s: not a finite number");
+        assert_eq!(said(0.0, 0.1, f64::NAN), "stop time NaN s: not a finite number");
+        assert_eq!(said(0.0, 0.0, 1.0), "a communication step of 0.0 s: it must be greater than 0");
+        assert_eq!(said(0.0, -0.1, 1.0), "a communication step of -0.1 s: it must be greater than 0");
+        assert_eq!(said(2.0, 0.1, 2.0), "from 2.0 to 2.0 s there is nothing to simulate");
+    }
+
+    /// The quotient of a long run is wrong by more than 1e-9.
+    #[test]
+    fn a_long_run_has_no_step_of_length_zero() {
+        let random = |k: u64| (k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 33) % 1_000_000_000 + 1;
+        let hundredths = [1, 2, 3, 5, 6, 7, 10, 12, 25, 30];
+        for (k, hundredth) in (1..20_000).zip(hundredths.into_iter().cycle()) {
+            let (steps, step) = (random(k), f64::from(hundredth) / 100.0);
+            let until = (hundredth as u64 * steps) as f64 / 100.0;
+            let clock = Clock::new(0.0, step, until).unwrap();
+            assert_eq!((clock.steps, clock.until), (steps, clock.point(steps)), "{step} {until}");
+            assert!(clock.point(steps - 1) < clock.until);
+        }
+        // Far from 0 times are coarse.
+        for start in [1e6, 1e9, -1e9] {
+            let clock = Clock::new(start, 0.01, start + 0.07).unwrap();
+            assert_eq!((clock.steps, clock.end(6)), (7, clock.point(7)));
+        }
     }
 
     /// Steps that people write, and times until which they simulate, with what the clock makes of them: the Python
@@ -119,16 +194,30 @@ mod tests {
     fn the_table_of_pairs_is_up_to_date() {
         let steps =
             [0.001, 0.002, 0.005, 0.01, 0.02, 0.025, 0.03, 0.04, 0.05, 0.06, 0.07, 0.1, 0.12, 0.2, 0.25, 0.3];
+        let row = |step: f64, until: f64| {
+            let clock = Clock::new(0.0, step, until).unwrap();
+            let middle = clock.steps.div_ceil(2);
+            let middle = if middle == clock.steps { clock.until } else { clock.point(middle) };
+            let last = clock.end(clock.steps - 1);
+            format!("{step:?},{until:?},{},{middle:?},{last:?}\n", clock.steps)
+        };
         let mut table = String::from("step,until,steps,middle,last\n");
         for step in steps {
             for k in 1..=150u32 {
                 // As they are written: with two decimals.
-                let until = (f64::from(k) * 0.07 * 100.0).round() / 100.0;
-                let clock = Clock::new(0.0, step, until).unwrap();
-                let middle = clock.steps.div_ceil(2);
-                let middle = if middle == clock.steps { clock.until } else { clock.point(middle) };
-                let last = clock.end(clock.steps - 1);
-                table += &format!("{step:?},{until:?},{},{middle:?},{last:?}\n", clock.steps);
+                table += &row(step, (f64::from(k) * 0.07 * 100.0).round() / 100.0);
+            }
+        }
+        // Long runs: multiples but for rounding, and some that are none.
+        let long = [(0.06, 1_049_822.58), (0.01, 267_976.78), (0.005, 133_988.39), (0.03, 548_953.29)];
+        for (step, until) in long.into_iter().chain([(0.03, 527_955.18)]) {
+            table += &row(step, until);
+        }
+        for step in [0.001, 0.01, 0.03, 0.06, 0.1] {
+            for steps in [12_345_679.0f64, 98_765_431.0, 300_000_007.0, 999_999_937.0] {
+                let until = (steps * step * 1000.0).round() / 1000.0;
+                table += &row(step, until);
+                table += &row(step, until - 0.0004);
             }
         }
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/clock.csv");

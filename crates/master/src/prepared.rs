@@ -171,6 +171,9 @@ pub enum PrepareError {
         /// What is recorded.
         saved: u64,
     },
+    /// No communication point would be recorded.
+    #[error("one communication point in 0 cannot be recorded: the number must be at least 1")]
+    Every,
     /// The saved run had another drive.
     #[error("the saved run had another drive")]
     OtherDrive,
@@ -183,9 +186,13 @@ impl Prepared {
     /// Prepares a run.
     ///
     /// # Errors
-    /// The settings do not fit together or to the input, or the input, the drive or the saved run is wrong.
+    /// A setting is outside of its domain ([`Settings`]), the settings do not fit together or to the input, or the
+    /// input, the drive or the saved run is wrong.
     pub fn of(settings: &Settings) -> Result<Prepared, PrepareError> {
         check_resumed(settings)?;
+        if settings.every == Some(0) {
+            return Err(PrepareError::Every);
+        }
         let saved = settings.resume.as_deref().map(read_saved).transpose()?;
         let (before, states) = saved.unzip();
         let Opened { mut system, start, stop, coupled, mut warnings } = open(settings)?;

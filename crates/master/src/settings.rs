@@ -15,11 +15,12 @@ pub struct Settings {
     pub parameters: Vec<(String, String)>,
     /// The number of threads of the crowd; not for an SSP, where it is a parameter of each component.
     pub threads: Option<i32>,
-    /// \[s\] The communication step. Default: the Trial's TimeStep; of several components, the smallest.
+    /// \[s\] The communication step, finite and greater than 0. Default: the Trial's TimeStep; of several components, the smallest.
     pub step: Option<f64>,
-    /// \[s\] The end of the run. Default: that of the saved run, the stop time of the SSP, or 5 s.
+    /// \[s\] The end of the run, finite and after its start. Default: that of the saved run, the stop time of the SSP, or 5 s.
     pub until: Option<f64>,
-    /// One communication point in so many is recorded, beginning with the first. Default: that of the saved run, or 1.
+    /// One communication point in so many is recorded, beginning with the first: at least 1. Default: that of the saved
+    /// run, or 1.
     pub every: Option<u64>,
     /// Who is pushed when; in an SSP, connections feed the inputs instead.
     pub drive: DriveChoice,

@@ -77,16 +77,12 @@ impl Directory {
         Ok(directory)
     }
 
-    /// Removes temporary files of a killed process. Only this process writes to the directory.
+    /// Removes temporary files of a killed sweep, and nothing else: other programs may write to the directory, too.
     fn clean(&self) -> std::io::Result<()> {
         for entry in std::fs::read_dir(&self.path)? {
             let entry = entry?;
             let name = entry.file_name();
-            let text = name.to_string_lossy();
-            if !entry.file_type()?.is_file() {
-                continue;
-            }
-            if text.starts_with(".lemons-") || (text.starts_with('.') && text.ends_with(".tmp")) {
+            if entry.file_type()?.is_file() && name.to_str().is_some_and(is_temporary) {
                 std::fs::remove_file(self.path.join(&name))?;
             }
         }
@@ -214,7 +210,7 @@ impl Directory {
         for entry in std::fs::read_dir(&self.path).place(at)? {
             let path = entry.place(at)?.path();
             let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-            if name.starts_with("part-") && name.ends_with(".parquet") {
+            if is_part(name) {
                 parts.push(path);
             }
         }
@@ -226,7 +222,7 @@ impl Directory {
     fn write(&self, name: &str, write: impl FnOnce(&mut Staged) -> Result<()>) -> Result<()> {
         let path = self.path.join(name);
         let written = || {
-            let mut file = Staged::beside(&path)?;
+            let mut file = Staged::beside_as(&path, &temporary(name))?;
             write(&mut file)?;
             file.sync()?;
             Ok::<_, Error>(file.persist()?)
@@ -311,6 +307,20 @@ impl Directory {
     }
 }
 
+fn is_part(name: &str) -> bool {
+    name.starts_with("part-") && name.ends_with(".parquet")
+}
+
+/// The name under which a file is written, until it is complete. The Python package uses the same names.
+fn temporary(name: &str) -> String {
+    format!(".{name}.tmp")
+}
+
+fn is_temporary(name: &str) -> bool {
+    let whole = name.strip_prefix('.').and_then(|name| name.strip_suffix(".tmp"));
+    whole.is_some_and(|whole| whole == MANIFEST || whole == TABLE || is_part(whole))
+}
+
 /// Compares bit for bit.
 fn same(one: Cell<'_>, other: Cell<'_>) -> bool {
     match (one, other) {
@@ -365,5 +375,30 @@ mod tests {
         // The last one only put together what the others had simulated.
         assert_eq!(table.about(BY), Some("0.1.0 (a); 0.1.0 (b)"));
         assert_eq!(kept.read().unwrap(), [row(0), row(1), row(2)]);
+    }
+
+    #[test]
+    fn only_the_sweeps_own_temporary_files_are_removed() {
+        let directory = tempfile::tempdir().unwrap();
+        let at = |name: &str| directory.path().join(name);
+        let points = Points { columns: vec![("mass".to_owned(), Values::Reals(vec![60.0]))], count: 1 };
+        let open = || {
+            Directory::open(directory.path(), Map::new(), &points, &["moved".to_owned()], "0.1.0 (a)").unwrap()
+        };
+        drop(open());
+        // A killed sweep leaves these; the Python package has the same names.
+        let own = [".sweep.json.tmp", ".table.parquet.tmp", ".part-000001.parquet.tmp"];
+        // Another process writes its results here, and the user has notes.
+        let foreign = [".lemons-4711-0", ".notes.tmp", ".part-1.csv.tmp", "table.parquet.tmp"];
+        own.iter().chain(&foreign).for_each(|name| std::fs::write(at(name), "half").unwrap());
+        let sweep = open();
+        assert!(own.iter().all(|name| !at(name).exists()));
+        assert!(foreign.iter().all(|name| at(name).exists()));
+        sweep.add(&[Finished { point: 0, outcome: Ok(vec![Some(1.0)]) }]).unwrap();
+        let mut file = Staged::beside_as(&sweep.table(), &temporary(TABLE)).unwrap();
+        file.write_all(b"half").unwrap();
+        assert!(at(".table.parquet.tmp").exists(), "it is written under a name that the next sweep removes");
+        drop(file);
+        assert!(!at(".table.parquet.tmp").exists());
     }
 }

@@ -31,12 +31,28 @@ def steps_between(start: float, until: float, step: float) -> int:
     """
     if not (math.isfinite(until) and until > start and math.isfinite(step) and step > 0):
         raise ValueError(f"nothing to simulate: from {start} s to {until} s in steps of {step} s")
-    steps = (until - start) / step
-    if steps > MOST_STEPS:
-        raise ValueError(f"from {start} s to {until} s there are {steps:.4e} steps of {step} s: at most {MOST_STEPS:.0e} are made")
+    return _clock(start, until, step)[0]
+
+
+def _clock(start: float, until: float, step: float) -> tuple[int, float]:
+    """Returns the number of communication steps and the last point [s], as `Clock::new` of `lemons run`."""
+    quotient = (until - start) / step
+    if quotient > MOST_STEPS + 0.5:
+        raise ValueError(f"from {start} s to {until} s there are {quotient:.4e} steps of {step} s: at most {MOST_STEPS:.0e} are made")
     if start + step <= start or until - step >= until:
         raise ValueError(f"a communication step of {step} s is lost in rounding between {start} s and {until} s")
-    return max(1, math.ceil(steps - 1e-9))
+    steps = max(1, math.floor(quotient + 0.5))
+    # Both the quotient and the multiple are rounded: by less than a few of the smallest differences of such times.
+    multiple, rounding = start + steps * step, 4.0 * max(math.ulp(until), math.ulp(start))
+    if abs(multiple - until) <= max(rounding, 1e-9 * step):
+        # If the end is a multiple of the step except for rounding, use that multiple.
+        until = multiple
+    else:
+        steps = max(1, math.ceil(quotient))
+    # No step has the length 0.
+    while steps > 1 and start + (steps - 1) * step >= until:
+        steps -= 1
+    return steps, until
 
 
 def points_between(start: float, until: float, step: float) -> Floats:
@@ -48,9 +64,7 @@ def points_between(start: float, until: float, step: float) -> Floats:
     """
     steps = steps_between(start, until, step)
     times: Floats = start + np.arange(steps + 1, dtype=np.float64) * step
-    # If the end is a multiple of the step except for rounding, use that multiple.
-    if abs(times[-1] - until) > 1e-9 * step:
-        times[-1] = until
+    times[-1] = _clock(start, until, step)[1]
     return times
 
 

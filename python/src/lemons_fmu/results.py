@@ -206,8 +206,10 @@ class Directory:
                 fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:
                 raise SweepError(f"{self.path}: another process writes its results here") from None
-            for left in self.path.glob(".*.tmp"):
-                left.unlink()
+            # Other programs may write here, too: remove only what a killed sweep leaves.
+            for name in (MANIFEST, TABLE, "part-*.parquet"):
+                for left in self.path.glob(_temporary(name)):
+                    left.unlink()
             self._begin({"format": FORMAT, **manifest})
         except BaseException:
             self.close()
@@ -278,7 +280,7 @@ class Directory:
 
     def _write(self, name: str, write: Any) -> None:
         """Writes a file completely or not at all, even if the power fails."""
-        temporary = self.path / f".{name}.tmp"
+        temporary = self.path / _temporary(name)
         try:
             with open(temporary, "wb") as file:
                 write(file)
@@ -290,6 +292,11 @@ class Directory:
             if isinstance(error, OSError):
                 raise SweepError(f"cannot write {self.path / name}: {error.strerror or error}") from error
             raise
+
+
+def _temporary(name: str) -> str:
+    """Returns the name under which a file is written, until it is complete; `lemons sweep` uses the same."""
+    return f".{name}.tmp"
 
 
 def _same(one: pa.Table, other: pa.Table) -> bool:

@@ -68,6 +68,19 @@ impl Staged {
     /// # Errors
     /// The place or its directory cannot be written.
     pub fn beside(place: &Path) -> io::Result<Staged> {
+        Staged::made(place, Temporary::file)
+    }
+
+    /// As [`Staged::beside`], but the temporary file has this name. It must not exist: only one process at a time may
+    /// write a file of this name.
+    ///
+    /// # Errors
+    /// As [`Staged::beside`], or a file of this name exists.
+    pub fn beside_as(place: &Path, name: &str) -> io::Result<Staged> {
+        Staged::made(place, |directory| Temporary::named(directory.join(name)))
+    }
+
+    fn made(place: &Path, make: impl FnOnce(&Path) -> io::Result<(Temporary, File)>) -> io::Result<Staged> {
         let there = match place.metadata() {
             Ok(there) => Some(there),
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
@@ -85,7 +98,7 @@ impl Staged {
             return Ok(staged(open_device(place, there)?, None, place.to_owned()));
         }
         let place = if there.is_some() { place.canonicalize()? } else { led_to(place)? };
-        let (temporary, file) = Temporary::file(directory_of(&place))?;
+        let (temporary, file) = make(directory_of(&place))?;
         let staged = staged(file, Some(temporary), place);
         if let Some(there) = there {
             staged.file.set_permissions(there.permissions())?;

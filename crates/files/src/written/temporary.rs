@@ -86,8 +86,15 @@ impl Temporary {
 
     /// Creates a file in a directory.
     pub(super) fn file(directory: &Path) -> io::Result<(Temporary, File)> {
-        let make = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
-        Temporary::new(|process, attempt| directory.join(format!(".lemons-{process}-{attempt}")), make)
+        Temporary::new(|process, attempt| directory.join(format!(".lemons-{process}-{attempt}")), new_file)
+    }
+
+    /// Creates a file of this name, which must not exist.
+    pub(super) fn named(path: PathBuf) -> io::Result<(Temporary, File)> {
+        let mut all = begun();
+        let file = new_file(&path)?;
+        all.push(path.clone());
+        Ok((Temporary(path), file))
     }
 
     /// Returns its present path.
@@ -150,6 +157,10 @@ impl Drop for Temporary {
             }
         }
     }
+}
+
+fn new_file(path: &Path) -> io::Result<File> {
+    File::options().read(true).write(true).create_new(true).open(path)
 }
 
 fn forget(all: &mut Vec<PathBuf>, path: &Path) {

@@ -224,6 +224,25 @@ fn what_is_wrong_is_said_as_data() {
     );
 }
 
+/// A step that is not a number gave one step in silence.
+#[test]
+fn settings_outside_of_their_domain_are_refused_by_value() {
+    let said = |settings: Settings| {
+        let error = Prepared::of(&settings).map(drop).unwrap_err();
+        lemons_master::whole(&error).replace(&format!("{}: ", trial().display()), "")
+    };
+    let own = || Settings::of(trial());
+    let step = |step| said(Settings { step: Some(step), ..own() });
+    assert_eq!(step(f64::NAN), "communication step NaN s: not a finite number");
+    assert_eq!(step(f64::INFINITY), "communication step inf s: not a finite number");
+    assert_eq!(step(0.0), "a communication step of 0.0 s: it must be greater than 0");
+    assert_eq!(step(-0.05), "a communication step of -0.05 s: it must be greater than 0");
+    let until = said(Settings { until: Some(f64::NAN), ..own() });
+    assert_eq!(until, "stop time NaN s: not a finite number");
+    let every = said(Settings { every: Some(0), ..own() });
+    assert_eq!(every, "one communication point in 0 cannot be recorded: the number must be at least 1");
+}
+
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
