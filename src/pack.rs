@@ -56,6 +56,9 @@ pub enum PackError {
 /// Draws a Trial as a PNG; `None` if it cannot be drawn.
 pub type Draw = fn(&Trial) -> Option<Vec<u8>>;
 
+/// Further errors of a Trial, in files that the mechanics do not read.
+pub type Check = fn(&Trial) -> Problems;
+
 /// The content of an FMU.
 #[derive(Debug, Clone, Default)]
 pub struct Package {
@@ -65,6 +68,8 @@ pub struct Package {
     pub binaries: Vec<Binary>,
     /// Draws `model.png`, of the first Trial.
     pub picture: Option<Draw>,
+    /// Checks each Trial further. A Trial with errors is not packed.
+    pub check: Option<Check>,
     /// Naming of the variables.
     pub naming: Naming,
 }
@@ -114,6 +119,10 @@ impl Package {
             let read = setup::read(path);
             let (trial, found) =
                 read.map_err(|problems| PackError::Broken { path: path.clone(), problems })?;
+            let further = self.check.map(|check| check(&trial)).unwrap_or_default();
+            if further.has_errors() {
+                return Err(PackError::Broken { path: path.clone(), problems: further });
+            }
             warnings.extend(found.iter().map(ToString::to_string));
             if !can_be_packed(&trial.name) {
                 return Err(PackError::Name { path: path.clone(), name: trial.name });

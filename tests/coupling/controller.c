@@ -1,13 +1,14 @@
 /* A small controller FMU 2.0 of five agents: spring forces towards where each agent is sent, from the poses it
  * is told, after a delay. Beside that one input and one output of each type: real.out = real.in + 1,
- * integer.out = integer.in + 1, boolean.out = !boolean.in, string.out = string.in + "x". */
+ * integer.out = integer.in + 1, boolean.out = !boolean.in, string.out = string.in + "x".
+ * With real.in = 7 each step returns fmi2Warning. */
 #include <stdlib.h>
 #include <string.h>
 
 #define API __attribute__((visibility("default")))
 #define AGENTS 5
 enum { POSES = 0, FORCES = 3 * AGENTS, DELAY = 6 * AGENTS, STIFFNESS, REAL_IN, REAL_OUT, REALS };
-enum { OK = 0, ERROR = 3 };
+enum { OK = 0, WARNING = 1, ERROR = 3 };
 enum { LONGEST = 200 };
 
 typedef unsigned Reference;
@@ -85,7 +86,7 @@ API int fmi2SetString(Controller *c, const Reference r[], size_t n, const char *
 }
 API int fmi2DoStep(Controller *c, double time, double step, int final) {
     decide(c, time + step);
-    return OK;
+    return c->reals[REAL_IN] == 7 ? WARNING : OK;
 }
 
 /* Not there, but importers want them exported. */

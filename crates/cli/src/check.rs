@@ -7,10 +7,10 @@ use crate::tell;
 use crate::words;
 use anyhow::{Context, Result};
 use crowd_mechanics::pack::DRIVE_FILE;
-use lemons_master::{DriveChoice, DriveTable, Given};
+use lemons_master::Given;
 use lemons_trial::Problems;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -37,7 +37,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                 let wishes = given.directory().join(WISHES_FILE);
                 let wished = if wishes.exists() { plan_of(&trial, &wishes).map(drop) } else { Ok(()) };
                 let wished = wished.with_context(|| wishes.display().to_string());
-                let driven = wished.and_then(|()| Ok(DriveTable::of(Some(&trial), &DriveChoice::Own)?));
+                let driven = given.drive(&trial);
                 let parameters = &trial.parameters;
                 let missed = driven.as_ref().map(|drive| drive.missed(0.0, parameters.time_step));
                 let missed = missed.ok().flatten();
@@ -46,16 +46,19 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     let missed = words::missed(missed, "TimeStep");
                     writeln!(out, "warning: {}: {missed}", file.display())?;
                 }
-                if let Err(error) = driven {
-                    broken = true;
+                let mut errors = 0;
+                if let Err(error) = wished {
+                    errors += 1;
                     // A zip is unpacked elsewhere.
-                    let (there, named) = (given.directory().display(), path.display());
-                    writeln!(
-                        out,
-                        "{}",
-                        format!("{error:#}").replace(&there.to_string(), &named.to_string())
-                    )?;
-                    writeln!(out, "{named}: 1 error")?;
+                    writeln!(out, "{}", given.under_its_name(&format!("{error:#}")))?;
+                }
+                if let Err(problems) = driven {
+                    errors += problems.errors().count();
+                    print(&mut out, &problems)?;
+                }
+                if errors > 0 {
+                    broken = true;
+                    say_errors(&mut out, path, errors)?;
                     continue;
                 }
                 writeln!(
@@ -76,13 +79,16 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             Err(problems) => {
                 broken = true;
                 print(&mut out, &problems)?;
-                let errors = problems.errors().count();
-                let noun = if errors == 1 { "error" } else { "errors" };
-                writeln!(out, "{}: {errors} {noun}", path.display())?;
+                say_errors(&mut out, path, problems.errors().count())?;
             }
         }
     }
     if broken { Err(TrialHasErrors.into()) } else { Ok(()) }
+}
+
+fn say_errors(out: &mut impl Write, path: &Path, errors: usize) -> io::Result<()> {
+    let noun = if errors == 1 { "error" } else { "errors" };
+    writeln!(out, "{}: {errors} {noun}", path.display())
 }
 
 fn print(out: &mut impl Write, problems: &Problems) -> io::Result<()> {

@@ -7,12 +7,19 @@ use lemons_files::Staged;
 use lemons_master::System;
 use lemons_ssp::{Kind as Causality, Type};
 
+/// Outputs that are warned of by name.
+const MOST_WARNINGS: usize = 20;
+
 pub struct Outputs {
     components: Vec<Columns>,
     table: TableWriter<Staged>,
     started: Started,
     /// After the time.
     count: usize,
+    /// Of the columns after the time; `None` once a value was seen that is no finite number.
+    names: Vec<Option<String>>,
+    /// What was seen then.
+    odd: Vec<String>,
 }
 
 /// The outputs of a component, by type.
@@ -77,9 +84,10 @@ impl Outputs {
         if count == 0 {
             return Ok(None);
         }
+        let names = header.iter().skip(1).map(|column| Some(column.name.clone())).collect();
         let content = Content { columns: header, about: recording.about.clone() };
         let (table, started) = results::begin(to, &content, recording.before_of_outputs())?;
-        Ok(Some(Outputs { components: all, table, started, count }))
+        Ok(Some(Outputs { components: all, table, started, count, names, odd: Vec::new() }))
     }
 
     /// Reads the outputs at a communication point and writes the row.
@@ -102,6 +110,17 @@ impl Outputs {
                 row[*column] = Cell::Text(text);
             }
         }
+        for (name, cell) in self.names.iter_mut().zip(&row) {
+            if let Cell::Real(value) = cell
+                && !value.is_finite()
+                && let Some(name) = name.take()
+            {
+                let time = system.time();
+                self.odd.push(format!(
+                    "warning: output {name} is {value:?} for the first time at t = {time:?} s"
+                ));
+            }
+        }
         self.table.row(system.time(), row).map_err(told)
     }
 
@@ -113,6 +132,10 @@ impl Outputs {
 
     /// Puts the table in its place; returns the line of the summary.
     pub fn finish(self) -> Result<String> {
+        self.odd.iter().take(MOST_WARNINGS).for_each(|warning| note!("{warning}"));
+        if self.odd.len() > MOST_WARNINGS {
+            note!("warning: and {} more outputs", self.odd.len() - MOST_WARNINGS);
+        }
         let path = self.table.path().to_owned();
         results::place(self.table.finish(), &path)?;
         Ok(format!("outputs            {}   ({} columns)", self.started.said(&path), self.count + 1))

@@ -76,7 +76,7 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
     let binaries = arguments.fmu.binaries(&CROWD)?;
     files::claim_and_try(&arguments.output)?;
     let trials = arguments.trials.iter().map(|path| Given::open(path)).collect::<Result<Vec<_>, _>>()?;
-    let warnings = write_fmu(&trials, binaries, arguments.fmu.naming(), &arguments.output)?;
+    let warnings = write_fmu(&trials, binaries, arguments.fmu.naming(), true, &arguments.output)?;
     for warning in warnings {
         note!("{warning}");
     }
@@ -89,14 +89,15 @@ pub fn say_size(output: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Packs Trials; errors of a Trial are printed, one line each.
+/// Packs Trials; errors of a Trial are printed, one line each. With `drives`, those of its drive, too.
 pub fn write_fmu(
     trials: &[Given],
     binaries: Vec<Binary>,
     naming: Naming,
+    drives: bool,
     output: &Path,
 ) -> Result<Vec<String>> {
-    let packed = lemons_master::pack(trials, binaries, naming, Some(picture), output);
+    let packed = lemons_master::pack(trials, binaries, naming, Some(picture), drives, output);
     packed.map_err(|error| trial_told(error.into()))
 }
 

@@ -107,8 +107,10 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let packed = Scratch::new().context("cannot make a temporary directory")?;
     let mut spec = spec;
     if let Some(trial) = Given::find(&spec.model)? {
-        spec.model = packed.path().join("crowd.fmu");
-        write_fmu(&[trial], vec![own_binary()?], Naming::Structured, &spec.model)?;
+        let file = packed.path().join("crowd.fmu");
+        // Its drive is read when the points are known: perhaps it is another one.
+        write_fmu(&[trial], vec![own_binary()?], Naming::Structured, false, &file)?;
+        spec.trial = Some(std::mem::replace(&mut spec.model, file));
     }
     let done = run(spec, &output, how, interrupt.flag(), tell);
     bar.finish_and_clear();

@@ -31,8 +31,7 @@ pub fn drive_csv(data: &[u8]) {
         Err(error) => {
             let of_file =
                 DriveTable::of(Some(&trial), &DriveChoice::File(path.clone())).expect_err("as its content");
-            let (of_file, error) = (Error::from(of_file).whole(), Error::from(error).whole());
-            return assert_eq!(of_file, format!("drive file {}: {error}", path.display()));
+            return assert_eq!(of_file, error.of_file(&path));
         }
     };
     let mut agents: Vec<&str> = drive.agents().collect();
@@ -66,7 +65,8 @@ pub fn drive_csv(data: &[u8]) {
         Err(error) => {
             let error = Error::from(error).whole();
             assert!(agents.len() > trial.agents.len(), "{error}");
-            assert!(error.contains(&format!("{}: there is no agent", path.display())), "{error}");
+            assert!(error.starts_with(&format!("{}:", path.display())), "{error}");
+            assert!(error.contains(": there is no agent "), "{error}");
         }
     }
 }

@@ -60,7 +60,7 @@ type Result<T> = std::result::Result<T, CallError>;
 /// What a C function returned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[must_use]
-pub struct Answer(c_int);
+pub struct Answer(pub(crate) c_int);
 
 impl Answer {
     /// The status; `None` if FMI has no such status.

@@ -3,62 +3,61 @@
 use crowd_mechanics::pack::DRIVE_FILE;
 use lemons_files::input;
 use lemons_fmi2::fingerprint;
-use lemons_trial::Trial;
-use std::collections::{BTreeMap, HashMap};
-use std::io::{self, Read};
-use std::path::PathBuf;
+use lemons_trial::{Problem, Problems, Trial, quoted};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 /// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
 pub type Push = [f64; 3];
 
-/// What is wrong with a drive file.
-#[derive(Debug, thiserror::Error)]
-pub enum DriveError {
-    /// Which file it is.
-    #[error("drive file {}", path.display())]
-    In {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: Box<DriveError>,
-    },
-    /// It cannot be read.
-    #[error(transparent)]
-    Io(#[from] io::Error),
-    /// It is not CSV.
-    #[error(transparent)]
-    Csv(#[from] csv::Error),
-    /// A column is missing, or there are two of one name.
-    #[error("there {found} {name:?} (expected t,agent,Fp.x,Fp.y,Mp)")]
-    Column {
-        /// Of the column.
-        name: &'static str,
-        /// That there is none, or that there are two.
-        found: &'static str,
-    },
-    /// A value is not a finite number.
-    #[error("line {line}: {column}={text:?}: not a finite number")]
-    Number {
-        /// In the file, from 1.
-        line: u64,
-        /// Its name.
-        column: String,
-        /// The value.
-        text: String,
-    },
-    /// The rows of an agent are not in the order of time.
-    #[error("line {line}: t={time} does not come after t={last} of the same agent")]
-    Order {
-        /// In the file, from 1.
-        line: u64,
-        /// \[s\]
-        time: f64,
-        /// \[s\] in the row before.
-        last: f64,
-    },
-    /// The Trial does not have an agent of this Id.
-    #[error("there is no agent {0:?} in Agents.xml")]
-    NoAgent(String),
+/// What is wrong with a drive file: each problem names file, line, column and value. The first
+/// [`DriveError::MOST`] are kept.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct DriveError(pub Problems);
+
+impl DriveError {
+    /// The number of problems that are kept.
+    pub const MOST: usize = 20;
+
+    /// The same problems, of the file with this path.
+    #[must_use]
+    pub fn of_file(&self, path: &Path) -> DriveError {
+        let mut renamed = Problems::default();
+        self.0.iter().for_each(|problem| renamed.push(Problem { file: path.to_owned(), ..problem.clone() }));
+        DriveError(renamed)
+    }
+
+    fn of(message: impl ToString) -> DriveError {
+        let mut found = Found::default();
+        found.push(None, message);
+        found.error()
+    }
+}
+
+/// Problems as they are found.
+#[derive(Default)]
+struct Found {
+    problems: Problems,
+    count: usize,
+}
+
+impl Found {
+    fn push(&mut self, line: Option<u64>, message: impl ToString) {
+        self.count += 1;
+        if self.count <= DriveError::MOST {
+            let line = line.and_then(|line| u32::try_from(line).ok());
+            self.problems.push(Problem::of_file(Path::new(""), line, message.to_string()));
+        }
+    }
+
+    fn error(mut self) -> DriveError {
+        if let Some(more @ 1..) = self.count.checked_sub(DriveError::MOST) {
+            self.problems.push(Problem::of_file(Path::new(""), None, format!("and {more} more errors")));
+        }
+        DriveError(self.problems)
+    }
 }
 
 type Result<T> = std::result::Result<T, DriveError>;
@@ -80,6 +79,13 @@ pub enum DriveChoice {
 #[derive(Debug, Default, Clone)]
 pub struct DriveTable {
     agents: HashMap<String, Vec<(f64, Push)>>,
+    /// In the file, of the first row of each agent.
+    lines: HashMap<String, u64>,
+}
+
+/// Where a Trial has its own drive.
+pub(crate) fn own_drive(trial: &Trial) -> PathBuf {
+    trial.directory.join(DRIVE_FILE)
 }
 
 impl DriveTable {
@@ -88,7 +94,7 @@ impl DriveTable {
     /// # Errors
     /// The file has errors, or an agent in it is not in the Trial.
     pub fn of(trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
-        let own = || trial.map(|trial| trial.directory.join(DRIVE_FILE));
+        let own = || trial.map(own_drive);
         let (path, opened) = match choice {
             DriveChoice::File(path) => (path.clone(), input::open_given(path, input::LARGEST_DRIVE)),
             // What lies in the Trial is not a pipe on purpose.
@@ -98,62 +104,85 @@ impl DriveTable {
             },
             DriveChoice::None => return Ok(DriveTable::default()),
         };
-        let drive = opened.map_err(DriveError::Io).and_then(DriveTable::from_csv);
+        let drive = opened.map_err(DriveError::of).and_then(DriveTable::from_csv);
         let checked = drive.and_then(|drive| drive.check_agents(trial).map(|()| drive));
-        checked.map_err(|error| DriveError::In { path, source: Box::new(error) })
+        checked.map_err(|error| error.of_file(&path))
     }
 
     /// That the Trial has all agents that the file names.
     fn check_agents(&self, trial: Option<&Trial>) -> Result<()> {
-        let known = |id: &str| trial.is_some_and(|trial| trial.agents.iter().any(|agent| agent.id == id));
-        match self.agents().find(|id| !known(id)) {
-            Some(unknown) => Err(DriveError::NoAgent(unknown.to_owned())),
-            None => Ok(()),
+        let known: HashSet<&str> =
+            trial.iter().flat_map(|trial| &trial.agents).map(|agent| &*agent.id).collect();
+        let mut unknown: Vec<_> = self.lines.iter().filter(|(id, _)| !known.contains(id.as_str())).collect();
+        unknown.sort_by_key(|(_, line)| **line);
+        let mut found = Found::default();
+        for (id, line) in unknown {
+            found.push(Some(*line), format!("there is no agent {} in Agents.xml", quoted(id)));
         }
+        if found.count > 0 { Err(found.error()) } else { Ok(()) }
     }
 
     /// Reads the content of a file.
     ///
     /// # Errors
-    /// The content has errors; the message names line, column and value.
+    /// The content has errors; each message names line, column and value.
     pub fn from_csv(content: impl Read) -> Result<DriveTable> {
         let mut reader =
             csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
-        let header = reader.headers()?.clone();
-        let column = |name: &'static str| {
+        let mut found = Found::default();
+        let header = reader.headers().map_err(|error| {
+            found.push(None, said(&error));
+            std::mem::take(&mut found).error()
+        })?;
+        let header = header.clone();
+        let mut column = |name: &'static str| {
             let named = |column: &str| column.trim_start_matches('\u{feff}') == name;
             let mut places = header.iter().enumerate().filter(|(_, column)| named(column));
-            let found = match (places.next(), places.next()) {
-                (Some((place, _)), None) => return Ok(place),
+            let wrong = match (places.next(), places.next()) {
+                (Some((place, _)), None) => return place,
                 (None, _) => "is no column",
                 (Some(_), Some(_)) => "are two columns",
             };
-            Err(DriveError::Column { name, found })
+            found.push(None, format!("there {wrong} {name:?} (expected t,agent,Fp.x,Fp.y,Mp)"));
+            0
         };
-        let (time, agent) = (column("t")?, column("agent")?);
-        let push = [column("Fp.x")?, column("Fp.y")?, column("Mp")?];
+        let (time, agent) = (column("t"), column("agent"));
+        let push = [column("Fp.x"), column("Fp.y"), column("Mp")];
+        if found.count > 0 {
+            return Err(found.error());
+        }
         let mut drive = DriveTable::default();
         for record in reader.records() {
-            let record = record?;
-            let line = record.position().map_or(0, csv::Position::line);
-            let number = |place: usize| {
-                let text = &record[place];
-                match text.parse::<f64>() {
-                    Ok(value) if value.is_finite() => Ok(value),
-                    _ => {
-                        let (column, text) = (header[place].to_owned(), text.to_owned());
-                        Err(DriveError::Number { line, column, text })
-                    }
+            let record = match record {
+                Ok(record) => record,
+                Err(error) => {
+                    found.push(error.position().map(csv::Position::line), said(&error));
+                    // Nothing more can be read.
+                    if error.is_io_error() { break } else { continue }
                 }
             };
-            let row = (number(time)?, [number(push[0])?, number(push[1])?, number(push[2])?]);
-            let rows = drive.agents.entry(record[agent].to_owned()).or_default();
+            let line = record.position().map_or(0, csv::Position::line);
+            let mut number = |place: usize| {
+                let text = &record[place];
+                let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
+                value.unwrap_or_else(|| {
+                    let (column, text) = (quoted(&header[place]), quoted(text));
+                    let column = column.trim_matches('"');
+                    found.push(Some(line), format!("{column}={text}: not a finite number"));
+                    f64::NAN
+                })
+            };
+            let row = (number(time), [number(push[0]), number(push[1]), number(push[2])]);
+            let id = &record[agent];
+            drive.lines.entry(id.to_owned()).or_insert(line);
+            let rows = drive.agents.entry(id.to_owned()).or_default();
             if let Some(last) = rows.last().filter(|last| last.0 >= row.0) {
-                return Err(DriveError::Order { line, time: row.0, last: last.0 });
+                let (time, last) = (row.0, last.0);
+                found.push(Some(line), format!("t={time} does not come after t={last} of the same agent"));
             }
             rows.push(row);
         }
-        Ok(drive)
+        if found.count > 0 { Err(found.error()) } else { Ok(drive) }
     }
 
     /// The agents that the file names.
@@ -198,6 +227,18 @@ impl DriveTable {
             _ => [0.0; 3],
         };
         Some(push)
+    }
+}
+
+/// The text of an error without the words "CSV error" and without its line.
+fn said(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::Io(error) => error.to_string(),
+        csv::ErrorKind::Utf8 { .. } => "is not UTF-8 text".to_owned(),
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            format!("has {len} values instead of {expected_len}")
+        }
+        _ => error.to_string(),
     }
 }
 
@@ -348,5 +389,20 @@ mod tests {
         assert!(said("t,agent,Fp.x,Fp.y,Mp,Mp\n").contains("two columns \"Mp\""));
         assert!(said("t,agent,Fp.x,Fp.y,Mp\n0,a,x,0,0\n").contains("line 2: Fp.x=\"x\""));
         assert!(said("t,agent,Fp.x,Fp.y,Mp\n1,a,0,0,0\n1,a,0,0,0\n").contains("line 3"));
+    }
+
+    #[test]
+    fn all_errors_are_said_each_with_its_line() {
+        let error =
+            drive("t,agent,Fp.x,Fp.y,Mp\n0,a,x,0,inf\n# a\n1,a,0\n2,a,0,0,0\n1,a,0,0,0\n").unwrap_err();
+        let said = error.of_file(Path::new("T/drive.csv")).to_string();
+        let expected = "T/drive.csv:2: Fp.x=\"x\": not a finite number\n\
+                        T/drive.csv:2: Mp=\"inf\": not a finite number\n\
+                        T/drive.csv:4: has 3 values instead of 5\n\
+                        T/drive.csv:6: t=1 does not come after t=2 of the same agent";
+        assert_eq!(said, expected);
+        let many = format!("t,agent,Fp.x,Fp.y,Mp\n{}", "0,a,x,0,0\n".repeat(32));
+        let said = drive(&many).unwrap_err().to_string();
+        assert!(said.lines().count() == 21 && said.ends_with("and 43 more errors"), "{said}");
     }
 }

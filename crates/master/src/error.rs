@@ -77,6 +77,17 @@ pub enum Error {
         /// FMI's name of this platform.
         platform: &'static str,
     },
+    /// The FMU has no library for this platform.
+    #[error(
+        "the FMU has no {name}: it has {}",
+        if others.is_empty() { "no library for any platform".to_owned() } else { format!("{} only", others.join(", ")) }
+    )]
+    NoBinary {
+        /// The archive's entry that is missing.
+        name: String,
+        /// FMI's names of the platforms that it has.
+        others: Vec<String>,
+    },
     /// FMI 2.0 has no name for the platform of this program.
     #[error("FMI 2.0 has no name for this platform")]
     NoPlatform,

@@ -1,6 +1,7 @@
 //! An FMU and its instances.
 
 use crate::calls::{Answer, Calls, Made};
+use crate::drive::{DriveChoice, DriveTable, own_drive};
 use crate::error::{Cause, Error, Place, Result};
 use crate::kind::Kind;
 use crate::library::check_library;
@@ -124,6 +125,23 @@ impl Fmu {
         Ok(read.map_err(|error| Error::Trial(self.names().said(&error.to_string())))?.0)
     }
 
+    /// What drives a Trial of this FMU.
+    ///
+    /// # Errors
+    /// The drive file has errors: [`Error::Broken`] if it is that of a Trial that was given, else [`Error::Drive`].
+    /// Files have the names that the user knows.
+    pub fn drive(&self, trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
+        DriveTable::of(trial, choice).map_err(|error| {
+            let own = trial.filter(|_| *choice == DriveChoice::Own);
+            let Some(trial) = own else { return Error::Drive(error) };
+            let error = error.of_file(Path::new(&self.names().said(&own_drive(trial).to_string_lossy())));
+            match &self.trial {
+                Some((_, path)) => Error::Broken { path: path.into(), problems: error.0 },
+                None => Error::Drive(error),
+            }
+        })
+    }
+
     /// A new instance.
     ///
     /// # Errors
@@ -132,9 +150,13 @@ impl Fmu {
         let own = self.description.co_simulation.as_ref();
         let own = own.ok_or(Error::NotCoSimulation)?;
         let platform = host_platform().ok_or(Error::NoPlatform)?;
+        let library = self.directory.path().join(library_of(&own.identifier, platform));
+        if !library.exists() {
+            return Err(self.no_binary(&own.identifier, platform)).place(|| self.shown.clone());
+        }
         let messages = Arc::new(Messages { names: self.names(), ..Messages::default() });
         let made = Made {
-            library: &self.directory.path().join(library_of(&own.identifier, platform)),
+            library: &library,
             resources: &self.directory.path().join("resources"),
             name,
             guid: &self.description.guid,
@@ -154,6 +176,20 @@ impl Fmu {
         let variables = self.description.variables.iter();
         let references = variables.map(|variable| (variable.name.clone(), variable.reference)).collect();
         Ok(Instance { calls: Rc::new(calls), messages, references })
+    }
+
+    /// It has no library for a platform, but perhaps for others.
+    fn no_binary(&self, identifier: &str, platform: &'static str) -> Error {
+        let files = |directory: &Path| directory.read_dir().into_iter().flatten().flatten();
+        let has_library = |platform: &Path| {
+            files(platform).any(|file| Path::new(&file.file_name()).file_stem() == Some(identifier.as_ref()))
+        };
+        let platforms =
+            files(&self.directory.path().join("binaries")).filter(|entry| has_library(&entry.path()));
+        let mut others: Vec<String> =
+            platforms.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        others.sort();
+        Error::NoBinary { name: library_of(identifier, platform), others }
     }
 
     /// The variables that a name stands for; see [`named`].
@@ -206,11 +242,38 @@ fn check_own_library(description: &Interface, directory: &Path) -> Result<()> {
     if path.is_file() { check_library(&path, platform).place(|| name) } else { Ok(()) }
 }
 
+/// Messages of one kind that are kept; further ones are counted.
+const MOST_MESSAGES: usize = 1000;
+
+/// The first messages of a kind, and how many there were.
+#[derive(Default)]
+struct Heard {
+    first: Vec<String>,
+    more: u64,
+}
+
+impl Heard {
+    fn push(&mut self, message: String) {
+        if self.first.len() < MOST_MESSAGES { self.first.push(message) } else { self.more += 1 }
+    }
+
+    /// All of them since the last call.
+    fn take(&mut self) -> Vec<String> {
+        let Heard { mut first, more } = std::mem::take(self);
+        if more > 0 {
+            first.push(format!("and {more} more"));
+        }
+        first
+    }
+}
+
 /// What the FMU logs. Errors become the run's error; warnings are kept for the end.
 #[derive(Default)]
 pub(crate) struct Messages {
-    errors: Mutex<Vec<String>>,
-    warnings: Mutex<Vec<String>>,
+    errors: Mutex<Heard>,
+    warnings: Mutex<Heard>,
+    /// Steps that returned fmi2Warning: where the first of them began \[s\], and their number.
+    warned: Mutex<Option<(f64, u64)>>,
     names: Names,
 }
 
@@ -226,9 +289,39 @@ impl Messages {
         }
     }
 
+    /// What was logged as an error in a call that succeeded is not the reason of a later refusal.
+    fn forget_errors(&self) {
+        if let Ok(mut errors) = self.errors.lock() {
+            *errors = Heard::default();
+        }
+    }
+
+    /// Notes a step from a time \[s\] that returned fmi2Warning.
+    fn warned(&self, time: f64) {
+        if let Ok(mut warned) = self.warned.lock() {
+            let (first, steps) = warned.unwrap_or((time, 0));
+            *warned = Some((first, steps + 1));
+        }
+    }
+
+    /// The warnings since the last call.
+    fn warnings(&self) -> Vec<String> {
+        let said = self.warnings.lock().map(|mut list| list.take()).unwrap_or_default();
+        let mut said: Vec<String> = said.iter().map(|message| self.names.said(message)).collect();
+        if let Some((time, steps)) = self.warned.lock().ok().and_then(|mut warned| warned.take()) {
+            let more = match steps - 1 {
+                0 => String::new(),
+                1 => ", and 1 later step".to_owned(),
+                more => format!(", and {more} later steps"),
+            };
+            said.push(format!("warning: the step from t = {time:?} s returned the status fmi2Warning{more}"));
+        }
+        said
+    }
+
     /// The errors since the last call.
     fn errors(&self) -> Vec<String> {
-        let said = self.errors.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default();
+        let said = self.errors.lock().map(|mut list| list.take()).unwrap_or_default();
         said.iter().map(|message| self.names.said(message)).collect()
     }
 }
@@ -236,7 +329,10 @@ impl Messages {
 /// The result of a call; its error is what the FMU has logged about it.
 pub(crate) fn done(messages: &Messages, answer: Answer, call: &'static str) -> Result<()> {
     match answer.status() {
-        Some(Status::Ok | Status::Warning) => Ok(()),
+        Some(Status::Ok | Status::Warning) => {
+            messages.forget_errors();
+            Ok(())
+        }
         _ => Err(Error::Refused { call, answer, said: messages.errors() }),
     }
 }
@@ -386,7 +482,11 @@ impl Instance {
     /// # Errors
     /// The FMU refuses the step or fails.
     pub fn step(&self, time: f64, step: f64) -> Result<()> {
-        self.done(self.calls.do_step(time, step), "fmi2DoStep")
+        let answer = self.calls.do_step(time, step);
+        if answer.status() == Some(Status::Warning) {
+            self.messages.warned(time);
+        }
+        self.done(answer, "fmi2DoStep")
     }
 
     /// `fmi2Reset`
@@ -405,17 +505,68 @@ impl Instance {
         self.done(self.calls.terminate(), "fmi2Terminate")
     }
 
-    /// The warnings of the FMU since the last call.
+    /// The warnings of the FMU since the last call: the first 1000, the number of further ones, and the time \[s\] of
+    /// the first step that returned fmi2Warning.
     pub fn warnings(&self) -> Vec<String> {
-        let said =
-            self.messages.warnings.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default();
-        said.iter().map(|message| self.messages.names.said(message)).collect()
+        self.messages.warnings()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn messages_without_end_are_counted() {
+        let messages = Messages::default();
+        let numbers = |list: &[String]| (list.len(), list[999].clone(), list.last().cloned());
+        (0..1012).for_each(|k| messages.hear(Some(Status::Warning), &k.to_string()));
+        (0..1001).for_each(|k| messages.hear(Some(Status::Error), &k.to_string()));
+        assert_eq!(numbers(&messages.warnings()), (1001, "999".into(), Some("and 12 more".into())));
+        assert_eq!(numbers(&messages.errors()), (1001, "999".into(), Some("and 1 more".into())));
+        assert!(messages.warnings().is_empty() && messages.errors().is_empty());
+        // A step that returns fmi2Warning in silence.
+        [0.5, 0.6, 0.7].into_iter().for_each(|time| messages.warned(time));
+        let said = "warning: the step from t = 0.5 s returned the status fmi2Warning, and 2 later steps";
+        assert_eq!(messages.warnings(), [said]);
+    }
+
+    #[test]
+    fn an_error_that_was_logged_in_a_good_call_is_not_the_reason_of_a_later_refusal() {
+        let messages = Messages::default();
+        messages.hear(Some(Status::Error), "harmless");
+        messages.hear(Some(Status::Warning), "to be looked at");
+        done(&messages, Answer(Status::Ok as i32), "fmi2SetReal").unwrap();
+        messages.hear(Some(Status::Error), "the reason");
+        let error = done(&messages, Answer(Status::Error as i32), "fmi2DoStep").unwrap_err();
+        assert_eq!(error.to_string(), "the reason");
+        assert_eq!(messages.warnings(), ["to be looked at"]);
+    }
+
+    #[test]
+    fn an_fmu_for_other_platforms_says_which() {
+        let said = |files: &[&str]| {
+            let directory = tempfile::TempDir::new().unwrap();
+            let path = directory.path().join("x.fmu");
+            let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
+            let text = "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"x\" guid=\"x\">\
+                        <CoSimulation modelIdentifier=\"x\"/><ModelVariables/></fmiModelDescription>";
+            for name in files.iter().chain(&[DESCRIPTION_FILE]) {
+                zip.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+                std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
+            }
+            zip.finish().unwrap();
+            Fmu::open(&path).unwrap().instantiate("x").map_or_else(|error| error.whole(), |_| "made".into())
+        };
+        let own = library_of("x", host_platform().unwrap());
+        let two = said(&["binaries/win16/x.dll", "binaries/linux8/x.so", "binaries/darwin8/other.dylib"]);
+        assert!(two.ends_with(&format!("x.fmu: the FMU has no {own}: it has linux8, win16 only")), "{two}");
+        let none = said(&["sources/x.c"]);
+        assert!(
+            none.ends_with(&format!("the FMU has no {own}: it has no library for any platform")),
+            "{none}"
+        );
+    }
 
     /// Each was handed to the loader: `../` led out of the FMU.
     #[test]

@@ -1,9 +1,10 @@
 //! A Trial as users give it: its directory, or a zip of that; and the FMU that it becomes.
 
+use crate::drive::{DriveChoice, DriveTable};
 use crate::error::{Error, Place, Result};
 use crate::kind::Kind;
 use crate::unzip::unzip_trial;
-use crowd_mechanics::pack::{Binary, Draw, Naming, PackError, Package};
+use crowd_mechanics::pack::{Binary, Check, Draw, Naming, PackError, Package};
 use crowd_mechanics::setup;
 use lemons_files::Scratch;
 use lemons_trial::{Problem, Problems, Severity, Trial};
@@ -86,6 +87,14 @@ impl Given {
         Ok((trial, self.renamed(&warnings)))
     }
 
+    /// The drive of the Trial that was read.
+    ///
+    /// # Errors
+    /// All that is wrong with its `drive.csv`; the file has the name that the user knows.
+    pub fn drive(&self, trial: &Trial) -> Result<DriveTable, Problems> {
+        DriveTable::of(Some(trial), &DriveChoice::Own).map_err(|error| self.renamed(&error.0))
+    }
+
     /// A text in which the user's name for it replaces that of the place where it was unpacked.
     pub fn under_its_name(&self, text: &str) -> String {
         match self.unpacked {
@@ -108,7 +117,8 @@ impl Given {
     }
 }
 
-/// Packs Trials into an FMU, and returns their warnings; `picture` draws its `model.png`.
+/// Packs Trials into an FMU, and returns their warnings; `picture` draws its `model.png`. A drive is read when it is
+/// used: with `drives`, it is checked before.
 ///
 /// # Errors
 /// [`Error::Broken`] if a Trial has errors, with the names of files that the user knows; else [`PackError`].
@@ -117,10 +127,15 @@ pub fn pack(
     binaries: Vec<Binary>,
     naming: Naming,
     picture: Option<Draw>,
+    drives: bool,
     output: &Path,
 ) -> Result<Vec<String>> {
     let directories = trials.iter().map(|trial| trial.directory.clone()).collect();
-    let package = Package { trials: directories, binaries, picture, naming };
+    let check = |trial: &Trial| {
+        DriveTable::of(Some(trial), &DriveChoice::Own).map_or_else(|error| error.0, |_| Problems::default())
+    };
+    let check = drives.then_some(check as Check);
+    let package = Package { trials: directories, binaries, picture, check, naming };
     match package.write(output) {
         Ok(warnings) => {
             let known = |text: String| trials.iter().fold(text, |text, trial| trial.under_its_name(&text));

@@ -3,7 +3,7 @@
 
 use crate::assemble::{Assembled, assemble};
 use crate::clock::Clock;
-use crate::drive::{DriveChoice, DriveTable, Missed};
+use crate::drive::{DriveChoice, Missed};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::given::{Given, pack};
@@ -219,9 +219,10 @@ impl Prepared {
         let trials = system.components().iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
 
         let none = DriveChoice::None;
-        let drive = DriveTable::of(trials[0].as_ref(), if coupled { &none } else { &settings.drive });
+        let first = &system.components()[0];
+        let drive = first.fmu.drive(trials[0].as_ref(), if coupled { &none } else { &settings.drive })?;
         let agents = trials[0].as_ref().map_or(&[][..], |trial| &trial.agents);
-        let pushes = Pushes::new(&system.components()[0].instance, agents, drive.map_err(Error::from)?)?;
+        let pushes = Pushes::new(&first.instance, agents, drive)?;
         let (step, every) = match &before {
             Some(before) => same(settings, before, &pushes)?,
             None => (step_of(settings, &system, &trials)?, settings.every.unwrap_or(1)),
@@ -289,7 +290,7 @@ impl Runnable {
         let scratch = Scratch::new().map_err(Error::io("cannot make a temporary directory"))?;
         let path = scratch.path().join("crowd.fmu");
         let binary = binary.cloned().map_or_else(own_binary, Ok)?;
-        pack(&[trial], vec![binary], Naming::Structured, None, &path)?;
+        pack(&[trial], vec![binary], Naming::Structured, None, false, &path)?;
         Ok(Runnable { path, packed: Some((input.to_owned(), scratch)) })
     }
 

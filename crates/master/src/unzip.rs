@@ -88,6 +88,7 @@ pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) ->
         }
         return Err(UnzipError::NotAnFmu);
     }
+    allowance.entries(zip.len())?;
     let mut zip = distinct(zip)?;
     extract(&mut zip, directory, allowance, |_| true)?;
     let size = directory.join(DESCRIPTION_FILE).metadata()?.len();
@@ -129,9 +130,9 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
         return Err(UnzipError::Entries(zip.len()));
     }
     let mut zip = distinct(zip)?;
-    let names = zip.file_names().map(|name| Ok(name?.into_owned()));
+    let names = zip.file_names().map(|name| Ok(with_slashes(&name?)));
     let mut trials = names.collect::<Result<Vec<String>>>()?;
-    trials.retain(|name| name.rsplit(['/', '\\']).next() == Some(PARAMETERS));
+    trials.retain(|name| name.rsplit('/').next() == Some(PARAMETERS));
     trials.sort();
     let parameters = match &trials[..] {
         [] => return Err(UnzipError::NotATrial),
@@ -142,21 +143,19 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
     };
     // What an archiver adds beside the Trial is no part of it.
     let root = parameters.strip_suffix(PARAMETERS).unwrap_or_default().to_owned();
-    extract(&mut zip, directory, allowance, |name| name.starts_with(&root))?;
-    if root.is_empty() {
-        // It has the archive's name then.
-        let named = directory.join(path.file_stem().unwrap_or(OsStr::new("Trial")));
-        let entries: Vec<_> = directory.read_dir()?.collect::<io::Result<_>>()?;
-        std::fs::create_dir(&named)?;
-        for entry in entries {
-            std::fs::rename(entry.path(), named.join(entry.file_name()))?;
-        }
-        return Ok(Some(named));
-    }
-    Ok(Some(directory.join(root)))
+    // Without a directory of its own it has the archive's name.
+    let name = path.file_stem().unwrap_or(OsStr::new("Trial"));
+    let to = if root.is_empty() { directory.join(name) } else { directory.to_owned() };
+    extract(&mut zip, &to, allowance, |name| name.starts_with(&root))?;
+    Ok(Some(to.join(root)))
 }
 
-/// Unpacks the files that are wanted, by their names; looks at all of them.
+/// The name of an entry as the format wants it: older archivers of Windows write backslashes.
+fn with_slashes(name: &str) -> String {
+    name.replace('\\', "/")
+}
+
+/// Unpacks the files that are wanted, by their names [`with_slashes`]; looks at all of them.
 fn extract(
     zip: &mut ZipArchive<BufReader<File>>,
     directory: &Path,
@@ -166,17 +165,20 @@ fn extract(
     for place in 0..zip.len() {
         let entry = zip.by_index(place).map_err(|source| UnzipError::Entry { place, source })?;
         let name = entry.name()?.into_owned();
-        let inside = entry.enclosed_name().filter(|_| !leads_outside(&name));
-        let Some(inside) = inside else { return Err(UnzipError::Outside(name)) };
-        let to = directory.join(inside);
+        if entry.enclosed_name().is_none() || leads_outside(&name) {
+            return Err(UnzipError::Outside(name));
+        }
         if entry.is_symlink() {
             return Err(UnzipError::Link(name));
         }
+        let name = with_slashes(&name);
         if !wanted(&name) {
             continue;
         }
+        let to = name.split('/').filter(|part| !matches!(*part, "" | "."));
+        let to = to.fold(directory.to_owned(), |to, part| to.join(part));
         let unwritable = |source| UnzipError::Write { name: name.clone(), source };
-        if entry.is_dir() {
+        if entry.is_dir() || name.ends_with('/') {
             create_dir_all(&to).map_err(unwritable)?;
             continue;
         }
@@ -297,10 +299,45 @@ mod tests {
         assert_eq!(of(&["T/Parameters.xml", "T/static/Agents.xml", "__MACOSX/T/._Agents.xml"]), "T: text");
         assert_eq!(of(&["a/T/Parameters.xml"]), "T: text");
         assert_eq!(of(&["Parameters.xml", "static/Agents.xml"]), "box: text");
+        // Its content may have the archive's name.
+        assert_eq!(of(&["Parameters.xml", "box/Agents.xml"]), "box: text");
+        assert_eq!(of(&["Parameters.xml", "box"]), "box: text");
         assert_eq!(of(&["x", "y/z"]), "it contains no Parameters.xml, so it is not a zip of a Trial");
         let two = "several Trials are in it (\"T/Parameters.xml\", \"U/Parameters.xml\", …): unpack it and name one of them";
         assert_eq!(of(&["T/Parameters.xml", "U/Parameters.xml"]), two);
         assert_eq!(of(&["T/Parameters.xml", DESCRIPTION_FILE]), "no Trial");
+    }
+
+    /// It was recognised, but then it was looked for in another place.
+    #[test]
+    fn a_zip_with_backslashes_is_the_same_trial() {
+        let directory = TempDir::new().unwrap();
+        let (path, inside) = (directory.path().join("x.zip"), directory.path().join("inside"));
+        let mut zip = ZipWriter::new(File::create(&path).unwrap());
+        zip.add_directory("T\\dynamic\\", OPTIONS()).unwrap();
+        for name in ["T\\Parameters.xml", "T\\static\\Agents.xml", ".\\T\\.\\drive.csv"] {
+            add(&mut zip, name, b"text");
+        }
+        zip.finish().unwrap();
+        std::fs::create_dir(&inside).unwrap();
+        let trial = unzip_trial(&path, &inside).unwrap().unwrap();
+        assert_eq!(trial, inside.join("T"));
+        assert!(trial.join("dynamic").is_dir());
+        for file in ["Parameters.xml", "static/Agents.xml"] {
+            assert_eq!(std::fs::read_to_string(trial.join(file)).unwrap(), "text");
+        }
+    }
+
+    #[test]
+    fn an_archive_of_too_many_entries_is_refused() {
+        let many = said(
+            |zip| {
+                add(zip, DESCRIPTION_FILE, b"");
+                (0..Allowance::ENTRIES).for_each(|k| add(zip, &k.to_string(), b""));
+            },
+            100,
+        );
+        assert_eq!(many, "it has too many entries: at most 20000 are unpacked in all");
     }
 
     #[test]

@@ -9,6 +9,7 @@ use std::io::{self, Read, Write};
 pub struct Allowance {
     left: u64,
     limit: u64,
+    entries: usize,
 }
 
 impl Allowance {
@@ -18,9 +19,22 @@ impl Allowance {
     /// \[byte\] Of all FMUs of a run, which are unpacked on disk.
     pub const FMUS: u64 = 4_000_000_000;
 
-    /// So many bytes.
+    /// Number of the entries of all archives: each becomes a file or a directory. An FMU that contains Python has some
+    /// thousands.
+    pub const ENTRIES: usize = 20_000;
+
+    /// So many bytes, and [`Allowance::ENTRIES`].
     pub fn new(limit: u64) -> Allowance {
-        Allowance { left: limit, limit }
+        Allowance { left: limit, limit, entries: Allowance::ENTRIES }
+    }
+
+    /// Takes the entries of an archive.
+    ///
+    /// # Errors
+    /// There are more than are left.
+    pub fn entries(&mut self, count: usize) -> Result<()> {
+        self.entries = self.entries.checked_sub(count).ok_or(Error::TooManyEntries)?;
+        Ok(())
     }
 
     /// Copies an entry until nothing is left of the allowance.

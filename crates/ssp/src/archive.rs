@@ -24,9 +24,11 @@ impl Archive {
     /// Opens an archive whose entries all lie inside of it.
     ///
     /// # Errors
-    /// No archive there, or one with an entry that leads outside, or with two of one name.
+    /// No archive there, or one with too many entries, with an entry that leads outside, or with two of one name.
     pub fn open(path: &Path) -> Result<Archive> {
-        let zip = distinct(ZipArchive::new(BufReader::new(input::open(path)?))?)?;
+        let zip = ZipArchive::new(BufReader::new(input::open(path)?))?;
+        Allowance::new(0).entries(zip.len())?;
+        let zip = distinct(zip)?;
         for name in zip.file_names() {
             let name = name?;
             if leads_outside(&name) {

@@ -70,7 +70,7 @@ impl Interface {
     /// Reads a `modelDescription.xml`.
     ///
     /// # Errors
-    /// It is broken, or not of FMI 2.0.
+    /// It is broken, or not of FMI 2.0, two variables have one name, or a start value is NaN.
     pub fn read(bytes: &[u8]) -> Result<Interface> {
         let document = Document::parse(Path::new("modelDescription.xml"), bytes, NODES)?;
         let root = document.root("fmiModelDescription")?;
@@ -106,7 +106,13 @@ impl Interface {
         let variables = root.child("ModelVariables").into_iter();
         for element in variables.flat_map(|variables| variables.children("ScalarVariable")) {
             let variable = read_variable(element, &declared)?;
-            interface.places.insert(variable.name.clone(), interface.variables.len());
+            let place = interface.variables.len();
+            if let Some(other) = interface.places.insert(variable.name.clone(), place) {
+                let (one, other) = (interface.variables[other].reference, variable.reference);
+                let why =
+                    format!("two variables have this name, with the value references {one} and {other}");
+                return Err(element.wrong("name", &why).into());
+            }
             interface.variables.push(variable);
         }
         Ok(interface)
@@ -136,6 +142,14 @@ fn read_co_simulation(element: Element) -> Result<CoSimulation> {
 fn read_variable(element: Element, declared: &HashMap<&str, &str>) -> Result<Variable> {
     let causality = element.optional("causality").unwrap_or("local");
     let kind = Kind::NAMES.iter().find(|(name, _)| *name == causality).map(|(_, kind)| *kind);
+    let nan = |child: &Element| {
+        let start = child.optional("start").and_then(|start| start.trim().parse::<f64>().ok());
+        child.name() == "Real" && start.is_some_and(f64::is_nan)
+    };
+    if let Some(real) = element.elements().find(nan) {
+        let variable = element.text("name")?;
+        return Err(real.wrong("start", &format!("of the variable {variable:?} is not a number")).into());
+    }
     let typed = element.elements().find_map(|child| {
         let declared_type = child.optional("declaredType");
         let of = match child.name() {
@@ -200,6 +214,41 @@ mod tests {
         assert_eq!(said("modelName=\"m\" guid=\"g\""), format!("{place}: has no fmiVersion"));
         assert_eq!(said("fmiVersion=\"2.0\" guid=\"g\""), format!("{place}: has no modelName"));
         assert_eq!(said("fmiVersion=\"2.0\" modelName=\"m\""), format!("{place}: has no guid"));
+    }
+
+    fn said_of_variables(variables: &str) -> String {
+        let text = format!(
+            "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"><ModelVariables>\n{variables}\n\
+             </ModelVariables></fmiModelDescription>"
+        );
+        Interface::read(text.as_bytes()).map_or_else(|error| error.to_string(), |_| "read".to_owned())
+    }
+
+    /// `--set` went to the last one.
+    #[test]
+    fn two_variables_of_one_name_are_refused_with_their_references() {
+        let variable = |name: &str, reference: u32| {
+            format!(
+                "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\"><Real/></ScalarVariable>\n"
+            )
+        };
+        assert_eq!(said_of_variables(&(variable("a", 3) + &variable("b", 3))), "read");
+        let said = said_of_variables(&(variable("a", 3) + &variable("b", 4) + &variable("a", 5)));
+        let expected = "modelDescription.xml:4: <ScalarVariable> name=\"a\": two variables have this name, with the value \
+                        references 3 and 5";
+        assert_eq!(said, expected);
+    }
+
+    #[test]
+    fn a_start_value_that_is_no_number_is_refused() {
+        let start = |start: &str| {
+            said_of_variables(&format!(
+                "<ScalarVariable name=\"a\" valueReference=\"1\"><Real start=\"{start}\"/></ScalarVariable>"
+            ))
+        };
+        assert_eq!(start("1e3"), "read");
+        let expected = "modelDescription.xml:2: <Real> start=\"NaN\": of the variable \"a\" is not a number";
+        assert_eq!(start("NaN"), expected);
     }
 
     #[test]

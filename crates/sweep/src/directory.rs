@@ -383,7 +383,8 @@ mod tests {
         let at = |name: &str| directory.path().join(name);
         let points = Points { columns: vec![("mass".to_owned(), Values::Reals(vec![60.0]))], count: 1 };
         let open = || {
-            Directory::open(directory.path(), Map::new(), &points, &["moved".to_owned()], "0.1.0 (a)").unwrap()
+            Directory::open(directory.path(), Map::new(), &points, &["moved".to_owned()], "0.1.0 (a)")
+                .unwrap()
         };
         drop(open());
         // A killed sweep leaves these; the Python package has the same names.

@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 pub struct Spec {
     /// A Trial directory or an FMU.
     pub model: PathBuf,
+    /// If `model` is a temporary FMU of a Trial: the Trial as the user knows it, for messages.
+    pub trial: Option<PathBuf>,
     /// \[s\] End time.
     pub until: f64,
     /// \[s\] Communication step; `None`: that of the Trial.
@@ -148,7 +150,16 @@ impl Spec {
         if let DriveChoice::File(path) = &drive {
             inputs.push(path.clone());
         }
-        Ok(Spec { model, until: document.until, step: document.step, drive, points, measures, inputs })
+        Ok(Spec {
+            model,
+            trial: None,
+            until: document.until,
+            step: document.step,
+            drive,
+            points,
+            measures,
+            inputs,
+        })
     }
 }
 

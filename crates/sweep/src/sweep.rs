@@ -6,7 +6,7 @@ use crate::points::hex;
 use crate::simulate::{Job, Worker};
 use crate::spec::Spec;
 use lemons_files::input;
-use lemons_master::{DriveTable, PATIENCE, Runnable};
+use lemons_master::{PATIENCE, Runnable};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 use std::path::Path;
@@ -58,9 +58,12 @@ pub fn sweep(
     let runnable = Runnable::of(&spec.model, None)?;
     let path = runnable.path();
     let bytes = input::read(path, input::LARGEST_BINARY).place(|| path.display().to_string())?;
-    let opened = runnable.open()?;
+    let mut opened = runnable.open()?;
+    if let Some(known) = &spec.trial {
+        opened = opened.of_trial(known);
+    }
     let trial = opened.trial(None)?;
-    let drive = DriveTable::of(Some(&trial), &spec.drive).map_err(lemons_master::Error::from)?;
+    let drive = opened.drive(Some(&trial), &spec.drive)?;
     let step = spec.step.unwrap_or(trial.parameters.time_step);
     let job = Job { fmu: opened, trial, drive, spec, step };
     job.check()?;

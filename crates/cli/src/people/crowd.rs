@@ -376,7 +376,7 @@ impl TrialArguments {
         interrupt.check()?;
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
             // Its warnings are those printed already.
-            let written = write_fmu(&[Given::open(&directory)?], binaries, self.packing.naming(), file);
+            let written = write_fmu(&[Given::open(&directory)?], binaries, self.packing.naming(), true, file);
             wrote("FMU", file, written.map(drop));
         }
         interrupt.check()?;

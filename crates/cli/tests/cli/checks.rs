@@ -313,3 +313,51 @@ fn pipes_and_devices_in_the_place_of_files_are_refused() {
     assert_code(&at_last(at, &run), 0);
     writer.join().unwrap();
 }
+
+/// They named a file in a scratch directory, one at a time, and `pack` took the Trial.
+#[test]
+fn errors_of_a_drive_name_the_file_that_was_given_and_all_lines() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    copy_trial(&at.join("T"));
+    fs::write(
+        at.join("sweep.toml"),
+        "trial = 'T'\nuntil = 0.1\n[parameters]\n\"agent[0].Mass\" = [70]\n\
+                                      [measures]\nx = { of = \"x\", take = \"max\" }\n",
+    )
+    .unwrap();
+    let header = "t,agent,Fp.x,Fp.y,Mp\n";
+    let drives = [
+        ("0,0,many,0,0\n1,0,0,0,inf\n", vec![":2: Fp.x=\"many\": not a", ":3: Mp=\"inf\": not a"]),
+        ("0,0,0,0,0\n0,77,0,0,0\n", vec![":3: there is no agent \"77\" in Agents.xml"]),
+    ];
+    for (rows, expected) in drives {
+        fs::write(at.join("T/drive.csv"), format!("{header}{rows}")).unwrap();
+        let calls = [
+            &["check", "T"][..],
+            &["pack", "T", "-o", "x.fmu"],
+            &["run", "T", "--until", "0.1", "-o", "x.csv"],
+            &["sweep", "sweep.toml", "-o", "results"],
+        ];
+        for call in calls {
+            let output = lemons(at, call);
+            assert_code(&output, 3);
+            let said = out(&output) + &err(&output);
+            let named = |words: &&str| said.contains(&format!("T/drive.csv{words}"));
+            assert!(expected.iter().all(named) && !said.contains("scratch"), "{call:?}: {said}");
+        }
+        assert!(!at.join("x.fmu").exists());
+        // Its own drive does not matter then.
+        done(at, &["run", "T", "--until", "0.05", "-o", "y.csv", "--no-drive", "--force"]);
+        // Of an FMU that another program packed.
+        let given = lemons_master::Given::open(&at.join("T")).unwrap();
+        let binary = lemons_master::own_binary().unwrap();
+        let naming = crowd_mechanics::pack::Naming::default();
+        lemons_master::pack(&[given], vec![binary], naming, None, false, &at.join("made.fmu")).unwrap();
+        let output = lemons(at, &["run", "made.fmu", "--until", "0.1", "-o", "x.csv"]);
+        assert_code(&output, 1);
+        let said = err(&output);
+        let named = |words: &&str| said.contains(&format!("made.fmu/resources/T/drive.csv{words}"));
+        assert!(expected.iter().all(named) && !said.contains("scratch"), "{said}");
+    }
+}

@@ -339,3 +339,25 @@ fn one_long_step_of_coupled_fmus_can_be_interrupted() {
         assert!(fs::read_to_string(at.join(file)).unwrap().lines().count() > 1);
     }
 }
+
+/// Both passed in silence.
+#[test]
+fn outputs_that_are_no_numbers_and_steps_with_a_warning_are_warned_of_once() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    write_controller(&at.join("controller.fmu"), DESCRIPTION, true);
+    let run = |setting: &str| {
+        let words =
+            ["run", "controller.fmu", "--until", "0.2", "--step", "0.05", "--force", "--set", setting];
+        let output = lemons(at, &words);
+        out(&output);
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    assert_eq!(run("real.in=1"), "");
+    let said = run("real.in=nan");
+    let first = "real.out is NaN for the first time at t = 0.05 s\n";
+    assert!(said.starts_with("warning: output ") && said.ends_with(first), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    let steps = "warning: the step from t = 0.0 s returned the status fmi2Warning, and 3 later steps\n";
+    assert_eq!(run("real.in=7"), steps);
+}

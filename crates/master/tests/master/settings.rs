@@ -191,7 +191,7 @@ fn what_is_wrong_is_said_as_data() {
     std::fs::write(directory.path().join("push.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,9,0,0,0\n").unwrap();
     let PrepareError::Run(error) = refused(&coarse) else { panic!("of the drive") };
     let place = directory.path().join("push.csv");
-    let text = format!("drive file {}: there is no agent \"9\" in Agents.xml", place.display());
+    let text = format!("{}:2: there is no agent \"9\" in Agents.xml", place.display());
     assert!(matches!(error, Error::Drive(_)));
     assert_eq!(error.whole(), text);
 
