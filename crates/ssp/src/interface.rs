@@ -148,7 +148,7 @@ fn read_variable(element: Element, declared: &HashMap<&str, &str>) -> Result<Var
     };
     if let Some(real) = element.elements().find(nan) {
         let variable = element.text("name")?;
-        return Err(real.wrong("start", &format!("of the variable {variable:?} is not a number")).into());
+        return Err(real.wrong("start", format!("of the variable {variable:?} is not a number")).into());
     }
     let typed = element.elements().find_map(|child| {
         let declared_type = child.optional("declaredType");
