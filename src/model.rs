@@ -393,7 +393,22 @@ impl CrowdModel {
                 interactions_xml(&self.trial.agents, &self.trial.geometry, &interactions_of(world)),
             )
         };
-        change_all(&[dynamics, interactions])
+        let changes = [dynamics, interactions];
+        changes.iter().try_for_each(check_no_link)?;
+        change_all(&changes)
+    }
+}
+
+/// That a change does not go through a link, to a file somewhere else.
+fn check_no_link(change: &Change) -> Result<(), WriteError> {
+    let (Change::Write(path, _) | Change::Remove(path)) = change;
+    match path.symlink_metadata() {
+        Ok(there) if !there.is_file() => {
+            let what = if there.is_symlink() { "a link" } else { "not a regular file" };
+            let error = std::io::Error::other(format!("there is {what}, which is not replaced; remove it"));
+            Err(WriteError { path: path.clone(), error })
+        }
+        _ => Ok(()),
     }
 }
 

@@ -280,6 +280,18 @@ fn every_mistake_is_named_with_its_line() {
         ),
         (geometry, "Coordinates=\"1,1\"", "", ":10: <Corner> Coordinates: is missing"),
         (
+            geometry,
+            "2,1.5",
+            "2,-1e155",
+            ":11: <Corner> Coordinates=\"2,-1e155\": x and y must be from -1e9 to 1e9 m",
+        ),
+        (
+            geometry,
+            "Id=\"room\"",
+            "Id=\"room \"",
+            ":3: <Wall> Id=\"room \": must not begin or end with white space",
+        ),
+        (
             agents,
             "pedestrian",
             "bike",
@@ -297,6 +309,8 @@ fn every_mistake_is_named_with_its_line() {
         (agents, "\"disk\"", "\"square\"", ":3: <Shape> Type=\"square\": must be \"disk\""),
         (agents, "Type=\"disk\"", "", ":3: <Shape> Type: is missing"),
         (agents, "\"skin\"", "\"fur\"", ":3: <Shape> MaterialId=\"fur\": there is no such material"),
+        (agents, "0,-0.1", "0,1e300", ":4: <Shape> Position=\"0,1e300\": x and y must be from -1e9 to"),
+        (agents, "Id=\"Bob\"", "Id=\" Bob\"", ":6: <Agent> Id=\" Bob\": must not begin or end with white"),
         (agents, "0,-0.1", "0", ":4: <Shape> Position=\"0\": must be two finite decimal numbers"),
         (
             agents,
@@ -315,6 +329,7 @@ fn every_mistake_is_named_with_its_line() {
         (dynamics, "<Kinematics ", "<Kin ", ":2: <Agent>: has no <Kinematics>"),
         (dynamics, "<Dynamics ", "<Dynamics/><Dynamics ", ":7: <Dynamics>: duplicate element"),
         (dynamics, "2.5,0.5", "2.5,nan", ":3: <Kinematics> Position=\"2.5,nan\": must be two finite"),
+        (dynamics, "2.5,0.5", "2.5,2e9", ":3: <Kinematics> Position=\"2.5,2e9\": x and y must be from"),
         (dynamics, "0,1", "0 1", ":3: <Kinematics> Velocity=\"0 1\": must be two finite"),
         (dynamics, "Theta=\"0.5\"", "", ":3: <Kinematics> Theta: is missing"),
         (dynamics, "-0.25", "1e400", ":3: <Kinematics> Omega=\"1e400\": must be a finite decimal number"),
@@ -744,10 +759,16 @@ fn vector() -> impl Strategy<Value = Vec2> {
     (number(), number()).prop_map(|(x, y)| vec2(x, y))
 }
 
-/// Anything an attribute can hold; the number makes it unique and not blank.
+/// Any place that a Trial may have.
+fn point() -> impl Strategy<Value = Vec2> {
+    let number = || prop_oneof![-1e3..1e3, -1e9..=1e9, Just(5e-324)];
+    (number(), number()).prop_map(|(x, y)| vec2(x, y))
+}
+
+/// Anything an Id can hold; the number makes it unique and not blank.
 fn id(kind: &str, place: usize) -> impl Strategy<Value = String> + use<> {
     let end = format!("{kind}{place}");
-    "[ -~\t\n\rà-ÿ€😀]{0,6}".prop_map(move |start| start + &end)
+    "[ -~\t\n\rà-ÿ€😀]{0,6}".prop_map(move |start| start.trim_start().to_owned() + &end)
 }
 
 fn force() -> impl Strategy<Value = ContactForce> {
@@ -759,7 +780,7 @@ fn force() -> impl Strategy<Value = ContactForce> {
 }
 
 fn agent(place: usize, materials: Vec<String>) -> impl Strategy<Value = Agent> {
-    let shape = (positive(), prop::sample::select(materials), vector());
+    let shape = (positive(), prop::sample::select(materials), point());
     let shape = shape.prop_map(|(radius, material_id, position)| Shape { radius, material_id, position });
     let kind = prop::option::of(Just("pedestrian".to_owned()));
     let numbers = (positive(), prop::option::of(positive()), positive(), 0.0..9.0, 0.0..9.0);
@@ -778,7 +799,7 @@ fn agent(place: usize, materials: Vec<String>) -> impl Strategy<Value = Agent> {
 }
 
 fn dynamics() -> impl Strategy<Value = AgentDynamics> {
-    (vector(), vector(), number(), number(), vector(), number()).prop_map(
+    (point(), vector(), number(), number(), vector(), number()).prop_map(
         |(position, velocity, theta, omega, fp, mp)| AgentDynamics {
             position,
             velocity,

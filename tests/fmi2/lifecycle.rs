@@ -246,6 +246,28 @@ fn output_that_cannot_be_written_is_an_error_and_named() {
     assert_eq!(state_of(&instance), Error);
 }
 
+/// An importer may write anywhere, but not through a link that somebody else left there.
+#[test]
+#[cfg(unix)]
+fn output_does_not_go_through_a_link() {
+    let directory = tempfile::tempdir().unwrap();
+    let mine = directory.path().join("mine");
+    std::fs::write(&mine, "precious").unwrap();
+    let output = directory.path().join("output");
+    std::fs::create_dir(&output).unwrap();
+    for name in ["AgentDynamics output t=0.05.xml", "AgentInteractions t=0.05.xml"] {
+        std::os::unix::fs::symlink(&mine, output.join(name)).unwrap();
+        let instance = Instance::new(Fmu::get());
+        instance.must(instance.set_string("OutputDirectory", output.to_str().unwrap()));
+        instance.must(instance.set("TimeStepMechanical", 1e-4));
+        instance.initialize();
+        let message = instance.refused(instance.try_step(0.0, 0.05));
+        assert!(message.contains(name) && message.contains("there is a link"), "{message}");
+        assert_eq!(std::fs::read_to_string(&mine).unwrap(), "precious");
+        std::fs::remove_file(output.join(name)).unwrap();
+    }
+}
+
 #[test]
 fn reset_leads_back_to_the_state_after_instantiation() {
     for state in STATES {

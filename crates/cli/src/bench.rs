@@ -3,6 +3,7 @@
 use crate::tell;
 use anyhow::Result;
 use lemons_bench::{Figures, cases, fmu, measure};
+use lemons_files::input;
 use std::io::Write;
 
 #[derive(clap::Args)]
@@ -88,7 +89,7 @@ fn through_fmu(out: &mut impl Write, runs: usize) -> Result<()> {
 /// What the figures were measured on.
 fn machine() -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let known = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let known = input::read_text("/proc/cpuinfo".as_ref(), input::LARGEST_SETTINGS).unwrap_or_default();
     let model = known.lines().find_map(|line| line.strip_prefix("model name")?.split(':').nth(1));
     format!(
         "On {}, {cores} core{}.",

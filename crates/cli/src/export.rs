@@ -27,7 +27,7 @@ pub struct Arguments {
     #[arg(value_name = "OUT")]
     out: PathBuf,
     /// The Trial or FMU of the run. Default for an OutputDirectory: the Trial that contains it. A table
-    /// needs it for the formats jupedsim (walls), series and trial
+    /// needs it for the formats series and trial, and for jupedsim if there is no --area
     #[arg(long, value_name = "TRIAL or FILE.fmu")]
     trial: Option<PathBuf>,
     /// For jupedsim: the walkable area, instead of the area that the walls enclose. A file with
@@ -71,6 +71,12 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         ));
     }
     let trial = trial_of(source, arguments.trial.as_deref())?;
+    if *to == Format::Jupedsim && trial.is_none() && arguments.area.is_none() {
+        bail!(
+            "{}: its walls are not known: give the Trial or FMU of the run with --trial, or the walkable area with --area",
+            source.display()
+        );
+    }
     if matches!(to, Format::Jupedsim | Format::Pedpy) {
         files::claim_and_try(out)?;
     } else {
@@ -168,11 +174,7 @@ fn area_of(positions: &Positions, given: Option<&Path>, trial: Option<&Trial>) -
         let text = input::read_given_text(path, LARGEST_AREA).with_context(named)?;
         return given_area(&text, positions.iter()).map_err(|wrong| anyhow!("{}: {wrong}", named()));
     }
-    let mut area = walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions.iter());
-    if trial.is_none() {
-        area.said.insert(0, "walls unknown: give the Trial or FMU of the run with --trial".to_owned());
-    }
-    Ok(area)
+    Ok(walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions.iter()))
 }
 
 /// Before one of them is written.

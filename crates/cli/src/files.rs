@@ -1,7 +1,7 @@
 //! What the command reads and what it writes: the one place that says whether a file may be written.
 //!
 //! - What is read is never written, whatever path leads to it.
-//! - No two outputs go into one file.
+//! - No two outputs go into one file, pipe or device, but for `/dev/null`.
 //! - A file that is there is replaced only by the command that wrote it, of the same Trial, FMU or table, and only if
 //!   nobody has changed it since. Everything else needs `--force`.
 //! - A file that somebody changes while the command runs is not replaced either: the results stay beside it.
@@ -15,6 +15,7 @@ use crate::tell;
 use anyhow::{Context, Result, bail};
 use clap::ArgMatches;
 use lemons_files::{Before, Staged, guard, only_path, placed};
+use lemons_record::series_in;
 use lemons_trial::Trial;
 use record::{Stamp, Writer, Written};
 use roles::{Argument, ROLES, Role};
@@ -62,6 +63,8 @@ struct Files {
     /// What may be written: its one path, and how the user calls it.
     places: BTreeMap<PathBuf, PathBuf>,
     records: HashMap<PathBuf, Vec<Written>>,
+    /// Directories where an FMU writes the files of a series, and those that were there.
+    series: Vec<(PathBuf, BTreeMap<String, Stamp>)>,
     remembered: bool,
     /// Something goes to standard output.
     shown: bool,
@@ -107,7 +110,12 @@ fn identities(path: &Path) -> io::Result<Vec<Identity>> {
 fn read_of(path: &Path) -> Vec<PathBuf> {
     let mut all = vec![path.to_owned()];
     if path.join("Parameters.xml").is_file() {
-        all.extend(Trial::files_read(path));
+        let files = Trial::files_read(path);
+        // Nothing is put into its directories, either.
+        all.extend(
+            files.iter().filter_map(|file| file.parent()).filter(|dir| *dir != path).map(Path::to_owned),
+        );
+        all.extend(files);
         all.extend([crowd_mechanics::pack::DRIVE_FILE, WISHES_FILE].map(|name| path.join(name)));
     } else if path.is_dir() {
         let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
@@ -168,8 +176,32 @@ pub fn begin(command: &str, arguments: &ArgMatches) -> Result<()> {
             }
         }
     }
+    check_shared(&outputs)?;
     // Later ones may be in directories that are made first.
     outputs.iter().try_for_each(|path| with(|files| files.check_unread(path)))
+}
+
+/// That no pipe or device is to take two outputs, before one of them is opened, which waits for a reader.
+fn check_shared(outputs: &[PathBuf]) -> Result<()> {
+    let mut seen = Vec::new();
+    for path in outputs.iter().filter(|path| is_device(path) && !is_nowhere(path)) {
+        let all = identities(path).unwrap_or_default();
+        if all.iter().any(|one| seen.contains(one)) {
+            bail!("cannot write {}: another result goes there", path.display());
+        }
+        seen.extend(all);
+    }
+    Ok(())
+}
+
+/// Whether something is there that is written, and not replaced.
+fn is_device(path: &Path) -> bool {
+    path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
+/// Whether what is written there disappears.
+fn is_nowhere(path: &Path) -> bool {
+    path.canonicalize().is_ok_and(|place| place == Path::new("/dev/null"))
 }
 
 /// Notes that the command reads this for somebody: an option, or what another file names.
@@ -231,8 +263,7 @@ pub fn open(path: &Path) -> Result<Staged> {
 pub fn claim_and_try(path: &Path) -> Result<()> {
     claim(path)?;
     // A pipe would be opened, and closed for its reader.
-    let device = path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir());
-    if device { Ok(()) } else { open(path).map(drop) }
+    if is_device(path) { Ok(()) } else { open(path).map(drop) }
 }
 
 /// Whether files may be put into a directory: into none that is read itself.
@@ -244,6 +275,28 @@ pub fn claim_directory(directory: &Path) -> Result<()> {
         files.check_unread(directory)?;
         files.take(directory)
     })
+}
+
+/// Whether an FMU may write the files of a series into a directory. Returns those that are there, all of this command's;
+/// `is_own` says of a name, with its time \[s\], whether it is of this run.
+///
+/// # Errors
+/// As [`claim_directory`] and [`claim`], or a file is of another run.
+pub fn claim_series(directory: &Path, is_own: impl Fn(&str, Option<f64>) -> bool) -> Result<Vec<PathBuf>> {
+    claim_directory(directory)?;
+    let names = series_in(directory, is_own)?;
+    let there: Vec<PathBuf> = names.iter().map(|name| directory.join(name)).collect();
+    there.iter().try_for_each(|path| claim(path))?;
+    let directory = only_path(directory).with_context(|| format!("cannot write {}", directory.display()))?;
+    with(|files| files.series.push((directory.clone(), stamps(&directory))));
+    Ok(there)
+}
+
+/// Of the files of a series.
+fn stamps(directory: &Path) -> BTreeMap<String, Stamp> {
+    let names = series_in(directory, |_, _| true).unwrap_or_default();
+    let stamp = |name: &str| Some(Stamp::of(&directory.join(name).symlink_metadata().ok()?));
+    names.into_iter().filter_map(|name| stamp(&name).map(|stamp| (name, stamp))).collect()
 }
 
 /// What is complete and in its place, as the user calls it.
@@ -271,6 +324,12 @@ pub fn remember() {
             let written = Written { name, stamp: Stamp::of(&there), by: files.writer.clone() };
             new.entry(directory.to_owned()).or_default().push(written);
         }
+        // An FMU's library knows nothing of what this program guards.
+        for (directory, before) in &files.series {
+            let now = stamps(directory).into_iter().filter(|(name, stamp)| before.get(name) != Some(stamp));
+            let now = now.map(|(name, stamp)| Written { name, stamp, by: files.writer.clone() });
+            new.entry(directory.clone()).or_default().extend(now);
+        }
         for (directory, new) in new {
             record::add(&directory, new);
         }
@@ -287,7 +346,7 @@ impl Files {
         let there = path.metadata().ok();
         // What is not a regular file is written, not replaced.
         if there.as_ref().is_some_and(|there| !there.is_file()) {
-            return Ok(());
+            return if is_nowhere(path) { Ok(()) } else { self.take(path) };
         }
         self.take(path)?;
         let place = only_path(path).with_context(cannot)?;

@@ -1,6 +1,7 @@
 //! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
 mod rest;
+mod series;
 mod underway;
 
 use crate::crowd_run::Point;
@@ -23,6 +24,7 @@ use lemons_master::{
 use lemons_record::Run;
 pub use rest::REST;
 use rest::Rest;
+pub use series::writes as writes_in_series;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
@@ -129,7 +131,7 @@ pub fn drive_of(file: Option<&Path>, none: bool) -> DriveChoice {
 pub fn name_and_value_of_all(settings: &[String]) -> Result<Vec<(String, String)>> {
     let both = settings.iter().map(|setting| {
         let both = setting.split_once('=').map(|(name, value)| (name.to_owned(), value.to_owned()));
-        both.with_context(|| format!("--set {setting}: expected NAME=VALUE"))
+        both.ok_or_else(|| Misused(format!("--set {setting}: expected NAME=VALUE")).into())
     });
     both.collect()
 }
@@ -235,6 +237,7 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
         note!("{}", warned(warning));
     }
     let first = system.time();
+    let left = series::claim(&system, &trials, &progress)?;
     let by = writers(before.as_ref().map_or("", |before| &before.lemons), &BUILD.whole());
     let about = vec![
         ("lemons_version", by.clone()),
@@ -253,6 +256,7 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
         ]
     });
     let kept = if file.is_some() { Some(Kept::of(&mut system, &progress)?) } else { None };
+    series::remove(&left)?;
     let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
     let bar = ProgressBar::new(progress.clock.steps.saturating_sub(progress.index)).with_style(style);
     shared.put(Underway {

@@ -1,19 +1,21 @@
 //! `lemons sweep`: many runs with other parameters.
 
 use crate::error::Misused;
+use crate::export::trial_of;
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::pack::write_fmu;
+use crate::run::writes_in_series;
 use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::Naming;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_files::Scratch;
-use lemons_master::{Given, own_binary};
+use lemons_master::{Clock, Given, own_binary};
 use lemons_sweep::{Directory, Finished, How, Progress, Spec, sweep as run};
 use std::cell::Cell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(clap::Args)]
@@ -78,6 +80,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let who = arguments.spec.display().to_string();
     spec.inputs.iter().for_each(|path| files::reads(path, &who));
     files::claim_directory(&output)?;
+    claim_series(&spec)?;
     arguments.csv.as_deref().map(files::claim_and_try).transpose()?;
     let threads = match arguments.threads {
         Some(threads) => usize::from(threads),
@@ -143,6 +146,25 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         say!("table as CSV       {}", path.display())?;
     }
     Ok(())
+}
+
+/// Claims the directories where points write files themselves.
+fn claim_series(spec: &Spec) -> Result<()> {
+    let mut directories = spec.points.output_directories().peekable();
+    let clock = match (directories.peek(), spec.step) {
+        (None, _) => return Ok(()),
+        (_, Some(step)) => Clock::new(0.0, step, spec.until),
+        (_, None) => {
+            let trial = trial_of(&spec.model, Some(&spec.model))?;
+            let step = trial.with_context(|| spec.model.display().to_string())?.parameters.time_step;
+            Clock::new(0.0, step, spec.until)
+        }
+    }?;
+    let is_own =
+        |name: &str, time: Option<f64>| time.is_some_and(|time| writes_in_series(&clock, name, time));
+    directories.try_for_each(|directory| {
+        files::claim_series(Path::new(&directory), is_own).map(drop).context("OutputDirectory")
+    })
 }
 
 /// What became of all points, in a line.

@@ -1,5 +1,8 @@
 //! Files: the only crate that opens input files, with limits; output files are written completely or not at all.
 //!
+//! The latter holds if the process is ended or killed, not if the power fails: only what is synced ([`Staged::sync`]) is
+//! on the disk before it replaces another file.
+//!
 //! - [`input`]: regular files and files that the user names, up to a size
 //! - [`pipe`]: writing to a named pipe, whose reader may never come
 //! - [`words`]: suggestions for misspelt words

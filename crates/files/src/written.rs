@@ -159,6 +159,14 @@ mod tests {
         });
         write_atomically(&pipe, "through").unwrap();
         assert_eq!(reader.join().unwrap(), "through");
+        // Nobody writes to it, so nothing can be read of it.
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || std::fs::read_to_string(pipe).unwrap()
+        });
+        change_all(&[Change::Write(pipe.clone(), "through".into())]).unwrap();
+        assert_eq!(reader.join().unwrap(), "through");
+        assert!(change_all(&[Change::Remove(pipe.clone())]).is_err());
         assert!(pipe.metadata().unwrap().file_type().is_fifo());
         assert!(write_atomically(directory.path(), "x").is_err(), "a directory is no place for a file");
     }

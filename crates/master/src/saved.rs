@@ -156,6 +156,7 @@ impl Saved {
             zip.write_all(state)?;
         }
         let file = zip.finish()?.into_inner().map_err(|error| error.into_error())?;
+        file.sync()?;
         Ok(file.persist()?)
     }
 

@@ -8,7 +8,7 @@
 use crate::person::Person;
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
-use lemons_files::{Change, Scratch, Staged, StagedDirectory, WriteError, change_all};
+use lemons_files::{Change, Scratch, Staged, StagedDirectory, WriteError, change_all, input};
 use lemons_plane::{Pose, Ring, Vec2};
 use lemons_trial::{
     Agent, AgentDynamics, Contact, Geometry, INTERACTIONS, Interactions, Material, Materials, Parameters,
@@ -282,7 +282,8 @@ pub fn write_trial(trial: &Trial, directory: &Path, overwrite: Overwrite) -> Res
     let stage = stage.unless_changed(directory, &TRIAL_FILES.map(|file| directory.join(file)))?;
     let mut changes = Vec::new();
     for &part in PARTS {
-        let text = std::fs::read_to_string(stage.path().join(part)).map_err(WriteError::at(directory))?;
+        let text = input::read_text(&stage.path().join(part), input::LARGEST_TRIAL_FILE)
+            .map_err(WriteError::at(directory))?;
         let place = directory.join(part);
         if let Some(parent) = place.parent() {
             std::fs::create_dir_all(parent).map_err(WriteError::at(parent))?;
@@ -323,7 +324,7 @@ pub fn write_trial_zip(trial: &Trial, file: &Path) -> Result<(), TrialError> {
     let mut fill = || -> io::Result<()> {
         for &part in PARTS {
             archive.start_file(format!("{}/{part}", trial.name), options)?;
-            archive.write_all(&std::fs::read(stage.path().join(part))?)?;
+            archive.write_all(&input::read(&stage.path().join(part), input::LARGEST_TRIAL_FILE)?)?;
         }
         Ok(())
     };

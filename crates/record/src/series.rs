@@ -3,7 +3,7 @@
 use crate::error::RecordError;
 use crate::record::{Each, Record};
 use crate::run::{Frame, Observed, Run};
-use crate::text::own;
+use crate::text::{only_own, own};
 use lemons_files::{Change, change_all};
 use lemons_trial::{
     AgentDynamics, DynamicsElement, Interactions, Trial, dynamics_xml, interactions_xml, output_names,
@@ -130,6 +130,24 @@ fn observed(agents: usize, interactions: &Interactions) -> Vec<Observed> {
         all[contact.agent].normal_force += contact.force.normal.norm();
     }
     all
+}
+
+/// Names of the files of a series that a directory holds; none if there is no such directory. `is_own` says of a name,
+/// with its time \[s\], whether it is of the run that is written there.
+///
+/// # Errors
+/// A file is of another run and would be taken for one of this run, or the directory cannot be read.
+pub fn series_in(
+    directory: &Path,
+    is_own: impl Fn(&str, Option<f64>) -> bool,
+) -> Result<Vec<String>, RecordError> {
+    let of_series = |name: &str| time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS)).is_some();
+    only_own(directory, |name| of_series(name).then(|| is_own(name, series_time(name))))
+}
+
+/// The time \[s\] in the name of a file of a series.
+pub fn series_time(name: &str) -> Option<f64> {
+    time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS))?.parse().ok()
 }
 
 /// Names of the files that [`series`] writes. Files of interactions are removed where a frame has none.

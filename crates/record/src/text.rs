@@ -76,16 +76,34 @@ pub(crate) fn own(
 ) -> Result<(), RecordError> {
     std::fs::create_dir_all(directory).map_err(WriteError::at(directory))?;
     let names: std::collections::BTreeSet<&str> = names.iter().map(String::as_str).collect();
+    only_own(directory, |name| kind(name).then(|| names.contains(name))).map(drop)
+}
+
+/// The names of a kind in a directory, which need not exist: `is_own` says of those whether they are of this run.
+pub(crate) fn only_own(
+    directory: &Path,
+    is_own: impl Fn(&str) -> Option<bool>,
+) -> Result<Vec<String>, RecordError> {
     let cannot = |error| RecordError::Read { path: directory.to_owned(), error };
-    for entry in std::fs::read_dir(directory).map_err(cannot)? {
-        let name = entry.map_err(cannot)?.file_name();
-        let name = name.to_string_lossy();
-        if kind(&name) && !names.contains(&*name) {
-            let message = "is of another run and would be taken for this one's: choose an empty directory";
-            return Err(RecordError::wrong(&directory.join(&*name), message));
+    let entries = match std::fs::read_dir(directory) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(cannot)?,
+    };
+    let mut own = Vec::new();
+    for entry in entries {
+        let name = entry.map_err(cannot)?.file_name().to_string_lossy().into_owned();
+        match is_own(&name) {
+            Some(true) => own.push(name),
+            Some(false) => {
+                let message =
+                    "is of another run and would be taken for this one's: choose an empty directory";
+                return Err(RecordError::wrong(&directory.join(name), message));
+            }
+            None => {}
         }
     }
-    Ok(())
+    own.sort();
+    Ok(own)
 }
 
 fn begun(path: &Path) -> Result<BufWriter<Staged>, RecordError> {

@@ -22,6 +22,9 @@ pub struct Points {
     pub count: usize,
 }
 
+/// The parameter that names a directory where a crowd writes files.
+pub(crate) const OUTPUT_DIRECTORY: &str = "OutputDirectory";
+
 /// A larger number of points is taken for a mistake.
 pub(crate) const MOST_POINTS: usize = 10_000_000;
 /// \[byte\] Largest size of the values of all parameters at all points.
@@ -98,6 +101,14 @@ impl Values {
 }
 
 impl Points {
+    /// Returns the directories where points write files themselves.
+    pub fn output_directories(&self) -> impl Iterator<Item = String> {
+        let values = self.columns.iter().find(|(name, _)| name == OUTPUT_DIRECTORY);
+        let texts =
+            values.into_iter().flat_map(|(_, values)| (0..self.count).map(|point| values.text(point)));
+        texts.filter(|text| !text.is_empty())
+    }
+
     /// Returns all combinations. The last parameter varies fastest.
     ///
     /// # Errors

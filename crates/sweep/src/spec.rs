@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Place, Result};
 use crate::measure::Measure;
-use crate::points::{MOST_POINTS, Points, Room, Values, too_many};
+use crate::points::{MOST_POINTS, OUTPUT_DIRECTORY, Points, Room, Values, too_many};
 use lemons_files::input;
 use lemons_master::{DriveChoice, Kind};
 use serde::Deserialize;
@@ -127,6 +127,7 @@ impl Spec {
             (None, Some(table)) => read_table(&table)?,
             _ => return Err(Error::Spec("give one of [parameters] and table".into())),
         };
+        check_directories(&points)?;
         let measures = document.measures.into_iter().map(|(name, value)| {
             let measure = value.try_into().place(|| format!("measures: {name}"))?;
             Ok((name, measure))
@@ -160,6 +161,18 @@ impl Spec {
             measures,
             inputs,
         })
+    }
+}
+
+/// That no two points have the same OutputDirectory, where they would overwrite each other's files.
+fn check_directories(points: &Points) -> Result<()> {
+    let mut seen = HashSet::new();
+    match points.output_directories().find(|directory| !seen.insert(directory.clone())) {
+        Some(twice) => Err(Error::Spec(format!(
+            "{OUTPUT_DIRECTORY} = {twice:?}: two points have it, and would overwrite each other's files; with \
+             a table of points, each can have its own"
+        ))),
+        None => Ok(()),
     }
 }
 

@@ -92,7 +92,7 @@ fn read_shape(element: Element<'_>, materials: Option<&Ids>, problems: &mut Prob
     Shape {
         radius: element.number("Radius", Bound::Positive, problems),
         material_id: element.reference("MaterialId", materials, "material", problems).0,
-        position: element.vector("Position", problems),
+        position: element.point("Position", problems),
     }
 }
 

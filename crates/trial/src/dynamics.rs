@@ -76,7 +76,7 @@ fn read_agent(element: Element<'_>, problems: &mut Problems) -> AgentDynamics {
         mp: 0.0,
     };
     if let Some(kinematics) = element.only("Kinematics", problems) {
-        agent.position = kinematics.vector("Position", problems);
+        agent.position = kinematics.point("Position", problems);
         agent.velocity = kinematics.vector("Velocity", problems);
         agent.theta = kinematics.number("Theta", Bound::None, problems);
         agent.omega = kinematics.number("Omega", Bound::None, problems);

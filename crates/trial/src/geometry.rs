@@ -69,7 +69,7 @@ fn read_corners(wall: Element<'_>, id: &str, problems: &mut Problems) -> Vec<Vec
     // Where each face was drawn first, whichever its direction.
     let mut faces: HashMap<[[u64; 2]; 2], usize> = HashMap::new();
     for element in wall.children("Corner") {
-        let corner = element.vector("Coordinates", problems);
+        let corner = element.point("Coordinates", problems);
         let place = corners.len();
         if let Some(&before) = corners.last() {
             if (corner - before).norm() == 0.0 {

@@ -69,6 +69,10 @@ pub(crate) fn read_bytes<T>(
 /// Letters of a name that somebody else has given; the rest is not told.
 const LONGEST_NAME: usize = 80;
 
+/// \[m\] Places further from the origin along x or y are refused: up to there a micrometre is exact, and no square of a
+/// distance overflows.
+pub(crate) const FARTHEST: f64 = 1e9;
+
 /// What a number may be, apart from finite.
 #[derive(Clone, Copy)]
 pub(crate) enum Bound {
@@ -281,6 +285,17 @@ impl<'a> Element<'a> {
         vector.flatten().unwrap_or(vec2(f64::NAN, f64::NAN))
     }
 
+    /// A point of the plane \[m\].
+    pub(crate) fn point(self, attribute: &str, problems: &mut Problems) -> Vec2 {
+        let point = self.vector(attribute, problems);
+        if point.x.abs() > FARTHEST || point.y.abs() > FARTHEST {
+            problems.push(
+                self.wrong(attribute, &format!("x and y must be from -{FARTHEST:e} to {FARTHEST:e} m")),
+            );
+        }
+        point
+    }
+
     /// A place, counted from 0, among `count` things.
     pub(crate) fn place(
         self,
@@ -374,6 +389,10 @@ impl Ids {
     /// Reads the Id of the next element of the kind.
     pub(crate) fn take(&mut self, element: Element<'_>, problems: &mut Problems) -> String {
         let id = element.text("Id", problems);
+        // Tables and drive.csv are read without it.
+        if id.trim() != id && !id.trim().is_empty() {
+            problems.push(element.wrong("Id", "must not begin or end with white space"));
+        }
         if !id.trim().is_empty() {
             match self.places.entry(id.clone()) {
                 Entry::Occupied(first) => {

@@ -3,6 +3,7 @@
 //! One file for each directory, where programs keep what they remember (`$XDG_STATE_HOME/lemons`, else
 //! `~/.local/state/lemons`; `%LOCALAPPDATA%\lemons`). Where none can be kept, every file that is there is a stranger's.
 
+use lemons_files::input;
 use lemons_fmi2::fingerprint;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, Metadata};
@@ -87,7 +88,7 @@ fn place_of(directory: &Path) -> Option<PathBuf> {
 }
 
 fn read(directory: &Path) -> Record {
-    let text = place_of(directory).and_then(|place| std::fs::read_to_string(place).ok());
+    let text = place_of(directory).and_then(|place| input::read_text(&place, input::LARGEST_SETTINGS).ok());
     let record: Record = text.and_then(|text| toml::from_str(&text).ok()).unwrap_or_default();
     if Path::new(&record.directory) == directory { record } else { Record::default() }
 }

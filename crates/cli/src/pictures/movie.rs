@@ -11,7 +11,7 @@ use crate::output::Output;
 use crate::run::REST;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_files::{Scratch, Staged};
+use lemons_files::{Scratch, Staged, input};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
 use rayon::prelude::*;
 use std::fs::File;
@@ -89,7 +89,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let footage = source.footage(source.runs().then_some(until), Wanted::All, &interrupt)?;
     let first = arguments.from.unwrap_or_else(|| footage.first());
     let last = match arguments.until {
-        Some(End::At(time)) => time,
+        Some(End::At(time) | End::NotBefore(time)) => time,
         Some(End::Still) => rest(&footage, first)?,
         None => footage.last(),
     };
@@ -269,7 +269,7 @@ impl<'a> Film<'a> {
             Film::Ffmpeg { running, file, .. } => {
                 let Some(ffmpeg) = running else { return Ok(()) };
                 let made = ffmpeg.end()?;
-                std::io::copy(&mut File::open(made.path().join(MADE)).context("what ffmpeg made")?, file)?;
+                std::io::copy(&mut input::open(&made.path().join(MADE)).context("what ffmpeg made")?, file)?;
                 Ok(())
             }
         }
@@ -311,7 +311,8 @@ impl Ffmpeg {
         let _ = frames.into_inner();
         let status = program.0.wait().context("ffmpeg")?;
         if !status.success() {
-            let text = std::fs::read_to_string(scratch.path().join(SAID)).context("ffmpeg")?;
+            let text =
+                input::read_text(&scratch.path().join(SAID), input::LARGEST_SETTINGS).context("ffmpeg")?;
             bail!("ffmpeg ({status}): {}", text.trim());
         }
         Ok(scratch)

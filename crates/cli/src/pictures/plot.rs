@@ -114,7 +114,7 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, at, look, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
     let wanted = if look.shows_trails() { Wanted::All } else { Wanted::Around(at.clone()) };
-    let footage = source.footage(latest.map(End::At), wanted, interrupt)?;
+    let footage = source.footage(latest.map(End::NotBefore), wanted, interrupt)?;
     at.iter().try_for_each(|time| footage.check(*time))?;
     // Poses between two frames would stand beside forces of one of them.
     let asked = if at.is_empty() { vec![footage.last()] } else { at.clone() };

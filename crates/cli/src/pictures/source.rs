@@ -50,6 +50,8 @@ const MOST_STEPS: u64 = 1_000_000;
 pub enum End {
     /// \[s\]
     At(f64),
+    /// \[s\] At the first communication point that is not before: the last step is as long as the others.
+    NotBefore(f64),
     /// When all have come to rest, and at [`LATEST`].
     Still,
 }
@@ -68,7 +70,7 @@ impl End {
     /// \[s\]
     fn latest(self) -> f64 {
         match self {
-            End::At(time) => time,
+            End::At(time) | End::NotBefore(time) => time,
             End::Still => LATEST,
         }
     }
@@ -104,9 +106,13 @@ impl Source {
         let run = match (runs, until, &trial) {
             (true, Some(until), Some(trial)) => {
                 let step = self.step.unwrap_or(trial.parameters.time_step);
-                Clock::new(0.0, step, until.latest())
-                    .and_then(|clock| clock.check_at_most(MOST_STEPS))
-                    .with_context(|| self.path.display().to_string())?;
+                let clock = Clock::new(0.0, step, until.latest());
+                let clock = clock.and_then(|clock| clock.check_at_most(MOST_STEPS).map(|()| clock));
+                let clock = clock.with_context(|| self.path.display().to_string())?;
+                let until = match until {
+                    End::NotBefore(_) => End::At(clock.point(clock.steps)),
+                    until => until,
+                };
                 self.record(until, wanted, interrupt)?
             }
             (true, None, Some(trial)) => still(&self.path, trial),

@@ -260,11 +260,12 @@ fn export_writes_what_was_run_and_says_what_it_lacks() {
     let output = export(&["run.txt", "--to", "pedpy", "--every", "2"]);
     assert_code(&output, 0);
     assert_eq!(out(&output), "run.txt: 5 agents, 3 frames from 0.0 to 0.2 s\n");
-    for walls in [&["--trial", "own"][..], &["--trial", "own.fmu"], &[]] {
-        let output = export(&[&["run.sqlite", "--to", "jupedsim", "--every", "2"], walls].concat());
+    fs::write(at.join("area.wkt"), "POLYGON ((-9 -9, 9 -9, 9 9, -9 9, -9 -9))").unwrap();
+    for walls in [["--trial", "own"], ["--trial", "own.fmu"], ["--area", "area.wkt"]] {
+        let output = export(&[&["run.sqlite", "--to", "jupedsim", "--every", "2"][..], &walls].concat());
         assert_code(&output, 0);
-        assert_eq!(err(&output).contains("inside of wall"), !walls.is_empty(), "{}", err(&output));
-        assert_eq!(err(&output).contains("walls unknown"), walls.is_empty(), "{}", err(&output));
+        let given = walls[0] == "--area";
+        assert_eq!(err(&output).contains("inside of wall"), !given, "{}", err(&output));
     }
 
     // A table holds no contacts; the series of it lies in the Trial, which is found.
@@ -293,8 +294,27 @@ fn export_writes_what_was_run_and_says_what_it_lacks() {
         (&["own/out", "own", "--to", "trial", "--trial", "own"], "lemons export reads it"),
         (&["own/out", "own", "--to", "trial"], "lemons export reads it"),
         (&["own/out", "x", "--to", "trial", "--every", "2"], "--every is not for --to trial"),
-        (&["trajectories.csv", "no/such/x.sqlite", "--to", "jupedsim", "--every", "2"], "no/such/x.sqlite"),
-        (&["trajectories.csv", "own", "--to", "jupedsim", "--every", "2"], "cannot write own: "),
+        (
+            &["trajectories.csv", "x", "--to", "jupedsim", "--every", "2"],
+            "walls are not known: give the Trial or FMU of the run with --trial, or the walkable area with --area",
+        ),
+        (
+            &[
+                "trajectories.csv",
+                "no/such/x.sqlite",
+                "--to",
+                "jupedsim",
+                "--every",
+                "2",
+                "--area",
+                "area.wkt",
+            ],
+            "no/such/x.sqlite",
+        ),
+        (
+            &["trajectories.csv", "own", "--to", "jupedsim", "--every", "2", "--area", "area.wkt"],
+            "cannot write own: ",
+        ),
     ] {
         let output = lemons(at, &[&["export"], arguments].concat());
         assert_code(&output, 1);

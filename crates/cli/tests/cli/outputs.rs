@@ -42,7 +42,7 @@ fn every_command(trial: &str) -> Vec<Vec<&str>> {
         vec!["sweep", "sweep.toml", "-o", "swept", "--csv", "swept.csv"],
         vec!["plot", trial, "--at", "0"],
         vec!["movie", trial, "--until", "0.1", "-o", "movie.gif"],
-        vec!["export", "run.csv", "run.sqlite", "--to", "jupedsim"],
+        vec!["export", "run.csv", "run.sqlite", "--to", "jupedsim", "--trial", trial],
         vec!["info", "crowd.fmu"],
         vec!["check", trial],
         vec!["describe", trial],
@@ -129,6 +129,7 @@ fn a_signal_leaves_nothing_half_written() {
         table += &format!("{:?},0,{}\n", f64::from(frame) * 0.25, row.join(","));
     }
     std::fs::write(place.join("long.csv"), table).unwrap();
+    std::fs::write(place.join("area.wkt"), "POLYGON ((-9 -9, 9 -9, 9 9, -9 9, -9 -9))").unwrap();
     let temporary = place.join("tmp");
     std::fs::create_dir(&temporary).unwrap();
     let trial = default_trial();
@@ -137,7 +138,7 @@ fn a_signal_leaves_nothing_half_written() {
         vec!["pack", trial, "-o", "made.fmu"],
         vec!["decide", trial, "--plan", "wishes.toml", "-o", "decided.fmu"],
         vec!["connect", "decision.fmu", "crowd.fmu", "-o", "made.ssp"],
-        vec!["export", "long.csv", "made.sqlite", "--to", "jupedsim"],
+        vec!["export", "long.csv", "made.sqlite", "--to", "jupedsim", "--area", "area.wkt"],
         vec!["export", "long.csv", "made.txt", "--to", "pedpy"],
     ];
     for arguments in commands {
@@ -200,7 +201,7 @@ fn a_file_that_may_not_grow_is_an_error_said_once_by_the_users_name() {
     for (arguments, name) in [
         (vec!["pack", trial, "-o", "made.fmu"], "made.fmu"),
         (vec!["decide", trial, "--plan", "wishes.toml", "-o", "decided.fmu"], "decided.fmu"),
-        (vec!["export", "run.csv", "made.sqlite", "--to", "jupedsim"], "made.sqlite"),
+        (vec!["export", "run.csv", "made.sqlite", "--to", "jupedsim", "--trial", trial], "made.sqlite"),
         (vec!["crowd", "--number", "3", "--stl", "bodies.stl"], "bodies.stl"),
     ] {
         let output = limited(place, "-f 4", &arguments);
@@ -244,7 +245,10 @@ fn what_is_no_regular_file_is_written_not_replaced() {
     let trial = default_trial();
     let trial = trial.to_str().unwrap();
     for (arguments, begins) in [
-        (vec!["export", "run.csv", "pipe.ssp", "--to", "jupedsim"], &b"SQLite format 3\0"[..]),
+        (
+            vec!["export", "run.csv", "pipe.ssp", "--to", "jupedsim", "--trial", trial],
+            &b"SQLite format 3\0"[..],
+        ),
         (vec!["export", "run.csv", "pipe.ssp", "--to", "pedpy"], b"# framerate"),
         (vec!["pack", trial, "-o", "pipe.ssp"], b"PK\x03\x04"),
         (vec!["decide", trial, "--plan", "wishes.toml", "-o", "pipe.ssp"], b"PK\x03\x04"),
@@ -386,6 +390,80 @@ fn no_two_outputs_of_a_command_go_into_one_file() {
             }
         }
     }
+    // Nobody reads the pipe: nothing waits for that.
+    mkfifo(&place.join("pipe.csv"));
+    let outputs = ["-o", "pipe.csv", "--outputs", "alias/pipe.csv"];
+    let done = ended(piped(place, &[&["run", trial, "--until", "0.1"][..], &outputs].concat()));
+    assert_code(&done, 1);
+    assert_eq!(err(&done), "lemons: cannot write alias/pipe.csv: another result goes there\n");
+    let outputs = ["-o", "/dev/null", "--outputs", "/dev/null"];
+    let format = ["run", trial, "--until", "0.1", "--format", "csv"];
+    assert_code(&lemons(place, &[&format[..], &outputs].concat()), 0);
+}
+
+/// Names of the files in a directory, sorted.
+fn names(directory: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(directory).unwrap();
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn an_output_directory_is_an_output_of_its_run() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    copy(&default_trial(), &place.join("trial"));
+    let parameters = text(&place.join("trial/Parameters.xml")).replace("2e-6", "1e-4");
+    std::fs::write(place.join("trial/Parameters.xml"), parameters).unwrap();
+    done(place, &["pack", "trial", "-o", "first"]);
+    std::fs::copy(place.join("first"), place.join("second")).unwrap();
+    let run = |trial: &str, until: &str, to: &str, more: &[&str]| {
+        let to = format!("OutputDirectory={to}");
+        let fixed = ["run", trial, "--until", until, "-o", "/dev/null", "--format", "csv", "--set", &to];
+        lemons(place, &[&fixed[..], more].concat())
+    };
+    #[track_caller]
+    fn refused(done: &Output, why: &str) {
+        assert_code(done, 1);
+        assert!(err(done).contains(why), "{}", err(done));
+    }
+    let named = |time: &str| format!("AgentDynamics output t={time}.xml");
+    assert_code(&run("first", "0.1", "out", &[]), 0);
+    assert_eq!(names(&place.join("out")), ["0.05", "0.1"].map(named));
+    // Again, and longer: all files are of the last run.
+    assert_code(&run("first", "0.1", "out", &[]), 0);
+    assert_code(&run("first", "0.2", "out", &[]), 0);
+    let before = content(&place.join("out"));
+    assert_eq!(names(&place.join("out")), ["0.05", "0.1", "0.15", "0.2"].map(named));
+    refused(&run("first", "0.1", "out", &[]), "t=0.15.xml: is of another run");
+    refused(&run("second", "0.2", "out", &[]), "it was made from something else, by `lemons run first");
+    assert_eq!(content(&place.join("out")), before);
+    assert_code(&run("second", "0.2", "out", &["--force"]), 0);
+    std::fs::write(place.join("out").join(named("0.1")), "my notes").unwrap();
+    refused(&run("second", "0.2", "out", &[]), "it was changed after");
+    // A saved run goes on in its directory.
+    assert_code(&run("first", "0.1", "saved", &["--state", "run.run"]), 0);
+    let go_on = ["run", "first", "--resume", "run.run", "--until", "0.2", "-o", "rest.csv"];
+    done(place, &go_on);
+    assert_eq!(names(&place.join("saved")).len(), 4);
+
+    // What is read is not written, and no link leads to it.
+    let before = content(&place.join("trial"));
+    for inside in ["trial/dynamic", "trial"] {
+        refused(&run("trial", "0.1", inside, &["--force"]), "lemons run reads it (trial)");
+    }
+    std::fs::create_dir(place.join("links")).unwrap();
+    let link = place.join("links").join(named("0.1"));
+    symlink(place.join("trial/static/Agents.xml"), &link).unwrap();
+    refused(&run("trial", "0.1", "links", &["--force"]), "lemons run reads it (trial)");
+    std::fs::remove_file(&link).unwrap();
+    std::fs::write(place.join("mine"), "precious").unwrap();
+    symlink(place.join("mine"), &link).unwrap();
+    refused(&run("first", "0.1", "links", &[]), "it exists already, and lemons has no record");
+    assert_eq!(content(&place.join("trial")), before);
+    assert_eq!(text(&place.join("mine")), "precious");
 }
 
 fn copy(from: &Path, to: &Path) {

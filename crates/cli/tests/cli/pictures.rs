@@ -106,6 +106,20 @@ fn a_scene_is_where_the_run_was() {
     assert!((high / greatest - 1.0).abs() < 0.01, "{labels:?}, {greatest} N");
 }
 
+/// The last step was shortened so that it ended at the last time; its mean squeeze was that of a shorter step.
+#[test]
+fn a_time_between_communication_points_does_not_shorten_the_last_step() {
+    let directory = TempDir::new().unwrap();
+    let (at, trial) = (directory.path(), default_trial());
+    let scenes = |times: &str| {
+        let plot = ["plot", trial.to_str().unwrap(), "--at", times, "--set", "TimeStepMechanical=1e-4"];
+        done(at, &[&plot[..], &["--fill", "squeeze", "-o", "plot.svg", "--force"]].concat());
+        fs::read_to_string(at.join("plot.svg")).unwrap()
+    };
+    assert!(scenes("0.38") == scenes("0.4"));
+    assert!(scenes("0.36,0.38") == scenes("0.35,0.4"));
+}
+
 #[test]
 fn a_trial_its_table_and_its_series_give_one_picture() {
     let directory = push();

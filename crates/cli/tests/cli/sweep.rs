@@ -186,6 +186,34 @@ fn a_sweep_of_long_steps_can_be_interrupted() {
 }
 
 #[test]
+fn each_point_has_an_output_directory_of_its_own() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let sweep = |output: &str, parameters: &str| {
+        write_spec(at, 0.1, &format!("{parameters}\nTimeStepMechanical = [1e-4]"));
+        lemons(at, &["sweep", "push.toml", "-o", output])
+    };
+    let shared = "\"agent[*].Mass\" = [70, 80]\nOutputDirectory = [\"a\"]";
+    let output = sweep("swept", shared);
+    assert_code(&output, 1);
+    assert!(err(&output).contains("OutputDirectory = \"a\": two points have it"), "{}", err(&output));
+    assert!(!at.join("a").exists() && !at.join("swept").exists());
+    let own = "OutputDirectory = [\"a\", \"b\"]";
+    assert_code(&sweep("swept", own), 0);
+    let written = fs::read(at.join("b/AgentDynamics output t=0.1.xml")).unwrap();
+    assert_code(&sweep("again", own), 0);
+    fs::write(at.join("b/AgentDynamics output t=0.1.xml"), "my notes").unwrap();
+    let output = sweep("third", own);
+    assert_code(&output, 1);
+    assert!(err(&output).contains("it was changed after") && !written.is_empty(), "{}", err(&output));
+    // A directory of the Trial that is read.
+    let inside = default_trial().canonicalize().unwrap().join("dynamic");
+    let output = sweep("fourth", &format!("OutputDirectory = [{:?}]", inside.to_str().unwrap()));
+    assert_code(&output, 1);
+    assert!(err(&output).contains("lemons sweep reads it"), "{}", err(&output));
+}
+
+#[test]
 fn mistakes_have_clear_messages() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();

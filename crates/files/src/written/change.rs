@@ -3,6 +3,7 @@
 use super::WriteError;
 use super::guard::{self, Changed};
 use super::staged::Staged;
+use crate::input;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -55,11 +56,7 @@ pub fn change_all(changes: &[Change]) -> Result<(), WriteError> {
             }
             Change::Remove(path) => (path, None),
         };
-        let old = match std::fs::read(path) {
-            Ok(bytes) => Some(bytes),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            Err(error) => return Err(WriteError::at(path)(error)),
-        };
+        let old = old_content(path, new.is_some()).map_err(WriteError::at(path))?;
         ready.push((path, new, old));
     }
     let mut done: Vec<(&Path, Option<Vec<u8>>)> = Vec::new();
@@ -75,6 +72,16 @@ pub fn change_all(changes: &[Change]) -> Result<(), WriteError> {
         done.push((path, old));
     }
     Ok(())
+}
+
+/// Returns the content of a file that a change would replace, if there is one. A pipe or a device is written, not
+/// replaced: reading it could wait for ever.
+fn old_content(path: &Path, is_written: bool) -> io::Result<Option<Vec<u8>>> {
+    match path.metadata() {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Ok(there) if is_written && !there.is_file() && !there.is_dir() => Ok(None),
+        _ => input::read(path, input::LARGEST_BINARY).map(Some),
+    }
 }
 
 /// Undoes changes. Returns a file that could not be restored.

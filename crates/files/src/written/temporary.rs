@@ -135,7 +135,13 @@ impl Temporary {
                 Ok(()) => {
                     return match self.take(&name, || ()) {
                         Ok(()) => io::Error::other(Changed { kept: Some(name) }),
-                        Err(error) => error,
+                        Err(error) => {
+                            // Only the name was taken.
+                            if !directory {
+                                let _ = std::fs::remove_file(&name);
+                            }
+                            error
+                        }
                     };
                 }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
@@ -176,6 +182,17 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicBool, Ordering};
     use tempfile::TempDir;
+
+    #[test]
+    fn a_name_that_was_taken_in_vain_is_free_again() {
+        let directory = TempDir::new().unwrap();
+        let (temporary, _) = Temporary::file(directory.path()).unwrap();
+        // The move fails.
+        std::fs::remove_file(temporary.path()).unwrap();
+        let error = temporary.keep_beside(&directory.path().join("table.csv"));
+        assert_eq!(error.kind(), io::ErrorKind::NotFound);
+        assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
+    }
 
     #[test]
     fn a_directory_is_removed_while_it_is_written() {
