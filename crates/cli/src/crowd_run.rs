@@ -235,11 +235,11 @@ impl Crowd {
 
     /// What a saved run keeps of it.
     pub fn record(&self, component: &str) -> CrowdRecord {
-        let Extent { rows, last } = match &self.trajectories {
+        let Extent { rows, last, digest } = match &self.trajectories {
             Rows::Table(table) => table.writer.extent(),
             Rows::Memory(_) => Extent::default(),
         };
-        CrowdRecord { component: component.to_owned(), rows, last, extremes: self.extremes }
+        CrowdRecord { component: component.to_owned(), rows, last, digest, extremes: self.extremes }
     }
 
     /// Among the components.

@@ -126,8 +126,8 @@ impl Outputs {
 
     /// What was written.
     pub fn extent(&self) -> Extent {
-        let lemons_record::Extent { rows, last } = self.table.extent();
-        Extent { rows, last }
+        let lemons_record::Extent { rows, last, digest } = self.table.extent();
+        Extent { rows, last, digest }
     }
 
     /// Puts the table in its place; returns the line of the summary.

@@ -72,8 +72,8 @@ pub fn begin(
         Some(_) => Started::Later,
     };
     let made = match before.filter(|_| started == Started::Continued) {
-        Some(Extent { rows, last }) => {
-            let kept = lemons_record::Extent { rows, last };
+        Some(Extent { rows, last, digest }) => {
+            let kept = lemons_record::Extent { rows, last, digest };
             TableWriter::resume(files::stage_to_go_on(path)?, path, *format, content, kept)
         }
         None => TableWriter::create(files::stage(path)?, path, *format, content),

@@ -94,6 +94,7 @@ fn runs(directory: &Path) -> Done {
         component: "crowd".into(),
         rows: 4,
         last: Some(0.15),
+        digest: 0x0123_4567_89ab_cdef_0123_4567_89ab_cdef,
         extremes: Extremes { largest_overlap: 0.01, mean_squeeze: squeeze, peak_squeeze: squeeze },
     };
     let one = Saved {
@@ -114,7 +115,7 @@ fn runs(directory: &Path) -> Done {
     };
     let two = Saved {
         component: vec![component("crowd", 0, 5), component("other", 1, 0)],
-        outputs: Some(Extent { rows: 0, last: None }),
+        outputs: Some(Extent { rows: 0, last: None, digest: 0 }),
         ..one.clone()
     };
     let mut twice = two.clone();

@@ -260,6 +260,14 @@ pub enum SavedError {
         /// The component.
         component: String,
     },
+    /// The states are larger than what is read.
+    #[error("the states of all components have {size} bytes together, more than {most}")]
+    TooLarge {
+        /// \[byte\]
+        size: usize,
+        /// \[byte\]
+        most: usize,
+    },
     /// It cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),

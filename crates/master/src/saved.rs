@@ -8,6 +8,7 @@ use lemons_files::Staged;
 use lemons_files::input;
 use lemons_fmi2::fingerprint;
 use lemons_ssp::{Allowance, distinct};
+use lemons_trial::quoted;
 use serde::{Deserialize, Serialize};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Display;
@@ -18,7 +19,7 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 const RUN: &str = "run.toml";
 /// Of `run.toml`; raised when its meaning changes.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// \[byte\] of `run.toml`: thousands of components.
 const LARGEST_RUN: u64 = 4_000_000;
 
@@ -81,6 +82,26 @@ pub struct Extent {
     pub rows: u64,
     /// \[s\] of the last row
     pub last: Option<f64>,
+    /// Of its content: see `lemons_record::Extent`.
+    #[serde(with = "hexadecimal")]
+    pub digest: u128,
+}
+
+/// TOML has no integers of 128 bits.
+mod hexadecimal {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(value: &u128, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(&format!("{value:032x}"))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<u128, D::Error> {
+        let text = String::deserialize(from)?;
+        let digits = text.len() == 32 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let value = digits.then(|| u128::from_str_radix(&text, 16).ok()).flatten();
+        value.ok_or_else(|| D::Error::custom(format!("{text:?}: must have 32 hexadecimal digits")))
+    }
 }
 
 /// What was recorded of a crowd.
@@ -93,6 +114,9 @@ pub struct CrowdRecord {
     pub rows: u64,
     /// \[s\] of the last row
     pub last: Option<f64>,
+    /// Of its content: see `lemons_record::Extent`.
+    #[serde(with = "hexadecimal")]
+    pub digest: u128,
     /// So far.
     pub extremes: Extremes,
 }
@@ -100,7 +124,7 @@ pub struct CrowdRecord {
 impl CrowdRecord {
     /// Of its table.
     pub fn extent(&self) -> Extent {
-        Extent { rows: self.rows, last: self.last }
+        Extent { rows: self.rows, last: self.last, digest: self.digest }
     }
 }
 
@@ -139,11 +163,18 @@ impl Saved {
         record.collect()
     }
 
+    /// That the states of all components can be read again.
+    fn check_states(states: &[Vec<u8>], most: usize) -> Result<(), SavedError> {
+        let size = states.iter().fold(0, |sum: usize, state| sum.saturating_add(state.len()));
+        if size > most { Err(SavedError::TooLarge { size, most }) } else { Ok(()) }
+    }
+
     /// Writes the archive; the same run gives the same bytes.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// It cannot be written, or the states have more than [`LARGEST_STATE`] together.
     pub fn write(&self, states: &[Vec<u8>], file: Staged) -> Result<(), SavedError> {
+        Saved::check_states(states, LARGEST_STATE)?;
         let mut zip = ZipWriter::new(BufWriter::new(file));
         let options = SimpleFileOptions::default()
             .last_modified_time(DateTime::default())
@@ -204,11 +235,17 @@ impl Saved {
         #[derive(Deserialize)]
         struct Version {
             format: u32,
+            #[serde(default)]
+            lemons: String,
         }
         let version: Version = toml::from_str(text).map_err(wrong)?;
         if version.format != FORMAT {
-            let format = version.format;
-            return Err(wrong(format!("format = {format}: this program knows format {FORMAT} only")));
+            let Version { format, lemons } = version;
+            let by = if lemons.is_empty() { String::new() } else { format!(" (lemons {})", quoted(&lemons)) };
+            return Err(wrong(format!(
+                "format = {format}: this program knows format {FORMAT} only; continue the run with the program that \
+                 saved it{by}, or begin it again"
+            )));
         }
         let saved: Saved = toml::from_str(text).map_err(wrong)?;
         saved.check_numbers().map_err(|(key, why)| wrong(format!("{key}: {why}")))?;
@@ -247,7 +284,7 @@ impl Saved {
             }
         }
         let extents = self.crowd.iter().map(CrowdRecord::extent).chain(self.outputs);
-        for Extent { rows, last } in extents {
+        for Extent { rows, last, .. } in extents {
             match last {
                 Some(last) if !(start..=time).contains(&last) => {
                     return wrong("last", last, &format!("from {start:?} to {time:?}"));
@@ -310,6 +347,15 @@ impl Saved {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// It was written, but nothing could read it.
+    #[test]
+    fn states_that_are_too_large_together_are_not_written() {
+        let states = [vec![0; 6], vec![0; 5]];
+        assert!(Saved::check_states(&states, 11).is_ok());
+        let said = Saved::check_states(&states, 10).unwrap_err().to_string();
+        assert_eq!(said, "the states of all components have 11 bytes together, more than 10");
+    }
 
     #[test]
     fn a_file_names_each_of_its_writers_once() {

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::fmu::{Fmu, Instance, Messages, done};
 use std::sync::Arc;
 
-/// \[byte\] The largest state, which is held in memory: some ten times that of 100 000 agents in contact.
+/// \[byte\] The largest state, and the largest sum of those of all components, which are held in memory: some ten times that of 100 000 agents in contact.
 pub const LARGEST_STATE: usize = 1_000_000_000;
 
 /// A state of an instance, which holds the memory; given back when it is dropped.

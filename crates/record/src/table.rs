@@ -2,6 +2,7 @@
 
 mod content;
 mod csv;
+mod digest;
 mod format;
 #[cfg(feature = "parquet")]
 mod parquet;

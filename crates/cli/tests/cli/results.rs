@@ -269,7 +269,12 @@ fn saved_runs_are_hostile_until_checked() {
         push(at, "--resume forged.run --until 1", 1)
     };
     for (from, to, words) in [
-        ("format = 2", "format = 1", "run.toml: format = 1: this program knows format 2 only"),
+        (
+            "format = 3",
+            "format = 2",
+            "run.toml: format = 2: this program knows format 3 only; continue the run with the program that saved it (lemons ",
+        ),
+        ("digest = \"", "digest = \"x", "must have 32 hexadecimal digits"),
         ("step = 0.05", "step = nan", "run.toml: step: NaN: must be positive and finite"),
         ("step = 0.05", "step = -1.0", "step: -1.0"),
         ("start = 0.0", "start = inf", "start: inf"),
@@ -396,8 +401,15 @@ fn a_run_goes_on_as_it_went_or_not_at_all() {
         assert!(said.contains(words), "{options}: {said}");
         assert!(read(at, "trajectories.csv") == before);
     }
-    // Other results under the name.
+    // Other results under the name. As many rows until the same time went on, with the tool's own stamp.
+    push(at, "--until 0.5 --set agent[0].Mass=81 -o other.csv", 0);
+    let other = read(at, "other.csv");
+    let other = String::from_utf8_lossy(&other);
+    assert_eq!(other.lines().count(), String::from_utf8_lossy(&before).lines().count());
+    let another = "it is the table of another run, or it was changed since";
     for (text, words) in [
+        (&*other, another),
+        (&String::from_utf8_lossy(&before).replacen('\n', "\r\n", 3), another),
         ("t,id\n", "column 3 is missing, not \"x\""),
         ("", "column 1 is "),
         (&String::from_utf8_lossy(&before).replace("\n0.5,4,", "\n0.45,4,"), "its last row is of t = 0.45 s"),

@@ -18,16 +18,22 @@ pub struct Extent {
     pub rows: u64,
     /// \[s\] Time of the last row; `None` if there is no row.
     pub last: Option<f64>,
+    /// Digest of what was written: of the bytes (CSV), or of the cells (Parquet). 0 if there is no row.
+    pub digest: u128,
 }
 
 /// Whether a table is what was written before: number of rows, time of the last row \[s\].
-pub(super) fn check_kept(kept: Extent, rows: u64, last: Option<f64>) -> Result<(), String> {
+pub(super) fn check_kept(kept: Extent, there: Extent) -> Result<(), String> {
+    let Extent { rows, last, digest } = there;
     if rows != kept.rows {
         return Err(format!("it has {rows} rows, not the {} that were written before", kept.rows));
     }
     if last.map(f64::to_bits) != kept.last.map(f64::to_bits) {
         let said = |time: Option<f64>| time.map_or("no number".into(), |time| format!("{time:?} s"));
         return Err(format!("its last row is of t = {}, not of t = {}", said(last), said(kept.last)));
+    }
+    if digest != kept.digest {
+        return Err("it is the table of another run, or it was changed since".into());
     }
     Ok(())
 }

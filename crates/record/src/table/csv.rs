@@ -1,6 +1,7 @@
 //! Tables in CSV: SI units, numbers that read back to the same doubles.
 
 use super::content::{Extent, check_headings, check_kept};
+use super::digest::Digest;
 use super::rows::{Builder, Head, Row, Stop, check_unit, heads, missing, read as read_row};
 use crate::columns::Column;
 use crate::record::Each;
@@ -109,21 +110,46 @@ fn broken(error: csv::Error) -> String {
 
 /// A table that is written.
 pub(super) struct Writer<W: Write> {
-    out: csv::Writer<BufWriter<W>>,
+    out: csv::Writer<Digested<W>>,
     text: String,
+}
+
+/// A file, and the digest of its bytes.
+struct Digested<W: Write> {
+    file: BufWriter<W>,
+    digest: Digest,
+}
+
+impl<W: Write> Digested<W> {
+    fn new(file: W) -> Digested<W> {
+        Digested { file: BufWriter::new(file), digest: Digest::new() }
+    }
+}
+
+impl<W: Write> Write for Digested<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.digest.add(&bytes[..written]);
+        Ok(written)
+    }
+
+    /// The file is flushed when the table is complete; [`Writer::row`] only wants the digest.
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 impl<W: Write> Writer<W> {
     /// With the header only.
     pub fn create(file: W, columns: &[Column]) -> io::Result<Writer<W>> {
-        let mut out = csv::Writer::from_writer(BufWriter::new(file));
+        let mut out = csv::Writer::from_writer(Digested::new(file));
         out.write_record(columns.iter().map(|column| &column.name)).map_err(system)?;
         Ok(Writer { out, text: String::new() })
     }
 
     /// Byte for byte what was written before.
     pub fn resume(file: W, columns: &[Column], path: &Path, kept: Extent) -> Result<Writer<W>, String> {
-        let mut out = BufWriter::new(file);
+        let mut out = Digested::new(file);
         copy(path, columns, kept, &mut out)?;
         Ok(Writer { out: csv::Writer::from_writer(out), text: String::new() })
     }
@@ -144,12 +170,18 @@ impl<W: Write> Writer<W> {
             written.map_err(io::Error::other)?;
             self.out.write_field(&*text).map_err(system)?;
         }
-        self.out.write_record(None::<&[u8]>).map_err(system)
+        self.out.write_record(None::<&[u8]>).map_err(system)?;
+        self.out.flush()
+    }
+
+    /// Of all rows, and of the header.
+    pub fn digest(&self) -> u128 {
+        self.out.get_ref().digest.value()
     }
 
     pub fn finish(self) -> io::Result<W> {
-        let file = self.out.into_inner().map_err(|error| error.into_error())?;
-        file.into_inner().map_err(|error| error.into_error())
+        let written = self.out.into_inner().map_err(|error| error.into_error())?;
+        written.file.into_inner().map_err(|error| error.into_error())
     }
 }
 
@@ -164,7 +196,7 @@ fn system(error: csv::Error) -> io::Error {
 }
 
 /// Copies the table that was written before, if it is that one.
-fn copy(path: &Path, columns: &[Column], kept: Extent, to: &mut impl Write) -> Result<(), String> {
+fn copy<W: Write>(path: &Path, columns: &[Column], kept: Extent, to: &mut Digested<W>) -> Result<(), String> {
     let said = |error: io::Error| error.to_string();
     let mut file = input::open(path).map_err(said)?;
     let mut reader = csv::Reader::from_reader(BufReader::new(&file));
@@ -178,7 +210,8 @@ fn copy(path: &Path, columns: &[Column], kept: Extent, to: &mut impl Write) -> R
             last = std::str::from_utf8(&row[0]).ok().and_then(|text| text.parse().ok());
         }
     }
-    check_kept(kept, rows, last)?;
+    // What it is by its rows; its bytes are seen when they are copied.
+    check_kept(kept, Extent { rows, last, digest: kept.digest })?;
     drop(reader);
     file.seek(SeekFrom::End(-1)).map_err(said)?;
     let mut end = [0];
@@ -188,5 +221,5 @@ fn copy(path: &Path, columns: &[Column], kept: Extent, to: &mut impl Write) -> R
     }
     let copied = file.seek(SeekFrom::Start(0)).and_then(|_| io::copy(&mut file, to));
     copied.map_err(|error| format!("its rows cannot be copied: {error}"))?;
-    Ok(())
+    check_kept(kept, Extent { rows, last, digest: to.digest.value() })
 }

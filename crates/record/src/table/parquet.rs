@@ -1,6 +1,7 @@
 //! Tables in Parquet, with units, variables and descriptions in the metadata.
 
 use super::content::{Content, Extent, check_headings, check_kept};
+use super::digest::Digest;
 use super::rows::{Builder, Head, Row as _, Stop, check_unit, heads, missing, read as read_row};
 use crate::columns::{CONTACTS, Column, ID, TOTALS};
 use crate::record::Each;
@@ -115,27 +116,37 @@ impl super::rows::Row for Row<'_> {
 }
 
 /// A table that is written.
-pub(super) struct Writer<W: Write + Send>(lemons_columns::Writer<W>);
+pub(super) struct Writer<W: Write + Send> {
+    out: lemons_columns::Writer<W>,
+    digest: Digest,
+}
 
 impl<W: Write + Send> Writer<W> {
     /// Without rows.
     pub fn create(file: W, content: &Content) -> Result<Writer<W>, TableError> {
-        Ok(Writer(lemons_columns::Writer::create(file, &described(&content.columns), &content.about)?))
+        let out = lemons_columns::Writer::create(file, &described(&content.columns), &content.about)?;
+        Ok(Writer { out, digest: Digest::new() })
     }
 
     /// With the rows that were written before.
     pub fn resume(file: W, content: &Content, path: &Path, kept: Extent) -> Result<Writer<W>, String> {
         let mut new = Writer::create(file, content).map_err(|error| error.to_string())?;
-        copy(path, &content.columns, kept, &mut new.0)?;
+        copy(path, &content.columns, kept, &mut new)?;
         Ok(new)
     }
 
     pub fn row<'a>(&mut self, cells: impl Iterator<Item = Cell<'a>>) -> Result<(), TableError> {
-        self.0.row(cells)
+        let digest = &mut self.digest;
+        self.out.row(cells.inspect(|cell| digest.add_cell(cell)))
+    }
+
+    /// Of all cells.
+    pub fn digest(&self) -> u128 {
+        self.digest.value()
     }
 
     pub fn finish(self) -> Result<W, TableError> {
-        self.0.finish()
+        self.out.finish()
     }
 }
 
@@ -165,7 +176,7 @@ fn copy<W: Write + Send>(
     path: &Path,
     columns: &[Column],
     kept: Extent,
-    to: &mut lemons_columns::Writer<W>,
+    to: &mut Writer<W>,
 ) -> Result<(), String> {
     let file = input::open(path).map_err(|error| error.to_string())?;
     let reader = Reader::open(file).map_err(|error| error.to_string())?;
@@ -194,5 +205,5 @@ fn copy<W: Write + Send>(
             last = Some(time);
         }
     }
-    check_kept(kept, rows, last)
+    check_kept(kept, Extent { rows, last, digest: to.digest() })
 }

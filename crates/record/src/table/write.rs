@@ -55,8 +55,8 @@ impl<W: Write + Send> TableWriter<W> {
     /// which is to replace it.
     ///
     /// # Errors
-    /// [`RecordError::NotContinued`]: the table at `path` has other columns, units, types, a different number of rows
-    /// or another last time, or it cannot be copied.
+    /// [`RecordError::NotContinued`]: the table at `path` has other columns, units, types, a different number of rows,
+    /// another last time or other rows, or it cannot be copied.
     pub fn resume(
         file: W,
         path: &Path,
@@ -96,7 +96,12 @@ impl<W: Write + Send> TableWriter<W> {
             Rows::Parquet(rows) => rows.row(cells).map_err(std::io::Error::other),
         };
         written.map_err(WriteError::at(&self.path))?;
-        self.extent = Extent { rows: self.extent.rows + 1, last: Some(time) };
+        let digest = match &self.rows {
+            Rows::Csv(rows) => rows.digest(),
+            #[cfg(feature = "parquet")]
+            Rows::Parquet(rows) => rows.digest(),
+        };
+        self.extent = Extent { rows: self.extent.rows + 1, last: Some(time), digest };
         Ok(())
     }
 
