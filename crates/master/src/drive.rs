@@ -152,16 +152,24 @@ impl DriveTable {
             return Err(found.error());
         }
         let mut drive = DriveTable::default();
-        for record in reader.records() {
-            let record = match record {
-                Ok(record) => record,
+        let mut record = csv::StringRecord::new();
+        loop {
+            match reader.read_record(&mut record) {
+                Ok(true) => {}
+                Ok(false) => break,
                 Err(error) => {
-                    found.push(error.position().map(csv::Position::line), said(&error));
+                    let begin = error.position().map(csv::Position::line);
+                    found.push(begin.map(|begin| line_of(begin, reader.position().line(), 0)), said(&error));
                     // Nothing more can be read.
-                    if error.is_io_error() { break } else { continue }
+                    if error.is_io_error() {
+                        break;
+                    }
+                    continue;
                 }
-            };
-            let line = record.position().map_or(0, csv::Position::line);
+            }
+            let begin = record.position().map_or(0, csv::Position::line);
+            let within = record.as_slice().bytes().filter(|byte| *byte == b'\n').count() as u64;
+            let line = line_of(begin, reader.position().line(), within);
             let mut number = |place: usize| {
                 let text = &record[place];
                 let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
@@ -228,6 +236,12 @@ impl DriveTable {
         };
         Some(push)
     }
+}
+
+/// The line of a row. Its reader began to read at one line, perhaps that of a comment before the row, and will go on at
+/// another one; so many line ends are within the values.
+fn line_of(begin: u64, next: u64, within: u64) -> u64 {
+    next.saturating_sub(1 + within).max(begin)
 }
 
 /// The text of an error without the words "CSV error" and without its line.
