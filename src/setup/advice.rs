@@ -114,14 +114,13 @@ impl Setup<'_> {
             return None;
         }
         let verdict = if step < rates.unstable_from(1.0) {
-            "is long for"
+            format!("is long for the contact of {pair}")
         } else {
-            "is unstable, bodies part faster than they met, for"
+            format!("is too long: the contact of {pair} is unstable, so collisions create energy")
         };
         let ratio = rates.damping / rates.critical_damping();
         if ratio > ABSURD_DAMPING {
-            let message =
-                format!("{verdict} the contact of {pair}: {}", self.absurd_damping(scene, *materials, ratio));
+            let message = format!("{verdict}: {}", self.absurd_damping(scene, *materials, ratio));
             return Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message));
         }
         let Some(proposed) = contacts.proposed_step() else {
@@ -135,7 +134,7 @@ impl Setup<'_> {
             damping => format!(", damping time {:.2e} s", 1.0 / damping),
         };
         let message = format!(
-            "{verdict} the contact of {pair} (period {:.2e} s{damping}): at most {proposed:e} s would resolve all contacts",
+            "{verdict} (period {:.2e} s{damping}). A step of at most {proposed:e} s resolves all contacts",
             rates.period()
         );
         Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message))
@@ -523,11 +522,7 @@ mod tests {
             let said = said(&trial);
             assert_eq!(said.len(), 1, "{said:?}");
             let words = if normal {
-                [
-                    "is unstable, bodies part faster than they met, for the contact of",
-                    "damping time 7.73e-6 s",
-                    "at most 5e-7 s",
-                ]
+                ["is unstable, so collisions create energy", "damping time 7.73e-6 s", "at most 5e-7 s"]
             } else {
                 ["is long for the contact of", "damping time 6.19e-4 s", "at most 5e-5 s"]
             };

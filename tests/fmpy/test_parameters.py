@@ -199,5 +199,5 @@ def test_parameters_that_may_be_a_mistake_are_warned_of(push):
     push["agent[1].Position.x"] = 0.1
     push.initialize()
     said = "\n".join(push.messages)
-    assert "TimeStepMechanical" in said and "would resolve all contacts" in said
+    assert "TimeStepMechanical" in said and "resolves all contacts" in said
     assert "overlap at the start" in said

@@ -1,7 +1,7 @@
 //! `lemons bench`: what a mechanical step costs, and what the FMU adds.
 
 use crate::tell;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use lemons_bench::{Figures, cases, fmu, measure};
 use lemons_files::input;
 use std::io::Write;
@@ -21,6 +21,11 @@ pub struct Arguments {
 
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let mut out = tell::out();
+    let cases = cases();
+    let wanted = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only));
+    if !wanted(THROUGH_FMU) && !cases.iter().any(|case| wanted(case.name)) {
+        bail!("no crowd has {:?} in its name", arguments.only.as_deref().unwrap_or_default());
+    }
     let Arguments { runs, threads, .. } = arguments;
     writeln!(out, "{}", machine())?;
     writeln!(out, "ns: processor time per agent and mechanical step, one thread, median of {runs}.")?;
@@ -39,8 +44,6 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         "near",
         format!("x{threads}")
     )?;
-    let cases = cases();
-    let wanted = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only));
     for case in cases.iter().filter(|case| wanted(case.name)) {
         let Figures { nanoseconds, pairs, contacts, rebuilds, refreshes, speed_up } =
             measure(case, (*runs).into(), (*threads).into())?;

@@ -46,6 +46,17 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     let missed = words::missed(missed, "TimeStep");
                     writeln!(out, "warning: {}: {missed}", file.display())?;
                 }
+                if let (Ok(drive), None) = (&driven, &missed)
+                    && let (between @ 1.., of) = drive.between(0.0, parameters.time_step)
+                {
+                    let file = path.join(DRIVE_FILE);
+                    writeln!(
+                        out,
+                        "note: {}: {between} of {of} rows are between communication points: the drive is interpolated at \
+                         each point and held until the next, so results depend on TimeStep",
+                        file.display()
+                    )?;
+                }
                 let mut errors = 0;
                 if let Err(error) = wished {
                     errors += 1;
@@ -63,10 +74,10 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                 }
                 writeln!(
                     out,
-                    "{}: {} agents, {} walls, TimeStep {:?} s, TimeStepMechanical {:?} s: {}",
+                    "{}: {}, {}, TimeStep {:?} s, TimeStepMechanical {:?} s: {}",
                     path.display(),
-                    trial.agents.len(),
-                    trial.geometry.walls.len(),
+                    counted(trial.agents.len(), "agent"),
+                    counted(trial.geometry.walls.len(), "wall"),
                     parameters.time_step,
                     parameters.time_step_mechanical,
                     match warnings.iter().count() + usize::from(missed.is_some()) {
@@ -89,6 +100,10 @@ pub fn check(arguments: &Arguments) -> Result<()> {
 fn say_errors(out: &mut impl Write, path: &Path, errors: usize) -> io::Result<()> {
     let noun = if errors == 1 { "error" } else { "errors" };
     writeln!(out, "{}: {errors} {noun}", path.display())
+}
+
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 fn print(out: &mut impl Write, problems: &Problems) -> io::Result<()> {

@@ -55,6 +55,8 @@ pub struct Crowd {
     totals: Vec<u32>,
     trajectories: Rows,
     extremes: Extremes,
+    /// Whether the step with the greatest peak was seen now and has no rows.
+    peak_passed: bool,
     /// At the last look.
     moves: bool,
 }
@@ -183,6 +185,7 @@ impl Crowd {
             ids,
             trajectories,
             extremes,
+            peak_passed: false,
             moves: false,
         })
     }
@@ -211,7 +214,11 @@ impl Crowd {
         // At the start they are the values of an instant.
         if point != Point::Start {
             self.extremes.mean_squeeze.see(steps.iter().map(|step| step[0]), time);
+            let before = self.extremes.peak_squeeze.force;
             self.extremes.peak_squeeze.see(steps.iter().map(|step| step[1]), time);
+            if self.extremes.peak_squeeze.force > before {
+                self.peak_passed = point == Point::Passed;
+            }
             let deepest = steps.iter().map(|step| step[2]);
             self.extremes.largest_overlap = deepest.fold(self.extremes.largest_overlap, f64::max);
         }
@@ -265,6 +272,9 @@ impl Crowd {
             lines.push(format!("largest overlap    {:>10.3} mm", 1e3 * largest_overlap));
             lines.push(squeeze("greatest step mean", mean_squeeze, "step to"));
             lines.push(squeeze("greatest peak", peak_squeeze, "step to"));
+            if self.peak_passed && matches!(self.trajectories, Rows::Table(_)) {
+                lines.push(format!("{:<33}(not in the table, which has no rows of this step: --every)", ""));
+            }
         }
         match self.trajectories {
             Rows::Table(table) => {

@@ -8,7 +8,7 @@ pub const EXAMPLES: [(&str, &str); 15] = [
 lemons crowd --number 150 --box 4.56x4.56 --speed 0.5 -o Trial_box
 lemons crowd --number 100 --density 5 --fmu crowd.fmu --png crowd.png
 lemons crowd --number 40 --fixed 49,25,1.75,70 --packing grid -o Trial_rows
-lemons crowd --number 60 --pedestrians 0.6 --light-xml mixed.xml",
+lemons crowd --number 10 --pedestrians 0.6 --light-xml mixed.xml",
     ),
     (
         "person",

@@ -1,9 +1,10 @@
 //! `lemons export`: a run for the field's tools, and a Trial that goes on where it ended.
 
 use crate::error::Misused;
-use crate::files::{self, Force};
+use crate::files::{self, Force, WISHES_FILE};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
+use crowd_mechanics::pack::DRIVE_FILE;
 use crowd_mechanics::setup;
 use lemons_files::input;
 use lemons_master::{Fmu, Given, Kind};
@@ -118,6 +119,15 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             let trial = trial_at_end(&run.read(|k| k == last)?, need()?)?;
             claim_all(trial.files_written(out).into_iter())?;
             trial.write(out)?;
+            said.extend(
+                [DRIVE_FILE, WISHES_FILE]
+                    .map(|name| out.join(name))
+                    .into_iter()
+                    .filter(|file| file.is_file())
+                    .map(|file| {
+                        format!("warning: {} of the Trial that was there stays, and is used", file.display())
+                    }),
+            );
         }
     }
     if matches!(to, Format::Jupedsim | Format::Pedpy) && !run.names().are_ids {
@@ -126,17 +136,22 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     let without_contacts = !run.contacts();
     if *to == Format::Series && without_contacts {
         said.push(
-            "a table holds no contacts: no AgentInteractions; run with OutputDirectory for these".into(),
+            "a table contains no contacts, so no AgentInteractions files are written. To have them, let the FMU write \
+             the files: lemons run TRIAL --set OutputDirectory=DIRECTORY"
+                .into(),
         );
     }
     if *to == Format::Trial {
         if without_contacts {
             said.push(
-                "a table holds no contacts: all springs start unstretched; take a series for these".into(),
+                "a table contains no contacts, so all contact springs start unstretched. To keep them, export from an \
+                 OutputDirectory (lemons run TRIAL --set OutputDirectory=DIRECTORY)"
+                    .into(),
             );
         }
         said.push(
-            "Fp and Mp stay the Trial's, as runs do not record them; a drive.csv is not taken along".into(),
+            "Fp and Mp are those of the Trial, because runs do not record them; its drive.csv is not copied"
+                .into(),
         );
     }
     for line in said {

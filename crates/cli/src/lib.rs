@@ -47,8 +47,8 @@ use version::SHORT_AND_LONG;
 
 /// Simulate contact mechanics of dense crowds: make, check, pack, run, couple and draw them
 ///
-/// A Trial is a directory with the XML files of a scene. Exit codes: 0 success; 1 a file or a run
-/// failed; 2 the command line is wrong; 3 a Trial has errors; 130 interrupted by a signal.
+/// A Trial is a directory with the XML files of a scene. Exit codes: 0 success, also of a sweep in
+/// which only some points failed; 1 a file or a run failed; 2 the command line is wrong; 3 a Trial has errors; 130 interrupted by a signal.
 #[derive(Parser)]
 #[command(name = "lemons", version = SHORT_AND_LONG[0].as_str(), long_version = SHORT_AND_LONG[1].as_str(), arg_required_else_help = true, max_term_width = 80)]
 struct Arguments {

@@ -47,8 +47,9 @@ pub struct Arguments {
     /// newest values
     #[arg(long, value_name = "ALGORITHM", default_value = "jacobi")]
     algorithm: Order,
-    /// Propulsion over time: a CSV file with columns t,agent,Fp.x,Fp.y,Mp. Values are interpolated
-    /// linearly between rows and are zero before the first and after the last row. Agents that are not
+    /// Propulsion over time: a CSV file with columns t,agent,Fp.x,Fp.y,Mp. At each communication point,
+    /// values are interpolated linearly between rows; they are held until the next point, so results
+    /// depend on the communication step. Before the first and after the last row they are zero. Agents that are not
     /// in the file keep the values of AgentDynamics.xml. Default: the Trial's drive.csv if there is one;
     /// in an SSP, none
     #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
@@ -75,7 +76,8 @@ pub struct Arguments {
     outputs: Option<PathBuf>,
     #[arg(long, value_name = "FORMAT", hide_possible_values = true, help = FORMAT_HELP)]
     format: Option<FormatName>,
-    /// Write only every N-th communication point, beginning with the first. Default: 1
+    /// Write only every N-th communication point, beginning with the first. Default: 1. Mean and peak
+    /// squeeze in a row are of the one step that ends there: those of the steps between are not written
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     every: Option<u32>,
     /// Save the state of the run when it ends or is stopped by Ctrl-C; --resume continues it

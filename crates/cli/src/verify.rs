@@ -40,7 +40,9 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
         } else {
             let (name, against) = (check.name, format!("against {}", check.against));
             writeln!(out, "{name}{unit}")?;
-            writeln!(out, "    {against:46} {figure:>9.1e}  within {:>5.0e}  {verdict}", check.limit)?;
+            let limit =
+                if check.limit == 0.0 { "exact".into() } else { format!("within {:>5.0e}", check.limit) };
+            writeln!(out, "    {against:46} {figure:>9.1e}  {limit:<12}  {verdict}")?;
         }
         if let Some(error) = trouble {
             writeln!(out, "    {}", said(&error.into()))?;

@@ -279,6 +279,16 @@ pub struct Missed {
 }
 
 impl DriveTable {
+    /// The number of rows after `start` that are not at a communication point, both \[s\], and the number of all rows.
+    pub fn between(&self, start: f64, step: f64) -> (usize, usize) {
+        let is_between = |time: f64| {
+            let steps = (time - start) / step;
+            time > start && (steps - steps.round()).abs() > 1e-6
+        };
+        let rows = self.agents.values().flatten();
+        (rows.clone().filter(|(time, _)| is_between(*time)).count(), rows.count())
+    }
+
     /// What a run from `start` with a communication step, both \[s\], does not apply: the drive is what it is at the
     /// communication points. `None` unless the push of a row between two of them lies beyond both of theirs by more than
     /// half of the agent's largest one. Rows before the start are not looked at.
@@ -375,6 +385,7 @@ mod tests {
                     a communication step of 1.000e-1 s applies all rows";
         assert_eq!(missed.to_string(), said);
         assert_eq!(drive.missed(0.0, 0.1), None);
+        assert_eq!((drive.between(0.0, 0.1), drive.between(0.0, 0.2)), ((0, 5), (1, 5)));
         // A sample somewhere on its way is not the push, but it is applied.
         let missed = drive.missed(0.0, 0.7).unwrap();
         assert_eq!((missed.rows, missed.agent.as_str(), missed.time), (4, "a", 0.4));

@@ -147,14 +147,14 @@ impl DensityMap {
 
     /// Returns a description of the kernel in words.
     pub fn described(&self) -> String {
-        let walls = if self.walls.is_empty() { "" } else { ", nothing of it behind a wall" };
+        let walls = if self.walls.is_empty() { "" } else { ", not through walls" };
         let frames = if self.frames == 1 {
             "one frame".to_owned()
         } else {
             format!("the mean of {} frames", self.frames)
         };
         format!(
-            "each person is a Gaussian of standard deviation {} m and integral 1{walls}; {frames}",
+            "each person is spread as a Gaussian with a standard deviation of {} m{walls}; {frames}",
             self.kernel
         )
     }

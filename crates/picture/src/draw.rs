@@ -14,8 +14,8 @@ use crate::world::world;
 /// Returns the scene as SVG.
 ///
 /// Groups, from the lowest: `density`, `walls`, `bodies` (one group for each agent, in their order, with the agent's Id
-/// as title), `bicycles`, `trails` (paths of class `simulated` and `measured`), `forces`, `ids`. Outside the scene, in
-/// pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
+/// as title), `bicycles`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
+/// `forces`, `ids`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
 pub fn svg(scene: &Scene, style: &Style) -> String {
     let width = page_width(style.width);
     let unit = width / NOMINAL_WIDTH;

@@ -1,4 +1,4 @@
-//! Lines over the bodies: their trails, and the forces between them.
+//! Lines below or over the bodies: their trails, and the forces between them.
 
 use crate::body::point;
 use crate::colour::{Colour, Palette};

@@ -94,11 +94,18 @@ pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame,
         _ => false,
     };
     draw_walls(out, &walls, palette, frame, over_density);
+    // Trails that are compared with measured ones must be seen completely.
+    let compared = measured(&[scene]);
+    if !compared {
+        trails(out, scene, palette, frame);
+    }
     bodies(out, scene, style, palette, frame, colouring, &drawn);
     let ridden = ridden(scene, style, frame);
     let riders = ridden.iter().map(|b| b.rider.0 * b.rider.1).sum::<f64>() / ridden.len().max(1) as f64;
     bicycles(out, &ridden, palette, outline(frame, riders));
-    trails(out, scene, palette, frame);
+    if compared {
+        trails(out, scene, palette, frame);
+    }
     forces(out, scene, look, frame);
     if style.ids.shown() {
         let crossed = !scene.trails.is_empty() || !scene.forces.is_empty();

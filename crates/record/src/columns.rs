@@ -3,6 +3,11 @@
 
 pub use lemons_columns::Kind;
 
+/// Every quantity of the table of a run.
+pub(crate) fn all() -> impl Iterator<Item = &'static Quantity> {
+    MOTION.iter().chain(&CONTACTS).chain([&SQUEEZE]).chain(&OF_STEP).chain(&TOTALS)
+}
+
 /// A column of the table of a run, which is an output of the FMU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quantity {

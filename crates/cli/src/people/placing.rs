@@ -35,7 +35,8 @@ pub struct PlacingArguments {
     #[arg(long, value_enum, default_value_t = PackingArgument::Dense)]
     packing: PackingArgument,
     /// Which way people face. free: any way; fixed: exactly along --direction; towards: first along
-    /// --direction, then turned by their neighbours. Default: towards if --direction is given, else free
+    /// --direction, then turned by their neighbours. Default: fixed in a crowd with bicycles; else
+    /// towards if --direction is given, and free if not
     #[arg(long, value_enum)]
     orientation: Option<OrientationArgument>,
     /// Direction people face, in degrees counter-clockwise from the x axis. Default: 0
@@ -221,7 +222,7 @@ impl PlacingArguments {
         bar.0.finish_and_clear();
         let count = shapes.len();
         let option = self.option();
-        let packing = packing.with_context(|| format!("{count} in {}, {option}", place.name))?;
+        let packing = packing.with_context(|| format!("{count} people in {}, {option}", place.name))?;
         if packing.ended == Ended::Cancelled {
             return Err(Interrupted::given_up().into());
         }
@@ -243,7 +244,7 @@ impl PlacingArguments {
             );
         }
         bail!(
-            "{count} in {}, {option}: that is {density:.2} /m², of which {clear:.2} /m² ({:.0}) were placed without overlap, \
+            "{count} people in {}, {option}: that is {density:.2} /m², of which {clear:.2} /m² ({:.0}) were placed without overlap, \
              the others overlap by up to {overlap:.2} mm (--allow-overlap writes it so){other}",
             place.name,
             clear * region.area()

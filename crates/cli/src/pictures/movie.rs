@@ -132,7 +132,9 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     if let Some(still) = footage.still_from().filter(|still| still + REST <= last) {
         let time = told(still);
         match still > first {
-            true => note!("nobody moves after t = {time:?} s: --until still ends there"),
+            // It was asked for, as --until still does it.
+            true if arguments.until == Some(End::Still) => {}
+            true => note!("nobody moves after t = {time:?} s: to end the movie there, use --until still"),
             false => note!("nobody moves in this movie"),
         }
     }

@@ -172,6 +172,11 @@ fn a_drive_between_two_communication_points_is_warned_of() {
     ];
     let said = checked(at, "T");
     assert!(words.iter().all(|word| said.contains(word)) && said.ends_with(": 1 warning\n"), "{said}");
+    // As the Trial is made, only that the push is sampled.
+    let said = checked(at, default_trial().to_str().unwrap());
+    let note = "drive.csv: 24 of 31 rows are between communication points: the drive is interpolated at each";
+    assert!(said.starts_with("note: ") && said.contains(note) && said.ends_with(": no problem\n"), "{said}");
+    assert!(said.contains(": 5 agents, 1 wall, "), "{said}");
     let run = ["run", "T", "--until", "3", "--set", "TimeStepMechanical=1e-4", "-o", "a.csv"];
     let said = err(&done(at, &run));
     assert!(words.iter().all(|word| said.contains(word)), "{said}");

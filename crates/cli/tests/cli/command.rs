@@ -200,6 +200,24 @@ fn mistakes_have_clear_messages() {
 }
 
 #[test]
+fn a_table_of_nothing_is_a_failure_and_a_setting_without_a_value_a_misuse() {
+    let directory = TempDir::new().unwrap();
+    for (arguments, code, words) in [
+        (&["bench", "--only", "none of them"][..], 1, "no crowd has \"none of them\" in its name"),
+        (&["verify", "--only", "none of them"], 1, "no row has \"none of them\" in its name"),
+        (&["run", "T", "--set", "agent[0].Mass"], 2, "--set agent[0].Mass: expected NAME=VALUE"),
+    ] {
+        let output = lemons(directory.path(), arguments);
+        assert_code(&output, code);
+        assert!(
+            err(&output).contains(words) && output.stdout.is_empty() == (arguments[0] != "verify"),
+            "{}",
+            err(&output)
+        );
+    }
+}
+
+#[test]
 fn what_check_accepts_packs_and_runs() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
@@ -276,6 +294,12 @@ fn export_writes_what_was_run_and_says_what_it_lacks() {
     let output = lemons(at, &["export", "own/out", "end", "--to", "trial"]);
     assert_code(&output, 0);
     assert_eq!(out(&output), "end: 5 agents as at t = 0.23 s\n");
+    assert!(!err(&output).contains("stays, and is used"), "{}", err(&output));
+    fs::write(at.join("end/drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n").unwrap();
+    let output = lemons(at, &["export", "own/out", "end", "--to", "trial"]);
+    assert_code(&output, 0);
+    let warning = "warning: end/drive.csv of the Trial that was there stays, and is used\n";
+    assert!(err(&output).contains(warning), "{}", err(&output));
     let rows = fs::read_to_string(at.join("trajectories.csv")).unwrap();
     let last: Vec<&str> = rows.lines().last().unwrap().split(',').collect();
     let dynamics = fs::read_to_string(at.join("end/dynamic/AgentDynamics.xml")).unwrap();

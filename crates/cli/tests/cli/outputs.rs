@@ -47,7 +47,6 @@ fn every_command(trial: &str) -> Vec<Vec<&str>> {
         vec!["check", trial],
         vec!["describe", trial],
         vec!["verify", "--only", "free flight"],
-        vec!["bench", "--only", "none of them"],
         vec!["--help"],
         vec!["crowd", "--help"],
         vec!["--version"],

@@ -70,7 +70,7 @@ fn a_made_crowd_passes_check_packs_and_runs_without_a_warning() {
     let check = lemons(at, &["check", "Trial_made"]);
     assert_code(&check, 0);
     assert!(
-        out(&check).ends_with(": no problem\n") && out(&check).contains("22 agents, 1 walls"),
+        out(&check).ends_with(": no problem\n") && out(&check).contains("22 agents, 1 wall,"),
         "{}",
         out(&check)
     );
@@ -370,7 +370,7 @@ fn mistakes_name_the_option_and_the_value() {
         (
             &["crowd", "--density", "10.25", "--box", "2x2"],
             1,
-            &["41 in a box of 2 m x 2 m", "10.25 /m²", "placed without overlap", "--allow-overlap"],
+            &["41 people in a box of 2 m x 2 m", "10.25 /m²", "placed without overlap", "--allow-overlap"],
         ),
         (&["crowd", "--density", "11.5", "--box", "2x1"], 1, &["23", "a box of 2 m x 1 m"]),
         (&["crowd", "-n", "9", "--density", "30"], 1, &["9", "cannot hold them"]),

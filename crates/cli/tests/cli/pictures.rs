@@ -187,10 +187,10 @@ fn time_series_and_maps() {
     let one = svg(at, &["trajectories.csv", "--series", "speed", "--agents", "3", "--from", "0.5"]);
     assert!(one.contains("<title>agent 3</title>") && !one.contains("<title>agent 2</title>"));
     let said = done(at, &["plot", "trajectories.csv", "--trial", "push", "--density", "-o", "map.svg"]);
-    assert!(err(&said).contains("Gaussian of standard deviation 0.3 m"), "{}", err(&said));
-    assert!(err(&said).contains("nothing of it behind a wall"), "{}", err(&said));
+    assert!(err(&said).contains("Gaussian with a standard deviation of 0.3 m"), "{}", err(&said));
+    assert!(err(&said).contains("not through walls"), "{}", err(&said));
     let map = fs::read_to_string(at.join("map.svg")).unwrap();
-    assert!(map.contains("<desc>each person is a Gaussian"));
+    assert!(map.contains("<desc>each person is spread as a Gaussian"));
     assert!(map.contains("class=\"density\"") && places(&map).is_empty());
     assert!(labels(&map).iter().any(|label| label.contains("density")), "{:?}", labels(&map));
 }
@@ -447,8 +447,10 @@ fn a_movie_of_standing_bodies_can_end_where_they_stand() {
     let moving = rows.iter().rposition(|row| row[4].hypot(row[5]) > 0.01 || row[7].abs() > 0.05).unwrap();
     let stands = rows[moving + 1][0];
     assert!(stands > 2.5 && stands < 6.0, "{stands}");
-    let told =
-        format!("nobody moves after t = {:?} s: --until still ends there", (stands * 1e6).round() / 1e6);
+    let told = format!(
+        "nobody moves after t = {:?} s: to end the movie there, use --until still",
+        (stands * 1e6).round() / 1e6
+    );
     let frames = |name: &str| {
         let reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(at.join(name)).unwrap()));
         reader.read_info().unwrap().info().animation_control().unwrap().num_frames

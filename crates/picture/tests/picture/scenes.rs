@@ -143,6 +143,8 @@ fn measured_is_dashed_and_simulated_solid() {
         class(&document, "simulated").iter().map(|n| number(*n, "stroke-opacity")).collect();
     assert!(opacities.len() > 4 && opacities.is_sorted() && opacities[0] < 0.3, "{opacities:?}");
     assert!(class(&document, "legend").is_empty());
+    // The bodies are over them: the lines hid their fill.
+    assert!(text.find("class=\"trails\"") < text.find("class=\"bodies\""));
     // Each piece begins where the one before ends.
     let ends: Vec<&str> = class(&document, "simulated").iter().map(|n| n.attribute("d").unwrap()).collect();
     for pair in ends.windows(2) {

@@ -3,7 +3,7 @@
 use super::content::{Extent, check_headings, check_kept};
 use super::digest::Digest;
 use super::rows::{Builder, Head, Row, Stop, check_unit, heads, missing, read as read_row};
-use crate::columns::Column;
+use crate::columns::{self, Column};
 use crate::record::Each;
 use lemons_columns::Cell;
 use lemons_files::input;
@@ -18,6 +18,16 @@ fn name_and_unit(head: &str) -> (&str, Option<&str>) {
     match head.strip_suffix(']').and_then(|head| head.rsplit_once('[')) {
         Some((name, unit)) => (name.trim_end(), Some(unit)),
         None => (head, None),
+    }
+}
+
+/// The head of a column. It has a unit only if this is not the one of our table of columns.
+fn head_of(column: &Column) -> String {
+    let ours =
+        columns::all().find(|quantity| quantity.name == column.name).and_then(|quantity| quantity.unit);
+    match (&column.unit, ours) {
+        (Some(unit), Some(ours)) if unit != ours => format!("{} [{unit}]", column.name),
+        _ => column.name.clone(),
     }
 }
 
@@ -143,7 +153,7 @@ impl<W: Write> Writer<W> {
     /// With the header only.
     pub fn create(file: W, columns: &[Column]) -> io::Result<Writer<W>> {
         let mut out = csv::Writer::from_writer(Digested::new(file));
-        out.write_record(columns.iter().map(|column| &column.name)).map_err(system)?;
+        out.write_record(columns.iter().map(head_of)).map_err(system)?;
         Ok(Writer { out, text: String::new() })
     }
 
@@ -201,7 +211,7 @@ fn copy<W: Write>(path: &Path, columns: &[Column], kept: Extent, to: &mut Digest
     let mut file = input::open(path).map_err(said)?;
     let mut reader = csv::Reader::from_reader(BufReader::new(&file));
     let headings = reader.headers().map_err(broken)?.iter().map(str::to_owned);
-    check_headings(headings, columns.iter().map(|column| column.name.clone()))?;
+    check_headings(headings, columns.iter().map(head_of))?;
     let (mut row, mut rows, mut last) = (csv::ByteRecord::new(), 0, None);
     while reader.read_byte_record(&mut row).map_err(broken)? {
         rows += 1;

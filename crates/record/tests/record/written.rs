@@ -232,3 +232,22 @@ fn tables_of_other_columns() {
     let error = table.row(0.5, [Cell::Boolean(true)]).unwrap_err().to_string();
     assert!(error.starts_with(&format!("{}: cannot be written", path.display())), "{error}");
 }
+
+/// An FMU of somebody else counted in millimetres: the table in CSV was read as metres.
+#[test]
+fn a_table_in_another_unit_is_not_read_as_ours() {
+    let directory = TempDir::new().unwrap();
+    for format in [Format::Csv, Format::Parquet] {
+        let mut content = content(ALL);
+        let x = content.columns.iter_mut().find(|column| column.name == "x").unwrap();
+        x.unit = Some("mm".to_owned());
+        let path = directory.path().join("table").with_extension(format.extension());
+        let file = lemons_files::Staged::beside(&path).unwrap();
+        let table = TableWriter::create(file, &path, format, &content).unwrap();
+        let mut writer = FrameWriter::new(table, ids(), ALL).unwrap();
+        frames(2).iter().for_each(|frame| writer.frame(frame).unwrap());
+        writer.finish().unwrap().persist().unwrap();
+        let message = Run::read_table(&path).unwrap_err().to_string();
+        assert!(message.contains("column x: is in \"mm\", it must be in \"m\""), "{message}");
+    }
+}
