@@ -33,7 +33,8 @@ impl Allowance {
     /// # Errors
     /// There are more than are left.
     pub fn entries(&mut self, count: usize) -> Result<()> {
-        self.entries = self.entries.checked_sub(count).ok_or(Error::TooManyEntries)?;
+        let left = self.entries.checked_sub(count);
+        self.entries = left.ok_or(Error::TooManyEntries(Allowance::ENTRIES))?;
         Ok(())
     }
 

@@ -47,9 +47,9 @@ pub enum Error {
         /// What failed.
         error: io::Error,
     },
-    /// The entries of archives exceed the [allowance](crate::Allowance).
-    #[error("it has too many entries: at most {} are unpacked in all", crate::Allowance::ENTRIES)]
-    TooManyEntries,
+    /// The entries of archives exceed the [allowance](crate::Allowance) of so many.
+    #[error("it has too many entries: at most {0} are unpacked in all")]
+    TooManyEntries(usize),
     /// An entry would exceed the [allowance](crate::Allowance).
     #[error("{name}: is refused: more than {} MB to unpack in all", *limit as f64 / 1e6)]
     TooLarge {
