@@ -7,7 +7,9 @@ use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::setup;
 use crowd_mechanics::variables::{guid, table};
 use lemons_bench::fmu::{DENSE, Packed};
-use lemons_fmi2::{Model, Slave};
+use lemons_fmi::Model;
+use lemons_fmi::location::Location;
+use lemons_fmi::v2::Slave;
 
 const AGENTS: usize = 10_000;
 
@@ -25,7 +27,8 @@ fn load(criterion: &mut Criterion) {
     let resources = packed.resources();
     // What fmi2Instantiate does.
     let instantiate = || {
-        let crowd = CrowdModel::load(resources.to_str().expect("text")).expect("a good Trial");
+        let crowd =
+            CrowdModel::load(Location::Path(resources.to_str().expect("text"))).expect("a good Trial");
         Slave::new(crowd, &guid).expect("its GUID")
     };
     group.bench_function(BenchmarkId::new("instantiate", AGENTS), |bencher| bencher.iter(instantiate));

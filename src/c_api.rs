@@ -71,7 +71,7 @@ pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallErr
 /// `files` is NULL or points to five pointers, each of them NULL or pointing to a text that ends with a zero.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn CrowdMechanics(files: *const *const c_char) -> c_int {
-    lemons_fmi2::silence_panics();
+    lemons_fmi::silence_panics();
     let result = catch_unwind(|| {
         // SAFETY: as the caller promises.
         let [parameters, materials, geometry, agents, dynamics] = unsafe { paths(files) }?;

@@ -12,16 +12,19 @@
 //!
 //! - [`engine`]: pure mechanics, no files, no FMI
 //! - [`setup`]: from the documents of a Trial (`lemons_trial`) to the engine's world, and what to warn of
-//! - [`variables`]: the table of FMU variables
+//! - [`variables`]: quantities, and the table of FMI 2.0 variables
+//! - [`arrays`]: the table of FMI 3.0 variables
 //! - [`resources`]: from a resource URI to the Trials packed in an FMU
 //! - [`model_description`], [`pack`]: the table as XML, a Trial as an FMU
 //! - [`model`]: what an FMU instance simulates
-//! - [`fmi2`]: the FMI 2.0 C functions (their bodies are in `lemons_fmi2`)
+//! - [`fmi2`], [`fmi3`]: the C functions of FMI 2.0 and 3.0 (their bodies are in `lemons_fmi`)
 //! - [`c_api`]: the C entry point of the paper's scripts
 
+pub mod arrays;
 pub mod c_api;
 pub mod engine;
 pub mod fmi2;
+pub mod fmi3;
 pub mod model;
 pub mod model_description;
 pub mod pack;

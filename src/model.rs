@@ -2,21 +2,23 @@
 //!
 //! A parameter is an edit of the documents. When initialization ends, the engine's world is built from them.
 
+mod arrays;
 mod saved;
 
 pub use saved::Saved;
 
-use crate::engine::{AdvanceError, Pair, ThreadsError, World, Wrench, step_count};
+use crate::engine::{AdvanceError, BodyId, Pair, ThreadsError, World, Wrench, step_count};
 use crate::resources::{Resources, ResourcesError};
 use crate::setup::Setup;
 use crate::setup::{WorldError, dynamics_of, interactions_of};
 use crate::variables::{
-    AgentQuantity, MOST_MECHANICAL_STEPS, Quantity, Role, Variable, guid, in_documents, in_documents_mut,
-    table,
+    AgentQuantity, MOST_MECHANICAL_STEPS, Quantity, Variable, domain, guid, in_documents, in_documents_mut,
+    is_input, table,
 };
 use lemons_files::{Change, WriteError, change_all};
-use lemons_fmi2::{Model, Phase, StepError};
-use lemons_trial::{DynamicsElement, Trial, dynamics_xml, interactions_xml, output_names};
+use lemons_fmi::location::Location;
+use lemons_fmi::{Model, Phase, StepError};
+use lemons_trial::{DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -32,6 +34,14 @@ pub enum ModelError {
     World(#[from] WorldError),
     #[error("Trial = {value:?}: must be one of the packed Trials: {names}")]
     NoSuchTrial { value: String, names: String },
+    #[error(
+        "Trial = {0:?}: values were set of agents or materials that it does not have: choose the Trial before its values"
+    )]
+    OtherSizes(String),
+    #[error("materials {0:?} and {1:?} have two different values: the matrix must be symmetric")]
+    Asymmetric(String, String),
+    #[error("materials {0:?} and {1:?} have no <Contact> in Materials.xml: their value must be 0")]
+    NoContact(String, String),
     #[error("the state belongs to another model: Trial {0:?} has other variables than this FMU")]
     OtherVariables(String),
     #[error("the state belongs to another model: Trial {0:?} has changed since the state was saved")]
@@ -51,13 +61,14 @@ pub enum ModelError {
     Output(#[from] WriteError),
 }
 
-/// The values of Reals that were set, by index in the table.
-type Settings = BTreeMap<u32, f64>;
+/// The values of Reals of the documents that were set.
+type Settings = BTreeMap<Quantity, f64>;
 
 /// The crowd of one FMU instance: its packed Trials, parameters and motion.
 pub struct CrowdModel {
     resources: Resources,
-    table: Vec<Variable>,
+    /// FMI 3.0: the packed Trials may have different numbers of agents and materials.
+    any_size: bool,
     /// The Trial as packed: the start for a reset or the choice of another Trial.
     packed: Arc<Trial>,
     /// Fingerprint of `packed`.
@@ -68,6 +79,8 @@ pub struct CrowdModel {
     threads: i32,
     /// A communication step with more mechanical steps is refused.
     most_steps: f64,
+    /// Mechanical steps between intermediate updates; 0 for none.
+    intermediate_steps: i32,
     output_directory: String,
     /// Rates of the inputs over the next step, by agent; missing ones are constant.
     rates: BTreeMap<usize, Wrench>,
@@ -85,20 +98,21 @@ impl Model for CrowdModel {
     type Error = ModelError;
 
     const INTERPOLATES_INPUTS: bool = true;
-    const STATE_VERSION: u32 = 4;
+    const STATE_VERSION: u32 = 5;
 
-    fn load(location: &str) -> Result<CrowdModel, ModelError> {
-        let resources = Resources::from_uri(location)?;
+    fn load(location: Location<'_>) -> Result<CrowdModel, ModelError> {
+        let resources = Resources::at(location)?;
         let (packed, warnings) = resources.load(resources.first())?;
         Ok(CrowdModel {
             resources,
-            table: table(&packed),
+            any_size: matches!(location, Location::Path(_)),
             trial: packed.clone(),
             fingerprint: packed.fingerprint(),
             packed: Arc::new(packed),
             settings: Settings::new(),
             threads: 1,
             most_steps: MOST_MECHANICAL_STEPS,
+            intermediate_steps: 0,
             output_directory: String::new(),
             rates: BTreeMap::new(),
             world: None,
@@ -108,7 +122,7 @@ impl Model for CrowdModel {
     }
 
     fn table(&self) -> Vec<Variable> {
-        self.table.clone()
+        table(&self.packed)
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
@@ -139,7 +153,7 @@ impl Model for CrowdModel {
     }
 
     #[inline]
-    fn set_real(&mut self, reference: u32, quantity: Quantity, value: f64, phase: Phase) {
+    fn set_real(&mut self, quantity: Quantity, value: f64, phase: Phase) {
         if quantity == Quantity::MostMechanicalSteps {
             self.most_steps = value;
             return;
@@ -149,14 +163,18 @@ impl Model for CrowdModel {
             None => self.world = None,
         }
         if phase != Phase::StepComplete || self.world.is_none() {
-            self.edit(reference, quantity, value);
+            self.edit(quantity, value);
         }
     }
 
     fn set_integer(&mut self, quantity: Quantity, value: i32) {
-        if quantity == Quantity::Threads {
-            self.threads = value;
-            self.world = None;
+        match quantity {
+            Quantity::Threads => {
+                self.threads = value;
+                self.world = None;
+            }
+            Quantity::IntermediateSteps => self.intermediate_steps = value,
+            _ => {}
         }
     }
 
@@ -175,6 +193,21 @@ impl Model for CrowdModel {
         Ok(())
     }
 
+    fn derivative(&self, quantity: Quantity) -> Option<f64> {
+        let (world, Quantity::Agent(i, quantity)) = (self.world.as_ref()?, quantity) else { return None };
+        let twist = &world.state().twists[i as usize];
+        let acceleration = || world.acceleration(BodyId::from(i as usize));
+        match quantity {
+            AgentQuantity::PositionX => Some(twist.velocity.x),
+            AgentQuantity::PositionY => Some(twist.velocity.y),
+            AgentQuantity::Theta => Some(twist.angular_velocity),
+            AgentQuantity::VelocityX => Some(acceleration().force.x),
+            AgentQuantity::VelocityY => Some(acceleration().force.y),
+            AgentQuantity::Omega => Some(acceleration().torque),
+            _ => None,
+        }
+    }
+
     fn set_rate(&mut self, input: Quantity, rate: f64) {
         let Quantity::Agent(i, quantity) = input else { return };
         let rates = self.rates.entry(i as usize).or_default();
@@ -189,8 +222,9 @@ impl Model for CrowdModel {
     fn initialize(&mut self) -> Result<(), ModelError> {
         self.make_world()?;
         make_directory(&self.output_directory)?;
-        if self.settings.keys().any(|&reference| self.table[reference as usize].role != Role::Input) {
-            self.warnings.extend(Setup::of(&self.trial).advice_as_edited());
+        if self.settings.keys().any(|&quantity| !is_input(quantity)) {
+            let advice = Setup::of(&self.trial).advice_as_edited();
+            self.warnings.extend(advice.iter().map(Problem::without_severity));
         }
         // Warnings about these centres were given when they were read or set.
         self.said_coincident = self.first_coincident();
@@ -198,18 +232,7 @@ impl Model for CrowdModel {
     }
 
     fn advance(&mut self, step: f64, to: f64) -> Result<(), StepError<ModelError>> {
-        self.make_world().map_err(StepError::Refused)?;
-        self.few_steps(step).map_err(StepError::Refused)?;
-        if let Err(error) = self.advance_world(step) {
-            let told = ModelError::Advance(Setup::of(&self.trial).name_body(&error));
-            // All other errors are found before the step begins.
-            let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
-            return Err(if failed { StepError::Failed(told) } else { StepError::Refused(told) });
-        }
-        self.warn_of_coincidence();
-        // A rate is used for one step.
-        self.rates.clear();
-        self.write_output(to).map_err(|error| StepError::Failed(error.into()))
+        self.advance_by(step, 0.0, Some(to))
     }
 
     fn reset(&mut self) -> Result<(), ModelError> {
@@ -221,6 +244,7 @@ impl Model for CrowdModel {
         self.settings.clear();
         self.threads = 1;
         self.most_steps = MOST_MECHANICAL_STEPS;
+        self.intermediate_steps = 0;
         self.output_directory.clear();
         self.rates.clear();
         self.world = None;
@@ -238,6 +262,23 @@ impl Model for CrowdModel {
 }
 
 impl CrowdModel {
+    /// Advances by a part \[s\] of a communication step of which `so_far` \[s\] are over, to the communication point
+    /// \[s\] if that is its end.
+    fn advance_by(&mut self, part: f64, so_far: f64, to: Option<f64>) -> Result<(), StepError<ModelError>> {
+        self.make_world().map_err(StepError::Refused)?;
+        self.few_steps(part).map_err(StepError::Refused)?;
+        if let Err(error) = self.advance_world(part, so_far) {
+            let told = ModelError::Advance(Setup::of(&self.trial).name_body(&error));
+            // All other errors are found before the step begins.
+            let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
+            return Err(if failed { StepError::Failed(told) } else { StepError::Refused(told) });
+        }
+        self.warn_of_coincidence();
+        // A rate is used for one step.
+        self.rates.clear();
+        to.map_or(Ok(()), |to| self.write_output(to)).map_err(|error| StepError::Failed(error.into()))
+    }
+
     fn make_world(&mut self) -> Result<&mut World, ModelError> {
         if self.world.is_none() {
             let mut world = Setup::of(&self.trial).world()?;
@@ -277,22 +318,32 @@ impl CrowdModel {
         self.world.as_ref().and_then(|world| world.contacts().coincident.first().copied())
     }
 
-    fn advance_world(&mut self, step: f64) -> Result<(), AdvanceError> {
+    fn advance_world(&mut self, part: f64, so_far: f64) -> Result<(), AdvanceError> {
         let Some(world) = &mut self.world else { return Ok(()) };
         world.drive_rate.fill(Wrench::default());
         for (&i, &rate) in &self.rates {
             world.drive_rate[i] = rate;
         }
-        world.advance(step)
+        world.advance_on(part, so_far)
     }
 
     /// Applies a setting of this instance to the documents.
     #[cold]
-    fn edit(&mut self, reference: u32, quantity: Quantity, value: f64) {
+    fn edit(&mut self, quantity: Quantity, value: f64) {
         if let Some(place) = in_documents_mut(&mut self.trial, quantity) {
             *place = value;
         }
-        self.settings.insert(reference, value);
+        self.settings.insert(quantity, value);
+    }
+
+    /// Reads quantities of all agents from the running world, agent by agent.
+    fn read_agents(&mut self, quantities: &[AgentQuantity], values: &mut [f64]) -> Result<(), ModelError> {
+        for (i, values) in (0..).zip(values.chunks_exact_mut(quantities.len())) {
+            for (value, &quantity) in values.iter_mut().zip(quantities) {
+                *value = self.real(Quantity::Agent(i, quantity))?;
+            }
+        }
+        Ok(())
     }
 
     /// Returns a Real that the running world contains.
@@ -334,6 +385,7 @@ impl CrowdModel {
     fn integer_without_world(&mut self, quantity: Quantity) -> Result<i32, ModelError> {
         match quantity {
             Quantity::Threads => Ok(self.threads),
+            Quantity::IntermediateSteps => Ok(self.intermediate_steps),
             quantity => Ok(count(self.make_world()?, quantity).unwrap_or(0)),
         }
     }
@@ -365,10 +417,14 @@ impl CrowdModel {
     /// Loads another packed Trial; settings are kept.
     fn choose(&mut self, name: &str) -> Result<(), ModelError> {
         let (packed, warnings) = self.resources.load(name)?;
-        if guid(&table(&packed)) != guid(&self.table) {
+        if self.any_size {
+            if !self.settings.keys().all(|&quantity| domain(&packed, quantity).is_some()) {
+                return Err(ModelError::OtherSizes(name.to_owned()));
+            }
+        } else if guid(&table(&packed)) != guid(&table(&self.packed)) {
             return Err(ModelError::OtherVariables(name.to_owned()));
         }
-        self.trial = edited(&packed, &self.settings, &self.table);
+        self.trial = edited(&packed, &self.settings);
         self.fingerprint = packed.fingerprint();
         self.packed = Arc::new(packed);
         self.warnings.extend(warnings);
@@ -466,10 +522,10 @@ fn make_directory(name: &str) -> Result<(), WriteError> {
 }
 
 /// A packed Trial with an instance's settings.
-fn edited(packed: &Trial, settings: &Settings, table: &[Variable]) -> Trial {
+fn edited(packed: &Trial, settings: &Settings) -> Trial {
     let mut trial = packed.clone();
-    for (&reference, &value) in settings {
-        if let Some(place) = in_documents_mut(&mut trial, table[reference as usize].quantity) {
+    for (&quantity, &value) in settings {
+        if let Some(place) = in_documents_mut(&mut trial, quantity) {
             *place = value;
         }
     }

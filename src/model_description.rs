@@ -1,7 +1,12 @@
 //! `modelDescription.xml` of a Trial's FMU.
 
+use crate::arrays::{Block, sizes, starts};
+use crate::model::CrowdModel;
 use crate::variables::{MOST_MECHANICAL_STEPS, Quantity, Variable, in_documents, table};
-use lemons_fmi2::description::{Description, Naming};
+use lemons_fmi::v2::description::{Description, Naming};
+use lemons_fmi::v3;
+use lemons_fmi::v3::description::Start;
+use lemons_fmi::v3::terminals::{Terminal, terminals_xml};
 use lemons_trial::Trial;
 use lemons_xml::number;
 
@@ -16,15 +21,49 @@ pub const DEFAULT_STOP_TIME: f64 = 5.0;
 /// copies in memory. The description of 10 000 agents has 70 MB.
 pub const LARGEST_DESCRIPTION: u64 = 256_000_000;
 
-/// Returns the model description of a Trial's FMU.
+/// Description for users.
+const DESCRIPTION: &str =
+    "contact mechanics of a dense crowd: rigid bodies of disks, damped springs, Coulomb friction, walls";
+
+/// Returns the model description of a Trial's FMI 3.0 FMU.
+pub fn model_description_3(trial: &Trial) -> String {
+    v3::description::Description {
+        model_name: MODEL_NAME,
+        model_identifier: MODEL_IDENTIFIER,
+        description: DESCRIPTION,
+        knows_derivatives: true,
+        shows_intermediate_values: true,
+        stop_time: DEFAULT_STOP_TIME,
+        step_size: trial.parameters.time_step,
+        sizes: &sizes(trial),
+        start: &|block| start_of_array(trial, block),
+        // Inputs at a communication point do not affect outputs at the same point: no dependencies.
+        dependencies: &|_| Vec::new(),
+        initial_dependencies: &|_| Vec::new(),
+    }
+    .xml::<CrowdModel>()
+}
+
+/// Returns the terminal `crowd`: drives in, motion out. With an icon, `icon.png` is beside it.
+pub fn terminals(icon: bool) -> String {
+    const CROWD: Terminal = Terminal {
+        name: "crowd",
+        description: "drives in, motion out",
+        variables: &["Fp", "Mp", "Position", "Theta", "Velocity", "Omega"],
+    };
+    terminals_xml::<CrowdModel>(&CROWD, icon)
+}
+
+/// Returns the model description of a Trial's FMI 2.0 FMU.
 pub fn model_description(trial: &Trial, naming: Naming) -> String {
     let table = table(trial);
     Description {
         model_name: MODEL_NAME,
         model_identifier: MODEL_IDENTIFIER,
-        description: "contact mechanics of a dense crowd: rigid bodies of disks, damped springs, Coulomb friction, walls",
+        description: DESCRIPTION,
         naming,
         interpolates_inputs: true,
+        knows_derivatives: true,
         stop_time: DEFAULT_STOP_TIME,
         step_size: trial.parameters.time_step,
         table: &table,
@@ -43,6 +82,18 @@ fn start(trial: &Trial, variable: &Variable) -> Option<String> {
         Quantity::Trial => Some(trial.name.clone()),
         Quantity::OutputDirectory => Some(String::new()),
         quantity => in_documents(trial, quantity).map(number),
+    }
+}
+
+fn start_of_array(trial: &Trial, block: Block) -> Option<Start> {
+    match block {
+        Block::One(Quantity::Threads) => Some(Start::Numbers(vec![1.0])),
+        Block::One(Quantity::IntermediateSteps) => Some(Start::Numbers(vec![0.0])),
+        Block::One(Quantity::MostMechanicalSteps) => Some(Start::Numbers(vec![MOST_MECHANICAL_STEPS])),
+        Block::One(Quantity::Trial) => Some(Start::Texts(vec![trial.name.clone()])),
+        Block::One(Quantity::OutputDirectory) => Some(Start::Texts(vec![String::new()])),
+        Block::AgentIds | Block::MaterialIds => None,
+        block => starts(trial, block).map(Start::Numbers),
     }
 }
 

@@ -2,14 +2,21 @@
 //!
 //! The same Trials and binaries give the same bytes, so that FMUs can be compared.
 
-use crate::model_description::{LARGEST_DESCRIPTION, MODEL_IDENTIFIER, model_description};
+use crate::arrays::arrays;
+use crate::model::CrowdModel;
+use crate::model_description::{
+    LARGEST_DESCRIPTION, MODEL_IDENTIFIER, model_description, model_description_3, terminals,
+};
 use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::setup;
 use crate::variables::{guid, table};
 use lemons_files::Staged;
-use lemons_fmi2::archive::{Archive, ArchiveError, read};
-pub use lemons_fmi2::archive::{Binary, host_platform};
-pub use lemons_fmi2::description::Naming;
+use lemons_fmi::archive::{Archive, ArchiveError, Version, read};
+pub use lemons_fmi::archive::{Binary, host_platform};
+pub use lemons_fmi::v2::description::Naming;
+use lemons_fmi::v3;
+use lemons_fmi::v3::Dimension;
+use lemons_fmi::variables::{Kind, Role};
 use lemons_trial::{Problems, Trial};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
@@ -32,15 +39,16 @@ pub enum PackError {
     )]
     Name { path: PathBuf, name: String },
     #[error(
-        "{agents} agents are too many for an FMU: FMI 2.0 describes each variable of each of them, in {} MB, and at most \
-         {} MB can be read", size / 1_000_000, LARGEST_DESCRIPTION / 1_000_000
+        "{agents} agents are too many for an FMU: its description has {} MB, and at most {} MB can be read; that of \
+         FMI 3.0 is much smaller", size / 1_000_000, LARGEST_DESCRIPTION / 1_000_000
     )]
     TooLarge { agents: usize, size: u64 },
     #[error("two Trials have the name {name:?}: the parameter Trial could not distinguish them")]
     SameName { name: String },
     #[error(
-        "Trial {other:?} does not fit into one FMU with {first:?}: {why}; the Trials of an FMU share its variables \
-         (agent[0].Mass, …), so they need the same number of agents with the same Ids, and the same materials: pack one FMU of each"
+        "Trial {other:?} does not fit into one FMU with {first:?}: {why}; the Trials of an FMI 2.0 FMU share its \
+         variables (agent[0].Mass, …), so they need the same number of agents with the same Ids, and the same materials: \
+         pack one FMU of each, or an FMI 3.0 FMU"
     )]
     OtherInterface { first: String, other: String, why: String },
     #[error(
@@ -51,6 +59,30 @@ pub enum PackError {
     Archive { path: PathBuf, error: ArchiveError },
     #[error("cannot write {path}: {error}")]
     Write { path: PathBuf, error: std::io::Error },
+}
+
+/// The version of FMI, and what can be chosen in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// FMI 2.0: a variable for each number.
+    Fmi2(Naming),
+    /// FMI 3.0: arrays. The Trials of an FMU may have different numbers of agents and materials.
+    Fmi3,
+}
+
+impl Default for Format {
+    fn default() -> Format {
+        Format::Fmi2(Naming::default())
+    }
+}
+
+impl Format {
+    fn version(self) -> Version {
+        match self {
+            Format::Fmi2(_) => Version::V2,
+            Format::Fmi3 => Version::V3,
+        }
+    }
 }
 
 /// Draws a Trial as a PNG; `None` if it cannot be drawn.
@@ -66,12 +98,12 @@ pub struct Package {
     pub trials: Vec<PathBuf>,
     /// The binaries; at least one.
     pub binaries: Vec<Binary>,
-    /// Draws `model.png`, of the first Trial.
+    /// Draws `model.png` (in FMI 3.0 `terminalsAndIcons/icon.png`), of the first Trial.
     pub picture: Option<Draw>,
     /// Checks each Trial further. A Trial with errors is not packed.
     pub check: Option<Check>,
-    /// Naming of the variables.
-    pub naming: Naming,
+    /// Version of FMI.
+    pub format: Format,
 }
 
 impl Package {
@@ -84,9 +116,14 @@ impl Package {
         if trials.is_empty() {
             return Err(PackError::NoTrial);
         }
-        check_size(&trials[0], least_size(&trials[0], self.naming))?;
+        if let Format::Fmi2(naming) = self.format {
+            check_size(&trials[0], least_size(&trials[0], naming))?;
+        }
         let write_error = |error| PackError::Write { path: output.to_owned(), error };
-        let description = model_description(&trials[0], self.naming);
+        let description = match self.format {
+            Format::Fmi2(naming) => model_description(&trials[0], naming),
+            Format::Fmi3 => model_description_3(&trials[0]),
+        };
         check_size(&trials[0], description.len() as u64)?;
         let mut file = Staged::beside(output).map_err(write_error)?;
         self.fill(&trials, &description, &mut file)
@@ -97,11 +134,20 @@ impl Package {
 
     /// Writes the archive's content.
     fn fill(&self, trials: &[Trial], description: &str, file: impl Write + Seek) -> Result<(), ArchiveError> {
-        let documentation = documentation(&trials[0]);
+        let (version, picture) = (self.format.version(), self.picture.and_then(|draw| draw(&trials[0])));
+        let documentation = match version {
+            Version::V2 => documentation(&trials[0]),
+            Version::V3 => documentation_3(&trials[0]),
+        };
         let mut archive =
-            Archive::begin(file, MODEL_IDENTIFIER, description, &documentation, &self.binaries)?;
-        if let Some(picture) = self.picture.and_then(|draw| draw(&trials[0])) {
-            archive.add("model.png", &picture)?;
+            Archive::begin(file, version, MODEL_IDENTIFIER, description, &documentation, &self.binaries)?;
+        if version == Version::V3 {
+            archive
+                .add("terminalsAndIcons/terminalsAndIcons.xml", terminals(picture.is_some()).as_bytes())?;
+        }
+        if let Some(picture) = picture {
+            let name = if version == Version::V2 { "model.png" } else { "terminalsAndIcons/icon.png" };
+            archive.add(name, &picture)?;
         }
         let names: String = trials.iter().map(|trial| format!("{}\n", trial.name)).collect();
         archive.add(&format!("resources/{TRIALS_FILE}"), names.as_bytes())?;
@@ -143,6 +189,7 @@ impl Package {
                 }
             }
             if let Some(first) = trials.first()
+                && self.format != Format::Fmi3
                 && let Some(why) = difference(first, &trial)
             {
                 return Err(PackError::OtherInterface { first: first.name.clone(), other: trial.name, why });
@@ -235,4 +282,36 @@ fn documentation(trial: &Trial) -> String {
         .replace("{time_step}", &format!("{:?}", parameters.time_step))
         .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))
         .replace("{guid}", &guid(&table(trial)).braced().to_string())
+}
+
+/// `documentation/index.html` of FMI 3.0.
+fn documentation_3(trial: &Trial) -> String {
+    let row = |array: &v3::Array<_>| {
+        let sizes = array.dimensions.iter().map(|dimension| match *dimension {
+            Dimension::Size(place) => format!("[{}]", crate::arrays::SIZES[place].name),
+            Dimension::Fixed(size) => format!("[{size}]"),
+        });
+        let kind = match array.role {
+            Role::Input => "input",
+            Role::Exact => "output; start settable",
+            Role::Calculated => "output",
+            Role::Parameter => "parameter",
+            Role::CalculatedParameter => "calculated parameter",
+        };
+        let unit = if let Kind::Real(unit) = array.kind { unit.name } else { "" };
+        let (name, sizes, description) = (array.name, sizes.collect::<String>(), array.description);
+        let description = lemons_xml::escaped(description);
+        format!(
+            "<tr><td><code>{name}</code> {sizes}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"
+        )
+    };
+    let parameters = &trial.parameters;
+    include_str!("documentation_3.html")
+        .replace("{version}", env!("CARGO_PKG_VERSION"))
+        .replace("{trial}", &lemons_xml::escaped(&trial.name))
+        .replace("{agents}", &trial.agents.len().to_string())
+        .replace("{time_step}", &format!("{:?}", parameters.time_step))
+        .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))
+        .replace("{token}", &v3::token::<CrowdModel>().braced().to_string())
+        .replace("{variables}", &arrays().iter().map(row).collect::<String>())
 }

@@ -2,8 +2,8 @@
 
 use crate::setup;
 use lemons_files::input;
-use lemons_fmi2::location::{LocationError, directories};
-use lemons_trial::{Problems, Trial};
+use lemons_fmi::location::{Location, LocationError};
+use lemons_trial::{Problem, Problems, Trial};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -44,20 +44,20 @@ pub struct Resources {
 }
 
 impl Resources {
-    /// Opens the resources at a URI as importers give it: `file:///…`, `file:/…`, `file://localhost/…` or a plain path;
+    /// Opens the resources at a location as importers give it: `file:///…`, `file:/…`, `file://localhost/…` or a plain path;
     /// percent-encoded or not; with or without a trailing slash or the last part, `resources`.
     ///
     /// # Errors
     /// There is no location, it is not a file URI, there is no directory at this place, or it contains no Trial.
-    pub fn from_uri(uri: &str) -> Result<Resources, ResourcesError> {
-        let candidates = directories(uri)?;
+    pub fn at(location: Location<'_>) -> Result<Resources, ResourcesError> {
+        let candidates = location.directories()?;
         for directory in &candidates {
             let names = names_in(directory)?;
             if !names.is_empty() {
                 return Ok(Resources { directory: directory.clone(), names });
             }
         }
-        Err(ResourcesError::NoTrial { uri: uri.to_owned(), path: candidates[0].clone() })
+        Err(ResourcesError::NoTrial { uri: location.text().to_owned(), path: candidates[0].clone() })
     }
 
     /// Returns the names of the packed Trials, the default one first; at least one.
@@ -78,7 +78,7 @@ impl Resources {
         let (mut trial, warnings) = setup::read(&self.directory.join(name))
             .map_err(|problems| ResourcesError::Broken { name: name.to_owned(), problems })?;
         name.clone_into(&mut trial.name);
-        Ok((trial, warnings.iter().map(ToString::to_string).collect()))
+        Ok((trial, warnings.iter().map(Problem::without_severity).collect()))
     }
 }
 

@@ -1,18 +1,20 @@
-//! The table of FMU variables: value reference, name, type, causality, unit and quantity.
+//! The table of FMI 2.0 variables: value reference, name, type, causality, unit and quantity.
 //!
 //! A variable's value reference is its index in the table. Names follow the structured naming convention and use the
 //! words of the XML formats. The index of `agent[i]` starts from 0, in the order of Agents.xml.
 
-use lemons_fmi2::variables::units::*;
-use lemons_fmi2::variables::{Domain, Unit};
-pub use lemons_fmi2::variables::{Kind, Role, guid};
+pub use lemons_fmi::v2::guid;
+use lemons_fmi::variables::units::*;
+use lemons_fmi::variables::{Domain, Unit};
+pub use lemons_fmi::variables::{Kind, Role};
 use lemons_trial::Trial;
+use serde::{Deserialize, Serialize};
 
 /// Default of `MostMechanicalSteps`. So many steps take some minutes for five people, half a day for a thousand.
 pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
 
 /// The quantity of the model behind a variable. Indices are `u32`, like value references: small rows are read faster.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Quantity {
     /// A quantity of one agent.
     Agent(u32, AgentQuantity),
@@ -32,6 +34,8 @@ pub enum Quantity {
     TimeStepMechanical,
     /// Greatest number of mechanical steps in a communication step.
     MostMechanicalSteps,
+    /// Number of mechanical steps between intermediate updates (FMI 3.0); 0 for none.
+    IntermediateSteps,
     /// Number of threads of this instance.
     Threads,
     /// The packed Trial that is loaded.
@@ -41,7 +45,7 @@ pub enum Quantity {
 }
 
 /// A quantity of one agent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[allow(missing_docs)] // the names of FMU.md
 pub enum AgentQuantity {
     FpX,
@@ -67,7 +71,7 @@ pub enum AgentQuantity {
 }
 
 /// A quantity of one material.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum MaterialQuantity {
     YoungModulus,
@@ -75,7 +79,7 @@ pub enum MaterialQuantity {
 }
 
 /// A quantity of two materials.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum ContactQuantity {
     GammaNormal,
@@ -84,7 +88,7 @@ pub enum ContactQuantity {
 }
 
 /// A row of the table.
-pub type Variable = lemons_fmi2::variables::Variable<Quantity>;
+pub type Variable = lemons_fmi::variables::Variable<Quantity>;
 
 type AgentRow = (AgentQuantity, &'static str, Kind, Role, Domain, &'static str);
 
@@ -183,85 +187,120 @@ const CONTACT_ROWS: [(ContactQuantity, &str, Unit, &str); 3] = [
     (ContactQuantity::KineticFriction, "KineticFriction", ONE, "Coulomb's coefficient"),
 ];
 
-/// Returns the variables of a Trial's FMU. A value reference is an index in this table.
+type CrowdRow = (&'static str, Quantity, Kind, Role, Domain, &'static str);
+
+/// What is of the whole crowd, with the names of FMI 2.0.
+const CROWD_ROWS: [CrowdRow; 9] = {
+    use Role::{Calculated, Parameter};
+    [
+        (
+            "TimeStepMechanical",
+            Quantity::TimeStepMechanical,
+            Kind::Real(SECOND),
+            Parameter,
+            Domain::Positive,
+            "longest step of the integrator",
+        ),
+        (
+            "MostMechanicalSteps",
+            Quantity::MostMechanicalSteps,
+            Kind::Real(ONE),
+            Parameter,
+            Domain::Positive,
+            "a communication step of more mechanical steps is refused: nobody could cancel it",
+        ),
+        (
+            "Threads",
+            Quantity::Threads,
+            Kind::Integer,
+            Parameter,
+            Domain::Positive,
+            "threads this instance may use, up to one for each 512 agents; results do not depend on it",
+        ),
+        ("Trial", Quantity::Trial, Kind::String, Parameter, Domain::Finite, "which packed Trial to load"),
+        (
+            "OutputDirectory",
+            Quantity::OutputDirectory,
+            Kind::String,
+            Parameter,
+            Domain::Finite,
+            "if not empty: XML files are written there after every step",
+        ),
+        (
+            "AgentContacts",
+            Quantity::AgentContacts,
+            Kind::Integer,
+            Calculated,
+            Domain::Finite,
+            "disk-disk contacts of the crowd, each pair once",
+        ),
+        (
+            "WallContacts",
+            Quantity::WallContacts,
+            Kind::Integer,
+            Calculated,
+            Domain::Finite,
+            "disk-face contacts of the crowd",
+        ),
+        (
+            "CoincidentContacts",
+            Quantity::CoincidentContacts,
+            Kind::Integer,
+            Calculated,
+            Domain::Finite,
+            "of these contacts, those of centres at one place: no force acts between them",
+        ),
+        (
+            "LargestOverlap",
+            Quantity::LargestOverlap,
+            Kind::Real(METRE),
+            Calculated,
+            Domain::NonNegative,
+            "largest PeakOverlap: deepest overlap of the crowd within the last step",
+        ),
+    ]
+};
+
+/// Returns type, role, domain and description of what is of the whole crowd.
+pub(crate) fn crowd_row(quantity: Quantity) -> (Kind, Role, Domain, &'static str) {
+    if quantity == Quantity::IntermediateSteps {
+        let description =
+            "mechanical steps between intermediate updates within a communication step; 0: none";
+        return (Kind::Integer, Role::Parameter, Domain::NonNegative, description);
+    }
+    let row = CROWD_ROWS.iter().find(|row| row.1 == quantity).expect("a row for each quantity of the crowd");
+    (row.2, row.3, row.4, row.5)
+}
+
+/// Returns type, role, domain and description of a quantity of agents.
+pub(crate) fn agent_row(quantity: AgentQuantity) -> (Kind, Role, Domain, &'static str) {
+    let row = AGENT_ROWS.iter().find(|row| row.0 == quantity).expect("a row for each quantity of agents");
+    (row.2, row.3, row.4, row.5)
+}
+
+/// Returns name, unit and description of a quantity of materials.
+pub(crate) fn material_row(quantity: MaterialQuantity) -> (&'static str, Unit, &'static str) {
+    let row = MATERIAL_ROWS.iter().find(|row| row.0 == quantity).expect("a row for each quantity");
+    (row.1, row.2, row.3)
+}
+
+/// Returns name, unit and description of a quantity of two materials.
+pub(crate) fn contact_row(quantity: ContactQuantity) -> (&'static str, Unit, &'static str) {
+    let row = CONTACT_ROWS.iter().find(|row| row.0 == quantity).expect("a row for each quantity");
+    (row.1, row.2, row.3)
+}
+
+/// Returns the variables of a Trial's FMI 2.0 FMU. A value reference is an index in this table.
 pub fn table(trial: &Trial) -> Vec<Variable> {
-    let mut table = vec![
-        Variable {
-            name: "TimeStepMechanical".into(),
-            quantity: Quantity::TimeStepMechanical,
-            kind: Kind::Real(SECOND),
-            role: Role::Parameter,
-            domain: Domain::Positive,
-            description: "longest step of the integrator".into(),
-        },
-        Variable {
-            name: "MostMechanicalSteps".into(),
-            quantity: Quantity::MostMechanicalSteps,
-            kind: Kind::Real(ONE),
-            role: Role::Parameter,
-            domain: Domain::Positive,
-            description: "fmi2DoStep refuses a step of more mechanical steps: nobody could cancel it".into(),
-        },
-        Variable {
-            name: "Threads".into(),
-            quantity: Quantity::Threads,
-            kind: Kind::Integer,
-            role: Role::Parameter,
-            domain: Domain::Positive,
-            description:
-                "threads this instance may use, up to one for each 512 agents; results do not depend on it"
-                    .into(),
-        },
-        Variable {
-            name: "Trial".into(),
-            quantity: Quantity::Trial,
-            kind: Kind::String,
-            role: Role::Parameter,
-            domain: Domain::Finite,
-            description: "which packed Trial to load".into(),
-        },
-        Variable {
-            name: "OutputDirectory".into(),
-            quantity: Quantity::OutputDirectory,
-            kind: Kind::String,
-            role: Role::Parameter,
-            domain: Domain::Finite,
-            description: "if not empty: XML files are written there after every step".into(),
-        },
-        Variable {
-            name: "AgentContacts".into(),
-            quantity: Quantity::AgentContacts,
-            kind: Kind::Integer,
-            role: Role::Calculated,
-            domain: Domain::Finite,
-            description: "disk-disk contacts of the crowd, each pair once".into(),
-        },
-        Variable {
-            name: "WallContacts".into(),
-            quantity: Quantity::WallContacts,
-            kind: Kind::Integer,
-            role: Role::Calculated,
-            domain: Domain::Finite,
-            description: "disk-face contacts of the crowd".into(),
-        },
-        Variable {
-            name: "CoincidentContacts".into(),
-            quantity: Quantity::CoincidentContacts,
-            kind: Kind::Integer,
-            role: Role::Calculated,
-            domain: Domain::Finite,
-            description: "of these contacts, those of centres at one place: no force acts between them"
-                .into(),
-        },
-        Variable {
-            name: "LargestOverlap".into(),
-            quantity: Quantity::LargestOverlap,
-            kind: Kind::Real(METRE),
-            role: Role::Calculated,
-            domain: Domain::NonNegative,
-            description: "largest PeakOverlap: deepest overlap of the crowd within the last step".into(),
-        },
-    ];
+    let of_crowd = |&(name, quantity, kind, role, domain, description): &CrowdRow| Variable {
+        name: name.into(),
+        quantity,
+        kind,
+        role,
+        domain,
+        description: description.into(),
+    };
+    let mut table: Vec<Variable> = CROWD_ROWS.iter().map(of_crowd).collect();
     for (i, agent) in (0..).zip(&trial.agents) {
         table.extend(AGENT_ROWS.iter().map(|&(quantity, name, kind, role, domain, description)| Variable {
             name: format!("agent[{i}].{name}"),
@@ -375,11 +414,32 @@ macro_rules! place {
             | Quantity::CoincidentContacts
             | Quantity::LargestOverlap
             | Quantity::MostMechanicalSteps
+            | Quantity::IntermediateSteps
             | Quantity::Threads
             | Quantity::Trial
             | Quantity::OutputDirectory => return None,
         }
     };
+}
+
+/// Returns the values that a Real of a Trial's documents can have; `None` if the Trial has no such Real.
+pub fn domain(trial: &Trial, quantity: Quantity) -> Option<Domain> {
+    match quantity {
+        Quantity::TimeStepMechanical => Some(Domain::Positive),
+        Quantity::Agent(i, quantity) if (i as usize) < trial.agents.len() => {
+            let row = AGENT_ROWS.iter().find(|row| row.0 == quantity && row.3 != Role::Calculated);
+            row.map(|row| row.4)
+        }
+        Quantity::Material(m, _) if (m as usize) < trial.materials.intrinsic.len() => Some(Domain::Positive),
+        Quantity::Contact(c, _) if (c as usize) < trial.materials.binary.len() => Some(Domain::NonNegative),
+        _ => None,
+    }
+}
+
+/// Returns whether a quantity is an input: part of an agent's drive.
+pub fn is_input(quantity: Quantity) -> bool {
+    use AgentQuantity::{FpX, FpY, Mp};
+    matches!(quantity, Quantity::Agent(_, FpX | FpY | Mp))
 }
 
 /// Returns the value of a quantity in a Trial's documents, which is its start value. `None` if it is computed or not a

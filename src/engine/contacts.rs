@@ -127,11 +127,9 @@ impl Sums<'_> {
     #[inline(always)]
     fn add(&mut self, receiver: BodyId, giver: Option<BodyId>, touch: &Touch) {
         let (force, squeeze, depth) = (touch.force(), touch.reaction.normal.abs(), touch.overlap.depth);
-        let wrench = Wrench { force, torque: touch.arm.cross(force) };
-        self.give(receiver, Load { wrench, squeeze }, depth);
+        self.give(receiver, Load { wrench: touch.on_receiver(force), squeeze }, depth);
         let Some(giver) = giver else { return };
-        let wrench = Wrench { force: -force, torque: -touch.other_arm.cross(force) };
-        self.give(giver, Load { wrench, squeeze }, depth);
+        self.give(giver, Load { wrench: touch.on_giver(force), squeeze }, depth);
     }
 
     #[inline(always)]
@@ -269,7 +267,12 @@ impl Instant<'_> {
             let squeeze = match self.disks(pair, detail, &pair.seen(self.standing), memory(spring)) {
                 Finding::Apart => continue,
                 Finding::Coincident { depth, .. } => report.add_coincident(who, depth),
-                Finding::Touching(touch) => report.add(who, &touch),
+                Finding::Touching(touch) => {
+                    let force = touch.force();
+                    report.bodies[pair.first_body.index()].take(&touch.on_receiver(force));
+                    report.bodies[pair.second_body.index()].take(&touch.on_giver(force));
+                    report.add(who, &touch)
+                }
             };
             let bodies = [pair.first_body, pair.second_body];
             touching_bodies.push(bodies);
@@ -289,7 +292,11 @@ impl Instant<'_> {
             let squeeze = match self.face(&faces[k], held) {
                 Finding::Apart => continue,
                 Finding::Coincident { depth, part } => report.add_coincident(who(part), depth),
-                Finding::Touching(touch) => report.add(who(touch.part), &touch),
+                Finding::Touching(touch) => {
+                    let body = &mut report.bodies[self.scene.body_of(disk).index()];
+                    body.take(&touch.on_receiver(touch.force()));
+                    report.add(who(touch.part), &touch)
+                }
             };
             let body = &mut report.bodies[self.scene.body_of(disk).index()];
             body.wall_contacts += 1;
@@ -313,6 +320,18 @@ impl Touch {
     fn force(&self) -> Vec2 {
         let normal = self.overlap.normal;
         normal * self.reaction.normal + normal.perp() * self.reaction.tangential
+    }
+
+    /// The wrench on the receiver, of the force on it.
+    #[inline(always)]
+    fn on_receiver(&self, force: Vec2) -> Wrench {
+        Wrench { force, torque: self.arm.cross(force) }
+    }
+
+    /// The wrench on the other body, of the force on the receiver.
+    #[inline(always)]
+    fn on_giver(&self, force: Vec2) -> Wrench {
+        Wrench { force: -force, torque: -self.other_arm.cross(force) }
     }
 }
 
@@ -444,6 +463,15 @@ pub struct BodyContacts {
     pub touching_bodies: u32,
     /// \[N\] sum of |F_n| over its contacts.
     pub squeeze: f64,
+    /// The sum of the forces of its contacts, and of their torques about the centre of mass.
+    pub wrench: Wrench,
+}
+
+impl BodyContacts {
+    fn take(&mut self, wrench: &Wrench) {
+        self.wrench.force += wrench.force;
+        self.wrench.torque += wrench.torque;
+    }
 }
 
 /// Every contact at one time.

@@ -19,6 +19,17 @@ pub struct Exposure {
 }
 
 impl Exposure {
+    /// Returns the exposure over a time of two parts: this over `before` \[s\], then `after` over `duration` \[s\].
+    pub(super) fn and(&self, before: f64, after: &Exposure, duration: f64) -> Exposure {
+        let peak_force = self.peak_force.max(after.peak_force);
+        let impulse = self.mean_force * before + after.mean_force * duration;
+        Exposure {
+            mean_force: (impulse / (before + duration)).min(peak_force),
+            peak_force,
+            peak_overlap: self.peak_overlap.max(after.peak_overlap),
+        }
+    }
+
     pub(super) fn is_finite(&self) -> bool {
         self.mean_force.is_finite() && self.peak_force.is_finite() && self.peak_overlap.is_finite()
     }

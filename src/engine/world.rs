@@ -173,6 +173,19 @@ impl World {
         &self.contacts
     }
 
+    /// \[m/s²\], \[rad/s²\] the accelerations of a body in the present state under the present drive (PHYSICS: the
+    /// equations of motion).
+    pub fn acceleration(&self, body: BodyId) -> Wrench {
+        let b = body.index();
+        let (of, twist) = (&self.scene.bodies[b], &self.state.twists[b]);
+        let (contacts, drive) = (&self.contacts.bodies[b].wrench, &self.drive[b]);
+        Wrench {
+            force: (contacts.force + drive.force) * of.inverse_mass - twist.velocity * of.translation_rate,
+            torque: (contacts.torque + drive.torque) * of.inverse_inertia
+                - twist.angular_velocity * of.rotation_rate,
+        }
+    }
+
     /// What the contacts did to each body during the last communication step.
     pub fn exposures(&self) -> &[Exposure] {
         &self.exposures
@@ -236,6 +249,15 @@ impl World {
     /// # Errors
     /// See [`AdvanceError`]. The world is then unchanged.
     pub fn advance(&mut self, duration: f64) -> Result<(), AdvanceError> {
+        self.advance_on(duration, 0.0)
+    }
+
+    /// Advances by a part of a communication step, of which `so_far` \[s\] are over: the [`World::exposures`] are then
+    /// those of the whole of it. Otherwise the same as [`World::advance`] by the part.
+    ///
+    /// # Errors
+    /// See [`AdvanceError`]. The world is then unchanged.
+    pub fn advance_on(&mut self, duration: f64, so_far: f64) -> Result<(), AdvanceError> {
         let steps = step_count(duration, self.mechanical_step)?;
         let held = self.drive_rate.iter().all(|rate| *rate == Wrench::default());
         let state = if held {
@@ -258,7 +280,11 @@ impl World {
         if let Some(body) = contacts.not_finite(&self.scene) {
             return Err(AdvanceError::NotFinite { body });
         }
-        let exposures = exposures(&self.scratch.blocks, duration, &contacts);
+        let mut exposures = exposures(&self.scratch.blocks, duration, &contacts);
+        if so_far > 0.0 {
+            let both = exposures.iter_mut().zip(&self.exposures);
+            both.for_each(|(last, before)| *last = before.and(so_far, last, duration));
+        }
         if let Some(b) = exposures.iter().position(|exposure| !exposure.is_finite()) {
             return Err(AdvanceError::NotFinite { body: BodyId::from(b) });
         }

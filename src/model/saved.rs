@@ -3,7 +3,7 @@
 use super::{CrowdModel, ModelError, Settings, edited, give_threads, make_directory};
 use crate::engine::{Exposure, State, World, Wrench};
 use crate::setup::Setup;
-use crate::variables::{Kind, guid, table};
+use crate::variables::{domain, guid, table};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,6 +16,7 @@ pub struct Saved {
     settings: Settings,
     threads: i32,
     most_steps: f64,
+    intermediate_steps: i32,
     output_directory: String,
     rates: BTreeMap<usize, Wrench>,
     running: Option<Running>,
@@ -38,6 +39,7 @@ impl CrowdModel {
             settings: self.settings.clone(),
             threads: self.threads,
             most_steps: self.most_steps,
+            intermediate_steps: self.intermediate_steps,
             output_directory: self.output_directory.clone(),
             rates: self.rates.clone(),
             running: self.world.as_ref().map(|world| Running {
@@ -59,24 +61,25 @@ impl CrowdModel {
             let fingerprint = packed.fingerprint();
             (Arc::new(packed), fingerprint)
         };
-        if fingerprint != saved.fingerprint || guid(&table(&packed)) != guid(&self.table) {
+        let fits = self.any_size || guid(&table(&packed)) == guid(&table(&self.packed));
+        if fingerprint != saved.fingerprint || !fits {
             return Err(ModelError::OtherTrial(saved.trial.clone()));
         }
-        for (&reference, &value) in &saved.settings {
-            let variable = self.table.get(reference as usize).filter(|row| matches!(row.kind, Kind::Real(_)));
-            let variable = variable.ok_or(ModelError::Saved("a setting of an unknown variable"))?;
-            variable.domain.check(value).map_err(|_| ModelError::Saved("a setting out of its domain"))?;
+        for (&quantity, &value) in &saved.settings {
+            let domain = domain(&packed, quantity);
+            let domain = domain.ok_or(ModelError::Saved("a setting of an unknown variable"))?;
+            domain.check(value).map_err(|_| ModelError::Saved("a setting out of its domain"))?;
         }
         if !saved.rates.iter().all(|(&i, rate)| i < packed.agents.len() && finite(rate)) {
             return Err(ModelError::Saved("a rate of an unknown agent, or one that is not finite"));
         }
-        if saved.threads < 1 || saved.output_directory.contains('\0') {
+        if saved.threads < 1 || saved.intermediate_steps < 0 || saved.output_directory.contains('\0') {
             return Err(ModelError::Saved("a number of threads or an OutputDirectory that cannot be set"));
         }
         if !(saved.most_steps > 0.0 && saved.most_steps.is_finite()) {
             return Err(ModelError::Saved("a MostMechanicalSteps that cannot be set"));
         }
-        let trial = edited(&packed, &saved.settings, &self.table);
+        let trial = edited(&packed, &saved.settings);
         let world = match &saved.running {
             None => None,
             Some(running) => {
@@ -98,6 +101,7 @@ impl CrowdModel {
         self.settings.clone_from(&saved.settings);
         self.threads = saved.threads;
         self.most_steps = saved.most_steps;
+        self.intermediate_steps = saved.intermediate_steps;
         self.output_directory.clone_from(&saved.output_directory);
         self.rates.clone_from(&saved.rates);
         Ok(())

@@ -67,16 +67,15 @@ impl Setup<'_> {
         advice
     }
 
-    /// Returns the same warnings for a Trial whose numbers were edited after reading, as lines of text.
-    pub fn advice_as_edited(&self) -> Vec<String> {
+    /// Returns the same warnings for a Trial whose numbers were edited after reading.
+    pub fn advice_as_edited(&self) -> Vec<Problem> {
         let of = |name: &str| PathBuf::from(format!("{} ({name}, with the parameters as set)", self.name));
-        let advice = self.advice(&Places {
+        self.advice(&Places {
             parameters: of("Parameters.xml"),
             agents: of("Agents.xml"),
             geometry: of("Geometry.xml"),
             dynamics: of("AgentDynamics.xml"),
-        });
-        advice.iter().map(ToString::to_string).collect()
+        })
     }
 
     fn overlaps(&self, scene: &Scene, contacts: &ContactReport, file: &Path) -> Vec<Problem> {

@@ -249,7 +249,7 @@ mod tests {
     }
 
     fn said(trial: &Trial) -> Vec<String> {
-        Setup::of(trial).advice_as_edited()
+        Setup::of(trial).advice_as_edited().iter().map(ToString::to_string).collect()
     }
 
     fn says(trial: &Trial, words: &str) {

@@ -172,6 +172,16 @@ pub fn shared_uri() -> &'static str {
 
 /// The result of `fmi2Instantiate`: an instance with the paper's variables, or what was logged.
 pub fn instantiate<'f>(fmu: &'f Fmu, guid: &str, uri: &str) -> Result<Instance<'f>, Vec<Message>> {
+    instantiate_with(fmu, guid, uri, true)
+}
+
+/// The same with a value of `loggingOn`.
+pub fn instantiate_with<'f>(
+    fmu: &'f Fmu,
+    guid: &str,
+    uri: &str,
+    logging: bool,
+) -> Result<Instance<'f>, Vec<Message>> {
     let log = Box::new(Log::default());
     let (guid, uri) = (CString::new(guid).unwrap(), CString::new(uri).unwrap());
     // Not the log's: importers may keep the callbacks on the stack.
@@ -184,7 +194,7 @@ pub fn instantiate<'f>(fmu: &'f Fmu, guid: &str, uri: &str) -> Result<Instance<'
             uri.as_ptr(),
             &callbacks,
             0,
-            0,
+            logging.into(),
         )
     };
     if raw.is_null() { Err(log.take()) } else { Ok(Instance { raw, fmu, log, model: Model::paper() }) }

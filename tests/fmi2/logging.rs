@@ -15,7 +15,7 @@ fn complain(instance: &Instance) -> Vec<(c_int, String)> {
 
 #[test]
 fn categories_filter_and_errors_are_told_by_default() {
-    // `Instance` passes loggingOn = false.
+    // `Instance` passes loggingOn = true.
     let instance = Instance::pushed(Fmu::get());
     let error = (ERROR, "logStatusError".to_owned());
     let warning = (DISCARD, "logStatusWarning".to_owned());
@@ -28,8 +28,9 @@ fn categories_filter_and_errors_are_told_by_default() {
         (true, &["logStatusWarning", "logStatusError"], &both),
         (true, &["logStatusFatal"], &[]),
         (true, &["logAll"], &both),
-        (false, &[], &both),
-        (false, &["logStatusFatal"], &both),
+        // Why a call failed is told in any case.
+        (false, &[], &both[..1]),
+        (false, &["logStatusFatal"], &both[..1]),
     ] {
         instance.must(instance.log_on(on, categories));
         assert_eq!(complain(&instance), expected, "{on} {categories:?}");
@@ -53,6 +54,22 @@ fn percent_signs_are_themselves() {
     assert!(message.contains(name), "{message}");
 }
 
+/// Importers replace `#r6#` by the name of a variable (FMI 2.0.5, section 2.1.5).
+#[test]
+fn number_signs_are_doubled() {
+    let instance = Instance::new(Fmu::get());
+    let message = instance.refused(instance.set_string("Trial", "#r6# of 2"));
+    assert!(message.contains("\"##r6## of 2\""), "{message}");
+}
+
+#[test]
+fn without_logging_there_are_no_warnings() {
+    let again = r#"<Corner Coordinates="1.7526750,-0.57395"/></Wall>"#;
+    let resources = Resources::edited("static/Geometry.xml", "</Wall>", again);
+    let instance = instantiate_with(Fmu::get(), &Model::paper().guid, &resources.uri(), false).unwrap();
+    assert_eq!(instance.log.take(), []);
+}
+
 #[test]
 fn warnings_of_the_trial_are_told() {
     // The wall goes over its first face again.
@@ -63,4 +80,6 @@ fn warnings_of_the_trial_are_told() {
     let [message] = &*log else { panic!("{log:?}") };
     assert_eq!((message.status, &*message.category), (WARNING, "logStatusWarning"), "{message:?}");
     assert!(message.text.contains("Geometry.xml:10"), "{message:?}");
+    // The status says that it is a warning.
+    assert!(!message.text.contains("warning"), "{message:?}");
 }

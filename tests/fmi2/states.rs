@@ -379,3 +379,30 @@ fn many_states() {
         instance.free_state(state);
     }
 }
+
+/// Some importers free states by a wrong pointer.
+#[test]
+fn pointers_that_are_no_states_are_errors() {
+    let instance = touching();
+    let c = &instance.fmu.c;
+    let (state, before) = (instance.save(), instance.bytes());
+    let mut freed = state;
+    instance.free_state(state);
+    let mut bytes = [0; 10_000];
+    for pointer in [freed, instance.raw, std::ptr::without_provenance_mut(16)] {
+        let mut wrong = pointer;
+        let messages = unsafe {
+            [
+                instance.refused((c.fmi2SetFMUstate)(instance.raw, wrong)),
+                instance.refused((c.fmi2GetFMUstate)(instance.raw, &mut wrong)),
+                instance.refused((c.fmi2SerializedFMUstateSize)(instance.raw, wrong, &mut 0)),
+                instance.refused((c.fmi2SerializeFMUstate)(instance.raw, wrong, bytes.as_mut_ptr(), 10_000)),
+                instance.refused((c.fmi2FreeFMUstate)(instance.raw, &mut wrong)),
+            ]
+        };
+        assert!(messages.iter().all(|message| message.contains("not a state")), "{messages:?}");
+        assert_eq!(wrong, pointer, "it is not changed");
+    }
+    instance.refused(unsafe { (c.fmi2FreeFMUstate)(instance.raw, &mut freed) });
+    assert!(instance.bytes() == before);
+}

@@ -5,7 +5,7 @@ use crate::files::{self, Force};
 use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Result, anyhow};
-use crowd_mechanics::pack::{Binary, Naming};
+use crowd_mechanics::pack::{Binary, Format, Naming};
 use lemons_master::{Error, Given, binary_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use lemons_trial::Trial;
@@ -13,9 +13,9 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Trials to pack: directories, or zips of them. The first is the default of the parameter Trial. All
-    /// Trials share the FMU's variables (agent[0].Mass, …): they need the same number of agents with the
-    /// same Ids, and the same materials
+    /// Trials to pack: directories, or zips of them. The first is the default of the parameter Trial. In FMI
+    /// 2.0 all Trials share the FMU's variables (agent[0].Mass, …): they need the same number of agents with
+    /// the same Ids, and the same materials
     // The help shows it as it is.
     #[allow(rustdoc::broken_intra_doc_links)]
     #[arg(required = true, value_name = "TRIAL")]
@@ -24,9 +24,25 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.fmu")]
     output: PathBuf,
     #[command(flatten)]
+    fmi: Fmi,
+    #[command(flatten)]
     fmu: FmuArguments,
     #[command(flatten)]
     _force: Force,
+}
+
+/// Which version of FMI.
+#[derive(clap::Args)]
+pub struct Fmi {
+    /// Version of FMI: 2 (a variable for each number; all tools) or 3 (arrays; small for large crowds)
+    #[arg(long = "fmi", value_name = "VERSION", default_value = "2", value_parser = ["2", "3"])]
+    version: String,
+}
+
+impl Fmi {
+    pub fn format(&self, naming: Naming) -> Format {
+        if self.version == "3" { Format::Fmi3 } else { Format::Fmi2(naming) }
+    }
 }
 
 /// What every FMU that is made here can be told.
@@ -35,8 +51,8 @@ pub struct FmuArguments {
     /// Add the shared library of a platform: linux64=FILE, win64=FILE, … Default: that of this machine
     #[arg(long = "binary", value_name = "PLATFORM=FILE", value_parser = parse_binary)]
     binaries: Vec<Binary>,
-    /// Declare the variable names as flat instead of structured; some tools are slow to check structured
-    /// names
+    /// Declare the variable names as flat instead of structured (FMI 2.0); some tools are slow to check
+    /// structured names
     #[arg(long)]
     flat_names: bool,
 }
@@ -76,7 +92,8 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
     let binaries = arguments.fmu.binaries(&CROWD)?;
     files::claim_and_try(&arguments.output)?;
     let trials = arguments.trials.iter().map(|path| Given::open(path)).collect::<Result<Vec<_>, _>>()?;
-    let warnings = write_fmu(&trials, binaries, arguments.fmu.naming(), true, &arguments.output)?;
+    let warnings =
+        write_fmu(&trials, binaries, arguments.fmi.format(arguments.fmu.naming()), true, &arguments.output)?;
     for warning in warnings {
         note!("{warning}");
     }
@@ -93,11 +110,11 @@ pub fn say_size(output: &Path) -> Result<()> {
 pub fn write_fmu(
     trials: &[Given],
     binaries: Vec<Binary>,
-    naming: Naming,
+    format: Format,
     drives: bool,
     output: &Path,
 ) -> Result<Vec<String>> {
-    let packed = lemons_master::pack(trials, binaries, naming, Some(picture), drives, output);
+    let packed = lemons_master::pack(trials, binaries, format, Some(picture), drives, output);
     packed.map_err(|error| trial_told(error.into()))
 }
 

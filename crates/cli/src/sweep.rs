@@ -9,7 +9,7 @@ use crate::run::writes_in_series;
 use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::pack::Naming;
+use crowd_mechanics::pack::Format;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_files::Scratch;
 use lemons_master::{Clock, Given, own_binary};
@@ -112,7 +112,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     if let Some(trial) = Given::find(&spec.model)? {
         let file = packed.path().join("crowd.fmu");
         // Its drive is read when the points are known: perhaps it is another one.
-        write_fmu(&[trial], vec![own_binary()?], Naming::Structured, false, &file)?;
+        write_fmu(&[trial], vec![own_binary()?], Format::default(), false, &file)?;
         spec.trial = Some(std::mem::replace(&mut spec.model, file));
     }
     let done = run(spec, &output, how, interrupt.flag(), tell);

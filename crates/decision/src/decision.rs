@@ -3,10 +3,10 @@
 use crate::plan::{Plan, PlanError};
 use crate::rule::{Pose, Walker};
 use lemons_files::input;
-use lemons_fmi2::location::{LocationError, directories};
-use lemons_fmi2::variables::units::*;
-use lemons_fmi2::variables::{Domain, Kind, Role, Unit, Variable};
-use lemons_fmi2::{Model, Phase, StepError, fingerprint};
+use lemons_fmi::location::{Location, LocationError};
+use lemons_fmi::variables::units::*;
+use lemons_fmi::variables::{Domain, Kind, Role, Unit, Variable};
+use lemons_fmi::{Model, Phase, StepError, fingerprint};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use thiserror::Error;
@@ -280,11 +280,11 @@ impl Model for Decision {
     const INTERPOLATES_INPUTS: bool = false;
     const STATE_VERSION: u32 = 2;
 
-    fn load(location: &str) -> Result<Decision, DecisionError> {
-        let candidates = directories(location)?;
+    fn load(location: Location<'_>) -> Result<Decision, DecisionError> {
+        let candidates = location.directories()?;
         let path = candidates.iter().map(|directory| directory.join(PLAN_FILE)).find(|path| path.exists());
         let path = path.ok_or_else(|| DecisionError::NoPlan {
-            location: location.to_owned(),
+            location: location.text().to_owned(),
             path: candidates[0].clone(),
         })?;
         let text = input::read_text(&path, input::LARGEST_SETTINGS)
@@ -332,7 +332,7 @@ impl Model for Decision {
         ""
     }
 
-    fn set_real(&mut self, _: u32, quantity: Quantity, value: f64, _: Phase) {
+    fn set_real(&mut self, quantity: Quantity, value: f64, _: Phase) {
         if let Some(place) = self.place(quantity) {
             *place = value;
         }
@@ -418,7 +418,7 @@ mod tests {
     #[test]
     fn a_drive_beyond_all_numbers_is_an_error_that_names_it() {
         let mut decision = decision("waypoints = [{ x = -1e308, y = 0 }]");
-        decision.set_real(0, Quantity::Agent(0, AgentQuantity::PositionX), 1.7e308, Phase::StepComplete);
+        decision.set_real(Quantity::Agent(0, AgentQuantity::PositionX), 1.7e308, Phase::StepComplete);
         let error = decision.real(Quantity::Agent(0, AgentQuantity::FpX)).unwrap_err().to_string();
         assert!(error.contains("agent[0]") && error.contains("Fp.x"), "{error}");
     }

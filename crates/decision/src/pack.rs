@@ -2,9 +2,9 @@
 
 use crate::decision::{Decision, Known, PLAN_FILE, dependencies, table};
 use crate::plan::{Plan, PlanError};
-use lemons_fmi2::archive::{Archive, ArchiveError, Binary};
-use lemons_fmi2::description::{Description, Naming};
-use lemons_fmi2::variables::guid;
+use lemons_fmi::archive::{Archive, ArchiveError, Binary, Version};
+use lemons_fmi::v2::description::{Description, Naming};
+use lemons_fmi::v2::guid;
 use lemons_xml::number;
 use std::io::{Seek, Write};
 use thiserror::Error;
@@ -38,6 +38,7 @@ pub fn model_description(plan: &Plan, naming: Naming) -> String {
         description: "where people want to go: desired speed towards way-points (LEMONS, eq. 4)",
         naming,
         interpolates_inputs: false,
+        knows_derivatives: false,
         stop_time: DEFAULT_STOP_TIME,
         step_size: plan.time_step,
         table: &table,
@@ -59,7 +60,8 @@ pub fn write_fmu(
     file: impl Write + Seek,
 ) -> Result<(), PackError> {
     let description = model_description(plan, naming);
-    let mut archive = Archive::begin(file, MODEL_IDENTIFIER, &description, &documentation(plan), binaries)?;
+    let mut archive =
+        Archive::begin(file, Version::V2, MODEL_IDENTIFIER, &description, &documentation(plan), binaries)?;
     archive.add(&format!("resources/{PLAN_FILE}"), plan.to_toml()?.as_bytes())?;
     Ok(archive.finish()?)
 }

@@ -6,7 +6,7 @@ use crate::show_panics;
 use arbitrary::{Arbitrary, Unstructured};
 use crowd_mechanics::model::CrowdModel;
 use lemons_decision::Decision;
-use lemons_fmi2::Status;
+use lemons_fmi::Status;
 use std::ffi::{CStr, CString, c_int};
 use std::rc::Rc;
 
@@ -107,7 +107,7 @@ enum Seal {
     Old,
 }
 
-/// Magic, version, GUID, length: see `lemons_fmi2::slave`.
+/// Magic, version, GUID, length: see `lemons_fmi::slave`.
 const HEADER: usize = 36;
 
 fn edited(bytes: &[u8], edits: &[Edit], seal: Seal) -> Vec<u8> {

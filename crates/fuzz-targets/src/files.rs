@@ -9,7 +9,7 @@ use crowd_mechanics::setup::{self, Setup};
 use crowd_mechanics::setup::{dynamics_of, interactions_of};
 use crowd_mechanics::variables::table;
 use lemons_decision::{Decision, Plan, Wishes};
-use lemons_fmi2::Model;
+use lemons_fmi::Model;
 use lemons_master::Fmu;
 use lemons_ssp::Archive;
 use lemons_trial::{FileNames, Trial};

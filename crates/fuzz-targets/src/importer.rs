@@ -3,7 +3,7 @@
 
 #![allow(unsafe_code)] // the C boundary, from the other side
 
-use lemons_fmi2::{Model, Status};
+use lemons_fmi::{Model, Status};
 use lemons_testing::fmi2::{DISCARD, ERROR, FATAL, Functions, Log, OK, WARNING};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::marker::PhantomData;

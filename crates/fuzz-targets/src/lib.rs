@@ -51,7 +51,7 @@ fn show_panics() {
     static ONCE: std::sync::Once = std::sync::Once::new();
     ONCE.call_once(|| {
         let hook = std::panic::take_hook();
-        lemons_fmi2::silence_panics();
+        lemons_fmi::silence_panics();
         std::panic::set_hook(hook);
     });
 }

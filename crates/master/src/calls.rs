@@ -5,7 +5,8 @@
 
 #![allow(unsafe_code)] // the C boundary, from its other side
 
-use lemons_fmi2::{CallbackFunctions, Status};
+use lemons_fmi::Status;
+use lemons_fmi::v2::CallbackFunctions;
 use libloading::Library;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
 use std::ffi::{CStr, CString, NulError, c_char, c_int, c_uint, c_void};
@@ -106,7 +107,8 @@ unsafe extern "C" {
 unsafe extern "C" fn hear(listener: *const Listener, status: c_int, text: *const c_char) {
     // SAFETY: as said above; only `lemons_logger` calls this.
     let (listener, text) = unsafe { (&*listener, CStr::from_ptr(text)) };
-    (listener.hears)(Answer(status).status(), &text.to_string_lossy());
+    // A number sign in a message is doubled (FMI 2.0.5, section 2.1.5).
+    (listener.hears)(Answer(status).status(), &text.to_string_lossy().replace("##", "#"));
 }
 
 type Plain = unsafe extern "C" fn(*mut c_void) -> c_int;
@@ -237,7 +239,8 @@ impl Calls {
                 resources.as_ref().map_or(null(), |uri| uri.as_ptr()),
                 Rc::as_ptr(&callbacks),
                 FALSE,
-                FALSE,
+                // Else an FMU tells no warnings; what it tells with the status `fmi2OK` is not kept.
+                TRUE,
             )
         };
         let component = NonNull::new(component).ok_or(CallError::NoInstance)?;
@@ -508,7 +511,7 @@ mod tests {
         let here = std::env::current_dir().unwrap();
         assert_eq!(said("x"), said(here.join("x").to_str().unwrap()));
         // As the other side reads it.
-        let read = lemons_fmi2::location::directories(&said("/tmp/a b%20#?/ü")).unwrap();
+        let read = lemons_fmi::location::directories(&said("/tmp/a b%20#?/ü")).unwrap();
         assert_eq!(read[0], Path::new("/tmp/a b%20#?/ü/"));
     }
 

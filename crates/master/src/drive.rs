@@ -2,7 +2,7 @@
 
 use crowd_mechanics::pack::DRIVE_FILE;
 use lemons_files::input;
-use lemons_fmi2::fingerprint;
+use lemons_fmi::fingerprint;
 use lemons_trial::{Problem, Problems, Trial, quoted};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::Read;

@@ -10,7 +10,8 @@ use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use crowd_mechanics::pack::host_platform;
 use crowd_mechanics::resources::{Resources, ResourcesError};
 use lemons_files::{Scratch, input};
-use lemons_fmi2::Status;
+use lemons_fmi::Status;
+use lemons_fmi::location::Location;
 use lemons_ssp::{Allowance, Interface, Type};
 use lemons_trial::Trial;
 use std::collections::HashMap;
@@ -109,7 +110,7 @@ impl Fmu {
     pub fn resources(&self) -> Result<Resources> {
         let path = self.directory.path().join("resources");
         let path = path.to_str().ok_or_else(|| Error::Trial(format!("{} is not UTF-8", path.display())))?;
-        Resources::from_uri(path).map_err(|error| match error {
+        Resources::at(Location::Path(path)).map_err(|error| match error {
             ResourcesError::NoTrial { .. } => Error::NoTrial,
             error => Error::Trial(self.names().said(&error.to_string())),
         })

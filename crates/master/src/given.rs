@@ -4,7 +4,7 @@ use crate::drive::{DriveChoice, DriveTable};
 use crate::error::{Error, Place, Result};
 use crate::kind::Kind;
 use crate::unzip::unzip_trial;
-use crowd_mechanics::pack::{Binary, Check, Draw, Naming, PackError, Package};
+use crowd_mechanics::pack::{Binary, Check, Draw, Format, PackError, Package};
 use crowd_mechanics::setup;
 use lemons_files::Scratch;
 use lemons_trial::{Problem, Problems, Severity, Trial};
@@ -125,7 +125,7 @@ impl Given {
 pub fn pack(
     trials: &[Given],
     binaries: Vec<Binary>,
-    naming: Naming,
+    format: Format,
     picture: Option<Draw>,
     drives: bool,
     output: &Path,
@@ -135,7 +135,7 @@ pub fn pack(
         DriveTable::of(Some(trial), &DriveChoice::Own).map_or_else(|error| error.0, |_| Problems::default())
     };
     let check = drives.then_some(check as Check);
-    let package = Package { trials: directories, binaries, picture, check, naming };
+    let package = Package { trials: directories, binaries, picture, check, format };
     match package.write(output) {
         Ok(warnings) => {
             let known = |text: String| trials.iter().fold(text, |text, trial| trial.under_its_name(&text));

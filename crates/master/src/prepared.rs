@@ -16,7 +16,7 @@ use crate::settings::Settings;
 use crate::simulate::{Observer, simulate};
 use crate::system::{Component, System};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
-use crowd_mechanics::pack::{Binary, Naming};
+use crowd_mechanics::pack::{Binary, Format};
 use lemons_files::Scratch;
 use lemons_trial::Trial;
 use std::fmt;
@@ -290,7 +290,7 @@ impl Runnable {
         let scratch = Scratch::new().map_err(Error::io("cannot make a temporary directory"))?;
         let path = scratch.path().join("crowd.fmu");
         let binary = binary.cloned().map_or_else(own_binary, Ok)?;
-        pack(&[trial], vec![binary], Naming::Structured, None, false, &path)?;
+        pack(&[trial], vec![binary], Format::default(), None, false, &path)?;
         Ok(Runnable { path, packed: Some((input.to_owned(), scratch)) })
     }
 

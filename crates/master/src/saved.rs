@@ -6,7 +6,7 @@ use crate::state::LARGEST_STATE;
 use crate::system::System;
 use lemons_files::Staged;
 use lemons_files::input;
-use lemons_fmi2::fingerprint;
+use lemons_fmi::fingerprint;
 use lemons_ssp::{Allowance, distinct};
 use lemons_trial::quoted;
 use serde::{Deserialize, Serialize};

@@ -172,6 +172,7 @@ fn assemble(
         |time: fn(&Interface) -> Option<f64>| participants.iter().filter_map(move |p| time(p.interface));
     structure.stop = times(|interface| interface.stop).reduce(f64::max);
     // pyssp_standard 0.9.1 reads both times or none.
+    structure.step = times(|interface| interface.step).filter(|step| *step > 0.0).reduce(f64::min);
     structure.start = times(|interface| interface.start).reduce(f64::min).or(structure.stop.map(|_| 0.0));
     Ok(structure)
 }

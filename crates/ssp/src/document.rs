@@ -23,6 +23,9 @@ pub struct SystemStructure {
     pub start: Option<f64>,
     /// \[s\] `DefaultExperiment`
     pub stop: Option<f64>,
+    /// \[s\] Communication step that the components propose. SSP 1.0 has no place for it: it is written in an annotation
+    /// for OMSimulator, and not read.
+    pub step: Option<f64>,
     /// Values for `component.variable`; they come after the components' own.
     pub parameters: Vec<ParameterSet>,
 }

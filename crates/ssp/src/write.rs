@@ -22,6 +22,9 @@ impl SystemStructure {
                 if !self.connections.is_empty() {
                     out.element("ssd:Connections", &[], |out| write_connections(out, self));
                 }
+                if let Some(step) = self.step {
+                    write_annotation(out, step);
+                }
             });
             if !self.units.is_empty() {
                 out.element("ssd:Units", &[], |out| {
@@ -36,6 +39,28 @@ impl SystemStructure {
             }
         })
     }
+}
+
+/// OMSimulator reads the kind of a system from here, and refuses a structure without it. `oms-ma` is its algorithm with
+/// a fixed communication step \[s\].
+fn write_annotation(out: &mut Out, step: f64) {
+    const SCHEMA: &str = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd";
+    let step = number(step);
+    let master = [
+        ("description", "oms-ma"),
+        ("stepSize", &step),
+        ("absoluteTolerance", "0.0001"),
+        ("relativeTolerance", "0.0001"),
+    ];
+    out.element("ssd:Annotations", &[], |out| {
+        out.element("ssc:Annotation", &[("type", "org.openmodelica")], |out| {
+            out.element("oms:Annotations", &[("xmlns:oms", SCHEMA)], |out| {
+                out.element("oms:SimulationInformation", &[], |out| {
+                    out.empty("oms:FixedStepMaster", &master);
+                });
+            });
+        });
+    });
 }
 
 fn write_component(out: &mut Out, component: &Component) {

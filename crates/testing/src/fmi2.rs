@@ -6,11 +6,11 @@
 //!
 //! # Safety
 //! All functions have the contract of FMI 2.0: an instance is one that `fmi2Instantiate` returned and that is not freed,
-//! arrays have the length that is given, texts end with a zero. See [`lemons_fmi2::component`].
+//! arrays have the length that is given, texts end with a zero. See [`lemons_fmi::v2::component`].
 
 #![allow(unsafe_code)] // the C boundary, from the other side
 
-use lemons_fmi2::{Model, Status};
+use lemons_fmi::{Model, Status};
 use libloading::Library;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
 use std::ptr::null;
@@ -193,14 +193,14 @@ functions! {
 #[allow(clippy::extra_unused_type_parameters)]
 mod bodies {
     use super::{Callbacks, Model, c_char, c_int, c_void};
-    pub use lemons_fmi2::component::*;
+    pub use lemons_fmi::v2::component::*;
 
     pub unsafe fn get_types_platform<M: Model>() -> *const c_char {
-        lemons_fmi2::component::get_types_platform()
+        lemons_fmi::v2::component::get_types_platform()
     }
 
     pub unsafe fn get_version<M: Model>() -> *const c_char {
-        lemons_fmi2::component::get_version()
+        lemons_fmi::v2::component::get_version()
     }
 
     pub unsafe fn instantiate<M: Model>(
@@ -216,7 +216,7 @@ mod bodies {
         let callbacks = callbacks.cast();
         // SAFETY: the caller keeps the contract of FMI.
         unsafe {
-            lemons_fmi2::component::instantiate::<M>(
+            lemons_fmi::v2::component::instantiate::<M>(
                 name, kind, guid, resources, callbacks, visible, logging_on,
             )
         }

@@ -96,7 +96,7 @@ fn no_module_is_in_a_circle() {
 /// What the tests and benches of a package may use though it uses the package: they are crates of their own, which cargo
 /// builds after both.
 const ONLY_TESTS: [(&str, &str); 3] =
-    [(ROOT, "lemons-bench"), (ROOT, "lemons-verify"), ("lemons-fmi2", "lemons-testing")];
+    [(ROOT, "lemons-bench"), (ROOT, "lemons-verify"), ("lemons-fmi", "lemons-testing")];
 
 #[test]
 fn no_package_is_in_a_circle_but_by_its_tests() {
@@ -122,15 +122,15 @@ const LOW: [(&str, &[&str]); 11] = [
     ("lemons-columns", &[]),
     ("lemons-xml", &[]),
     // Serves any model.
-    ("lemons-fmi2", &["lemons-files", "lemons-xml"]),
-    ("lemons-decision", &["lemons-files", "lemons-fmi2", "lemons-xml"]),
+    ("lemons-fmi", &["lemons-files", "lemons-xml"]),
+    ("lemons-decision", &["lemons-files", "lemons-fmi", "lemons-xml"]),
     // Documents, pictures and records need no engine.
     ("lemons-trial", &["lemons-files", "lemons-plane", "lemons-xml"]),
     ("lemons-ssp", &["lemons-files", "lemons-xml"]),
     ("lemons-picture", &["lemons-plane", "lemons-trial"]),
     ("lemons-record", &["lemons-columns", "lemons-files", "lemons-plane", "lemons-trial"]),
     // What an importer loads.
-    (ROOT, &["lemons-files", "lemons-fmi2", "lemons-plane", "lemons-trial", "lemons-xml"]),
+    (ROOT, &["lemons-files", "lemons-fmi", "lemons-plane", "lemons-trial", "lemons-xml"]),
 ];
 
 /// Packages that only these may use.
@@ -216,9 +216,9 @@ fn sources(path: &Path) -> Vec<PathBuf> {
 const UNSAFE: [&str; 11] = [
     "src/fmi2.rs",
     "src/c_api.rs",
-    "crates/fmi2/src/component.rs",
-    "crates/fmi2/src/export.rs",
-    "crates/fmi2/tests/faults.rs",
+    "crates/fmi/src/component.rs",
+    "crates/fmi/src/export.rs",
+    "crates/fmi/tests/faults.rs",
     "crates/decision-fmu/src/lib.rs",
     "crates/master/src/calls.rs",
     "crates/testing/src/fmi2.rs",

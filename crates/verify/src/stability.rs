@@ -107,6 +107,7 @@ fn warned(trial: &Trial) -> bool {
     Setup::of(trial)
         .advice_as_edited()
         .iter()
+        .map(ToString::to_string)
         .any(|line| line.contains("TimeStepMechanical") && line.contains("contact of"))
 }
 

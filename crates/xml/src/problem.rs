@@ -49,13 +49,23 @@ impl Problem {
     }
 }
 
+impl Problem {
+    /// Returns the line without the word "warning", for places that say it themselves.
+    pub fn without_severity(&self) -> String {
+        let text = self.to_string();
+        text.strip_prefix(WARNING).map_or_else(|| text.clone(), str::to_owned)
+    }
+}
+
 impl std::error::Error for Problem {}
+
+const WARNING: &str = "warning: ";
 
 /// One line: `static/Agents.xml:12: <Shape> Radius="-0.1": must be positive`
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.severity == Severity::Warning {
-            write!(f, "warning: ")?;
+            f.write_str(WARNING)?;
         }
         let file = self.file.display();
         match (self.file.as_os_str().is_empty(), self.line) {

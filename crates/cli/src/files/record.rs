@@ -4,7 +4,7 @@
 //! `~/.local/state/lemons`; `%LOCALAPPDATA%\lemons`). Where none can be kept, every file that is there is a stranger's.
 
 use lemons_files::input;
-use lemons_fmi2::fingerprint;
+use lemons_fmi::fingerprint;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, Metadata};
 use std::path::{Path, PathBuf};

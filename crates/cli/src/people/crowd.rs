@@ -9,7 +9,7 @@ use crate::error::{Misused, TrialHasErrors, and_then};
 use crate::files::{self, WISHES_FILE};
 use crate::interrupt::Interrupt;
 use crate::output::Output;
-use crate::pack::{FmuArguments, write_fmu};
+use crate::pack::{Fmi, FmuArguments, write_fmu};
 use crate::tell;
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
@@ -64,6 +64,8 @@ struct TrialArguments {
     /// Write the Trial packed as an FMU
     #[arg(long, value_name = "FILE.fmu")]
     fmu: Option<PathBuf>,
+    #[command(flatten)]
+    fmi: Fmi,
     #[command(flatten)]
     packing: FmuArguments,
     /// Replace existing files, even if they were made from something else or were changed since;
@@ -376,7 +378,13 @@ impl TrialArguments {
         interrupt.check()?;
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
             // Its warnings are those printed already.
-            let written = write_fmu(&[Given::open(&directory)?], binaries, self.packing.naming(), true, file);
+            let written = write_fmu(
+                &[Given::open(&directory)?],
+                binaries,
+                self.fmi.format(self.packing.naming()),
+                true,
+                file,
+            );
             wrote("FMU", file, written.map(drop));
         }
         interrupt.check()?;

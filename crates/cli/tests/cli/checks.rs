@@ -357,8 +357,15 @@ fn errors_of_a_drive_name_the_file_that_was_given_and_all_lines() {
         // Of an FMU that another program packed.
         let given = lemons_master::Given::open(&at.join("T")).unwrap();
         let binary = lemons_master::own_binary().unwrap();
-        let naming = crowd_mechanics::pack::Naming::default();
-        lemons_master::pack(&[given], vec![binary], naming, None, false, &at.join("made.fmu")).unwrap();
+        lemons_master::pack(
+            &[given],
+            vec![binary],
+            crowd_mechanics::pack::Format::default(),
+            None,
+            false,
+            &at.join("made.fmu"),
+        )
+        .unwrap();
         let output = lemons(at, &["run", "made.fmu", "--until", "0.1", "-o", "x.csv"]);
         assert_code(&output, 1);
         let said = err(&output);

@@ -4,7 +4,8 @@ use crowd_mechanics::engine::{State, World};
 use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::setup::{self, Setup};
 use crowd_mechanics::variables::Quantity;
-use lemons_fmi2::Model;
+use lemons_fmi::Model;
+use lemons_fmi::location::Location;
 use lemons_plane::vec2;
 use lemons_record::{Record, RecordError, Run, series, trial_at_end};
 use lemons_trial::Trial;
@@ -28,7 +29,7 @@ fn pushed(at: &Path) -> Trial {
 
 /// What the FMU does of 30 steps, and a world that did the same, after each.
 fn run(at: &Path, trial: &Trial) -> Vec<World> {
-    let mut crowd = CrowdModel::load(at.join("trials").to_str().unwrap()).unwrap();
+    let mut crowd = CrowdModel::load(Location::Path(at.join("trials").to_str().unwrap())).unwrap();
     crowd.set_strings(&[(Quantity::OutputDirectory, at.join("out").to_str().unwrap())]).unwrap();
     crowd.initialize().unwrap();
     let mut world = Setup::of(trial).world().unwrap();

@@ -13,7 +13,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 pub enum ArchiveError {
     #[error("no binary was given: an FMU needs at least one")]
     NoBinary,
-    #[error("{0:?} is not an FMI 2.0 platform (linux64, win64, darwin64, aarch64-linux, …)")]
+    #[error("{0:?} is not an FMI platform (linux64, win64, darwin64, aarch64-linux, …)")]
     Platform(String),
     #[error("cannot read {path}: {error}")]
     Read { path: PathBuf, error: std::io::Error },
@@ -32,18 +32,35 @@ pub struct Binary {
     pub path: PathBuf,
 }
 
-/// The extension of shared libraries on each FMI platform.
-const PLATFORMS: [(&str, &str); 9] = [
-    ("linux64", "so"),
-    ("linux32", "so"),
-    ("aarch64-linux", "so"),
-    ("x86_64-linux", "so"),
-    ("win64", "dll"),
-    ("win32", "dll"),
-    ("darwin64", "dylib"),
-    ("aarch64-darwin", "dylib"),
-    ("x86_64-darwin", "dylib"),
+/// A version of FMI.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Version {
+    /// FMI 2.0
+    #[default]
+    V2,
+    /// FMI 3.0
+    V3,
+}
+
+/// The platforms: the names that FMI 2.0 and FMI 3.0 give their directories, and the extension of shared libraries.
+/// Either name may be given.
+const PLATFORMS: [(&str, &str, &str); 9] = [
+    ("linux64", "x86_64-linux", "so"),
+    ("linux32", "x86-linux", "so"),
+    ("aarch64-linux", "aarch64-linux", "so"),
+    ("x86_64-linux", "x86_64-linux", "so"),
+    ("win64", "x86_64-windows", "dll"),
+    ("win32", "x86-windows", "dll"),
+    ("darwin64", "x86_64-darwin", "dylib"),
+    ("aarch64-darwin", "aarch64-darwin", "dylib"),
+    ("x86_64-darwin", "x86_64-darwin", "dylib"),
 ];
+
+/// Returns the directory of a platform's binary, and its extension.
+fn platform(name: &str, version: Version) -> Option<(&'static str, &'static str)> {
+    let row = PLATFORMS.iter().find(|row| row.0 == name).or(PLATFORMS.iter().find(|row| row.1 == name))?;
+    Some((if version == Version::V2 { row.0 } else { row.1 }, row.2))
+}
 
 /// Returns the FMI name of the platform on which this program runs, if it has one.
 pub fn host_platform() -> Option<&'static str> {
@@ -67,6 +84,7 @@ impl<W: Write + Seek> Archive<W> {
     /// [`ArchiveError`]
     pub fn begin(
         file: W,
+        version: Version,
         model_identifier: &str,
         description: &str,
         documentation: &str,
@@ -82,9 +100,8 @@ impl<W: Write + Seek> Archive<W> {
             archive.add(&format!("documentation/licenses/{name}"), text.as_bytes())?;
         }
         for binary in binaries {
-            let extension = PLATFORMS.iter().find(|(platform, _)| *platform == binary.platform);
-            let (platform, extension) =
-                extension.ok_or_else(|| ArchiveError::Platform(binary.platform.clone()))?;
+            let (platform, extension) = platform(&binary.platform, version)
+                .ok_or_else(|| ArchiveError::Platform(binary.platform.clone()))?;
             archive
                 .add(&format!("binaries/{platform}/{model_identifier}.{extension}"), &read(&binary.path)?)?;
         }

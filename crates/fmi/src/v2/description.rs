@@ -1,15 +1,10 @@
 //! `modelDescription.xml`, from a table of variables.
 
-use crate::variables::{Kind, Role, Unit, Variable, guid};
+use super::table::guid;
+use crate::boundary::LOG_CATEGORIES;
+use crate::units::{units_of, write_unit};
+use crate::variables::{Kind, Role, Variable};
 use lemons_xml::{Layout, Out, number};
-
-/// The categories of log messages, with their descriptions.
-pub const LOG_CATEGORIES: [(&str, &str); 4] = [
-    ("logStatusWarning", "what may be a mistake"),
-    ("logStatusError", "why a call was refused or failed"),
-    ("logStatusFatal", "a fault of the FMU itself"),
-    ("logAll", "everything"),
-];
 
 /// `variableNamingConvention`. The names are the same in both cases. Tools that check structured names are slow if there
 /// are thousands of them.
@@ -34,6 +29,8 @@ pub struct Description<'a, Q> {
     pub naming: Naming,
     /// `canInterpolateInputs`
     pub interpolates_inputs: bool,
+    /// `maxOutputDerivativeOrder` is 1, not 0.
+    pub knows_derivatives: bool,
     /// \[s\] `DefaultExperiment.stopTime`; the start time is 0.
     pub stop_time: f64,
     /// \[s\] `DefaultExperiment.stepSize`
@@ -75,13 +72,17 @@ impl<Q> Description<'_, Q> {
             if self.interpolates_inputs {
                 co_simulation.push(("canInterpolateInputs", "true"));
             }
+            if self.knows_derivatives {
+                co_simulation.push(("maxOutputDerivativeOrder", "1"));
+            }
             for flag in ["canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate"]
             {
                 co_simulation.push((flag, "true"));
             }
             out.empty("CoSimulation", &co_simulation);
             out.element("UnitDefinitions", &[], |out| {
-                self.units().iter().for_each(|unit| write_unit(out, unit));
+                let kinds = self.table.iter().map(|variable| variable.kind);
+                units_of(kinds).iter().for_each(|unit| write_unit(out, unit));
             });
             out.element("LogCategories", &[], |out| {
                 for (name, description) in LOG_CATEGORIES {
@@ -104,28 +105,16 @@ impl<Q> Description<'_, Q> {
         })
     }
 
-    /// The units of the table, in the order of their first use.
-    fn units(&self) -> Vec<Unit> {
-        let mut units = Vec::new();
-        for variable in self.table {
-            if let Kind::Real(unit) = variable.kind
-                && !units.contains(&unit)
-            {
-                units.push(unit);
-            }
-        }
-        units
-    }
-
     fn write_variable(&self, out: &mut Out, reference: usize, variable: &Variable<Q>) {
         let (causality, initial) = match variable.role {
             Role::Input => ("input", None),
             Role::Exact => ("output", Some("exact")),
             Role::Calculated => ("output", Some("calculated")),
             Role::Parameter => ("parameter", Some("exact")),
+            Role::CalculatedParameter => ("calculatedParameter", Some("calculated")),
         };
         let variability = match (variable.role, variable.kind) {
-            (Role::Parameter, _) => "fixed",
+            (Role::Parameter | Role::CalculatedParameter, _) => "fixed",
             (_, Kind::Real(_)) => "continuous",
             _ => "discrete",
         };
@@ -167,11 +156,4 @@ impl<Q> Description<'_, Q> {
             }
         });
     }
-}
-
-fn write_unit(out: &mut Out, unit: &Unit) {
-    let base = ["kg", "m", "s", "rad"].iter().zip(unit.base).filter(|&(_, exponent)| exponent != 0);
-    let base: Vec<(&str, String)> = base.map(|(name, exponent)| (*name, exponent.to_string())).collect();
-    let base: Vec<(&str, &str)> = base.iter().map(|(name, exponent)| (*name, exponent.as_str())).collect();
-    out.element("Unit", &[("name", unit.name)], |out| out.empty("BaseUnit", &base));
 }

@@ -1,5 +1,5 @@
 //! The bodies of the FMI 2.0 C functions, for any model: pointers in, statuses out, nothing else.
-//! [`export!`](crate::export) gives them their C names.
+//! [`export_fmi2!`](crate::export_fmi2) gives them their C names.
 //!
 //! Nothing here panics, prints, exits or leaks across the boundary: a panic inside becomes `fmi2Fatal`
 //! with a message, and from then on the instance refuses all calls but `fmi2FreeInstance`.
@@ -12,221 +12,27 @@
 #![allow(unsafe_code)] // the C boundary
 #![allow(clippy::missing_safety_doc)] // said once, above
 
-use crate::description::LOG_CATEGORIES;
+use super::slave::{Slave, Table};
+use crate::boundary::{
+    Component, Log, Logger, Logger2, Refusal, Status, array, array_mut, make, text, texts,
+};
+use crate::boundary::{free, silence_panics};
 use crate::lifecycle::Function;
+use crate::location::Location;
 use crate::model::Model;
-use crate::slave::{Slave, SlaveError, Snapshot};
-use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
-/// `fmi2Status`
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // FMI's own names
-pub enum Status {
-    Ok = 0,
-    Warning = 1,
-    Discard = 2,
-    Error = 3,
-    Fatal = 4,
-    Pending = 5,
-}
-
-type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, ...);
+use crate::slave::SlaveError;
+use crate::states;
+use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 
 /// `fmi2CallbackFunctions`; the memory functions may be NULL and are never used.
 #[repr(C)]
 #[allow(missing_docs)] // FMI's own names
 pub struct CallbackFunctions {
-    pub logger: Option<Logger>,
+    pub logger: Option<Logger2>,
     pub allocate_memory: *const c_void,
     pub free_memory: *const c_void,
     pub step_finished: *const c_void,
     pub component_environment: *mut c_void,
-}
-
-const WARNING: usize = 0;
-const ERROR: usize = 1;
-const FATAL: usize = 2;
-const ALL: usize = 3;
-
-/// The importer's logger, and which categories it wants.
-struct Log {
-    logger: Option<Logger>,
-    environment: *mut c_void,
-    instance_name: CString,
-    /// One for each of [`LOG_CATEGORIES`].
-    wanted: [bool; 4],
-}
-
-impl Log {
-    fn write(&self, status: Status, category: usize, message: &str) {
-        let Some(logger) = self.logger.filter(|_| self.wanted[category] || self.wanted[ALL]) else { return };
-        // Zeros inside would end the text early.
-        let text = CString::new(message.replace('\0', " ")).unwrap_or_default();
-        let category = CString::new(LOG_CATEGORIES[category].0).unwrap_or_default();
-        // SAFETY: the importer's logger, called as FMI says; the message goes through "%s", so that
-        // percent signs in it are itself.
-        unsafe {
-            logger(
-                self.environment,
-                self.instance_name.as_ptr(),
-                status,
-                category.as_ptr(),
-                c"%s".as_ptr(),
-                text.as_ptr(),
-            );
-        }
-    }
-}
-
-/// The object behind an `fmi2Component`.
-struct Component<M: Model> {
-    slave: Slave<M>,
-    log: Log,
-    /// Keeps the strings of the last `fmi2GetString` alive.
-    strings: Vec<CString>,
-    /// A panic happened: the instance may be in any condition.
-    broken: bool,
-}
-
-impl<M: Model> Component<M> {
-    fn tell_warnings(&mut self) {
-        for warning in self.slave.take_warnings() {
-            self.log.write(Status::Warning, WARNING, &warning);
-        }
-    }
-}
-
-/// Why a call is refused or fails.
-enum Refusal<M: Model> {
-    Slave(SlaveError<M::Error>),
-    Null(&'static str),
-    NotUtf8(&'static str),
-    Category(String),
-    BufferSize {
-        given: usize,
-        needed: usize,
-    },
-    /// The call is allowed, but there is no result.
-    Discard(&'static str),
-}
-
-impl<M: Model> From<SlaveError<M::Error>> for Refusal<M> {
-    fn from(error: SlaveError<M::Error>) -> Self {
-        Refusal::Slave(error)
-    }
-}
-
-/// An argument that cannot be what FMI says it is.
-enum Bad {
-    Null(&'static str),
-    NotUtf8(&'static str),
-}
-
-impl<M: Model> From<Bad> for Refusal<M> {
-    fn from(bad: Bad) -> Self {
-        match bad {
-            Bad::Null(what) => Refusal::Null(what),
-            Bad::NotUtf8(what) => Refusal::NotUtf8(what),
-        }
-    }
-}
-
-impl<M: Model> std::fmt::Display for Refusal<M> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Refusal::Slave(error) => write!(f, "{error}"),
-            Refusal::Null(what) => write!(f, "{what} is NULL"),
-            Refusal::NotUtf8(what) => write!(f, "{what} is not UTF-8 text"),
-            Refusal::Category(name) => {
-                let known: Vec<&str> = LOG_CATEGORIES.iter().map(|(name, _)| *name).collect();
-                write!(f, "no log category {name:?}; there are {}", known.join(", "))
-            }
-            Refusal::BufferSize { given, needed } => {
-                write!(f, "the buffer has {given} bytes, but the state needs {needed}")
-            }
-            Refusal::Discard(why) => f.write_str(why),
-        }
-    }
-}
-
-/// Removes the panic hook, so that this library prints nothing in its host. The hook has no state, so nothing is left
-/// when the library is unloaded.
-pub fn silence_panics() {
-    static ONCE: std::sync::Once = std::sync::Once::new();
-    ONCE.call_once(|| std::panic::set_hook(Box::new(|_| {})));
-}
-
-/// Runs a call on an instance. No panic and no error leaves it.
-fn call<M: Model>(
-    instance: *mut c_void,
-    name: &str,
-    body: impl FnOnce(&mut Component<M>) -> Result<(), Refusal<M>>,
-) -> Status {
-    // SAFETY: not NULL, so an instance of ours by the contract of the module.
-    let Some(component) = (unsafe { instance.cast::<Component<M>>().as_mut() }) else { return Status::Error };
-    if component.broken {
-        component.log.write(Status::Fatal, FATAL, &format!("{name}: the instance broke in an earlier call"));
-        return Status::Fatal;
-    }
-    match catch_unwind(AssertUnwindSafe(|| body(component))) {
-        Ok(Ok(())) => Status::Ok,
-        Ok(Err(refusal)) => {
-            let status = if matches!(refusal, Refusal::Discard(_)) { Status::Discard } else { Status::Error };
-            let category = if status == Status::Discard { WARNING } else { ERROR };
-            component.log.write(status, category, &format!("{name}: {refusal}"));
-            status
-        }
-        Err(panic) => {
-            component.broken = true;
-            component.log.write(Status::Fatal, FATAL, &format!("{name}: {}", panic_message(&*panic)));
-            Status::Fatal
-        }
-    }
-}
-
-fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().copied().or(panic.downcast_ref::<String>().map(String::as_str));
-    format!("a fault of the FMU itself: {}", text.unwrap_or("no message"))
-}
-
-/// An array that belongs to the importer.
-///
-/// # Safety
-/// `pointer` is NULL or leads to `length` elements that live through the call.
-unsafe fn array<'a, T>(pointer: *const T, length: usize, what: &'static str) -> Result<&'a [T], Bad> {
-    match (pointer.is_null(), length) {
-        (_, 0) => Ok(&[]),
-        (true, _) => Err(Bad::Null(what)),
-        // SAFETY: as the caller promises.
-        (false, _) => Ok(unsafe { std::slice::from_raw_parts(pointer, length) }),
-    }
-}
-
-/// An array of the importer's that is written to.
-///
-/// # Safety
-/// As [`array`], and no other code uses the elements during the call.
-unsafe fn array_mut<'a, T>(pointer: *mut T, length: usize, what: &'static str) -> Result<&'a mut [T], Bad> {
-    match (pointer.is_null(), length) {
-        (_, 0) => Ok(&mut []),
-        (true, _) => Err(Bad::Null(what)),
-        // SAFETY: as the caller promises.
-        (false, _) => Ok(unsafe { std::slice::from_raw_parts_mut(pointer, length) }),
-    }
-}
-
-/// A text that belongs to the importer.
-///
-/// # Safety
-/// `pointer` is NULL or leads to a text that ends in a zero and lives through the call.
-unsafe fn text<'a>(pointer: *const c_char, what: &'static str) -> Result<&'a str, Bad> {
-    if pointer.is_null() {
-        return Err(Bad::Null(what));
-    }
-    // SAFETY: as the caller promises.
-    unsafe { CStr::from_ptr(pointer) }.to_str().map_err(|_| Bad::NotUtf8(what))
 }
 
 /// `fmi2GetTypesPlatform`
@@ -255,13 +61,12 @@ pub unsafe fn instantiate<M: Model>(
     // SAFETY: NULL or a text of the importer's.
     let name = unsafe { text(instance_name, "instanceName") };
     let log = Log {
-        logger: functions.logger,
+        logger: Logger::V2(functions.logger),
         environment: functions.component_environment,
         instance_name: CString::new(name.as_ref().map_or("", |name| *name)).unwrap_or_default(),
-        // Reasons of refused calls are always logged; `loggingOn` switches debug messages.
-        wanted: [true, true, true, logging_on != 0],
+        wanted: Log::wanted(logging_on != 0),
     };
-    let made = catch_unwind(AssertUnwindSafe(|| {
+    make::<M, Table<M>>(log, "fmi2Instantiate", || {
         if name?.is_empty() {
             return Err(SlaveError::Unsupported("instanceName is empty").into());
         }
@@ -273,32 +78,24 @@ pub unsafe fn instantiate<M: Model>(
         // SAFETY: NULL or texts of the importer's.
         let (guid, uri) =
             unsafe { (text(guid, "fmuGUID")?, text(resource_location, "fmuResourceLocation")?) };
-        let model = M::load(uri).map_err(SlaveError::from)?;
-        Ok::<_, Refusal<M>>(Slave::new(model, guid)?)
-    }));
-    let slave = match made {
-        Ok(Ok(slave)) => slave,
-        Ok(Err(refusal)) => {
-            log.write(Status::Error, ERROR, &format!("fmi2Instantiate: {refusal}"));
-            return std::ptr::null_mut();
-        }
-        Err(panic) => {
-            log.write(Status::Fatal, FATAL, &format!("fmi2Instantiate: {}", panic_message(&*panic)));
-            return std::ptr::null_mut();
-        }
-    };
-    let mut component = Component { slave, log, strings: Vec::new(), broken: false };
-    component.tell_warnings();
-    Box::into_raw(Box::new(component)).cast()
+        let model = M::load(Location::Uri(uri)).map_err(SlaveError::from)?;
+        Ok(Slave::new(model, guid)?)
+    })
 }
 
 /// `fmi2FreeInstance`
 pub unsafe fn free_instance<M: Model>(instance: *mut c_void) {
-    if !instance.is_null() {
-        // SAFETY: an instance that `fmi2Instantiate` boxed, given back once.
-        let component = unsafe { Box::from_raw(instance.cast::<Component<M>>()) };
-        let _ = catch_unwind(AssertUnwindSafe(|| drop(component)));
-    }
+    // SAFETY: an instance that `fmi2Instantiate` made, given back once.
+    unsafe { free::<M, Table<M>>(instance) }
+}
+
+/// Runs a call on an instance.
+fn call<M: Model>(
+    instance: *mut c_void,
+    name: &str,
+    body: impl FnOnce(&mut Component<M, Table<M>>) -> Result<(), Refusal<M>>,
+) -> Status {
+    crate::boundary::call(instance, name, body)
 }
 
 /// `fmi2SetDebugLogging`
@@ -310,20 +107,8 @@ pub unsafe fn set_debug_logging<M: Model>(
 ) -> Status {
     call::<M>(instance, "fmi2SetDebugLogging", |component| {
         component.slave.check(Function::SetDebugLogging)?;
-        let mut wanted = [false; 4];
         // SAFETY: as many texts as said.
-        for &name in unsafe { array(categories, count, "categories")? } {
-            // SAFETY: NULL or a text of the importer's.
-            let name = unsafe { text(name, "a category")? };
-            let place = LOG_CATEGORIES.iter().position(|(known, _)| *known == name);
-            wanted[place.ok_or_else(|| Refusal::Category(name.to_owned()))?] = true;
-        }
-        component.log.wanted = match (logging_on != 0, count) {
-            (false, _) => [true, true, true, false],
-            (true, 0) => [true; 4],
-            (true, _) => wanted,
-        };
-        Ok(())
+        component.set_debug_logging(logging_on != 0, &unsafe { texts(categories, count, "a category")? })
     })
 }
 
@@ -421,11 +206,8 @@ pub unsafe fn get_string<M: Model>(
         // SAFETY: as many elements as said.
         let (references, values) =
             unsafe { (array(references, count, "vr")?, array_mut(values, count, "value")?) };
-        let texts = component.slave.get_string(references)?;
-        component.strings = texts.into_iter().map(|text| CString::new(text).unwrap_or_default()).collect();
-        for (value, text) in values.iter_mut().zip(&component.strings) {
-            *value = text.as_ptr();
-        }
+        let texts = component.slave.get_string(references)?.into_iter().map(str::to_owned).collect();
+        component.give_texts(texts, values);
         Ok(())
     })
 }
@@ -474,7 +256,7 @@ pub unsafe fn set_boolean<M: Model>(
 }
 
 fn no_booleans<M: Model>(
-    component: &Component<M>,
+    component: &Component<M, Table<M>>,
     function: Function,
     references: &[c_uint],
 ) -> Result<(), Refusal<M>> {
@@ -495,11 +277,8 @@ pub unsafe fn set_string<M: Model>(
     call::<M>(instance, "fmi2SetString", |component| {
         // SAFETY: as many elements as said.
         let (references, values) =
-            unsafe { (array(references, count, "vr")?, array(values, count, "value")?) };
-        // SAFETY: NULL or texts of the importer's.
-        let texts = values.iter().map(|&value| unsafe { text(value, "a value") });
-        let texts = texts.collect::<Result<Vec<&str>, Bad>>()?;
-        component.slave.set_string(references, &texts)?;
+            unsafe { (array(references, count, "vr")?, texts(values, count, "a value")?) };
+        component.slave.set_string(references, &values)?;
         component.tell_warnings();
         Ok(())
     })
@@ -510,35 +289,16 @@ pub unsafe fn get_fmu_state<M: Model>(instance: *mut c_void, state: *mut *mut c_
     call::<M>(instance, "fmi2GetFMUstate", |component| {
         // SAFETY: NULL or the place of a state pointer.
         let place = unsafe { state.as_mut() }.ok_or(Refusal::Null("FMUstate"))?;
-        put(place, component.slave.snapshot()?);
-        Ok(())
+        Ok(states::put(place, component.slave.snapshot()?)?)
     })
-}
-
-/// Stores a snapshot behind a state pointer of the importer.
-fn put<S>(place: &mut *mut c_void, snapshot: Snapshot<S>) {
-    // SAFETY: NULL or a state that an earlier call boxed.
-    match unsafe { place.cast::<Snapshot<S>>().as_mut() } {
-        Some(old) => *old = snapshot,
-        None => *place = Box::into_raw(Box::new(snapshot)).cast(),
-    }
-}
-
-/// The snapshot behind a state.
-///
-/// # Safety
-/// `state` is NULL or a state that an earlier call boxed and that lives through this one.
-unsafe fn snapshot<'a, S>(state: *mut c_void) -> Result<&'a Snapshot<S>, Bad> {
-    // SAFETY: as the caller promises.
-    unsafe { state.cast::<Snapshot<S>>().as_ref() }.ok_or(Bad::Null("FMUstate"))
 }
 
 /// `fmi2SetFMUstate`
 pub unsafe fn set_fmu_state<M: Model>(instance: *mut c_void, state: *mut c_void) -> Status {
     call::<M>(instance, "fmi2SetFMUstate", |component| {
         component.slave.check(Function::State)?;
-        // SAFETY: NULL or a state of ours.
-        Ok(component.slave.restore(unsafe { snapshot(state)? })?)
+        let snapshot = component.state(state)?;
+        Ok(component.slave.restore(&snapshot)?)
     })
 }
 
@@ -547,12 +307,7 @@ pub unsafe fn free_fmu_state<M: Model>(instance: *mut c_void, state: *mut *mut c
     call::<M>(instance, "fmi2FreeFMUstate", |component| {
         component.slave.check(Function::State)?;
         // SAFETY: NULL or the place of a state pointer.
-        if let Some(place) = unsafe { state.as_mut() }.filter(|place| !place.is_null()) {
-            // SAFETY: a state that an earlier call boxed, given back once.
-            drop(unsafe { Box::from_raw(place.cast::<Snapshot<M::Saved>>()) });
-            *place = std::ptr::null_mut();
-        }
-        Ok(())
+        Ok(unsafe { state.as_mut() }.map_or(Ok(()), states::free)?)
     })
 }
 
@@ -564,9 +319,10 @@ pub unsafe fn serialized_fmu_state_size<M: Model>(
 ) -> Status {
     call::<M>(instance, "fmi2SerializedFMUstateSize", |component| {
         component.slave.check(Function::State)?;
-        // SAFETY: NULL, or a state of ours and the place of a number.
-        let (snapshot, size) = unsafe { (snapshot(state)?, size.as_mut().ok_or(Refusal::Null("size"))?) };
-        *size = component.slave.serialize(snapshot)?.len();
+        let snapshot = component.state(state)?;
+        // SAFETY: NULL or the place of a number.
+        let size = unsafe { size.as_mut() }.ok_or(Refusal::Null("size"))?;
+        *size = component.slave.serialize(&snapshot)?.len();
         Ok(())
     })
 }
@@ -580,12 +336,8 @@ pub unsafe fn serialize_fmu_state<M: Model>(
 ) -> Status {
     call::<M>(instance, "fmi2SerializeFMUstate", |component| {
         component.slave.check(Function::State)?;
-        // SAFETY: NULL, or a state of ours and as many bytes as said.
-        let (snapshot, buffer) = unsafe { (snapshot(state)?, array_mut(bytes, size, "serializedState")?) };
-        let bytes = component.slave.serialize(snapshot)?;
-        let (given, needed) = (buffer.len(), bytes.len());
-        buffer.get_mut(..needed).ok_or(Refusal::BufferSize { given, needed })?.copy_from_slice(&bytes);
-        Ok(())
+        // SAFETY: NULL or as many bytes as said.
+        component.serialize(state, unsafe { array_mut(bytes, size, "serializedState")? })
     })
 }
 
@@ -599,8 +351,8 @@ pub unsafe fn deserialize_fmu_state<M: Model>(
     call::<M>(instance, "fmi2DeSerializeFMUstate", |component| {
         // SAFETY: NULL, or as many bytes as said and the place of a state pointer.
         let (bytes, place) = unsafe { (array(bytes, size, "serializedState")?, state.as_mut()) };
-        put(place.ok_or(Refusal::Null("FMUstate"))?, component.slave.deserialize(bytes)?);
-        Ok(())
+        let place = place.ok_or(Refusal::Null("FMUstate"))?;
+        Ok(states::put(place, component.slave.deserialize(bytes)?)?)
     })
 }
 
@@ -637,17 +389,24 @@ pub unsafe fn set_real_input_derivatives<M: Model>(
     })
 }
 
-/// `fmi2GetRealOutputDerivatives`: `maxOutputDerivativeOrder` is 0.
+/// `fmi2GetRealOutputDerivatives`
 pub unsafe fn get_real_output_derivatives<M: Model>(
     instance: *mut c_void,
-    _references: *const c_uint,
-    _count: usize,
-    _orders: *const c_int,
-    _values: *mut f64,
+    references: *const c_uint,
+    count: usize,
+    orders: *const c_int,
+    values: *mut f64,
 ) -> Status {
     call::<M>(instance, "fmi2GetRealOutputDerivatives", |component| {
-        component.slave.check(Function::GetRealOutputDerivatives)?;
-        Err(SlaveError::Unsupported("maxOutputDerivativeOrder is 0").into())
+        // SAFETY: as many elements as said.
+        let (references, orders, values) = unsafe {
+            (
+                array(references, count, "vr")?,
+                array(orders, count, "order")?,
+                array_mut(values, count, "value")?,
+            )
+        };
+        Ok(component.slave.get_output_derivatives(references, orders, values)?)
     })
 }
 
@@ -720,15 +479,4 @@ pub unsafe fn get_string_status<M: Model>(
     value: *mut *const c_char,
 ) -> Status {
     status::<M, _>(instance, "fmi2GetStringStatus", value, |_| None)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn panics_have_messages() {
-        let panic = catch_unwind(|| panic!("broken {}", 1)).unwrap_err();
-        assert_eq!(panic_message(&*panic), "a fault of the FMU itself: broken 1");
-    }
 }

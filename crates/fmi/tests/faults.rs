@@ -3,9 +3,10 @@
 
 #![allow(unsafe_code)] // calls the C functions
 
-use lemons_fmi2::lifecycle::Phase;
-use lemons_fmi2::variables::{Domain, Kind, Role, Variable, guid, units};
-use lemons_fmi2::{Model, StepError};
+use lemons_fmi::location::Location;
+use lemons_fmi::v2::guid;
+use lemons_fmi::variables::{Domain, Kind, Role, Variable, units};
+use lemons_fmi::{Model, Phase, StepError};
 use lemons_testing::fmi2::{FATAL, Functions, Log, Message, OK};
 use std::ffi::{CStr, CString, c_int, c_void};
 use std::ptr::{null, null_mut};
@@ -34,8 +35,8 @@ impl Model for Brittle {
     const INTERPOLATES_INPUTS: bool = false;
     const STATE_VERSION: u32 = 1;
 
-    fn load(location: &str) -> Result<Brittle, Never> {
-        assert!(location != "broken", "no such place");
+    fn load(location: Location<'_>) -> Result<Brittle, Never> {
+        assert!(location.text() != "broken", "no such place");
         Ok(Brittle { x: 0.0 })
     }
 
@@ -66,7 +67,7 @@ impl Model for Brittle {
         unreachable!()
     }
 
-    fn set_real(&mut self, _: u32, (): (), value: f64, _: Phase) {
+    fn set_real(&mut self, (): (), value: f64, _: Phase) {
         self.x = value;
     }
 

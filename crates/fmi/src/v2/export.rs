@@ -3,26 +3,27 @@
 /// Exports the 34 functions for a [`Model`](crate::Model), which is given by its full path (`crate::…`). Use it once in
 /// a shared library, in a file of its own that allows `unsafe_code`.
 ///
-/// The functions are unsafe, because FMI requires callers to follow rules: see [`component`](crate::component).
+/// The functions are unsafe, because FMI requires callers to follow rules: see [`component`](crate::v2::component).
 #[macro_export]
-macro_rules! export {
+macro_rules! export_fmi2 {
     ($model:path) => {
-        use $crate::{CallbackFunctions, Status};
+        use $crate::Status;
+        use $crate::v2::CallbackFunctions;
         use std::ffi::{c_char, c_int, c_uint, c_void};
 
         /// `fmi2GetTypesPlatform`
         #[unsafe(no_mangle)]
         pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
-            $crate::component::get_types_platform()
+            $crate::v2::component::get_types_platform()
         }
 
         /// `fmi2GetVersion`
         #[unsafe(no_mangle)]
         pub extern "C" fn fmi2GetVersion() -> *const c_char {
-            $crate::component::get_version()
+            $crate::v2::component::get_version()
         }
 
-        $crate::export! { @functions $model;
+        $crate::export_fmi2! { @functions $model;
             fmi2Instantiate = instantiate(
                 instance_name: *const c_char, fmu_type: c_int, guid: *const c_char,
                 resource_location: *const c_char, functions: *const CallbackFunctions, visible: c_int,
@@ -116,7 +117,7 @@ macro_rules! export {
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
                 // SAFETY: the importer keeps FMI's contract, which is the body's.
-                unsafe { $crate::component::$body::<$model>($($argument),*) }
+                unsafe { $crate::v2::component::$body::<$model>($($argument),*) }
             }
         )*
     };

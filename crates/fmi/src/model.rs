@@ -1,6 +1,7 @@
 //! What an FMU simulates.
 
-use crate::lifecycle::Phase;
+use crate::Phase;
+use crate::location::Location;
 use crate::variables::Variable;
 use serde::{Serialize, de::DeserializeOwned};
 use std::error::Error;
@@ -12,6 +13,13 @@ pub fn fingerprint(content: &[u8]) -> u128 {
     Uuid::new_v5(&Uuid::NAMESPACE_OID, content).as_u128()
 }
 
+/// Returns what identifies an interface, of a line for each variable.
+pub(crate) fn token(lines: impl Iterator<Item = String>) -> Uuid {
+    /// Makes interfaces of other programs with the same words another token.
+    const NAMESPACE: Uuid = Uuid::from_u128(0x6c65_6d6f_6e73_4d75_8f63_726f_7764_3031);
+    Uuid::new_v5(&NAMESPACE, lines.collect::<String>().as_bytes())
+}
+
 /// Why a model did not advance.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StepError<E> {
@@ -21,13 +29,13 @@ pub enum StepError<E> {
     Failed(E),
 }
 
-/// The model behind an FMU, called by [`Slave`](crate::Slave). The slave checks lifecycle, value references, types,
+/// The model behind an FMU, called by [`Slave`](crate::slave::Slave). The slave checks lifecycle, value references, types,
 /// domains and times. The model gets only calls that are allowed and well-formed.
 pub trait Model: Sized + Send {
     /// Identifies the quantity behind a variable.
     type Quantity: Copy + Debug + Send + Sync;
     /// Everything on which the model's future depends: its part of the FMU state.
-    type Saved: Clone + Debug + PartialEq + Serialize + DeserializeOwned;
+    type Saved: Clone + Debug + PartialEq + Send + Serialize + DeserializeOwned + Sync + 'static;
     /// Why a call is refused. The model is then unchanged, if not stated otherwise.
     type Error: Error + Send + Sync + 'static;
 
@@ -40,9 +48,9 @@ pub trait Model: Sized + Send {
     ///
     /// # Errors
     /// The resources are missing or damaged.
-    fn load(location: &str) -> Result<Self, Self::Error>;
+    fn load(location: Location<'_>) -> Result<Self, Self::Error>;
 
-    /// Returns the variables. They never change during the life of the model.
+    /// Returns the variables of FMI 2.0. They never change during the life of the model.
     fn table(&self) -> Vec<Variable<Self::Quantity>>;
 
     /// Returns the warnings since the last call.
@@ -64,7 +72,7 @@ pub trait Model: Sized + Send {
     fn string(&self, quantity: Self::Quantity) -> &str;
 
     /// Sets a Real that can be set in the present phase to a value of its domain.
-    fn set_real(&mut self, reference: u32, quantity: Self::Quantity, value: f64, phase: Phase);
+    fn set_real(&mut self, quantity: Self::Quantity, value: f64, phase: Phase);
 
     /// Sets an Integer, as [`Model::set_real`].
     fn set_integer(&mut self, quantity: Self::Quantity, value: i32);
@@ -74,6 +82,11 @@ pub trait Model: Sized + Send {
     /// # Errors
     /// A text is not a value of its variable.
     fn set_strings(&mut self, values: &[(Self::Quantity, &str)]) -> Result<(), Self::Error>;
+
+    /// Returns the derivative of a Real with respect to time \[1/s\]; `None` if it is not known.
+    fn derivative(&self, _quantity: Self::Quantity) -> Option<f64> {
+        None
+    }
 
     /// Lets an input vary linearly over the next step, at a rate per second. Called only if
     /// [`Model::INTERPOLATES_INPUTS`].

@@ -1,7 +1,7 @@
 //! The directories that a resource location may mean.
 
 use percent_encoding::percent_decode_str;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Why a resource location cannot be used.
@@ -12,6 +12,38 @@ pub enum LocationError {
     Missing,
     #[error("the resource location {0:?} is neither a file URI nor a path")]
     Uri(String),
+}
+
+/// A resource location, exactly as the importer gives it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Location<'a> {
+    /// FMI 2.0: a URI.
+    Uri(&'a str),
+    /// FMI 3.0: a path.
+    Path(&'a str),
+}
+
+impl<'a> Location<'a> {
+    /// Returns the text.
+    pub fn text(self) -> &'a str {
+        match self {
+            Location::Uri(text) | Location::Path(text) => text,
+        }
+    }
+
+    /// Returns the directories that it may mean, most likely first; at least one. A path is taken as it is before it is
+    /// read as a URI: some importers give a URI here, too.
+    ///
+    /// # Errors
+    /// There is no location, or it is a URI but not that of a file.
+    pub fn directories(self) -> Result<Vec<PathBuf>, LocationError> {
+        let path = match self {
+            Location::Path(text) if !text.is_empty() => Path::new(text),
+            _ => return directories(self.text()),
+        };
+        let plain = [path.to_owned(), path.join("resources")];
+        Ok(plain.into_iter().chain(directories(self.text()).unwrap_or_default()).collect())
+    }
 }
 
 /// Returns the directories that a resource location may mean, most likely first; at least one. Importers give
@@ -63,7 +95,6 @@ fn paths(location: &str) -> Result<Vec<PathBuf>, LocationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     fn first(uri: &str) -> String {
         paths(uri).unwrap()[0].to_str().unwrap().to_owned()

@@ -1,8 +1,4 @@
-//! The table of an FMU's variables: name, type, causality, unit and quantity.
-//!
-//! A variable's value reference is its place in the table.
-
-use uuid::Uuid;
+//! What an FMU's variables are: name, type, causality, unit, domain.
 
 /// Causality, variability and `initial` of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,6 +11,8 @@ pub enum Role {
     Calculated,
     /// Fixed parameter; it can be set until initialization ends.
     Parameter,
+    /// Fixed, and computed from parameters.
+    CalculatedParameter,
 }
 
 /// An FMI type.
@@ -98,7 +96,7 @@ impl Domain {
     }
 }
 
-/// A row of the table; `Q` identifies the quantity of the model.
+/// A variable that is one number or text; `Q` identifies the quantity of the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable<Q> {
     /// Structured name.
@@ -113,20 +111,4 @@ pub struct Variable<Q> {
     pub domain: Domain,
     /// Description for users.
     pub description: String,
-}
-
-/// The GUID of the interface. It depends on names, types, value references and causalities only.
-pub fn guid<Q>(table: &[Variable<Q>]) -> Uuid {
-    /// Makes interfaces of other programs with the same words another GUID.
-    const NAMESPACE: Uuid = Uuid::from_u128(0x6c65_6d6f_6e73_4d75_8f63_726f_7764_3031);
-    let mut text = String::new();
-    for (reference, variable) in table.iter().enumerate() {
-        text.push_str(&format!(
-            "{reference} {} {} {:?}\n",
-            variable.name,
-            variable.kind.name(),
-            variable.role
-        ));
-    }
-    Uuid::new_v5(&NAMESPACE, text.as_bytes())
 }
