@@ -53,7 +53,8 @@ class Rows:
             return
         files = {path.name for path in Path(__file__).parent.glob("test_*.py")}
         whole = not self.selected and not self.without and self.files >= files
-        lines = sorted(dict.fromkeys(self.lines), key=lambda line: line[0].lower())
+        # In any order of tests.
+        lines = sorted(set(self.lines), key=lambda line: (line[0].lower(), line[3], line[1:]))
         try:
             documented.check("tools", ["tool", "tried", "result", "test in `tests/fmpy`"], lines, whole)
         except AssertionError as error:

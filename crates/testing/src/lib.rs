@@ -4,6 +4,7 @@
 //! - [`fmi2`]: the FMI 2.0 functions as an importer sees them, of a shared library or of a model, and a log
 
 pub mod fmi2;
+pub mod fmi3;
 pub mod places;
 
 pub use places::{copy_tree, repository, shared, trial_door, trial_push};
