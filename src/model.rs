@@ -336,16 +336,6 @@ impl CrowdModel {
         self.settings.insert(quantity, value);
     }
 
-    /// Reads quantities of all agents from the running world, agent by agent.
-    fn read_agents(&mut self, quantities: &[AgentQuantity], values: &mut [f64]) -> Result<(), ModelError> {
-        for (i, values) in (0..).zip(values.chunks_exact_mut(quantities.len())) {
-            for (value, &quantity) in values.iter_mut().zip(quantities) {
-                *value = self.real(Quantity::Agent(i, quantity))?;
-            }
-        }
-        Ok(())
-    }
-
     /// Returns a Real that the running world contains.
     ///
     /// In groups of three: one match of all would become an indirect jump, which processors predict badly. It takes

@@ -2,8 +2,8 @@
 
 use super::{CrowdModel, ModelError, count};
 use crate::arrays::{Block, SIZES, arrays, element, sizes};
-use crate::engine::step_count;
-use crate::variables::Quantity;
+use crate::engine::{World, step_count};
+use crate::variables::{AgentQuantity, Quantity};
 use lemons_fmi::v3::{Array, ArrayModel, Size};
 use lemons_fmi::{Model, Phase, StepError};
 
@@ -21,10 +21,10 @@ impl ArrayModel for CrowdModel {
     }
 
     fn read_reals(&mut self, block: Block, values: &mut [f64]) -> Result<(), ModelError> {
-        if let Block::Agents(quantities) = block
-            && self.world.is_some()
+        if let (Block::Agents(quantities), Some(world)) = (block, &self.world)
+            && read_agents(world, quantities, values)
         {
-            return self.read_agents(quantities, values);
+            return Ok(());
         }
         for (k, value) in values.iter_mut().enumerate() {
             // A pair of materials that never touch has no law.
@@ -79,6 +79,11 @@ impl ArrayModel for CrowdModel {
     }
 
     fn write_reals(&mut self, block: Block, values: &[f64], phase: Phase) {
+        if let (Block::Agents(quantities), Some(world), Phase::StepComplete) = (block, &mut self.world, phase)
+            && write_drive(world, quantities, values)
+        {
+            return;
+        }
         for (k, &value) in values.iter().enumerate() {
             if let Some(quantity) = element(&self.trial, block, k) {
                 self.set_real(quantity, value, phase);
@@ -131,4 +136,53 @@ impl ArrayModel for CrowdModel {
     ) -> Result<(), StepError<ModelError>> {
         self.advance_by(part, so_far, at_end)
     }
+}
+
+/// Reads a quantity of all agents from a running world. Returns whether the world has it.
+///
+/// The same values as [`Model::real`] gives one by one, without deciding for each of thousands what it is.
+fn read_agents(world: &World, quantities: &[AgentQuantity], values: &mut [f64]) -> bool {
+    use AgentQuantity::*;
+    fn one<T>(values: &mut [f64], of: &[T], read: impl Fn(&T) -> f64) {
+        values.iter_mut().zip(of).for_each(|(value, of)| *value = read(of));
+    }
+    fn two<T>(values: &mut [f64], of: &[T], read: impl Fn(&T) -> lemons_plane::Vec2) {
+        for (value, of) in values.as_chunks_mut().0.iter_mut().zip(of) {
+            let vector = read(of);
+            *value = [vector.x, vector.y];
+        }
+    }
+    let (state, contacts, exposures) = (world.state(), &world.contacts().bodies, world.exposures());
+    match quantities {
+        [FpX, FpY] => two(values, &world.drive, |drive| drive.force),
+        [Mp] => one(values, &world.drive, |drive| drive.torque),
+        [PositionX, PositionY] => two(values, &state.poses, |pose| pose.position),
+        [Theta] => one(values, &state.poses, |pose| pose.orientation),
+        [VelocityX, VelocityY] => two(values, &state.twists, |twist| twist.velocity),
+        [Omega] => one(values, &state.twists, |twist| twist.angular_velocity),
+        [NormalForce] => one(values, contacts, |body| body.squeeze),
+        [MeanNormalForce] => one(values, exposures, |exposure| exposure.mean_force),
+        [PeakNormalForce] => one(values, exposures, |exposure| exposure.peak_force),
+        [PeakOverlap] => one(values, exposures, |exposure| exposure.peak_overlap),
+        _ => return false,
+    }
+    true
+}
+
+/// Sets forces or torques of all agents in a running world. Returns whether they are that.
+fn write_drive(world: &mut World, quantities: &[AgentQuantity], values: &[f64]) -> bool {
+    use AgentQuantity::{FpX, FpY, Mp};
+    match quantities {
+        [FpX, FpY] => {
+            let forces = values.as_chunks::<2>().0;
+            for (drive, &[x, y]) in world.drive.iter_mut().zip(forces) {
+                drive.force = lemons_plane::vec2(x, y);
+            }
+        }
+        [Mp] => {
+            world.drive.iter_mut().zip(values).for_each(|(drive, &torque)| drive.torque = torque);
+        }
+        _ => return false,
+    }
+    true
 }
