@@ -351,7 +351,7 @@ impl<M: Fuzzed> Session<M> {
     fn unchanged(&self, call: &Call, before: &[u8]) {
         const PHASE: usize = HEADER;
         const TIME: std::ops::Range<usize> = HEADER + 1..HEADER + 9;
-        const FAILED: u8 = 4;
+        const FAILED: u8 = 6;
         let importer = self.importer();
         let after = bytes(importer);
         if after == before {

@@ -2,7 +2,7 @@
 
 use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::setup;
-use crowd_mechanics::variables::table;
+use crowd_mechanics::variables::{Quantity, table};
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::plan::{Person, Plan, Wishes};
 use lemons_decision::{Decision, rule::Pose};
@@ -60,9 +60,11 @@ impl Fuzzed for CrowdModel {
     }
 
     fn output_directory(content: &[u8]) -> Option<String> {
-        /// Phase, time, experiment; then of `crowd::Saved`: Trial, fingerprint, settings, threads, most steps.
-        type Before = (u32, f64, Option<(f64, Option<f64>)>, String, u128, BTreeMap<u32, f64>, i32, f64);
-        let (_, rest) = postcard::take_from_bytes::<Before>(content).ok()?;
+        /// Phase, time, experiment, sizes.
+        type OfSlave = (u32, f64, Option<(f64, Option<f64>)>, Vec<u64>);
+        /// Of `model::Saved`: Trial, fingerprint, settings, threads, most steps, intermediate steps.
+        type Before = (String, u128, BTreeMap<Quantity, f64>, i32, f64, i32);
+        let (_, rest) = postcard::take_from_bytes::<(OfSlave, Before)>(content).ok()?;
         Some(postcard::take_from_bytes(rest).ok()?.0)
     }
 }

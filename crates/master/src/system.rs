@@ -260,7 +260,7 @@ impl System {
             warnings.map(|warning| {
                 let text = warning.strip_prefix("warning: ").unwrap_or(&warning);
                 if self.components.len() == 1 {
-                    warning
+                    format!("warning: {text}")
                 } else {
                     format!("warning: {}: {text}", component.name)
                 }

@@ -619,7 +619,7 @@ fn a_long_table_is_exported_and_drawn_in_little_memory() {
     let few = memory_of(at, &["export", &trial, "--help"]);
     for arguments in [
         &["export", "long.csv", "long.txt", "--to", "pedpy"][..],
-        &["export", "long.csv", "long.sqlite", "--to", "jupedsim"],
+        &["export", "long.csv", "long.sqlite", "--to", "jupedsim", "--trial", &trial],
         &["export", "long.csv", "long", "--to", "chaos"],
         &["export", "long.csv", "end", "--to", "trial", "--trial", &trial],
         &["plot", "long.csv", "--trial", &trial, "--at", "1,20,2900", "-o", "a.svg"],
