@@ -117,7 +117,7 @@ impl<M: Model> Importer<M> {
             return None;
         }
         log.take();
-        Some(Importer { raw, c, log, hears: [true; 2], model: PhantomData })
+        Some(Importer { raw, c, log, hears: [true, logging_on != 0], model: PhantomData })
     }
 
     /// What every return value promises.
@@ -169,8 +169,13 @@ impl<M: Model> Importer<M> {
         };
         let has = |wanted| categories.contains(&Some(wanted)) || categories.contains(&Some(c"logAll"));
         if status == OK {
-            let all = !on || categories.is_empty();
-            self.hears = [all || has(c"logStatusError"), all || has(c"logStatusWarning")];
+            let all = categories.is_empty();
+            // Errors are told in any case.
+            self.hears = if on {
+                [all || has(c"logStatusError"), all || has(c"logStatusWarning")]
+            } else {
+                [true, false]
+            };
         }
         self.answered_arrays(status, count, nulls, 1)
     }
