@@ -34,7 +34,7 @@ pub enum Change {
 /// Removes a file if no other program changed a guarded file there.
 ///
 /// # Errors
-/// The file cannot be removed, or it was changed ([`Changed`]).
+/// The file cannot be removed, or it was changed ([`Changed`](crate::Changed)).
 pub fn remove_file(path: &Path) -> io::Result<()> {
     if guard::is_changed(path)? {
         return Err(io::Error::other(Changed { kept: None }));

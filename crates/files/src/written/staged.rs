@@ -148,7 +148,7 @@ impl Staged {
     /// Moves the file into its place.
     ///
     /// # Errors
-    /// The file cannot be moved there, or a part of it could not be written; the place is then unchanged. [`Changed`]:
+    /// The file cannot be moved there, or a part of it could not be written; the place is then unchanged. [`Changed`](crate::Changed):
     /// the file is beside its place, under another name.
     pub fn persist(mut self) -> io::Result<()> {
         if self.failed {
@@ -220,7 +220,7 @@ impl StagedDirectory {
     /// Moves it into its place, which must not exist.
     ///
     /// # Errors
-    /// The directory cannot be moved there. [`Changed`]: the place exists by now, and the directory is beside it.
+    /// The directory cannot be moved there. [`Changed`](crate::Changed): the place exists by now, and the directory is beside it.
     pub fn persist(self, place: &Path) -> io::Result<()> {
         let place = led_to(place)?;
         if place.symlink_metadata().is_ok() {
@@ -233,7 +233,7 @@ impl StagedDirectory {
     /// beside the place.
     ///
     /// # Errors
-    /// [`Changed`], with the path of that file.
+    /// [`Changed`](crate::Changed), with the path of that file.
     pub fn unless_changed(self, place: &Path, files: &[PathBuf]) -> Result<StagedDirectory, WriteError> {
         for file in files {
             if guard::is_changed(file).map_err(WriteError::at(file))? {

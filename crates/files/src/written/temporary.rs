@@ -156,7 +156,7 @@ impl Drop for Temporary {
     fn drop(&mut self) {
         if !self.0.as_os_str().is_empty() {
             let mut all = begun();
-            // If it cannot be removed now (no file handle is left), [`give_up`] tries again at the end.
+            // If it cannot be removed now (no file handle is left), [`give_up`](crate::give_up) tries again at the end.
             match remove(&self.0) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => {}
                 _ => forget(&mut all, &self.0),
