@@ -74,7 +74,7 @@ class Crowd:
         self.time = 0.0
 
     def instantiate(self):
-        self.fmu.instantiate(callbacks=callbacks)
+        self.fmu.instantiate(callbacks=callbacks, loggingOn=True)
         return self
 
     def free(self):

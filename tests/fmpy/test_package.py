@@ -129,8 +129,13 @@ def test_the_packed_drive_pushes_in_command_and_python_alike(lemons, two_trials,
 
 def test_a_packed_drive_that_is_broken_is_told_without_the_place_where_it_lies(pack, tmp_path):
     trial = Path(shutil.copytree(TRIAL_PUSH, tmp_path / "Trial"))
-    (trial / "drive.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1,1,much\n")
-    fmu = load(pack(trial))
+    broken = tmp_path / "broken.fmu"
+    # `lemons pack` refuses such a Trial.
+    with zipfile.ZipFile(pack(trial)) as good, zipfile.ZipFile(broken, "w") as archive:
+        for name in good.namelist():
+            drive = name.endswith("drive.csv")
+            archive.writestr(name, "t,agent,Fp.x,Fp.y,Mp\n0,0,1,1,much\n" if drive else good.read(name))
+    fmu = load(broken)
     with pytest.raises(ValueError) as refusal:
         simulate(fmu, until=0.1)
     assert str(refusal.value) == "drive file Trial/drive.csv in the FMU: line 2: Mp='much': not a finite number"

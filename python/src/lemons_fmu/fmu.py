@@ -217,7 +217,7 @@ class Instance:
                     modelIdentifier=fmu.identifier,
                     instanceName=f"crowd {next(_numbers)}",
                 )
-                self.slave.instantiate(callbacks=self._callbacks)
+                self.slave.instantiate(callbacks=self._callbacks, loggingOn=True)
             except Exception as error:
                 raise FmuError(self._why(str(error))) from error
         self._first = [text for _, text in self._said]
@@ -234,7 +234,9 @@ class Instance:
     def _log(self, _environment: object, _name: bytes, status: int, _kind: bytes, form: bytes, text: int | None) -> None:
         message = ctypes.string_at(text) if form == b"%s" and text else form
         # The temporary path of the unpacked FMU would be of no use in messages.
-        self._said.append((status, message.decode("utf-8", "replace").replace(f"{self.fmu.directory}/", "")))
+        # A number sign in a message is doubled (FMI 2.0.5, section 2.1.5).
+        said = message.decode("utf-8", "replace").replace("##", "#")
+        self._said.append((status, said.replace(f"{self.fmu.directory}/", "")))
 
     def _why(self, otherwise: str) -> str:
         """Returns the error messages since the last error."""
