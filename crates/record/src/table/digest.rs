@@ -1,5 +1,6 @@
 //! A digest of what was written of a table: by it, a table is known again that nobody has changed since.
 
+#[cfg(feature = "parquet")]
 use lemons_columns::Cell;
 
 /// FNV-1a of 128 bits. It is made byte by byte, so that a writer goes on with the digest of the writer before. It
@@ -20,6 +21,7 @@ impl Digest {
     }
 
     /// Its kind, then its value: different cells give different bytes.
+    #[cfg(feature = "parquet")]
     pub fn add_cell(&mut self, cell: &Cell<'_>) {
         match cell {
             Cell::Real(value) => self.add_value(b'd', &value.to_bits().to_le_bytes()),
@@ -34,6 +36,7 @@ impl Digest {
         }
     }
 
+    #[cfg(feature = "parquet")]
     fn add_value(&mut self, kind: u8, bytes: &[u8]) {
         self.add(&[kind]);
         self.add(bytes);
