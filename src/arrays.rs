@@ -36,7 +36,7 @@ pub enum Block {
     MaterialIds,
 }
 
-/// Name, quantities, whether it is of vectors.
+/// Name, quantities, and the description where it is not that of the one quantity.
 const OF_AGENTS: [(&str, &[AgentQuantity], &str); 17] = {
     use AgentQuantity::*;
     [
@@ -60,7 +60,8 @@ const OF_AGENTS: [(&str, &[AgentQuantity], &str); 17] = {
     ]
 };
 
-/// Name and quantity of single values. Those of FMI 2.0 that an array of agents has the name of are totals.
+/// Name and quantity of single values. Where an array of agents has the name that FMI 2.0 gives a number of the whole
+/// crowd, the number is called a total here.
 const OF_CROWD: [(&str, Quantity); 10] = [
     ("TimeStepMechanical", Quantity::TimeStepMechanical),
     ("MostMechanicalSteps", Quantity::MostMechanicalSteps),

@@ -15,8 +15,8 @@
 //! - [`variables`]: quantities, and the table of FMI 2.0 variables
 //! - [`arrays`]: the table of FMI 3.0 variables
 //! - [`resources`]: from a resource URI to the Trials packed in an FMU
-//! - [`model_description`], [`pack`]: the table as XML, a Trial as an FMU
 //! - [`model`]: what an FMU instance simulates
+//! - [`model_description`], [`pack`]: the tables as XML, a Trial as an FMU
 //! - [`fmi2`], [`fmi3`]: the C functions of FMI 2.0 and 3.0 (their bodies are in `lemons_fmi`)
 //! - [`c_api`]: the C entry point of the paper's scripts
 

@@ -10,6 +10,7 @@
 //! - [`slave`]: one instance: lifecycle, stepping and states
 //! - `states`: the states that importers hold
 //! - [`archive`]: an `.fmu`, the same bytes for the same content
+//! - `units`: units in model descriptions
 //! - `boundary`: what all C functions share: pointers, messages, panics
 //! - [`v2`] and [`v3`]: what differs between the versions: the variables of an instance, the model description, the C
 //!   functions

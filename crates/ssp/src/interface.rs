@@ -75,7 +75,9 @@ impl Interface {
         let document = Document::parse(Path::new("modelDescription.xml"), bytes, NODES)?;
         let root = document.root("fmiModelDescription")?;
         if root.text("fmiVersion")? != "2.0" {
-            return Err(root.wrong("fmiVersion", "must be 2.0").into());
+            return Err(root
+                .wrong("fmiVersion", "must be 2.0: FMUs of other versions of FMI cannot be read")
+                .into());
         }
         let exchange = root.child("ModelExchange").map(|element| element.text("modelIdentifier"));
         let mut interface = Interface {
@@ -209,7 +211,7 @@ mod tests {
         let place = "modelDescription.xml:1: <fmiModelDescription>";
         assert_eq!(
             said("fmiVersion=\"3.0\" modelName=\"m\""),
-            format!("{place} fmiVersion=\"3.0\": must be 2.0")
+            format!("{place} fmiVersion=\"3.0\": must be 2.0: FMUs of other versions of FMI cannot be read")
         );
         assert_eq!(said("modelName=\"m\" guid=\"g\""), format!("{place}: has no fmiVersion"));
         assert_eq!(said("fmiVersion=\"2.0\" guid=\"g\""), format!("{place}: has no modelName"));
