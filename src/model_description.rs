@@ -6,7 +6,7 @@ use crate::variables::{MOST_MECHANICAL_STEPS, Quantity, Variable, in_documents, 
 use lemons_fmi::v2::description::{Description, Naming};
 use lemons_fmi::v3;
 use lemons_fmi::v3::description::Start;
-use lemons_fmi::v3::terminals::{Terminal, terminals_xml};
+use lemons_fmi::v3::terminals::{CROWD, Terminal, terminals_xml};
 use lemons_trial::Trial;
 use lemons_xml::number;
 
@@ -46,12 +46,12 @@ pub fn model_description_3(trial: &Trial) -> String {
 
 /// Returns the terminal `crowd`: drives in, motion out. With an icon, `icon.png` is beside it.
 pub fn terminals(icon: bool) -> String {
-    const CROWD: Terminal = Terminal {
-        name: "crowd",
+    let terminal = Terminal {
+        name: CROWD,
         description: "drives in, motion out",
         variables: &["Fp", "Mp", "Position", "Theta", "Velocity", "Omega"],
     };
-    terminals_xml::<CrowdModel>(&CROWD, icon)
+    terminals_xml::<CrowdModel>(&terminal, icon)
 }
 
 /// Returns the model description of a Trial's FMI 2.0 FMU.

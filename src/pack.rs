@@ -2,7 +2,6 @@
 //!
 //! The same Trials and binaries give the same bytes, so that FMUs can be compared.
 
-use crate::arrays::arrays;
 use crate::model::CrowdModel;
 use crate::model_description::{
     LARGEST_DESCRIPTION, MODEL_IDENTIFIER, model_description, model_description_3, terminals,
@@ -11,12 +10,11 @@ use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::setup;
 use crate::variables::{guid, table};
 use lemons_files::Staged;
+pub use lemons_fmi::Format;
 use lemons_fmi::archive::{Archive, ArchiveError, Version, read};
 pub use lemons_fmi::archive::{Binary, host_platform};
 pub use lemons_fmi::v2::description::Naming;
 use lemons_fmi::v3;
-use lemons_fmi::v3::Dimension;
-use lemons_fmi::variables::{Kind, Role};
 use lemons_trial::{Problems, Trial};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
@@ -59,30 +57,6 @@ pub enum PackError {
     Archive { path: PathBuf, error: ArchiveError },
     #[error("cannot write {path}: {error}")]
     Write { path: PathBuf, error: std::io::Error },
-}
-
-/// The version of FMI, and what can be chosen in it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// FMI 2.0: a variable for each number.
-    Fmi2(Naming),
-    /// FMI 3.0: arrays. The Trials of an FMU may have different numbers of agents and materials.
-    Fmi3,
-}
-
-impl Default for Format {
-    fn default() -> Format {
-        Format::Fmi2(Naming::default())
-    }
-}
-
-impl Format {
-    fn version(self) -> Version {
-        match self {
-            Format::Fmi2(_) => Version::V2,
-            Format::Fmi3 => Version::V3,
-        }
-    }
 }
 
 /// Draws a Trial as a PNG; `None` if it cannot be drawn.
@@ -286,25 +260,6 @@ fn documentation(trial: &Trial) -> String {
 
 /// `documentation/index.html` of FMI 3.0.
 fn documentation_3(trial: &Trial) -> String {
-    let row = |array: &v3::Array<_>| {
-        let sizes = array.dimensions.iter().map(|dimension| match *dimension {
-            Dimension::Size(place) => format!("[{}]", crate::arrays::SIZES[place].name),
-            Dimension::Fixed(size) => format!("[{size}]"),
-        });
-        let kind = match array.role {
-            Role::Input => "input",
-            Role::Exact => "output; start settable",
-            Role::Calculated => "output",
-            Role::Parameter => "parameter",
-            Role::CalculatedParameter => "calculated parameter",
-        };
-        let unit = if let Kind::Real(unit) = array.kind { unit.name } else { "" };
-        let (name, sizes, description) = (array.name, sizes.collect::<String>(), array.description);
-        let description = lemons_xml::escaped(description);
-        format!(
-            "<tr><td><code>{name}</code> {sizes}</td><td>{kind}</td><td>{unit}</td><td>{description}</td></tr>\n"
-        )
-    };
     let parameters = &trial.parameters;
     include_str!("documentation_3.html")
         .replace("{version}", env!("CARGO_PKG_VERSION"))
@@ -313,5 +268,5 @@ fn documentation_3(trial: &Trial) -> String {
         .replace("{time_step}", &format!("{:?}", parameters.time_step))
         .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))
         .replace("{token}", &v3::token::<CrowdModel>().braced().to_string())
-        .replace("{variables}", &arrays().iter().map(row).collect::<String>())
+        .replace("{variables}", &v3::documentation::rows::<CrowdModel>())
 }

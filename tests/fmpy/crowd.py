@@ -29,6 +29,8 @@ TRIAL_PUSH = REPOSITORY / "resources" / "Trial_push"
 TRIAL_DOOR = REPOSITORY / "resources" / "Trial_door"
 
 INPUTS = ["Fp.x", "Fp.y", "Mp"]
+POSES = ["Position.x", "Position.y", "Theta"]
+PEOPLE = 30  # of Trial_door
 # The columns of the table of `lemons run`. Written by `COLUMNS_TABLE=write cargo test -p lemons-record --test record columns`.
 with (REPOSITORY / "tests/columns.csv").open(newline="") as _file:
     TABLE = list(csv.DictReader(_file))
@@ -189,6 +191,18 @@ def two_pushes_job(fmu, steps):
     job.watch = job.watch + [["second", name] for _, name in job.watch]
     job.parameters = [[["second", "agent[1].Mass"], 40.0]]
     return job
+
+
+def room_job(fmus, steps):
+    """Decision and crowd of Trial_door, connected; x, y, theta and squeeze of each are seen."""
+    connections = [
+        [[source, f"agent[{i}].{name}"], [sink, f"agent[{i}].{name}"]]
+        for source, sink, names in [("crowd", "decision", POSES), ("decision", "crowd", INPUTS)]
+        for i in range(PEOPLE)
+        for name in names
+    ]
+    watch = [["crowd", f"agent[{i}].{name}"] for i in range(PEOPLE) for name in [*POSES, "NormalForce"]]
+    return Job(fmus=fmus, steps=steps, watch=watch, connections=connections)
 
 
 def outputs(agents):

@@ -6,13 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from crowd import INPUTS, REPOSITORY, TRIAL_DOOR, bits, ids_of, read_table
+from crowd import PEOPLE, REPOSITORY, TRIAL_DOOR, bits, ids_of, read_table, room_job
 from fmpy.ssp.simulation import simulate_ssp
-from masters import Job, run
-
-POSES = ["Position.x", "Position.y", "Theta"]
-PEOPLE = 30
-
+from masters import run
 
 @pytest.fixture(scope="module")
 def fmus(lemons, tmp_path_factory):
@@ -23,22 +19,11 @@ def fmus(lemons, tmp_path_factory):
     return {name: str(directory / f"{name}.fmu") for name in ["decision", "crowd"]}
 
 
-def job(fmus, steps):
-    connections = [
-        [[source, f"agent[{i}].{name}"], [sink, f"agent[{i}].{name}"]]
-        for source, sink, names in [("crowd", "decision", POSES), ("decision", "crowd", INPUTS)]
-        for i in range(PEOPLE)
-        for name in names
-    ]
-    watch = [["crowd", f"agent[{i}].{name}"] for i in range(PEOPLE) for name in [*POSES, "NormalForce"]]
-    return Job(fmus=fmus, steps=steps, watch=watch, connections=connections)
-
-
 @pytest.mark.parametrize("tool", ["libcosimpy", "ecospy"])
 def test_other_masters(fmus, row, tool):
     if tool == "libcosimpy" and sys.version_info < (3, 11):
         pytest.skip("libcosimpy has no wheel for this Python")
-    room = job(fmus, 64)  # 4 s: people press through the door
+    room = room_job(fmus, 64)  # 4 s: people press through the door
     seen, said = run(tool.removesuffix("py"), room)
     assert said == ""
     assert max(seen[-1][4 * i] for i in range(PEOPLE)) > 5.2, "somebody is out"
@@ -73,7 +58,7 @@ def run_by_lemons(lemons, coupled, tmp_path_factory):
 def test_the_ssp_in_other_masters(fmus, coupled, run_by_lemons, row, tool):
     if tool == "libcosimpy" and sys.version_info < (3, 11):
         pytest.skip("libcosimpy has no wheel for this Python")
-    room = job(fmus, 64)
+    room = room_job(fmus, 64)
     room.connections, room.ssp = [], str(coupled)
     seen, said = run(tool.removesuffix("py"), room)
     assert said == ""
@@ -86,7 +71,7 @@ def test_the_ssp_in_fmpy(fmus, coupled, run_by_lemons, row):
     at the origin. The loop of `masters.by_fmpy` that starts so gives its bits; the same loop, started from the true poses,
     gives those of `lemons run`. So the first values are the one difference.
     """
-    room = job(fmus, 64)
+    room = room_job(fmus, 64)
     result = simulate_ssp(str(coupled), stop_time=room.steps * room.step, step_size=room.step)
     theirs = [[seen[".".join(variable)].item() for variable in room.watch] for seen in result]
     assert len(theirs) == room.steps
@@ -103,7 +88,7 @@ def test_the_two_algorithms(run_by_lemons, fmus):
     """Gauss–Seidel, the decider first, is the loop of examples/coupled_fmpy.py: drives from the poses of the same instant."""
     jacobi, seidel = (run_by_lemons(32, "--algorithm", name) for name in ["jacobi", "gauss-seidel"])
     assert bits(jacobi) != bits(seidel)
-    room = job(fmus, 32)
+    room = room_job(fmus, 32)
     assert bits(jacobi) == bits(run("fmpy", room)[0])
     room.sequential = True
     assert bits(seidel) == bits(run("fmpy", room)[0])

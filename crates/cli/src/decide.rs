@@ -2,7 +2,7 @@
 
 use crate::binary::DECISION;
 use crate::files::{self, Force, WISHES_FILE};
-use crate::pack::{FmuArguments, say_size};
+use crate::pack::{Fmi, FmuArguments, say_size};
 use crate::words::read_or_say;
 use anyhow::{Context, Result, bail};
 use lemons_decision::rule::Pose;
@@ -44,6 +44,8 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.fmu")]
     output: PathBuf,
     #[command(flatten)]
+    fmi: Fmi,
+    #[command(flatten)]
     fmu: FmuArguments,
     #[command(flatten)]
     _force: Force,
@@ -56,24 +58,31 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     for warning in warnings.iter() {
         note!("{warning}");
     }
-    let own = given.directory().join(WISHES_FILE);
-    let (path, named) = match &arguments.plan {
-        Some(plan) => (plan, plan.clone()),
-        None => (&own, arguments.trial.join(WISHES_FILE)),
-    };
-    if arguments.plan.is_none() && !path.exists() {
+    let plan = wanted(&arguments.trial, &trial, arguments.plan.as_deref())?;
+    let binaries = arguments.fmu.binaries(&DECISION)?;
+    let unwritten = || format!("cannot write {}", arguments.output.display());
+    lemons_decision::pack::write_fmu(
+        &plan,
+        arguments.fmi.format(arguments.fmu.naming()),
+        &binaries,
+        &mut file,
+    )
+    .with_context(|| arguments.output.display().to_string())?;
+    file.persist().with_context(unwritten)?;
+    say_size(&arguments.output)
+}
+
+/// What the people of a Trial do by the wishes in a file; by default, that of the Trial's directory as it was `given`.
+fn wanted(given: &Path, trial: &Trial, plan: Option<&Path>) -> Result<Plan> {
+    let own = trial.directory.join(WISHES_FILE);
+    let (path, named) = plan.map_or((&*own, given.join(WISHES_FILE)), |plan| (plan, plan.to_owned()));
+    if plan.is_none() && !path.exists() {
         bail!(
             "there is no {}. Write it, or name another file with --plan FILE.toml. The shortest such file is:\n{SHORTEST}",
             named.display()
         );
     }
-    let plan = plan_of(&trial, path).with_context(|| named.display().to_string())?;
-    let binaries = arguments.fmu.binaries(&DECISION)?;
-    let unwritten = || format!("cannot write {}", arguments.output.display());
-    lemons_decision::pack::write_fmu(&plan, arguments.fmu.naming(), &binaries, &mut file)
-        .with_context(|| arguments.output.display().to_string())?;
-    file.persist().with_context(unwritten)?;
-    say_size(&arguments.output)
+    plan_of(trial, path).with_context(|| named.display().to_string())
 }
 
 /// What the people of a Trial do by the wishes in a file.

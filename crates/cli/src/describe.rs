@@ -1,11 +1,13 @@
-//! `lemons describe`: the model description that a Trial's FMU would have.
+//! `lemons describe`: the model description that a Trial's FMU would have, or its Decision FMU.
 
+use crate::decide::plan_of;
 use crate::pack::Fmi;
 use crate::tell;
 use crate::words::read_or_say;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use crowd_mechanics::model_description::{model_description, model_description_3};
 use crowd_mechanics::pack::{Format, Naming};
+use lemons_decision::pack::description;
 use lemons_master::Given;
 use std::io::Write;
 use std::path::PathBuf;
@@ -17,13 +19,21 @@ pub struct Arguments {
     trial: PathBuf,
     #[command(flatten)]
     fmi: Fmi,
+    /// Describe the Decision FMU that `lemons decide` makes with these way-points, instead of the crowd's
+    #[arg(long, value_name = "FILE.toml")]
+    plan: Option<PathBuf>,
 }
 
 pub fn describe(arguments: &Arguments) -> Result<()> {
     let (trial, _) = read_or_say(&Given::open(&arguments.trial)?)?;
-    let text = match arguments.fmi.format(Naming::Structured) {
-        Format::Fmi2(naming) => model_description(&trial, naming),
-        Format::Fmi3 => model_description_3(&trial),
+    let format = arguments.fmi.format(Naming::Structured);
+    let text = match (&arguments.plan, format) {
+        (Some(plan), _) => {
+            let plan = plan_of(&trial, plan).with_context(|| plan.display().to_string())?;
+            description(&plan, format)
+        }
+        (None, Format::Fmi2(naming)) => model_description(&trial, naming),
+        (None, Format::Fmi3) => model_description_3(&trial),
     };
     Ok(tell::out().write_all(text.as_bytes())?)
 }

@@ -27,7 +27,8 @@ lemons pack Trial_a Trial_b --flat-names -o two.fmu",
         "decide",
         "\
 lemons decide resources/Trial_door -o decision.fmu
-lemons decide Trial_box --plan plan.toml -o decision.fmu",
+lemons decide Trial_box --plan plan.toml -o decision.fmu
+lemons decide resources/Trial_door --fmi 3 -o decision3.fmu",
     ),
     ("connect", "lemons connect decision.fmu crowd.fmu -o coupled.ssp"),
     (
@@ -62,7 +63,12 @@ lemons export trajectories.csv Trial_next --to trial --trial Trial_box",
     ),
     ("info", "lemons info push.fmu --only agent[0]"),
     ("check", "lemons check resources/Trial_push resources/Trial_door"),
-    ("describe", "lemons describe resources/Trial_push"),
+    (
+        "describe",
+        "\
+lemons describe resources/Trial_push
+lemons describe resources/Trial_door --fmi 3 --plan resources/Trial_door/decision.toml",
+    ),
     (
         "verify",
         "\

@@ -1,7 +1,7 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
 use crate::plan::{Plan, PlanError};
-use crate::rule::{Pose, Walker};
+use crate::rule::{Pose, Propulsion, Walker};
 use lemons_files::input;
 use lemons_fmi::location::{Location, LocationError};
 use lemons_fmi::variables::units::*;
@@ -10,6 +10,8 @@ use lemons_fmi::{Model, Phase, StepError, fingerprint};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use thiserror::Error;
+
+pub mod arrays;
 
 /// Name of the plan's file in the FMU's resources.
 pub const PLAN_FILE: &str = "decision.toml";
@@ -150,20 +152,22 @@ pub enum Known {
     InputsAndParameters,
 }
 
+/// Whether an output depends on an input or a parameter of the same agent.
+fn needs(output: Quantity, on: AgentQuantity) -> bool {
+    use AgentQuantity::*;
+    matches!(
+        (on, output),
+        (PositionX | PositionY | WaypointX(_) | WaypointY(_) | WaypointRadius(_), _)
+            | (Mass | FloorDamping | DesiredSpeed, Quantity::Agent(_, FpX | FpY))
+            | (Theta | MomentOfInertia | AngularDamping, Quantity::Agent(_, Mp))
+    )
+}
+
 /// Returns the indices of the known variables on which an output depends, ascending.
 pub fn dependencies(table: &[Variable<Quantity>], output: usize, known: Known) -> Vec<usize> {
-    use AgentQuantity::*;
     let agent_of = |variable: &Variable<Quantity>| match variable.quantity {
         Quantity::Arrived => None,
         Quantity::Agent(i, _) => Some(i),
-    };
-    let needs = |quantity| {
-        matches!(
-            (quantity, table[output].quantity),
-            (PositionX | PositionY | WaypointX(_) | WaypointY(_) | WaypointRadius(_), _)
-                | (Mass | FloorDamping | DesiredSpeed, Quantity::Agent(_, FpX | FpY))
-                | (Theta | MomentOfInertia | AngularDamping, Quantity::Agent(_, Mp))
-        )
     };
     // The variables of an agent are adjacent. A variable of no agent depends on all.
     let places = match agent_of(&table[output]) {
@@ -180,7 +184,7 @@ pub fn dependencies(table: &[Variable<Quantity>], output: usize, known: Known) -
     };
     places
         .filter(|&place| match table[place].quantity {
-            Quantity::Agent(_, quantity) => counts(&table[place]) && needs(quantity),
+            Quantity::Agent(_, quantity) => counts(&table[place]) && needs(table[output].quantity, quantity),
             Quantity::Arrived => false,
         })
         .collect()
@@ -198,6 +202,8 @@ pub enum DecisionError {
     Read { path: PathBuf, error: std::io::Error },
     #[error("{path}: {error}", path = path.display())]
     Plan { path: PathBuf, error: PlanError },
+    #[error("agent {agent:?} has only {count} way-points: what is beyond them must be 0")]
+    NoWaypoint { agent: String, count: usize },
     #[error("the state belongs to another model, with another plan")]
     OtherPlan,
     #[error("{agent}: {name} is not finite: check mass, desired speed, damping and way-points")]
@@ -238,6 +244,8 @@ pub struct Decision {
     /// Fingerprint of the plan.
     fingerprint: u128,
     agents: Vec<Agent>,
+    /// Largest number of way-points of an agent, at least 1.
+    most_waypoints: usize,
 }
 
 impl Decision {
@@ -246,7 +254,15 @@ impl Decision {
         let agents =
             plan.agents.iter().map(|agent| Agent { pose: agent.pose, walker: agent.walker.clone(), next: 0 });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
-        Decision { agents: agents.collect(), plan, fingerprint }
+        let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
+        let most_waypoints = most.unwrap_or(0).max(1);
+        Decision { agents: agents.collect(), plan, fingerprint, most_waypoints }
+    }
+
+    /// The drive of an agent at its present pose.
+    fn drive(&self, i: usize) -> Propulsion {
+        let agent = &self.agents[i];
+        agent.walker.drive(agent.next(), agent.pose)
     }
 
     /// Returns the number behind a quantity that can be set; `None` for a computed one.
@@ -270,6 +286,13 @@ impl Decision {
             }
         })
     }
+}
+
+fn finite(i: usize, name: &'static str, value: f64) -> Result<f64, DecisionError> {
+    if value.is_finite() {
+        return Ok(value);
+    }
+    Err(DecisionError::NotFinite { agent: format!("agent[{i}]"), name })
 }
 
 impl Model for Decision {
@@ -305,17 +328,12 @@ impl Model for Decision {
             return Ok(*place);
         }
         let Quantity::Agent(i, quantity) = quantity else { return Ok(0.0) };
-        let agent = &self.agents[i];
-        let drive = agent.walker.drive(agent.next(), agent.pose);
-        let (name, value) = match quantity {
-            AgentQuantity::FpX => ("Fp.x", drive.force[0]),
-            AgentQuantity::FpY => ("Fp.y", drive.force[1]),
-            _ => ("Mp", drive.torque),
-        };
-        if value.is_finite() {
-            return Ok(value);
+        let drive = self.drive(i);
+        match quantity {
+            AgentQuantity::FpX => finite(i, "Fp.x", drive.force[0]),
+            AgentQuantity::FpY => finite(i, "Fp.y", drive.force[1]),
+            _ => finite(i, "Mp", drive.torque),
         }
-        Err(DecisionError::NotFinite { agent: format!("agent[{i}]"), name })
     }
 
     fn integer(&mut self, quantity: Quantity) -> Result<i32, DecisionError> {

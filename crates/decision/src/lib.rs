@@ -1,4 +1,4 @@
-//! Propulsion of people: the paper's eq. 4 with way-points, as an FMI 2.0 FMU.
+//! Propulsion of people: the paper's eq. 4 with way-points, as an FMU, FMI 2.0 or 3.0.
 //!
 //! Each agent walks from way-point to way-point at its desired speed:
 //!
@@ -14,7 +14,7 @@
 //!
 //! - [`rule`]: eq. 4 and the way-points
 //! - [`plan`]: the data before the start, as TOML
-//! - [`decision`]: the model of the FMU
+//! - [`decision`]: the model of the FMU; [`decision::arrays`]: the same as arrays (FMI 3.0)
 //! - [`pack`]: writes an `.fmu` from a plan and binaries
 
 pub mod decision;

@@ -1,10 +1,16 @@
 //! Writes an `.fmu` from a plan and binaries.
 
+use crate::decision::arrays::{initial_dependencies, starts};
 use crate::decision::{Decision, Known, PLAN_FILE, dependencies, table};
 use crate::plan::{Plan, PlanError};
+use lemons_fmi::Format;
 use lemons_fmi::archive::{Archive, ArchiveError, Binary, Version};
 use lemons_fmi::v2::description::{Description, Naming};
 use lemons_fmi::v2::guid;
+use lemons_fmi::v3;
+use lemons_fmi::v3::ArrayModel;
+use lemons_fmi::v3::description::Start;
+use lemons_fmi::v3::terminals::{CROWD, Terminal, terminals_xml};
 use lemons_xml::number;
 use std::io::{Seek, Write};
 use thiserror::Error;
@@ -15,6 +21,8 @@ pub const MODEL_NAME: &str = "LEMONS decision";
 pub const MODEL_IDENTIFIER: &str = "Decision";
 /// \[s\] `DefaultExperiment.stopTime`
 const DEFAULT_STOP_TIME: f64 = 30.0;
+/// Description for users.
+const DESCRIPTION: &str = "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
 
 /// Why an FMU could not be written.
 #[derive(Debug, Error)]
@@ -27,6 +35,14 @@ pub enum PackError {
 }
 
 /// Returns the model description of a plan's FMU.
+pub fn description(plan: &Plan, format: Format) -> String {
+    match format {
+        Format::Fmi2(naming) => model_description(plan, naming),
+        Format::Fmi3 => model_description_3(plan),
+    }
+}
+
+/// Returns the model description of a plan's FMI 2.0 FMU.
 pub fn model_description(plan: &Plan, naming: Naming) -> String {
     let table = table(plan);
     let mut decision = Decision::new(plan.clone());
@@ -35,7 +51,7 @@ pub fn model_description(plan: &Plan, naming: Naming) -> String {
     Description {
         model_name: MODEL_NAME,
         model_identifier: MODEL_IDENTIFIER,
-        description: "where people want to go: desired speed towards way-points (LEMONS, eq. 4)",
+        description: DESCRIPTION,
         naming,
         interpolates_inputs: false,
         knows_derivatives: false,
@@ -49,19 +65,55 @@ pub fn model_description(plan: &Plan, naming: Naming) -> String {
     .xml()
 }
 
+/// Returns the model description of a plan's FMI 3.0 FMU.
+pub fn model_description_3(plan: &Plan) -> String {
+    let decision = Decision::new(plan.clone());
+    v3::description::Description {
+        model_name: MODEL_NAME,
+        model_identifier: MODEL_IDENTIFIER,
+        description: DESCRIPTION,
+        knows_derivatives: false,
+        shows_intermediate_values: false,
+        stop_time: DEFAULT_STOP_TIME,
+        step_size: plan.time_step,
+        sizes: &decision.sizes(),
+        start: &|block| starts(&mut Decision::new(plan.clone()), block).map(Start::Numbers),
+        dependencies: &|block| decision.dependencies(block),
+        initial_dependencies: &initial_dependencies,
+    }
+    .xml::<Decision>()
+}
+
+/// Returns the terminal that fits the crowd's: motion in, drives out.
+fn terminals() -> String {
+    let terminal = Terminal {
+        name: CROWD,
+        description: "motion in, drives out",
+        variables: &["Position", "Theta", "Fp", "Mp"],
+    };
+    terminals_xml::<Decision>(&terminal, false)
+}
+
 /// Writes the FMU of a plan.
 ///
 /// # Errors
 /// A binary cannot be read, or the FMU cannot be written; see [`PackError`].
 pub fn write_fmu(
     plan: &Plan,
-    naming: Naming,
+    format: Format,
     binaries: &[Binary],
     file: impl Write + Seek,
 ) -> Result<(), PackError> {
-    let description = model_description(plan, naming);
+    let (version, description) = (format.version(), description(plan, format));
+    let documentation = match version {
+        Version::V2 => documentation(plan),
+        Version::V3 => documentation_3(plan),
+    };
     let mut archive =
-        Archive::begin(file, Version::V2, MODEL_IDENTIFIER, &description, &documentation(plan), binaries)?;
+        Archive::begin(file, version, MODEL_IDENTIFIER, &description, &documentation, binaries)?;
+    if version == Version::V3 {
+        archive.add("terminalsAndIcons/terminalsAndIcons.xml", terminals().as_bytes())?;
+    }
     archive.add(&format!("resources/{PLAN_FILE}"), plan.to_toml()?.as_bytes())?;
     Ok(archive.finish()?)
 }
@@ -73,4 +125,13 @@ fn documentation(plan: &Plan) -> String {
         .replace("{agents}", &plan.agents.len().to_string())
         .replace("{last}", &plan.agents.len().saturating_sub(1).to_string())
         .replace("{guid}", &guid(&table(plan)).braced().to_string())
+}
+
+/// `documentation/index.html` of FMI 3.0.
+fn documentation_3(plan: &Plan) -> String {
+    include_str!("documentation_3.html")
+        .replace("{version}", env!("CARGO_PKG_VERSION"))
+        .replace("{agents}", &plan.agents.len().to_string())
+        .replace("{token}", &v3::token::<Decision>().braced().to_string())
+        .replace("{variables}", &v3::documentation::rows::<Decision>())
 }

@@ -14,9 +14,11 @@
 //! - `boundary`: what all C functions share: pointers, messages, panics
 //! - [`v2`] and [`v3`]: what differs between the versions: the variables of an instance, the model description, the C
 //!   functions
+//! - [`Format`]: which of them is written
 
 pub mod archive;
 mod boundary;
+mod format;
 pub mod lifecycle;
 pub mod location;
 pub mod model;
@@ -28,6 +30,7 @@ pub mod v3;
 pub mod variables;
 
 pub use boundary::{LOG_CATEGORIES, Status, silence_panics};
+pub use format::Format;
 pub use lifecycle::{Function, Phase};
 pub use model::{Model, StepError, fingerprint};
 pub use slave::{SlaveError, Snapshot};

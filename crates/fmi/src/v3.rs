@@ -5,12 +5,14 @@
 //! - [`slave`]: the variables of an instance, read and set
 //! - [`description`]: table -> `modelDescription.xml`
 //! - [`terminals`]: table -> `terminalsAndIcons.xml`
+//! - [`documentation`]: table -> rows of HTML
 //! - [`component`]: the bodies of the C functions
 //! - [`export_fmi3!`](crate::export_fmi3): the C functions for a model
 
 pub mod arrays;
 pub mod component;
 pub mod description;
+pub mod documentation;
 mod export;
 pub mod lifecycle;
 pub mod slave;

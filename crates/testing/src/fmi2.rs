@@ -10,6 +10,7 @@
 
 #![allow(unsafe_code)] // the C boundary, from the other side
 
+use crate::answer::Answer;
 use lemons_fmi::{Model, Status};
 use libloading::Library;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
@@ -221,43 +222,6 @@ mod bodies {
             )
         }
     }
-}
-
-/// What a body returns, as C sees it.
-trait Answer {
-    type OfC;
-
-    fn answer(self) -> Self::OfC;
-}
-
-impl Answer for Status {
-    type OfC = c_int;
-
-    fn answer(self) -> c_int {
-        self as c_int
-    }
-}
-
-impl<T> Answer for *const T {
-    type OfC = *const T;
-
-    fn answer(self) -> *const T {
-        self
-    }
-}
-
-impl<T> Answer for *mut T {
-    type OfC = *mut T;
-
-    fn answer(self) -> *mut T {
-        self
-    }
-}
-
-impl Answer for () {
-    type OfC = ();
-
-    fn answer(self) {}
 }
 
 /// A message to the importer.

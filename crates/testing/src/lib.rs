@@ -1,8 +1,9 @@
 //! Helpers for the tests, benches and fuzzers of several packages. No program contains them.
 //!
 //! - [`places`]: where the repository, its Trials and the shared data are; copies of directories
-//! - [`fmi2`]: the FMI 2.0 functions as an importer sees them, of a shared library or of a model, and a log
+//! - [`fmi2`], [`fmi3`]: the FMI functions as an importer sees them, of a shared library or of a model, and a log
 
+mod answer;
 pub mod fmi2;
 pub mod fmi3;
 pub mod places;

@@ -107,7 +107,7 @@ pub const ROLES: [(&str, &[Argument]); 15] = [
     ),
     ("info", &[("fmu", "", Reads)]),
     ("check", &[("trials", "", Reads)]),
-    ("describe", &[("trial", "", Reads)]),
+    ("describe", &[("trial", "", Reads), ("plan", "--plan", Reads)]),
     ("verify", &[]),
     ("bench", &[]),
 ];

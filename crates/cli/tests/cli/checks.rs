@@ -41,6 +41,24 @@ fn crowds_too_large_for_a_model_description_are_refused_before_the_work() {
     assert!(!at.join("x.fmu").exists());
 }
 
+#[test]
+fn a_decision_is_described_as_it_is_packed() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    decision_library();
+    let door = lemons_testing::trial_door();
+    let door = door.to_str().unwrap();
+    let plan = format!("{door}/decision.toml");
+    for (version, words) in [("2", "agent[29].Waypoint[1].x"), ("3", "WaypointCount")] {
+        let described = out(&done(at, &["describe", door, "--fmi", version, "--plan", &plan]));
+        done(at, &["decide", door, "--fmi", version, "-o", &format!("{version}.fmu")]);
+        let file = fs::File::open(at.join(format!("{version}.fmu"))).unwrap();
+        let mut archive = zip::ZipArchive::new(file).unwrap();
+        let packed = std::io::read_to_string(archive.by_name("modelDescription.xml").unwrap()).unwrap();
+        assert!(packed == described && packed.contains(words), "{described}");
+    }
+}
+
 /// `lemons crowd --zip` wrote what no command read.
 #[test]
 fn a_zip_of_a_trial_serves_wherever_a_trial_does() {

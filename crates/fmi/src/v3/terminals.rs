@@ -3,6 +3,10 @@
 use super::arrays::ArrayModel;
 use lemons_xml::{Layout, Out};
 
+/// Name of the terminal with which a crowd and what drives it are connected. Its members have the same names in both.
+/// Not all need to be there: the matching rule is `bus`.
+pub const CROWD: &str = "crowd";
+
 /// A terminal: variables that are connected together with those of the same member names of another FMU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Terminal<'a> {

@@ -1,0 +1,309 @@
+//! The decision as arrays (FMI 3.0).
+//!
+//! Names are those of FMI 2.0 where possible. Arrays have an element for each agent, in the order of Agents.xml. Agents
+//! may have different numbers of way-points: an agent's row is as long as the longest, and `WaypointCount` says how much
+//! of it counts. What is beyond is 0 and stays 0.
+
+use super::{AgentQuantity, Decision, DecisionError, Quantity, ROWS, finite, needs};
+use lemons_fmi::v3::arrays::Dependency;
+use lemons_fmi::v3::{Array, ArrayModel, Dimension, Size};
+use lemons_fmi::variables::units::METRE;
+use lemons_fmi::variables::{Domain, Kind, Role};
+use lemons_fmi::{Model, Phase, StepError};
+
+/// The structural parameters.
+const SIZES: [Size; 2] = [
+    Size { name: "Agents", description: "number of agents" },
+    Size { name: "Waypoints", description: "largest number of way-points of an agent" },
+];
+const AGENTS: Dimension = Dimension::Size(0);
+const WAYPOINTS: Dimension = Dimension::Size(1);
+
+/// An array.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Block {
+    /// Number of agents that have reached their last way-point.
+    Arrived,
+    /// These quantities of each agent.
+    Agents(&'static [AgentQuantity]),
+    /// x and y of each way-point of each agent.
+    Waypoint,
+    /// Radius of each way-point of each agent.
+    WaypointRadius,
+    /// Number of way-points of each agent.
+    WaypointCount,
+    /// Ids of the agents.
+    AgentIds,
+}
+
+/// Name, quantities, and the description where it is not that of the one quantity.
+const OF_AGENTS: [(&str, &[AgentQuantity], &str); 10] = {
+    use AgentQuantity::*;
+    [
+        ("Position", &[PositionX, PositionY], "x and y of the centre of mass"),
+        ("Theta", &[Theta], ""),
+        ("Fp", &[FpX, FpY], "propulsion force along x and y"),
+        ("Mp", &[Mp], ""),
+        ("NextWaypoint", &[NextWaypoint], ""),
+        ("Mass", &[Mass], ""),
+        ("MomentOfInertia", &[MomentOfInertia], ""),
+        ("FloorDamping", &[FloorDamping], ""),
+        ("AngularDamping", &[AngularDamping], ""),
+        ("DesiredSpeed", &[DesiredSpeed], ""),
+    ]
+};
+
+fn arrays() -> Vec<Array<Block>> {
+    let mut arrays = vec![Array {
+        name: "Arrived",
+        block: Block::Arrived,
+        kind: Kind::Integer,
+        role: Role::Calculated,
+        domain: Domain::Finite,
+        dimensions: &[],
+        description: "how many agents have reached their last way-point",
+    }];
+    for (name, quantities, of_both) in OF_AGENTS {
+        let row = ROWS.into_iter().find(|row| row.0 == quantities[0]);
+        let (_, _, kind, role, domain, of_one) = row.expect("each is in the table of FMI 2.0");
+        arrays.push(Array {
+            name,
+            block: Block::Agents(quantities),
+            kind,
+            role,
+            domain,
+            dimensions: if quantities.len() == 2 { &[AGENTS, Dimension::Fixed(2)] } else { &[AGENTS] },
+            description: if of_both.is_empty() { of_one } else { of_both },
+        });
+    }
+    arrays.extend([
+        Array {
+            name: "Waypoint",
+            block: Block::Waypoint,
+            kind: Kind::Real(METRE),
+            role: Role::Parameter,
+            domain: Domain::Finite,
+            dimensions: &[AGENTS, WAYPOINTS, Dimension::Fixed(2)],
+            description: "x and y of the way-points in order; 0 beyond WaypointCount",
+        },
+        Array {
+            name: "WaypointRadius",
+            block: Block::WaypointRadius,
+            kind: Kind::Real(METRE),
+            role: Role::Parameter,
+            domain: Domain::NonNegative,
+            dimensions: &[AGENTS, WAYPOINTS],
+            description: "a way-point is reached when the agent is this near; 0 beyond WaypointCount",
+        },
+        Array {
+            name: "WaypointCount",
+            block: Block::WaypointCount,
+            kind: Kind::Integer,
+            role: Role::CalculatedParameter,
+            domain: Domain::Finite,
+            dimensions: &[AGENTS],
+            description: "how many way-points an agent has",
+        },
+        Array {
+            name: "AgentId",
+            block: Block::AgentIds,
+            kind: Kind::String,
+            role: Role::CalculatedParameter,
+            domain: Domain::Finite,
+            dimensions: &[AGENTS],
+            description: "Ids of the agents",
+        },
+    ]);
+    arrays
+}
+
+/// The start value of an array; `None` if it is computed.
+pub(crate) fn starts(decision: &mut Decision, block: Block) -> Option<Vec<f64>> {
+    let array = arrays().into_iter().find(|array| array.block == block)?;
+    if !matches!(array.role, Role::Input | Role::Parameter) {
+        return None;
+    }
+    let length = decision.length(block);
+    let start = |k| {
+        let place = decision.element(block, k).and_then(|quantity| decision.place(quantity));
+        place.map_or(0.0, |value| *value)
+    };
+    Some((0..length).map(start).collect())
+}
+
+/// Returns the arrays that count as known in initialization and on which an array depends.
+pub(crate) fn initial_dependencies(block: Block) -> Vec<Block> {
+    let Some(output) = representative(block) else { return Vec::new() };
+    let known = arrays().into_iter().filter(|array| matches!(array.role, Role::Input | Role::Parameter));
+    known
+        .map(|array| array.block)
+        .filter(|known| known.quantities().iter().any(|on| needs(output, *on)))
+        .collect()
+}
+
+/// One of the quantities of an output.
+fn representative(block: Block) -> Option<Quantity> {
+    use AgentQuantity::{FpX, Mp, NextWaypoint};
+    match block {
+        Block::Arrived => Some(Quantity::Arrived),
+        Block::Agents(&[of @ (FpX | Mp | NextWaypoint), ..]) => Some(Quantity::Agent(0, of)),
+        _ => None,
+    }
+}
+
+impl Block {
+    /// Quantities of FMI 2.0 for an agent; of a way-point, those of the first.
+    fn quantities(self) -> &'static [AgentQuantity] {
+        match self {
+            Block::Agents(quantities) => quantities,
+            Block::Waypoint => &[AgentQuantity::WaypointX(0), AgentQuantity::WaypointY(0)],
+            Block::WaypointRadius => &[AgentQuantity::WaypointRadius(0)],
+            Block::Arrived | Block::WaypointCount | Block::AgentIds => &[],
+        }
+    }
+}
+
+impl Decision {
+    /// Returns the quantity behind an element of an array of Reals; `None` for way-points that an agent does not have.
+    fn element(&self, block: Block, k: usize) -> Option<Quantity> {
+        let of_waypoint = |k: usize| {
+            let (i, waypoint) = (k / self.most_waypoints, k % self.most_waypoints);
+            (waypoint < self.agents.get(i)?.walker.waypoints.len()).then_some((i, waypoint))
+        };
+        Some(match block {
+            Block::Agents(quantities) => {
+                Quantity::Agent(k / quantities.len(), quantities[k % quantities.len()])
+            }
+            Block::Waypoint => {
+                let (i, waypoint) = of_waypoint(k / 2)?;
+                let axes = [AgentQuantity::WaypointX(waypoint), AgentQuantity::WaypointY(waypoint)];
+                Quantity::Agent(i, axes[k % 2])
+            }
+            Block::WaypointRadius => {
+                let (i, waypoint) = of_waypoint(k)?;
+                Quantity::Agent(i, AgentQuantity::WaypointRadius(waypoint))
+            }
+            Block::Arrived | Block::WaypointCount | Block::AgentIds => return None,
+        })
+    }
+
+    /// The number of elements of an array.
+    fn length(&self, block: Block) -> usize {
+        let agents = self.agents.len();
+        match block {
+            Block::Arrived => 1,
+            Block::Agents(quantities) => agents * quantities.len(),
+            Block::Waypoint => 2 * agents * self.most_waypoints,
+            Block::WaypointRadius => agents * self.most_waypoints,
+            Block::WaypointCount | Block::AgentIds => agents,
+        }
+    }
+}
+
+impl ArrayModel for Decision {
+    type Block = Block;
+
+    const SIZES: &'static [Size] = &SIZES;
+
+    fn arrays() -> Vec<Array<Block>> {
+        arrays()
+    }
+
+    fn sizes(&self) -> Vec<u64> {
+        vec![self.agents.len() as u64, self.most_waypoints as u64]
+    }
+
+    fn read_reals(&mut self, block: Block, values: &mut [f64]) -> Result<(), DecisionError> {
+        if let Block::Agents([AgentQuantity::FpX, AgentQuantity::FpY]) = block {
+            // Both from one evaluation of the rule.
+            for (i, value) in values.as_chunks_mut().0.iter_mut().enumerate() {
+                let [x, y] = self.drive(i).force;
+                *value = [finite(i, "Fp.x", x)?, finite(i, "Fp.y", y)?];
+            }
+            return Ok(());
+        }
+        for (k, value) in values.iter_mut().enumerate() {
+            *value = match self.element(block, k) {
+                Some(quantity) => self.real(quantity)?,
+                None => 0.0,
+            };
+        }
+        Ok(())
+    }
+
+    fn read_integers(&mut self, block: Block, values: &mut [i32]) -> Result<(), DecisionError> {
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = match block {
+                Block::Arrived => self.integer(Quantity::Arrived)?,
+                Block::WaypointCount => {
+                    i32::try_from(self.agents[i].walker.waypoints.len()).unwrap_or(i32::MAX)
+                }
+                _ => self.integer(Quantity::Agent(i, AgentQuantity::NextWaypoint))?,
+            };
+        }
+        Ok(())
+    }
+
+    fn texts(&self, block: Block) -> Vec<&str> {
+        match block {
+            Block::AgentIds => self.plan.agents.iter().map(|agent| &agent.id[..]).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    fn check_reals(&self, block: Block, values: &[f64]) -> Result<(), DecisionError> {
+        let beyond = |k: &usize| values[*k] != 0.0 && self.element(block, *k).is_none();
+        let Some(k) = (0..values.len()).find(beyond) else { return Ok(()) };
+        let i = k / (values.len() / self.agents.len());
+        let count = self.agents[i].walker.waypoints.len();
+        Err(DecisionError::NoWaypoint { agent: self.plan.agents[i].id.clone(), count })
+    }
+
+    fn write_reals(&mut self, block: Block, values: &[f64], phase: Phase) {
+        for (k, &value) in values.iter().enumerate() {
+            if let Some(quantity) = self.element(block, k) {
+                self.set_real(quantity, value, phase);
+            }
+        }
+    }
+
+    fn write_integers(&mut self, _: Block, _: &[i32]) {}
+
+    fn write_texts(&mut self, _: &[(Block, &str)]) -> Result<(), DecisionError> {
+        Ok(())
+    }
+
+    fn dependencies(&self, block: Block) -> Vec<Dependency<Block>> {
+        let Some(output) = representative(block) else { return Vec::new() };
+        let inputs = arrays().into_iter().filter(|array| array.role == Role::Input);
+        let inputs: Vec<Block> = inputs
+            .map(|array| array.block)
+            .filter(|input| input.quantities().iter().any(|on| needs(output, *on)))
+            .collect();
+        let each = |dependent: usize| {
+            // The number of all depends on everybody, the others on their own agent.
+            let agents = match block {
+                Block::Agents(quantities) => dependent / quantities.len()..dependent / quantities.len() + 1,
+                _ => 0..self.agents.len(),
+            };
+            let inputs = inputs.clone();
+            agents.flat_map(move |i| {
+                let of_input = move |on: Block| {
+                    let count = on.quantities().len();
+                    (i * count..(i + 1) * count).map(move |element| Dependency { dependent, on, element })
+                };
+                inputs.clone().into_iter().flat_map(of_input)
+            })
+        };
+        (0..self.length(block)).flat_map(each).collect()
+    }
+
+    fn advance_part(
+        &mut self,
+        part: f64,
+        _so_far: f64,
+        at_end: Option<f64>,
+    ) -> Result<(), StepError<DecisionError>> {
+        self.advance(part, at_end.unwrap_or(f64::NAN))
+    }
+}
