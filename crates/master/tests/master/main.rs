@@ -4,4 +4,5 @@
 
 mod coupling;
 mod fmi_rs;
+mod fmi_rs_3;
 mod settings;
