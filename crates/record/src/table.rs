@@ -4,6 +4,7 @@ mod content;
 mod csv;
 mod digest;
 mod format;
+mod lent;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod rows;

@@ -3,6 +3,7 @@
 use super::content::{Content, Extent, check_headings};
 use super::csv;
 use super::format::Format;
+use super::lent::{Lent, Sink};
 #[cfg(feature = "parquet")]
 use super::parquet;
 use crate::columns::Groups;
@@ -17,38 +18,19 @@ use std::path::{Path, PathBuf};
 /// Writes a table with any columns after the time. The table is complete after [`TableWriter::finish`], and of no use
 /// after an error. The same rows give the same bytes, also if they are written by several writers one after the other
 /// ([`TableWriter::resume`]).
-pub struct TableWriter<W: Write + Send> {
-    rows: Rows<W>,
-    /// For messages.
-    path: PathBuf,
-    names: Vec<String>,
-    extent: Extent,
+pub struct TableWriter<W> {
+    file: Lent<W>,
+    table: Table,
 }
 
-enum Rows<W: Write + Send> {
-    Csv(Box<csv::Writer<W>>),
-    #[cfg(feature = "parquet")]
-    Parquet(Box<parquet::Writer<W>>),
-}
-
-impl<W: Write + Send> TableWriter<W> {
+impl<W: Write + Send + 'static> TableWriter<W> {
     /// Begins a table in an empty file, which messages call `path`.
     ///
     /// # Errors
     /// Two columns have the same name (Parquet), or the file cannot be written.
     pub fn create(file: W, path: &Path, format: Format, content: &Content) -> Result<Self, RecordError> {
-        let made = match format {
-            Format::Csv => {
-                csv::Writer::create(file, &content.columns).map(|writer| Rows::Csv(Box::new(writer)))
-            }
-            #[cfg(feature = "parquet")]
-            Format::Parquet => {
-                let made = parquet::Writer::create(file, content).map_err(std::io::Error::other);
-                made.map(|writer| Rows::Parquet(Box::new(writer)))
-            }
-        };
-        let rows = made.map_err(WriteError::at(path))?;
-        Ok(TableWriter::with(rows, path, content, Extent::default()))
+        let (file, sink) = Lent::new(file);
+        Ok(TableWriter { file, table: Table::create(sink, path, format, content)? })
     }
 
     /// Goes on with the table at `path`, of which `kept` was written before: its rows are copied into the empty `file`,
@@ -64,20 +46,8 @@ impl<W: Write + Send> TableWriter<W> {
         content: &Content,
         kept: Extent,
     ) -> Result<Self, RecordError> {
-        let made = match format {
-            Format::Csv => csv::Writer::resume(file, &content.columns, path, kept)
-                .map(|writer| Rows::Csv(Box::new(writer))),
-            #[cfg(feature = "parquet")]
-            Format::Parquet => parquet::Writer::resume(file, content, path, kept)
-                .map(|writer| Rows::Parquet(Box::new(writer))),
-        };
-        let wrong = |message| RecordError::NotContinued { path: path.to_owned(), message };
-        Ok(TableWriter::with(made.map_err(wrong)?, path, content, kept))
-    }
-
-    fn with(rows: Rows<W>, path: &Path, content: &Content, extent: Extent) -> Self {
-        let names = content.columns.iter().map(|column| column.name.clone()).collect();
-        TableWriter { rows, path: path.to_owned(), names, extent }
+        let (file, sink) = Lent::new(file);
+        Ok(TableWriter { file, table: Table::resume(sink, path, format, content, kept)? })
     }
 
     /// Writes a row: the time \[s\], and the cells of the other columns.
@@ -89,6 +59,83 @@ impl<W: Write + Send> TableWriter<W> {
         time: f64,
         cells: impl IntoIterator<Item = Cell<'a>>,
     ) -> Result<(), RecordError> {
+        self.table.row(time, &mut cells.into_iter())
+    }
+
+    /// What was written so far, with the rows of writers before.
+    pub fn extent(&self) -> Extent {
+        self.table.extent
+    }
+
+    /// What messages call the file.
+    pub fn path(&self) -> &Path {
+        &self.table.path
+    }
+
+    /// Completes the table and returns its file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(self) -> Result<W, RecordError> {
+        self.table.finish(self.file)
+    }
+}
+
+/// A table, whatever its file is.
+struct Table {
+    rows: Rows,
+    /// For messages.
+    path: PathBuf,
+    names: Vec<String>,
+    extent: Extent,
+}
+
+enum Rows {
+    Csv(Box<csv::Writer<Sink>>),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<parquet::Writer<Sink>>),
+}
+
+impl Table {
+    fn create(sink: Sink, path: &Path, format: Format, content: &Content) -> Result<Table, RecordError> {
+        let made = match format {
+            Format::Csv => {
+                csv::Writer::create(sink, &content.columns).map(|writer| Rows::Csv(Box::new(writer)))
+            }
+            #[cfg(feature = "parquet")]
+            Format::Parquet => {
+                let made = parquet::Writer::create(sink, content).map_err(std::io::Error::other);
+                made.map(|writer| Rows::Parquet(Box::new(writer)))
+            }
+        };
+        let rows = made.map_err(WriteError::at(path))?;
+        Ok(Table::with(rows, path, content, Extent::default()))
+    }
+
+    fn resume(
+        sink: Sink,
+        path: &Path,
+        format: Format,
+        content: &Content,
+        kept: Extent,
+    ) -> Result<Table, RecordError> {
+        let made = match format {
+            Format::Csv => csv::Writer::resume(sink, &content.columns, path, kept)
+                .map(|writer| Rows::Csv(Box::new(writer))),
+            #[cfg(feature = "parquet")]
+            Format::Parquet => parquet::Writer::resume(sink, content, path, kept)
+                .map(|writer| Rows::Parquet(Box::new(writer))),
+        };
+        let wrong = |message| RecordError::NotContinued { path: path.to_owned(), message };
+        Ok(Table::with(made.map_err(wrong)?, path, content, kept))
+    }
+
+    fn with(rows: Rows, path: &Path, content: &Content, extent: Extent) -> Table {
+        let names = content.columns.iter().map(|column| column.name.clone()).collect();
+        Table { rows, path: path.to_owned(), names, extent }
+    }
+
+    fn row<'a>(&mut self, time: f64, cells: &mut dyn Iterator<Item = Cell<'a>>) -> Result<(), RecordError> {
         let cells = std::iter::once(Cell::Real(time)).chain(cells);
         let written = match &mut self.rows {
             Rows::Csv(rows) => rows.row(cells),
@@ -105,47 +152,33 @@ impl<W: Write + Send> TableWriter<W> {
         Ok(())
     }
 
-    /// What was written so far, with the rows of writers before.
-    pub fn extent(&self) -> Extent {
-        self.extent
-    }
-
-    /// What messages call the file.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Completes the table and returns its file.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn finish(self) -> Result<W, RecordError> {
+    fn finish<W: Write + Send + 'static>(self, file: Lent<W>) -> Result<W, RecordError> {
         let done = match self.rows {
             Rows::Csv(rows) => rows.finish(),
             #[cfg(feature = "parquet")]
             Rows::Parquet(rows) => rows.finish().map_err(std::io::Error::other),
         };
-        Ok(done.map_err(WriteError::at(&self.path))?)
+        Ok(done.and_then(|sink| file.back(sink)).map_err(WriteError::at(&self.path))?)
     }
 }
 
 /// Writes the table of a crowd frame by frame: what [`Record::table`](crate::Record::table) reads.
-pub struct FrameWriter<W: Write + Send> {
-    table: TableWriter<W>,
-    ids: Vec<String>,
-    groups: Groups,
+pub struct FrameWriter<W> {
+    file: Lent<W>,
+    frames: Frames,
 }
 
-impl<W: Write + Send> FrameWriter<W> {
+impl<W: Write + Send + 'static> FrameWriter<W> {
     /// Writes frames of the agents with these Ids into a table whose columns are [`Groups::columns`].
     ///
     /// # Errors
     /// The table has other columns.
-    pub fn new(table: TableWriter<W>, ids: Vec<String>, groups: Groups) -> Result<Self, RecordError> {
+    pub fn new(writer: TableWriter<W>, ids: Vec<String>, groups: Groups) -> Result<Self, RecordError> {
+        let TableWriter { file, table } = writer;
         let own = groups.columns().into_iter().map(|column| column.name);
         check_headings(table.names.iter().cloned(), own)
             .map_err(|message| RecordError::wrong(&table.path, message))?;
-        Ok(FrameWriter { table, ids, groups })
+        Ok(FrameWriter { file, frames: Frames { table, ids, groups } })
     }
 
     /// Writes a row for each agent.
@@ -154,6 +187,37 @@ impl<W: Write + Send> FrameWriter<W> {
     /// The frame has not one value for each agent in each column of the table, a count is larger than 2³¹ − 1, or the
     /// file cannot be written.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), RecordError> {
+        self.frames.write(frame)
+    }
+
+    /// What was written so far, with the rows of writers before.
+    pub fn extent(&self) -> Extent {
+        self.frames.table.extent
+    }
+
+    /// Ids of the agents.
+    pub fn ids(&self) -> &[String] {
+        &self.frames.ids
+    }
+
+    /// Completes the table and returns its file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(self) -> Result<W, RecordError> {
+        self.frames.table.finish(self.file)
+    }
+}
+
+/// A table of frames.
+struct Frames {
+    table: Table,
+    ids: Vec<String>,
+    groups: Groups,
+}
+
+impl Frames {
+    fn write(&mut self, frame: &Frame) -> Result<(), RecordError> {
         self.check(frame).map_err(|what| {
             let message = format!("the frame at t = {:?} s {what}", frame.time);
             RecordError::wrong(&self.table.path, message)
@@ -162,12 +226,12 @@ impl<W: Write + Send> FrameWriter<W> {
         for (k, id) in self.ids.iter().enumerate() {
             let observed = frame.observed.as_ref().filter(|_| self.groups.contacts).map(|all| all[k]);
             let of_step = observed.and_then(|seen| seen.of_step).filter(|_| self.groups.of_step);
-            let cells = std::iter::once(Cell::Text(id))
+            let mut cells = std::iter::once(Cell::Text(id))
                 .chain(of_motion(frame.agents[k]))
                 .chain(observed.into_iter().flat_map(of_contacts))
                 .chain(of_step.into_iter().flat_map(of_the_step))
                 .chain(totals.into_iter().flat_map(of_crowd));
-            self.table.row(frame.time, cells)?;
+            self.table.row(frame.time, &mut cells)?;
         }
         Ok(())
     }
@@ -198,24 +262,6 @@ impl<W: Write + Send> FrameWriter<W> {
             }
             _ => Ok(()),
         }
-    }
-
-    /// What was written so far, with the rows of writers before.
-    pub fn extent(&self) -> Extent {
-        self.table.extent()
-    }
-
-    /// Ids of the agents.
-    pub fn ids(&self) -> &[String] {
-        &self.ids
-    }
-
-    /// Completes the table and returns its file.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn finish(self) -> Result<W, RecordError> {
-        self.table.finish()
     }
 }
 
