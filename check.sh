@@ -63,7 +63,8 @@ run() {
         release) stage cargo build --release ;;
         pytest)
             stage python_environment
-            stage "${signals[@]}" .venv/bin/python -m pytest tests/fmpy -q
+            # Two processes; the tests of a file share what they build.
+            stage "${signals[@]}" .venv/bin/python -m pytest tests/fmpy -q -n 2 --dist loadfile
             ;;
     esac
 }
