@@ -2,12 +2,14 @@
 
     pip install fmpy
     cargo build --release
-    python benches/fmi_versions.py [--agents 10000]
+    python benches/fmi_versions.py [--agents 10000] [--only 3]
 
 People stand on a grid, each with a mass, place and direction of its own, so that start values differ. Both FMUs are packed
-from this Trial. Times are processor times: of `fmpy.read_model_description` without validation (the least of three), and of
-the C functions (the median of 200 calls, the library loaded by ctypes) that set Fp and Mp and get positions, directions,
-velocities, angular velocities, mean squeeze and the three numbers of contacts of everybody.
+from this Trial. Times are processor times: of `fmpy.read_model_description` without validation (the least of three), of
+instantiation and initialization, of the C functions (the median of 200 calls, the library loaded by ctypes) that set Fp and
+Mp and get positions, directions, velocities, angular velocities, mean squeeze and the three numbers of contacts of
+everybody, and of a communication step of 1 ms. Memory is by how much the process grows: by the description that FMPy keeps,
+and by the instance and its first step.
 """
 
 import argparse
@@ -121,6 +123,21 @@ def exchange(version, instance, library, references, agents):
     return statistics.median(took)
 
 
+def resident():
+    """[MB]"""
+    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def step(version, instance, library):
+    place, number = Pointer, ctypes.c_double
+    if version == 2:
+        return function(library, "fmi2DoStep", Pointer, number, number, ctypes.c_int)(instance, 0.0, 1e-3, 1)
+    flags, time = (ctypes.c_bool * 3)(), ctypes.c_double()
+    at = ctypes.addressof(flags)
+    do = function(library, "fmi3DoStep", Pointer, number, number, ctypes.c_bool, place, place, place, place)
+    return do(instance, 0.0, 1e-3, True, at, at + 1, at + 2, ctypes.addressof(time))
+
+
 def measured(version, trial, directory, agents):
     fmu = directory / f"crowd{version}.fmu"
     options = ["--flat-names"] if version == 2 else []
@@ -128,35 +145,50 @@ def measured(version, trial, directory, agents):
     subprocess.run(command, check=True, capture_output=True)
     with zipfile.ZipFile(fmu) as archive:
         size = archive.getinfo("modelDescription.xml").file_size
-    reading = []
+    reading, before = [], resident()
     for _ in range(3):
         start = time.process_time()
         description = read_model_description(fmu, validate=False)
         reading.append(time.process_time() - start)
+    of_description = resident() - before
     unpacked = pathlib.Path(extract(fmu, directory / f"crowd{version}"))
     library = ctypes.CDLL(str(next((unpacked / "binaries").glob("*/CrowdMechanics.*"))))
+    before, start = resident(), time.process_time()
     instance = (instance_2 if version == 2 else instance_3)(unpacked, library, description.guid)
+    making = time.process_time() - start
     assert instance, "an instance"
     references = {variable.name: variable.valueReference for variable in description.modelVariables}
     values = exchange(version, instance, library, references, agents)
-    return len(references), size, min(reading), values
+    start = time.process_time()
+    assert step(version, instance, library) == 0
+    stepping = time.process_time() - start
+    return {
+        "variables": len(references),
+        "`modelDescription.xml` [MB]": f"{size / 1e6:.1f}",
+        "FMPy reads it [s]": f"{min(reading):.2f}",
+        "memory for it in FMPy [MB]": f"{of_description:.0f}",
+        "instantiate and initialize [s]": f"{making:.2f}",
+        "set 3 and get 10 quantities of everybody [ms]": f"{values * 1e3:.2f}",
+        "a step of 1 ms [s]": f"{stepping:.2f}",
+        "memory of the instance [MB]": f"{resident() - before:.0f}",
+    }
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--agents", type=int, default=10_000)
-    agents = parser.parse_args().agents
+    parser.add_argument("--only", type=int, choices=[2, 3], help="one version of FMI")
+    arguments = parser.parse_args()
+    versions = [arguments.only] if arguments.only else [2, 3]
     with tempfile.TemporaryDirectory() as scratch:
         trial = pathlib.Path(scratch) / "Trial"
         trial.mkdir()
-        write_trial(trial, agents)
-        columns = [measured(version, trial, pathlib.Path(scratch), agents) for version in (2, 3)]
-    (count, size, reading, values), (count3, size3, reading3, values3) = columns
-    print(f"| {agents} people | FMI 2.0 | FMI 3.0 |\n|---|---|---|")
-    print(f"| variables | {count} | {count3} |")
-    print(f"| `modelDescription.xml` [MB] | {size / 1e6:.1f} | {size3 / 1e6:.1f} |")
-    print(f"| FMPy reads it [s] | {reading:.2f} | {reading3:.2f} |")
-    print(f"| set 3 and get 10 quantities of everybody [ms] | {values * 1e3:.2f} | {values3 * 1e3:.2f} |")
+        write_trial(trial, arguments.agents)
+        columns = [measured(version, trial, pathlib.Path(scratch), arguments.agents) for version in versions]
+    print(f"| {arguments.agents} people | " + " | ".join(f"FMI {version}.0" for version in versions) + " |")
+    print("|---" * (1 + len(versions)) + "|")
+    for name in columns[0]:
+        print(f"| {name} | " + " | ".join(str(column[name]) for column in columns) + " |")
 
 
 if __name__ == "__main__":

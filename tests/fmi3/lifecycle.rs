@@ -130,6 +130,17 @@ fn what_is_not_offered_says_so() {
             (c.fmi3EnterStepMode)(i),
             (c.fmi3EnterContinuousTimeMode)(i),
             (c.fmi3EvaluateDiscreteStates)(i),
+            {
+                let (mut no, mut time) = ([false; 5], 0.0);
+                let [a, b, d, e, f] = &mut no;
+                (c.fmi3UpdateDiscreteStates)(i, a, b, d, e, f, &mut time)
+            },
+            (c.fmi3CompletedIntegratorStep)(i, true, &mut false, &mut false),
+            (c.fmi3GetIntervalDecimal)(i, &0, 1, &mut 0.0, &mut 0),
+            (c.fmi3GetShiftFraction)(i, &0, 1, &mut 0, &mut 0),
+            (c.fmi3SetIntervalDecimal)(i, &0, 1, &1.0),
+            (c.fmi3GetClock)(i, &0, 1, &mut false),
+            (c.fmi3SetClock)(i, &0, 1, &true),
             (c.fmi3SetTime)(i, 1.0),
             (c.fmi3GetNumberOfContinuousStates)(i, &mut 0),
             (c.fmi3GetNumberOfEventIndicators)(i, &mut 0),
@@ -145,6 +156,61 @@ fn what_is_not_offered_says_so() {
         (c.fmi3InstantiateModelExchange)(c"crowd".as_ptr(), null(), null(), false, false, null_mut(), None)
     };
     assert!(none.is_null());
+}
+
+#[test]
+fn reset_leads_back_from_each_state() {
+    let pristine = Instance::new().bytes();
+    for state in STATES {
+        let instance = reach(state);
+        if state == StepComplete {
+            instance.push();
+            instance.steps(0, 2);
+        }
+        instance.must(unsafe { (instance.c.fmi3Reset)(instance.raw) });
+        assert!(instance.bytes() == pristine, "{state:?}");
+        instance.initialize();
+        instance.steps(0, 1);
+    }
+}
+
+#[test]
+fn types_that_no_variable_has_are_refused() {
+    let instance = Instance::new();
+    instance.enter_initialization();
+    let (c, i, mass) = (instance.c, instance.raw, &reference("Mass"));
+    let (mut bytes, mut size) = ([0_u64; 1], 0);
+    let at = bytes.as_mut_ptr();
+    let statuses = unsafe {
+        [
+            ("Float32", (c.fmi3GetFloat32)(i, mass, 1, at.cast(), 1)),
+            ("Int8", (c.fmi3GetInt8)(i, mass, 1, at.cast(), 1)),
+            ("UInt8", (c.fmi3GetUInt8)(i, mass, 1, at.cast(), 1)),
+            ("Int16", (c.fmi3GetInt16)(i, mass, 1, at.cast(), 1)),
+            ("UInt16", (c.fmi3GetUInt16)(i, mass, 1, at.cast(), 1)),
+            ("Int32", (c.fmi3GetInt32)(i, mass, 1, at.cast(), 1)),
+            ("UInt32", (c.fmi3GetUInt32)(i, mass, 1, at.cast(), 1)),
+            ("Int64", (c.fmi3GetInt64)(i, mass, 1, at.cast(), 1)),
+            ("UInt64", (c.fmi3GetUInt64)(i, mass, 1, at, 1)),
+            ("Boolean", (c.fmi3GetBoolean)(i, mass, 1, at.cast(), 1)),
+            ("String", (c.fmi3GetString)(i, mass, 1, at.cast(), 1)),
+            ("Binary", (c.fmi3GetBinary)(i, mass, 1, &mut size, at.cast(), 1)),
+            ("Clock", (c.fmi3GetClock)(i, mass, 1, at.cast())),
+            ("Float64", (c.fmi3GetFloat64)(i, &reference("Threads"), 1, at.cast(), 1)),
+            ("Float32", (c.fmi3SetFloat32)(i, mass, 1, at.cast(), 1)),
+            ("Int64", (c.fmi3SetInt64)(i, mass, 1, at.cast(), 1)),
+            ("Boolean", (c.fmi3SetBoolean)(i, mass, 1, at.cast(), 1)),
+            ("UInt64", (c.fmi3SetUInt64)(i, mass, 1, at, 1)),
+            ("Int32", (c.fmi3SetInt32)(i, mass, 1, at.cast(), 1)),
+        ]
+    };
+    let said = instance.log.take();
+    assert_eq!(said.len(), statuses.len());
+    for ((kind, status), (_, _, text)) in statuses.into_iter().zip(said) {
+        assert_eq!(status, ERROR, "{kind}");
+        assert!(text.contains(&format!("no variable of type {kind} has the value reference")), "{text}");
+    }
+    assert_eq!((bytes, size), ([0], 0), "nothing is written");
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::plan::{Plan, PlanError};
 use crate::rule::{Pose, Propulsion, Walker};
 use lemons_files::input;
 use lemons_fmi::location::{Location, LocationError};
+use lemons_fmi::v3::Known;
 use lemons_fmi::variables::units::*;
 use lemons_fmi::variables::{Domain, Kind, Role, Unit, Variable};
 use lemons_fmi::{Model, Phase, StepError, fingerprint};
@@ -141,15 +142,6 @@ pub fn table(plan: &Plan) -> Vec<Variable<Quantity>> {
         }
     }
     table
-}
-
-/// The variables that count as known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Known {
-    /// During the simulation.
-    Inputs,
-    /// During initialization.
-    InputsAndParameters,
 }
 
 /// Whether an output depends on an input or a parameter of the same agent.

@@ -1,16 +1,16 @@
 //! Writes an `.fmu` from a plan and binaries.
 
-use crate::decision::arrays::{initial_dependencies, starts};
-use crate::decision::{Decision, Known, PLAN_FILE, dependencies, table};
+use crate::decision::arrays::starts;
+use crate::decision::{Decision, PLAN_FILE, dependencies, table};
 use crate::plan::{Plan, PlanError};
 use lemons_fmi::Format;
 use lemons_fmi::archive::{Archive, ArchiveError, Binary, Version};
 use lemons_fmi::v2::description::{Description, Naming};
 use lemons_fmi::v2::guid;
 use lemons_fmi::v3;
-use lemons_fmi::v3::ArrayModel;
 use lemons_fmi::v3::description::Start;
 use lemons_fmi::v3::terminals::{CROWD, Terminal, terminals_xml};
+use lemons_fmi::v3::{ArrayModel, Known};
 use lemons_xml::number;
 use std::io::{Seek, Write};
 use thiserror::Error;
@@ -78,8 +78,8 @@ pub fn model_description_3(plan: &Plan) -> String {
         step_size: plan.time_step,
         sizes: &decision.sizes(),
         start: &|block| starts(&mut Decision::new(plan.clone()), block).map(Start::Numbers),
-        dependencies: &|block| decision.dependencies(block),
-        initial_dependencies: &initial_dependencies,
+        dependencies: &|block| decision.dependencies(block, Known::Inputs),
+        initial_dependencies: &|block| decision.dependencies(block, Known::InputsAndParameters),
     }
     .xml::<Decision>()
 }

@@ -383,60 +383,93 @@ fn the_sizes_are_those_of_the_plan() {
     instance.must(instance.try_set("Theta", &[0.0; AGENTS]));
 }
 
-/// Against what changes when an input is changed.
+/// All dependencies of an output: element, value reference, element.
+fn listed(instance: &Instance, output: &str) -> Vec<(usize, u32, usize)> {
+    let mut count = 0;
+    let number = instance.c.fmi3GetNumberOfVariableDependencies;
+    instance.must(unsafe { number(instance.raw, reference(output), &mut count) });
+    let (mut dependents, mut elements) = (vec![0; count], vec![0; count]);
+    let (mut independents, mut kinds) = (vec![0; count], vec![0; count]);
+    instance.must(unsafe {
+        (instance.c.fmi3GetVariableDependencies)(
+            instance.raw,
+            reference(output),
+            dependents.as_mut_ptr(),
+            independents.as_mut_ptr(),
+            elements.as_mut_ptr(),
+            kinds.as_mut_ptr(),
+            count,
+        )
+    });
+    assert!(kinds.iter().all(|kind| *kind == 5), "fmi3Dependent");
+    let mut listed: Vec<_> = (0..count).map(|k| (dependents[k], independents[k], elements[k])).collect();
+    listed.sort_unstable();
+    listed
+}
+
+/// Against what changes when an input or, before initialization has ended, a parameter is changed.
 #[test]
 fn outputs_depend_on_what_is_listed() {
-    let instance = Instance::initialized();
     // Near the first way-points, so that the numbers of way-points react, too.
-    let position = vec![4.8, 2.1, -2.7, 1.2, 2.1, 3.8];
-    let theta = vec![0.1, 0.2, 0.3];
-    let set = |position: &[f64], theta: &[f64]| {
-        instance.must(instance.try_set("Position", position));
-        instance.must(instance.try_set("Theta", theta));
-    };
-    for output in ["Fp", "Mp", "NextWaypoint", "Arrived"] {
-        let mut count = 0;
-        let number = instance.c.fmi3GetNumberOfVariableDependencies;
-        instance.must(unsafe { number(instance.raw, reference(output), &mut count) });
-        let (mut dependents, mut elements) = (vec![0; count], vec![0; count]);
-        let (mut independents, mut kinds) = (vec![0; count], vec![0; count]);
-        instance.must(unsafe {
-            (instance.c.fmi3GetVariableDependencies)(
-                instance.raw,
-                reference(output),
-                dependents.as_mut_ptr(),
-                independents.as_mut_ptr(),
-                elements.as_mut_ptr(),
-                kinds.as_mut_ptr(),
-                count,
-            )
-        });
-        let mut listed: Vec<(usize, u32, usize)> =
-            (0..count).map(|k| (dependents[k], independents[k], elements[k])).collect();
-        listed.sort_unstable();
-        let mut seen = Vec::new();
-        for (input, start) in [("Position", &position), ("Theta", &theta)] {
-            for element in 0..start.len() {
-                for by in [-0.5, -0.1, 0.1, 0.5] {
-                    set(&position, &theta);
-                    let before = instance.output(output);
-                    let mut moved = start.clone();
-                    moved[element] += by;
-                    instance.must(instance.try_set(input, &moved));
-                    let after = instance.output(output);
-                    let changed = before.iter().zip(&after).enumerate().filter(|(_, (a, b))| a != b);
-                    seen.extend(changed.map(|(at, _)| (at + 1, reference(input), element + 1)));
+    let poses = [("Position", vec![4.8, 2.1, -2.7, 1.2, 2.1, 3.8]), ("Theta", vec![0.1, 0.2, 0.3])];
+    let parameters = [
+        ("Mass", AGENTS),
+        ("MomentOfInertia", AGENTS),
+        ("FloorDamping", AGENTS),
+        ("AngularDamping", AGENTS),
+        ("DesiredSpeed", AGENTS),
+        ("Waypoint", 2 * MOST * AGENTS),
+        ("WaypointRadius", MOST * AGENTS),
+    ];
+    for initialized in [true, false] {
+        let instance = reach(if initialized { StepComplete } else { Initialization });
+        let start = |(name, length): (&'static str, usize)| (name, instance.get(name, length));
+        let mut known: Vec<(&str, Vec<f64>)> = poses.to_vec();
+        if !initialized {
+            known.extend(parameters.map(start));
+        }
+        for (name, values) in &known {
+            instance.must(instance.try_set(name, values));
+        }
+        for output in ["Fp", "Mp", "NextWaypoint", "Arrived"] {
+            let listed = listed(&instance, output);
+            let before = instance.output(output);
+            let mut seen = Vec::new();
+            for (name, values) in &known {
+                for element in 0..values.len() {
+                    for by in [-0.5, -0.1, 0.1, 0.5] {
+                        let mut moved = values.clone();
+                        moved[element] += by;
+                        if instance.try_set(name, &moved) != OK {
+                            // Below 0, or of a way-point that nobody has.
+                            instance.log.take();
+                            continue;
+                        }
+                        let after = instance.output(output);
+                        let changed = before.iter().zip(&after).enumerate().filter(|(_, (a, b))| a != b);
+                        seen.extend(changed.map(|(at, _)| (at + 1, reference(name), element + 1)));
+                    }
+                    instance.must(instance.try_set(name, values));
                 }
             }
-        }
-        seen.sort_unstable();
-        seen.dedup();
-        assert!(seen.iter().all(|on| listed.contains(on)), "{output}: {seen:?} not all in {listed:?}");
-        // Of the numbers only those are seen that jump near here.
-        if ["Fp", "Mp"].contains(&output) {
-            assert_eq!(listed, seen, "{output}");
-        } else {
-            assert!(!seen.is_empty() && listed.len() == 2 * AGENTS, "{output}: {seen:?}, {listed:?}");
+            seen.sort_unstable();
+            seen.dedup();
+            assert!(seen.iter().all(|on| listed.contains(on)), "{output}: {seen:?} not all in {listed:?}");
+            // Numbers jump only near here, and a way-point counts only when those before it are reached.
+            if initialized && ["Fp", "Mp"].contains(&output) {
+                assert_eq!(listed, seen, "{output}");
+            } else {
+                assert!(!seen.is_empty(), "{output}");
+            }
+            let of = |name| listed.iter().filter(|(_, on, _)| *on == reference(name)).count();
+            if !initialized {
+                let waypoints = COUNTS.iter().sum::<i32>() as usize;
+                let both = if output == "Fp" { 2 } else { 1 };
+                assert_eq!((of("Waypoint"), of("WaypointRadius")), (2 * both * waypoints, both * waypoints));
+                assert_eq!(of("Mass"), if output == "Fp" { 2 * AGENTS } else { 0 });
+            } else {
+                assert_eq!(of("Mass") + of("Waypoint"), 0);
+            }
         }
     }
 }

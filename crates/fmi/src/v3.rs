@@ -18,5 +18,5 @@ pub mod lifecycle;
 pub mod slave;
 pub mod terminals;
 
-pub use arrays::{Array, ArrayModel, Dimension, Size, token};
+pub use arrays::{Array, ArrayModel, Dimension, Known, Size, token};
 pub use slave::Slave;

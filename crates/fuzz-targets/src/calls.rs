@@ -11,22 +11,22 @@ use std::ffi::{CStr, CString, c_int};
 use std::rc::Rc;
 
 /// Mechanical steps in one communication step, and in one run.
-const STEP_WORK: f64 = 200.0;
-const RUN_WORK: f64 = 1000.0;
+pub(crate) const STEP_WORK: f64 = 200.0;
+pub(crate) const RUN_WORK: f64 = 1000.0;
 
 /// Calls in one run.
-const CALLS: usize = 100;
+pub(crate) const CALLS: usize = 100;
 
 /// A number, often one of interest.
 #[derive(Debug, Clone, Copy, Arbitrary)]
-enum Real {
+pub(crate) enum Real {
     Small(i16),
     Special(u8),
     Bits(u64),
 }
 
 impl Real {
-    fn value(self) -> f64 {
+    pub(crate) fn value(self) -> f64 {
         const SPECIAL: [f64; 20] = [
             0.0,
             -0.0,
@@ -59,7 +59,7 @@ impl Real {
 
 /// A value reference.
 #[derive(Debug, Clone, Copy, Arbitrary)]
-enum Reference {
+pub(crate) enum Reference {
     /// Of the type that the call is about.
     Fitting(u8),
     Any(u8),
@@ -67,17 +67,17 @@ enum Reference {
 }
 
 /// At most this many elements in an array.
-const MOST: usize = 12;
+pub(crate) const MOST: usize = 12;
 
 #[derive(Debug, Clone, Arbitrary)]
-enum Text {
+pub(crate) enum Text {
     Known(u8),
     Bytes(Vec<u8>),
     Null,
 }
 
 impl Text {
-    fn choose(&self, known: &[CString]) -> Option<CString> {
+    pub(crate) fn choose(&self, known: &[CString]) -> Option<CString> {
         match self {
             Text::Known(k) => known.get(usize::from(*k) % known.len()).cloned(),
             Text::Bytes(bytes) => {
@@ -90,7 +90,7 @@ impl Text {
 
 /// A change to a serialised state, in its content unless said otherwise.
 #[derive(Debug, Clone, Arbitrary)]
-enum Edit {
+pub(crate) enum Edit {
     Byte(u16, u8),
     Real(u16, Real),
     Insert(u16, u8),
@@ -102,15 +102,15 @@ enum Edit {
 
 /// Whether a changed state gets the length and the checksum that belong to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Arbitrary)]
-enum Seal {
+pub(crate) enum Seal {
     Good,
     Old,
 }
 
 /// Magic, version, GUID, length: see `lemons_fmi::slave`.
-const HEADER: usize = 36;
+pub(crate) const HEADER: usize = 36;
 
-fn edited(bytes: &[u8], edits: &[Edit], seal: Seal) -> Vec<u8> {
+pub(crate) fn edited(bytes: &[u8], edits: &[Edit], seal: Seal) -> Vec<u8> {
     let end = bytes.len().saturating_sub(4).max(HEADER);
     let (mut header, mut content) = (bytes[..HEADER].to_vec(), bytes[HEADER..end].to_vec());
     for edit in edits.iter().take(MOST) {
@@ -149,7 +149,7 @@ fn edited(bytes: &[u8], edits: &[Edit], seal: Seal) -> Vec<u8> {
 }
 
 #[derive(Debug, Clone, Copy, Arbitrary)]
-enum At {
+pub(crate) enum At {
     Now,
     Near(i8),
     Real(Real),

@@ -23,25 +23,25 @@ pub(crate) struct Nulls(u8);
 impl Nulls {
     pub(crate) const NONE: Nulls = Nulls(0);
 
-    fn at(self, place: u8) -> bool {
+    pub(crate) fn at(self, place: u8) -> bool {
         self.0 & 0xe0 == 0xe0 && self.0 >> place & 1 == 1
     }
 
-    fn any(self, places: u8) -> bool {
+    pub(crate) fn any(self, places: u8) -> bool {
         (0..places).any(|place| self.at(place))
     }
 
-    fn or<T>(self, place: u8, pointer: *const T) -> *const T {
+    pub(crate) fn or<T>(self, place: u8, pointer: *const T) -> *const T {
         if self.at(place) { null() } else { pointer }
     }
 
-    fn or_mut<T>(self, place: u8, pointer: *mut T) -> *mut T {
+    pub(crate) fn or_mut<T>(self, place: u8, pointer: *mut T) -> *mut T {
         if self.at(place) { null_mut() } else { pointer }
     }
 }
 
 /// A pointer of `fmi2GetFMUstate`, perhaps still NULL.
-pub(crate) struct State(*mut c_void);
+pub(crate) struct State(pub(crate) *mut c_void);
 
 impl State {
     pub(crate) const NULL: State = State(null_mut());

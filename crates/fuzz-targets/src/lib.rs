@@ -4,6 +4,7 @@
 //!
 //! - [`fmi_calls`], [`decision_calls`]: sequences of FMI calls with any arguments
 //! - [`states`]: damaged states with a good checksum
+//! - [`fmi3_calls`], [`decision3_calls`], [`states3`]: the same for FMI 3.0, with whole arrays and their sizes
 //! - [`trial_xml`]: any bytes as one file of a Trial
 //! - [`fmu_archive`]: any bytes as an `.fmu`, or as its `modelDescription.xml`
 //! - [`ssp_archive`]: any bytes as an `.ssp`, as its structure, or as an FMU's interface
@@ -17,12 +18,15 @@
 #![cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
 
 mod calls;
+mod calls3;
 mod files;
 mod importer;
+mod importer3;
 mod inputs;
 mod models;
 
 pub use calls::{decision_calls, fmi_calls, states};
+pub use calls3::{decision3_calls, fmi3_calls, states3};
 pub use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
 pub use inputs::{drive_csv, light_xml, run_file, sweep_toml, table_csv, table_parquet};
 
@@ -30,10 +34,13 @@ pub use inputs::{drive_csv, light_xml, run_file, sweep_toml, table_csv, table_pa
 pub type Target = fn(&[u8]);
 
 /// The targets, by the names of their fuzzers and of the directories of their inputs.
-pub const TARGETS: [(&str, Target); 13] = [
+pub const TARGETS: [(&str, Target); 16] = [
     ("fmi_calls", fmi_calls),
     ("decision_calls", decision_calls),
     ("states", states),
+    ("fmi3_calls", fmi3_calls),
+    ("decision3_calls", decision3_calls),
+    ("states3", states3),
     ("trial_xml", trial_xml),
     ("fmu_archive", fmu_archive),
     ("ssp_archive", ssp_archive),

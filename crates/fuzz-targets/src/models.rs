@@ -40,6 +40,9 @@ pub(crate) struct Fmu {
 /// OutputDirectory is nothing or a directory of our own: the first two of [`Fmu::texts`].
 pub(crate) const OUTPUTS: usize = 2;
 
+/// A Trial of one person; the others have two.
+pub(crate) const SMALLER: &str = "Trial_one";
+
 /// A model to be fuzzed.
 pub(crate) trait Fuzzed: Model {
     /// Its FMU, one for each thread: gone with the thread.
@@ -131,6 +134,10 @@ fn crowd() -> Fmu {
     trial.write(&resources.join("Trial_a")).expect("a Trial can be written");
     trial.dynamics[1].position.x = 0.5;
     trial.write(&resources.join("Trial_b")).expect("a Trial can be written");
+    // Of another size: for FMI 3.0.
+    trial.agents.truncate(1);
+    trial.dynamics.truncate(1);
+    trial.write(&resources.join(SMALLER)).expect("a Trial can be written");
     let output = output.to_str().expect("UTF-8").to_owned();
     Fmu::new(
         directory,

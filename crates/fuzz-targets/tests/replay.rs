@@ -66,6 +66,21 @@ fn states() {
 }
 
 #[test]
+fn fmi3_calls() {
+    replay("fmi3_calls");
+}
+
+#[test]
+fn decision3_calls() {
+    replay("decision3_calls");
+}
+
+#[test]
+fn states3() {
+    replay("states3");
+}
+
+#[test]
 fn trial_xml() {
     replay("trial_xml");
 }

@@ -6,7 +6,7 @@
 
 use super::{AgentQuantity, Decision, DecisionError, Quantity, ROWS, finite, needs};
 use lemons_fmi::v3::arrays::Dependency;
-use lemons_fmi::v3::{Array, ArrayModel, Dimension, Size};
+use lemons_fmi::v3::{Array, ArrayModel, Dimension, Known, Size};
 use lemons_fmi::variables::units::METRE;
 use lemons_fmi::variables::{Domain, Kind, Role};
 use lemons_fmi::{Model, Phase, StepError};
@@ -129,16 +129,6 @@ pub(crate) fn starts(decision: &mut Decision, block: Block) -> Option<Vec<f64>> 
         place.map_or(0.0, |value| *value)
     };
     Some((0..length).map(start).collect())
-}
-
-/// Returns the arrays that count as known in initialization and on which an array depends.
-pub(crate) fn initial_dependencies(block: Block) -> Vec<Block> {
-    let Some(output) = representative(block) else { return Vec::new() };
-    let known = arrays().into_iter().filter(|array| matches!(array.role, Role::Input | Role::Parameter));
-    known
-        .map(|array| array.block)
-        .filter(|known| known.quantities().iter().any(|on| needs(output, *on)))
-        .collect()
 }
 
 /// One of the quantities of an output.
@@ -273,29 +263,37 @@ impl ArrayModel for Decision {
         Ok(())
     }
 
-    fn dependencies(&self, block: Block) -> Vec<Dependency<Block>> {
+    fn dependencies(&self, block: Block, known: Known) -> Vec<Dependency<Block>> {
         let Some(output) = representative(block) else { return Vec::new() };
-        let inputs = arrays().into_iter().filter(|array| array.role == Role::Input);
-        let inputs: Vec<Block> = inputs
-            .map(|array| array.block)
-            .filter(|input| input.quantities().iter().any(|on| needs(output, *on)))
-            .collect();
-        let each = |dependent: usize| {
+        let counts = |array: &Array<Block>| match array.role {
+            Role::Input => true,
+            Role::Parameter => known == Known::InputsAndParameters,
+            _ => false,
+        };
+        let needed = |block: &Block| block.quantities().iter().any(|on| needs(output, *on));
+        let on: Vec<Block> =
+            arrays().into_iter().filter(counts).map(|array| array.block).filter(needed).collect();
+        let mut dependencies = Vec::new();
+        for dependent in 0..self.length(block) {
             // The number of all depends on everybody, the others on their own agent.
             let agents = match block {
-                Block::Agents(quantities) => dependent / quantities.len()..dependent / quantities.len() + 1,
+                Block::Agents(quantities) => {
+                    let i = dependent / quantities.len();
+                    i..i + 1
+                }
                 _ => 0..self.agents.len(),
             };
-            let inputs = inputs.clone();
-            agents.flat_map(move |i| {
-                let of_input = move |on: Block| {
-                    let count = on.quantities().len();
-                    (i * count..(i + 1) * count).map(move |element| Dependency { dependent, on, element })
-                };
-                inputs.clone().into_iter().flat_map(of_input)
-            })
-        };
-        (0..self.length(block)).flat_map(each).collect()
+            for i in agents {
+                for &on in &on {
+                    let of_each = self.length(on) / self.agents.len();
+                    // Not on way-points that it does not have.
+                    let elements =
+                        (i * of_each..(i + 1) * of_each).filter(|k| self.element(on, *k).is_some());
+                    dependencies.extend(elements.map(|element| Dependency { dependent, on, element }));
+                }
+            }
+        }
+        dependencies
     }
 
     fn advance_part(

@@ -58,6 +58,15 @@ pub struct Dependency<B> {
     pub element: usize,
 }
 
+/// The variables that count as known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Known {
+    /// During the simulation.
+    Inputs,
+    /// Until initialization ends.
+    InputsAndParameters,
+}
+
 /// A model whose variables can also be read and set as arrays. The slave checks lifecycle, value references, types,
 /// lengths and domains.
 pub trait ArrayModel: Model {
@@ -113,8 +122,9 @@ pub trait ArrayModel: Model {
         false
     }
 
-    /// Returns the inputs on which the elements of an output depend at a communication point.
-    fn dependencies(&self, _block: Self::Block) -> Vec<Dependency<Self::Block>> {
+    /// Returns the inputs on which the elements of an output depend at a communication point; before initialization has
+    /// ended, also the parameters that are listed.
+    fn dependencies(&self, _block: Self::Block, _known: Known) -> Vec<Dependency<Self::Block>> {
         Vec::new()
     }
 

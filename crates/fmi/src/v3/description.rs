@@ -39,7 +39,7 @@ pub struct Description<'a, B> {
     /// Returns the inputs on which an output depends at a communication point.
     pub dependencies: &'a dyn Fn(B) -> Vec<Dependency<B>>,
     /// Returns the inputs and parameters on which a computed output depends in initialization.
-    pub initial_dependencies: &'a dyn Fn(B) -> Vec<B>,
+    pub initial_dependencies: &'a dyn Fn(B) -> Vec<Dependency<B>>,
 }
 
 impl<B: Copy + PartialEq> Description<'_, B> {
@@ -160,18 +160,24 @@ impl<B: Copy + PartialEq> Description<'_, B> {
             let place = arrays.iter().position(|array| array.block == block);
             place.map(array_reference::<M>)
         };
-        let mut write = |name: &str, place: usize, on: Vec<B>| {
-            let mut references: Vec<u32> = on.into_iter().filter_map(reference_of).collect();
+        let mut write = |name: &str, place: usize, dependencies: Vec<Dependency<B>>| {
+            let on = dependencies.into_iter().map(|dependency| dependency.on);
+            // Many elements depend on the same few arrays.
+            let mut blocks: Vec<B> = Vec::new();
+            on.for_each(|block| {
+                if !blocks.contains(&block) {
+                    blocks.push(block);
+                }
+            });
+            let mut references: Vec<u32> = blocks.into_iter().filter_map(reference_of).collect();
             references.sort_unstable();
-            references.dedup();
             let references: Vec<String> = references.iter().map(u32::to_string).collect();
             let (own, on) = (array_reference::<M>(place).to_string(), references.join(" "));
             out.empty(name, &[("valueReference", &own), ("dependencies", &on)]);
         };
         for (place, array) in arrays.iter().enumerate() {
             if matches!(array.role, Role::Exact | Role::Calculated) {
-                let on = (self.dependencies)(array.block).into_iter().map(|dependency| dependency.on);
-                write("Output", place, on.collect());
+                write("Output", place, (self.dependencies)(array.block));
             }
         }
         for (place, array) in arrays.iter().enumerate() {

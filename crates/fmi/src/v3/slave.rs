@@ -1,6 +1,6 @@
 //! One FMI 3.0 instance: variables are arrays.
 
-use super::arrays::{Array, ArrayModel, Dimension, TIME, array_reference, size_reference, token};
+use super::arrays::{Array, ArrayModel, Dimension, Known, TIME, array_reference, size_reference, token};
 use super::lifecycle;
 use crate::lifecycle::{Function, Phase};
 use crate::model::StepError;
@@ -384,7 +384,8 @@ impl<M: ArrayModel> Slave<M> {
     }
 
     /// `fmi3GetVariableDependencies`: of the elements of an output, as indices from 0, the value reference of the
-    /// variable on which each depends, and the index of its element.
+    /// variable on which each depends, and the index of its element. Until initialization ends, the initial dependencies
+    /// (FMI 3.0, section 2.2.9).
     ///
     /// # Errors
     /// Wrong phase or an unknown reference.
@@ -400,7 +401,11 @@ impl<M: ArrayModel> Slave<M> {
             let place = self.interface.arrays.iter().position(|array| array.block == block);
             place.map(array_reference::<M>)
         };
-        let dependencies = self.model.dependencies(array.block).into_iter();
+        let known = match self.phase {
+            Phase::Instantiated | Phase::Configuration | Phase::Initialization => Known::InputsAndParameters,
+            _ => Known::Inputs,
+        };
+        let dependencies = self.model.dependencies(array.block, known).into_iter();
         Ok(dependencies.filter_map(|on| Some((on.dependent, reference_of(on.on)?, on.element))).collect())
     }
 
