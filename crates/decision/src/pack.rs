@@ -24,6 +24,9 @@ const DEFAULT_STOP_TIME: f64 = 30.0;
 /// Description for users.
 const DESCRIPTION: &str = "where people want to go: desired speed towards way-points (LEMONS, eq. 4)";
 
+/// More numbers of way-points are not written: their zeros alone would fill a description of 100 MB.
+const MOST_NUMBERS: u64 = 20_000_000;
+
 /// Why an FMU could not be written.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
@@ -32,6 +35,11 @@ pub enum PackError {
     Archive(#[from] ArchiveError),
     #[error(transparent)]
     Plan(#[from] PlanError),
+    #[error(
+        "{agents} agents with up to {waypoints} way-points are too many for FMI 3.0, whose arrays have room for the \
+         longest route for everybody: shorten it, or write FMI 2.0"
+    )]
+    TooLarge { agents: u64, waypoints: u64 },
 }
 
 /// Returns the model description of a plan's FMU.
@@ -104,6 +112,9 @@ pub fn write_fmu(
     binaries: &[Binary],
     file: impl Write + Seek,
 ) -> Result<(), PackError> {
+    if format == Format::Fmi3 {
+        check_size(plan)?;
+    }
     let (version, description) = (format.version(), description(plan, format));
     let documentation = match version {
         Version::V2 => documentation(plan),
@@ -116,6 +127,13 @@ pub fn write_fmu(
     }
     archive.add(&format!("resources/{PLAN_FILE}"), plan.to_toml()?.as_bytes())?;
     Ok(archive.finish()?)
+}
+
+fn check_size(plan: &Plan) -> Result<(), PackError> {
+    let waypoints = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max().unwrap_or(0);
+    let (agents, waypoints) = (plan.agents.len() as u64, waypoints as u64);
+    let numbers = agents.saturating_mul(waypoints).saturating_mul(2);
+    if numbers > MOST_NUMBERS { Err(PackError::TooLarge { agents, waypoints }) } else { Ok(()) }
 }
 
 /// `documentation/index.html`
@@ -134,4 +152,29 @@ fn documentation_3(plan: &Plan) -> String {
         .replace("{agents}", &plan.agents.len().to_string())
         .replace("{token}", &v3::token::<Decision>().braced().to_string())
         .replace("{variables}", &v3::documentation::rows::<Decision>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{Person, Wishes};
+    use crate::rule::Pose;
+
+    #[test]
+    fn one_route_that_is_far_too_long_for_an_array_of_all_is_refused() {
+        let person = |i: usize| Person {
+            id: i.to_string(),
+            mass: 70.0,
+            moment_of_inertia: 1.3,
+            floor_damping: 2.0,
+            angular_damping: 4.0,
+            pose: Pose::default(),
+        };
+        let people: Vec<Person> = (0..3000).map(person).collect();
+        let route = "{ x = 1, y = 2 },".repeat(4000);
+        let wishes = format!("waypoints = [{{ x = 1, y = 2 }}]\n[agents.7]\nwaypoints = [{route}]");
+        let plan = Plan::new(&people, &Wishes::from_toml(&wishes).unwrap(), 0.05).unwrap();
+        let error = write_fmu(&plan, Format::Fmi3, &[], std::io::Cursor::new(Vec::new())).unwrap_err();
+        assert!(matches!(error, PackError::TooLarge { agents: 3000, waypoints: 4000 }), "{error}");
+    }
 }
