@@ -4,7 +4,7 @@
 //! one of materials for each `<Material>` of Materials.xml; one of contacts for each pair of materials.
 
 use crate::variables::{
-    AgentQuantity, ContactQuantity, Kind, MaterialQuantity, Quantity, Role, agent_row, contact_row,
+    self, AgentQuantity, ContactQuantity, Kind, MaterialQuantity, Quantity, Role, agent_row, contact_row,
     crowd_row, in_documents, material_row,
 };
 use lemons_fmi::v3::{Array, Dimension, Size};
@@ -164,6 +164,24 @@ pub fn element(trial: &Trial, block: Block, k: usize) -> Option<Quantity> {
         }
         Block::AgentIds | Block::MaterialIds => return None,
     })
+}
+
+/// Returns the elements that a quantity of materials has here, by its name in FMI 2.0: arrays, and places in them. A
+/// quantity of two materials has two.
+pub fn of_materials(trial: &Trial, name: &str) -> Vec<(&'static str, usize)> {
+    let table = variables::of_materials(trial);
+    let Some(quantity) = table.iter().find(|variable| variable.name == name).map(|found| found.quantity)
+    else {
+        return Vec::new();
+    };
+    let own = |array: &Array<Block>| match (array.block, quantity) {
+        (Block::Materials(of), Quantity::Material(_, own)) => of == own,
+        (Block::Contacts(of), Quantity::Contact(_, own)) => of == own,
+        _ => false,
+    };
+    let Some(array) = arrays().into_iter().find(own) else { return Vec::new() };
+    let places = 0..length(trial, array.block);
+    places.filter(|k| element(trial, array.block, *k) == Some(quantity)).map(|k| (array.name, k)).collect()
 }
 
 /// Returns the number of elements of an array.

@@ -311,6 +311,13 @@ pub fn table(trial: &Trial) -> Vec<Variable> {
             description: format!("agent Id {}: {description}", agent.id),
         }));
     }
+    table.extend(of_materials(trial));
+    table
+}
+
+/// Returns the variables of a Trial's materials.
+pub(crate) fn of_materials(trial: &Trial) -> Vec<Variable> {
+    let mut table = Vec::new();
     for (m, material) in (0..).zip(&trial.materials.intrinsic) {
         let id = quoted(&material.id);
         table.extend(MATERIAL_ROWS.iter().map(|&(quantity, name, unit, description)| Variable {

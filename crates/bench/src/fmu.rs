@@ -8,7 +8,9 @@ use cpu_time::{ProcessTime, ThreadTime};
 use crowd_mechanics::pack::Package;
 use crowd_mechanics::setup;
 use include_dir::{Dir, include_dir};
-use lemons_master::{DriveChoice, Fmu, Instance, Observer, Prepared, Reached, Settings, System, own_binary};
+use lemons_master::{
+    DriveChoice, Fmu, Instance, Observer, Prepared, Reached, Selection, Settings, System, own_binary,
+};
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::{
     Agent, AgentDynamics, Contact, Geometry, Interactions, Material, Materials, Parameters, Shape, Trial,
@@ -154,10 +156,10 @@ impl Packed {
     }
 }
 
-/// The value references of some variables of each agent, agent by agent.
-fn references(instance: &Instance, agents: usize, names: &[&str]) -> Result<Vec<u32>> {
+/// Some variables of each agent, agent by agent.
+fn select(instance: &Instance, agents: usize, names: &[&str]) -> Result<Selection> {
     let all = (0..agents).flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
-    Ok(all.map(|name| instance.reference(&name)).collect::<Result<_, _>>()?)
+    Ok(instance.select(all)?)
 }
 
 /// \[s\] Elapsed time of a call.
@@ -202,8 +204,8 @@ pub fn overhead(agents: usize, runs: usize) -> Result<Overhead> {
     let instance = Fmu::open(&packed.fmu())?.instantiate("bench")?;
     instance.initialize()?;
     instance.step(0.0, 1e-4)?;
-    let (inputs, reals) = (references(&instance, agents, &INPUTS)?, references(&instance, agents, &REALS)?);
-    let integers = references(&instance, agents, &INTEGERS)?;
+    let (inputs, reals) = (select(&instance, agents, &INPUTS)?, select(&instance, agents, &REALS)?);
+    let integers = select(&instance, agents, &INTEGERS)?;
     let given: Vec<f64> = (0..inputs.len()).map(|k| k as f64).collect();
     let (mut numbers, mut counts) = (vec![0.0; reals.len()], vec![0; integers.len()]);
     let set = || instance.set_real(&inputs, &given);

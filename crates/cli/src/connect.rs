@@ -52,9 +52,9 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
     let structure = &connected.structure;
     for (i, from) in structure.components.iter().enumerate() {
         for (k, to) in structure.components.iter().enumerate() {
-            let between =
-                structure.connections.iter().filter(|c| (c.from.component, c.to.component) == (i, k));
-            let connectors: Vec<&str> = between.map(|c| structure.port(c.from).1.name.as_str()).collect();
+            let named = structure.connections.iter().zip(&connected.names);
+            let between = named.filter(|(c, _)| (c.from.component, c.to.component) == (i, k));
+            let connectors: Vec<&str> = between.map(|(_, name)| name.as_str()).collect();
             if !connectors.is_empty() {
                 say!("{}", fitted(&format!("{} -> {}", from.name, to.name), "connected", &connectors))?;
             }

@@ -4,13 +4,12 @@ use crate::recording::Recording;
 use crate::results::{self, Column, Content, FrameWriter, Kind, Place, Started, told};
 use anyhow::{Context, Result, bail};
 use lemons_files::Staged;
-use lemons_master::{Component, CrowdRecord, Extremes, Greatest, System};
+use lemons_master::{Component, CrowdRecord, Extremes, Greatest, Selection, System};
 use lemons_plane::{Motion, Pose, Twist, vec2};
 use lemons_record::columns::{self, Groups};
 use lemons_record::{Extent, Frame, Observed, OfStep, Recorder, Run, Totals, Wanted};
 use lemons_ssp::{Interface, Kind as Causality, Type};
 use lemons_trial::Trial;
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// Where the rows of a crowd go.
@@ -46,13 +45,13 @@ pub struct Crowd {
     /// Among the components.
     place: usize,
     ids: Vec<String>,
-    motions: Vec<u32>,
-    contacts: Vec<u32>,
-    squeezes: Vec<u32>,
+    motions: Selection,
+    contacts: Selection,
+    squeezes: Selection,
     /// Empty if the FMU has none.
-    steps: Vec<u32>,
+    steps: Selection,
     /// Empty if the FMU has none.
-    totals: Vec<u32>,
+    totals: Selection,
     trajectories: Rows,
     extremes: Extremes,
     /// Whether the step with the greatest peak was seen now and has no rows.
@@ -73,32 +72,36 @@ pub fn moves(speed: f64, turn: f64) -> bool {
 
 /// How many agents' outputs an FMU has under the names of our mechanics, from 0 on.
 pub fn agents_of(description: &Interface) -> usize {
-    let outputs = description.variables.iter().filter(|v| v.kind == Some(Causality::Output));
-    let outputs: HashSet<(&str, bool)> =
-        outputs.map(|v| (v.name.as_str(), matches!(v.of, Type::Real(_)))).collect();
+    let is = |name: &str, real: bool| {
+        let found = description.single(name).map(|single| single.variable);
+        let found = found.filter(|variable| variable.kind == Some(Causality::Output));
+        found.is_some_and(|variable| matches!(variable.of, Type::Real(_)) == real)
+    };
     let has = |i: usize| {
         let reals = columns::MOTION.iter().chain([&columns::SQUEEZE]).map(|row| (row.variable, true));
         let mut names = reals.chain(columns::CONTACTS.iter().map(|row| (row.variable, false)));
-        names.all(|(name, real)| outputs.contains(&(format!("agent[{i}].{name}").as_str(), real)))
+        names.all(|(name, real)| is(&format!("agent[{i}].{name}"), real))
     };
     (0..).take_while(|&i| has(i)).count()
 }
 
 /// Integer outputs of the whole crowd; none if one is missing.
-fn totals_of(component: &Component) -> Vec<u32> {
+fn totals_of(component: &Component) -> lemons_master::Result<Selection> {
     let totals = columns::TOTALS.iter().map(|row| {
-        let found = component.fmu.description.variable(row.variable)?;
-        (found.of == Type::Integer && found.kind == Some(Causality::Output)).then_some(found.reference)
+        let found = component.fmu.description.single(row.variable)?;
+        let own = found.variable;
+        (own.of == Type::Integer && own.kind == Some(Causality::Output)).then_some(found.address())
     });
-    totals.collect::<Option<_>>().unwrap_or_default()
+    let addresses = totals.collect::<Option<Vec<_>>>().unwrap_or_default();
+    component.instance.select_at(&addresses)
 }
 
 /// Whether all these agents have the outputs of [`columns::OF_STEP`].
 fn has_steps(description: &Interface, agents: usize) -> bool {
     let names = |i: usize| columns::OF_STEP.iter().map(move |row| format!("agent[{i}].{}", row.variable));
     let has = |name: String| {
-        let found = description.variable(&name);
-        found.is_some_and(|v| matches!(v.of, Type::Real(_)))
+        let found = description.single(&name);
+        found.is_some_and(|single| matches!(single.variable.of, Type::Real(_)))
     };
     (0..agents).flat_map(names).all(has)
 }
@@ -109,8 +112,8 @@ fn columns_of(description: &Interface, groups: Groups) -> Vec<Column> {
     // What the FMU itself says comes first: it might count in other units.
     for column in all.iter_mut().filter(|column| column.kind == Kind::Real) {
         if let Some(name) = column.variable.strip_prefix("agent[i].") {
-            let own = description.variable(&format!("agent[0].{name}"));
-            let said = own.and_then(|own| own.of.unit()).map(str::to_owned);
+            let own = description.single(&format!("agent[0].{name}"));
+            let said = own.and_then(|own| own.variable.of.unit()).map(str::to_owned);
             column.unit = said.or(column.unit.take());
         }
     }
@@ -140,18 +143,19 @@ impl Crowd {
     ) -> Result<Crowd> {
         let component = &system.components()[place];
         let trial = trial.filter(|trial| trial.agents.len() == agents);
-        let references = |rows: &[columns::Quantity]| -> Result<Vec<u32>> {
+        let select = |rows: &[columns::Quantity]| {
             let names =
                 (0..agents).flat_map(|i| rows.iter().map(move |row| format!("agent[{i}].{}", row.variable)));
-            names.map(|name| Ok(component.instance.reference(&name)?)).collect()
+            component.instance.select(names)
         };
         let ids: Vec<String> = match &trial {
             Some(trial) => trial.agents.iter().map(|agent| agent.id.clone()).collect(),
             None => (0..agents).map(|i| i.to_string()).collect(),
         };
-        let totals = totals_of(component);
+        let totals = totals_of(component)?;
         let description = &component.fmu.description;
-        let steps = if has_steps(description, agents) { references(&columns::OF_STEP)? } else { Vec::new() };
+        let steps =
+            if has_steps(description, agents) { select(&columns::OF_STEP)? } else { Selection::default() };
         let groups = Groups { contacts: true, of_step: !steps.is_empty(), totals: !totals.is_empty() };
         let mut about = recording.about.clone();
         about.extend(trial.as_ref().map(|trial| ("trial", trial.name.clone())));
@@ -176,9 +180,9 @@ impl Crowd {
             Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
         };
         Ok(Crowd {
-            motions: references(&columns::MOTION)?,
-            contacts: references(&columns::CONTACTS)?,
-            squeezes: references(&[columns::SQUEEZE])?,
+            motions: select(&columns::MOTION)?,
+            contacts: select(&columns::CONTACTS)?,
+            squeezes: select(&[columns::SQUEEZE])?,
             steps,
             totals,
             place,

@@ -3,7 +3,7 @@
 use crate::tell;
 use anyhow::Result;
 use lemons_master::Fmu;
-use lemons_ssp::{Kind, Type, Variable};
+use lemons_ssp::{Fmi, Kind, Single, Type, Variable};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -21,9 +21,17 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     let fmu = Fmu::open(&arguments.fmu)?;
     let description = &fmu.description;
     let mut out = tell::out();
-    let count = |kind| description.variables.iter().filter(|variable| variable.kind == Some(kind)).count();
+    let count = |kind| {
+        let variables = description.variables.iter().filter(|variable| variable.kind == Some(kind));
+        variables.map(Variable::count).sum::<usize>()
+    };
     writeln!(out, "{}  {}", description.model_name, description.version.as_deref().unwrap_or(""))?;
-    writeln!(out, "GUID      {}", description.guid)?;
+    match description.fmi {
+        Fmi::V2 => writeln!(out, "GUID      {}", description.guid)?,
+        Fmi::V3 => {
+            writeln!(out, "FMI 3.0   {} variables, token {}", description.variables.len(), description.guid)?
+        }
+    }
     if let Some(step) = description.step {
         writeln!(out, "step      {step} s")?;
     }
@@ -32,13 +40,15 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     }
     writeln!(
         out,
-        "variables {} inputs, {} outputs, {} parameters\n",
+        "{} {} inputs, {} outputs, {} parameters\n",
+        if description.fmi == Fmi::V2 { "variables" } else { "values   " },
         count(Kind::Input),
         count(Kind::Output),
         count(Kind::Parameter)
     )?;
-    let wanted = |v: &&Variable| arguments.only.as_ref().is_none_or(|only| v.name.contains(only));
-    let rows: Vec<[String; 4]> = description.variables.iter().filter(wanted).map(row).collect();
+    let wanted = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only));
+    let rows = description.singles().filter(|(name, single)| wanted(name) || wanted(&single.variable.name));
+    let rows: Vec<[String; 4]> = rows.map(|(name, single)| row(name, single)).collect();
     let head = ["name", "", "unit", "start"].map(str::to_owned);
     let mut widths = [0; 4];
     for row in std::iter::once(&head).chain(&rows) {
@@ -54,7 +64,8 @@ pub fn info(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn row(variable: &Variable) -> [String; 4] {
+fn row(name: String, single: Single) -> [String; 4] {
+    let (variable, start) = (single.variable, single.variable.start_of(single.element));
     let unit = match &variable.of {
         Type::Real(unit) => unit.clone().unwrap_or_default(),
         other => other.name().to_owned(),
@@ -63,7 +74,8 @@ fn row(variable: &Variable) -> [String; 4] {
         Some(Kind::Input) => "input",
         Some(Kind::Output) => "output",
         Some(Kind::Parameter) => "param",
+        Some(Kind::StructuralParameter) => "size",
         _ => "other",
     };
-    [variable.name.clone(), causality.into(), unit, variable.start.clone().unwrap_or_default()]
+    [name, causality.into(), unit, start.unwrap_or_default().to_owned()]
 }

@@ -4,8 +4,8 @@ use crate::recording::Recording;
 use crate::results::{self, Cell, Column, Content, Extent, Kind, Place, Started, TableWriter, told};
 use anyhow::Result;
 use lemons_files::Staged;
-use lemons_master::System;
-use lemons_ssp::{Kind as Causality, Type};
+use lemons_master::{Selection, System};
+use lemons_ssp::{Address, Kind as Causality, Type};
 
 /// Outputs that are warned of by name.
 const MOST_WARNINGS: usize = 20;
@@ -26,16 +26,15 @@ pub struct Outputs {
 struct Columns {
     /// Among the components.
     place: usize,
-    reals: References,
-    integers: References,
-    booleans: References,
-    strings: References,
+    reals: Selected,
+    integers: Selected,
+    booleans: Selected,
+    strings: Selected,
 }
 
-/// Value references, and the columns after the time where their values go.
-#[derive(Default)]
-struct References {
-    references: Vec<u32>,
+/// Values, and the columns after the time where they go.
+struct Selected {
+    values: Selection,
     columns: Vec<usize>,
 }
 
@@ -51,34 +50,39 @@ impl Outputs {
         let mut all = Vec::new();
         for place in places {
             let component = &system.components()[place];
-            let mut columns = Columns {
-                place,
-                reals: References::default(),
-                integers: References::default(),
-                booleans: References::default(),
-                strings: References::default(),
-            };
-            let variables = component.fmu.description.variables.iter();
-            for variable in variables.filter(|variable| variable.kind == Some(Causality::Output)) {
+            let mut lists = [const { (Vec::new(), Vec::new()) }; 4];
+            let singles = component.fmu.description.singles();
+            for (name, single) in singles.filter(|(_, own)| own.variable.kind == Some(Causality::Output)) {
+                let variable = single.variable;
                 let (list, kind) = match variable.of {
-                    Type::Real(_) => (&mut columns.reals, Kind::Real),
-                    Type::Integer | Type::Enumeration(_) => (&mut columns.integers, Kind::Integer),
-                    Type::Boolean => (&mut columns.booleans, Kind::Boolean),
-                    Type::String => (&mut columns.strings, Kind::Text),
-                    // FMI 2.0 has none.
-                    Type::Binary => continue,
+                    Type::Real(_) => (0, Kind::Real),
+                    Type::Integer | Type::Enumeration(_) => (1, Kind::Integer),
+                    Type::Boolean => (2, Kind::Boolean),
+                    Type::String => (3, Kind::Text),
+                    // A table has no place for them.
+                    Type::Binary | Type::Clock => continue,
                 };
-                list.references.push(variable.reference);
-                list.columns.push(header.len() - 1);
+                lists[list].0.push(single.address());
+                lists[list].1.push(header.len() - 1);
                 header.push(Column {
-                    name: format!("{}.{}", component.name, variable.name),
+                    name: format!("{}.{name}", component.name),
                     kind,
                     unit: variable.of.unit().map(str::to_owned),
-                    variable: variable.name.clone(),
+                    variable: name,
                     description: variable.description.clone().unwrap_or_default(),
                 });
             }
-            all.push(columns);
+            let selected = |(addresses, columns): (Vec<Address>, _)| -> lemons_master::Result<Selected> {
+                Ok(Selected { values: component.instance.select_at(&addresses)?, columns })
+            };
+            let [reals, integers, booleans, strings] = lists;
+            all.push(Columns {
+                place,
+                reals: selected(reals)?,
+                integers: selected(integers)?,
+                booleans: selected(booleans)?,
+                strings: selected(strings)?,
+            });
         }
         let count = header.len() - 1;
         if count == 0 {
@@ -142,14 +146,14 @@ impl Outputs {
     }
 }
 
-impl References {
+impl Selected {
     fn get<T: Clone + Default, E>(
         &self,
-        get: impl FnOnce(&[u32], &mut [T]) -> Result<(), E>,
+        get: impl FnOnce(&Selection, &mut [T]) -> Result<(), E>,
     ) -> Result<Vec<T>, E> {
-        let mut values = vec![T::default(); self.references.len()];
+        let mut values = vec![T::default(); self.values.len()];
         if !values.is_empty() {
-            get(&self.references, &mut values)?;
+            get(&self.values, &mut values)?;
         }
         Ok(values)
     }
@@ -157,7 +161,7 @@ impl References {
     fn put<'a, T: Clone + Default, E>(
         &self,
         row: &mut [Cell<'a>],
-        get: impl FnOnce(&[u32], &mut [T]) -> Result<(), E>,
+        get: impl FnOnce(&Selection, &mut [T]) -> Result<(), E>,
         cell: impl Fn(T) -> Cell<'a>,
     ) -> Result<(), E> {
         for (column, value) in self.columns.iter().zip(self.get(get)?) {

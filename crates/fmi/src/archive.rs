@@ -74,6 +74,11 @@ pub fn host_platform() -> Option<&'static str> {
     }
 }
 
+/// Returns the name that FMI 3.0 gives the directory of this platform's binary.
+pub fn host_directory() -> Option<&'static str> {
+    platform(host_platform()?, Version::V3).map(|(directory, _)| directory)
+}
+
 /// An FMU being written.
 pub struct Archive<W: Write + Seek>(ZipWriter<W>);
 

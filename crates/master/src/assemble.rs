@@ -6,10 +6,11 @@ use crate::kind::Kind as FileKind;
 use crate::system::{Algorithm, Component, System, Wire, Wires, component_of};
 use lemons_files::Scratch;
 use lemons_ssp::{
-    Affine, Allowance, Archive, Connector, Interface, Kind, ParameterSet, SystemStructure, Type, Unit, Value,
-    conversion, located,
+    Affine, Allowance, Archive, Connector, Extent, Interface, Kind, ParameterSet, Single, SystemStructure,
+    Type, Unit, Value, Variable, conversion, located,
 };
 use std::fs::File;
+use std::ops::Range;
 use std::path::Path;
 
 /// What an `.ssp` holds, ready to be initialized.
@@ -24,26 +25,29 @@ pub struct Assembled {
     pub ignored: Vec<String>,
 }
 
-/// Reads an `.ssp`, loads its FMUs, connects them and sets their parameters.
+/// Reads an `.ssp`, loads its FMUs, connects them and sets their parameters. Of `further` parameters, whose names are
+/// `component.name`, only those are used that choose the sizes of arrays: they must be known before.
 ///
 /// # Errors
 /// The archive or one of its files is broken, holds what is not served, or does not fit together.
-pub fn assemble(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
+pub fn assemble(path: &Path, algorithm: Algorithm, further: &[(String, String)]) -> Result<Assembled> {
     FileKind::expect(path, &FileKind::ARCHIVES, "an SSP")?;
-    assemble_archive(path, algorithm).place(|| path.display().to_string())
+    assemble_archive(path, algorithm, further).place(|| path.display().to_string())
 }
 
-fn assemble_archive(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
+fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, String)]) -> Result<Assembled> {
     let mut archive = Archive::open(path)?;
     let structure = archive.structure()?;
     let mut allowance = Allowance::new(Allowance::FMUS);
     let mut components = Vec::with_capacity(structure.components.len());
-    for described in &structure.components {
+    for (place, described) in structure.components.iter().enumerate() {
         let wrong = |error: Error| {
             let (line, source, why) = (described.line, &described.source, error.whole());
             Error::ssp(located(line, "Component", "source", source, why))
         };
-        let fmu = unpack(&mut archive, &described.source, &mut allowance).map_err(wrong)?;
+        let mut fmu = unpack(&mut archive, &described.source, &mut allowance).map_err(wrong)?;
+        let parameters = texts(&structure, place, further);
+        fmu.configure(parameters.iter().map(|(name, text)| (*name, text.as_str()))).map_err(wrong)?;
         let fmu = fmu.shown_as(&described.source);
         for connector in &described.connectors {
             check(connector, &fmu.description, &structure)?;
@@ -57,6 +61,26 @@ fn assemble_archive(path: &Path, algorithm: Algorithm) -> Result<Assembled> {
     Ok(Assembled { system, start: structure.start, stop: structure.stop, ignored })
 }
 
+/// The parameters of a component that are whole numbers or texts, in the order in which they count.
+fn texts<'a>(
+    structure: &'a SystemStructure,
+    place: usize,
+    further: &'a [(String, String)],
+) -> Vec<(&'a str, String)> {
+    let own = &structure.components[place];
+    let text = |value: &Value| match value {
+        Value::Integer(value) => Some(value.to_string()),
+        Value::String(text) => Some(text.clone()),
+        _ => None,
+    };
+    let inside = |name: &'a str| name.strip_prefix(own.name.as_str())?.strip_prefix('.');
+    let of = |sets: &'a [ParameterSet]| sets.iter().flat_map(|set| &set.parameters);
+    let own = of(&own.parameters).map(|parameter| (Some(parameter.name.as_str()), text(&parameter.value)));
+    let outer = of(&structure.parameters).map(|parameter| (inside(&parameter.name), text(&parameter.value)));
+    let further = further.iter().map(|(name, text)| (inside(name), Some(text.clone())));
+    own.chain(outer).chain(further).filter_map(|(name, text)| Some((name?, text?))).collect()
+}
+
 fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
     let scratch = Scratch::new().map_err(Error::io("cannot make a temporary directory"))?;
     let path = scratch.path().join("component.fmu");
@@ -65,15 +89,16 @@ fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Res
     Fmu::unzip(&path, allowance)
 }
 
-/// Whether the FMU has the variable that a connector names, of that kind, type and unit.
+/// Whether the FMU has the variable that a connector names, of that kind, type, unit and size.
 fn check(connector: &Connector, interface: &Interface, structure: &SystemStructure) -> Result<()> {
     let wrong = |why: String| Error::ssp(located(connector.line, "Connector", "name", &connector.name, why));
-    let variable = interface.variable(&connector.name);
-    let variable = variable.ok_or_else(|| wrong("the FMU has no such variable".into()))?;
+    let variable = variable_of(interface, &connector.name);
+    let (variable, _) = variable.ok_or_else(|| wrong("the FMU has no such variable".into()))?;
     if variable.kind != Some(connector.kind) {
         let kind = variable.kind.map_or("neither input nor output", Kind::name);
         return Err(wrong(format!("kind={:?}, but the FMU says {kind}", connector.kind.name())));
     }
+    check_sizes(connector, variable, interface).map_err(wrong)?;
     let Some(of) = &connector.of else { return Ok(()) };
     if of.name() != variable.of.name() {
         return Err(wrong(format!("<{}>, but the FMU says {}", of.name(), variable.of.name())));
@@ -88,9 +113,73 @@ fn check(connector: &Connector, interface: &Interface, structure: &SystemStructu
     Ok(())
 }
 
+/// The variable that a connector names, whole; or, for a name that an element of an array has, the element.
+fn variable_of<'a>(interface: &'a Interface, name: &str) -> Option<(&'a Variable, Option<usize>)> {
+    let whole = interface.variable(name).map(|variable| (variable, None));
+    let element = || interface.single(name).map(|single| (single.variable, Some(single.element)));
+    whole.or_else(element)
+}
+
+/// Whether the dimensions of a connector are those of the FMU.
+fn check_sizes(connector: &Connector, variable: &Variable, interface: &Interface) -> Result<(), String> {
+    let (said, own) = (&connector.dimensions, &variable.dimensions);
+    if interface.variable(&connector.name).is_none() && said.is_empty() {
+        return Ok(());
+    }
+    if said.len() != own.len() {
+        let (said, own) = (said.len(), own.len());
+        return Err(format!("it has {said} <Dimension>, but the FMU has an array of {own}"));
+    }
+    for (said, own) in said.iter().zip(own) {
+        let size = match said {
+            Extent::Unsaid => continue,
+            Extent::Size(size) => *size,
+            Extent::Parameter(name) => {
+                let parameter =
+                    interface.variable(name).filter(|it| it.kind == Some(Kind::StructuralParameter));
+                let size = parameter.and_then(|parameter| parameter.start_of(0)?.parse().ok());
+                size.ok_or_else(|| {
+                    format!("sizeConnector={name:?}: the FMU has no such structural parameter")
+                })?
+            }
+        };
+        if size != own.size as u64 {
+            return Err(format!("its <Dimension> says {size}, but the FMU has {} there", own.size));
+        }
+    }
+    Ok(())
+}
+
+/// What an end of a connection means: the variable, and which of its values.
+fn end<'a>(
+    interface: &'a Interface,
+    connector: &Connector,
+    indices: &[u64],
+) -> Result<(&'a Variable, Range<usize>), String> {
+    let found = variable_of(interface, &connector.name);
+    let (variable, element) = found.ok_or_else(|| "the FMU has no such variable".to_owned())?;
+    if indices.is_empty() {
+        return Ok((variable, element.map_or(0..variable.count(), |element| element..element + 1)));
+    }
+    let (given, own) = (indices.len(), variable.dimensions.len());
+    if given != own || element.is_some() {
+        return Err(format!("{:?} has {own} dimensions, not {given}", connector.name));
+    }
+    let mut place = 0;
+    for (index, dimension) in indices.iter().zip(&variable.dimensions) {
+        let index = usize::try_from(*index).ok().and_then(|index| index.checked_sub(1));
+        let index = index.filter(|index| *index < dimension.size).ok_or_else(|| {
+            let written: Vec<String> = indices.iter().map(u64::to_string).collect();
+            format!("{:?} has no element [{}]: indices are from 1 on", connector.name, written.join(","))
+        })?;
+        place = place * dimension.size + index;
+    }
+    Ok((variable, place..place + 1))
+}
+
 fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
     let mut wires = Wires::default();
-    let interface = |component: usize| &system.components()[component].fmu.description;
+    let interface = |component: usize| &*system.components()[component].fmu.description;
     for connection in &structure.connections {
         let line = connection.line;
         let ((source, output), (_, input)) = (structure.port(connection.from), structure.port(connection.to));
@@ -98,29 +187,28 @@ fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
             let text = format!("{} of {:?}: {why}", output.name, source.name);
             Error::ssp(located(line, "Connection", "endConnector", &input.name, format!("from {text}")))
         };
-        let variable = |connector: &Connector, component: usize| {
-            let variable = interface(component).variable(&connector.name);
-            variable.ok_or_else(|| wrong("the FMU has no such variable".into()))
-        };
-        let from = variable(output, connection.from.component)?;
-        let to = variable(input, connection.to.component)?;
+        let (here, there) = (interface(connection.from.component), interface(connection.to.component));
+        let (from, sent) = end(here, output, &connection.from_indices).map_err(wrong)?;
+        let (to, taken) = end(there, input, &connection.to_indices).map_err(wrong)?;
         if from.of.name() != to.of.name() {
             return Err(wrong(format!("{} does not become {}", from.of.name(), to.of.name())));
+        }
+        if sent.len() != taken.len() || (sent.len() > 1 && sizes(from) != sizes(to)) {
+            return Err(wrong(format!("{} does not become {}", elements(from, &sent), elements(to, &taken))));
         }
         let list = match from.of {
             Type::Real(_) => &mut wires.reals,
             Type::Integer => &mut wires.integers,
             Type::Boolean => &mut wires.booleans,
             Type::String => &mut wires.strings,
-            Type::Enumeration(_) | Type::Binary => {
+            Type::Enumeration(_) | Type::Binary | Type::Clock => {
                 return Err(wrong(format!("type {} is not served", from.of.name())));
             }
         };
         let mut map = Affine::IDENTITY;
         if !connection.suppress_unit_conversion {
-            let a = unit_of(output, interface(connection.from.component), structure);
-            let b = unit_of(input, interface(connection.to.component), structure);
-            map = conversion(a, b).map_err(wrong)?;
+            map = conversion(unit_of(output, here, structure), unit_of(input, there, structure))
+                .map_err(wrong)?;
         }
         if let Some(transformation) = connection.transformation {
             if !matches!(from.of, Type::Real(_)) {
@@ -128,14 +216,26 @@ fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
             }
             map = map.then(transformation);
         }
-        list.push(Wire {
-            from: (connection.from.component, from.reference),
-            to: (connection.to.component, to.reference),
+        list.extend(sent.zip(taken).map(|(sent, taken)| Wire {
+            from: (connection.from.component, Single { variable: from, element: sent }.address()),
+            to: (connection.to.component, Single { variable: to, element: taken }.address()),
             map,
-        });
+        }));
     }
-    system.connect(&wires);
-    Ok(())
+    system.connect(&wires, structure.connections.len())
+}
+
+fn sizes(variable: &Variable) -> Vec<usize> {
+    variable.dimensions.iter().map(|dimension| dimension.size).collect()
+}
+
+/// In messages: how many values of a variable.
+fn elements(variable: &Variable, values: &Range<usize>) -> String {
+    if values.len() == 1 || !variable.is_array() {
+        return "a single value".to_owned();
+    }
+    let sizes: Vec<String> = sizes(variable).iter().map(usize::to_string).collect();
+    format!("an array of {}", sizes.join(" x "))
 }
 
 /// The unit of a connector, which is the variable's if the connector says none.
@@ -147,7 +247,8 @@ fn unit_of<'a>(
     if let Some(name) = connector.of.as_ref().and_then(Type::unit) {
         return (Some(name), structure.unit(name).or_else(|| interface.unit(name)));
     }
-    let name = interface.variable(&connector.name).and_then(|variable| variable.of.unit());
+    let variable = variable_of(interface, &connector.name).map(|(variable, _)| variable);
+    let name = variable.and_then(|variable| variable.of.unit());
     (name, name.and_then(|name| interface.unit(name)))
 }
 
@@ -175,6 +276,9 @@ fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Resu
                 ));
                 continue;
             };
+            if components[place].fmu.is_structural(name) {
+                continue;
+            }
             set_parameter(&components[place], name, &parameter.value, set, structure).map_err(wrong)?;
         }
     }
@@ -189,8 +293,9 @@ fn set_parameter(
     structure: &SystemStructure,
 ) -> Result<()> {
     let (instance, interface) = (&component.instance, &component.fmu.description);
-    let Some(variable) = interface.variable(name) else { return Err(Error::NoVariable(name.to_owned())) };
-    let reference = [variable.reference];
+    let single = interface.single(name);
+    let variable = single.ok_or_else(|| Error::NoVariable(name.to_owned()))?.variable;
+    let value_of = instance.select([name])?;
     match (value, &variable.of) {
         (Value::Real(value, unit), Type::Real(own)) => {
             let defined = |name: &String| {
@@ -201,12 +306,12 @@ fn set_parameter(
                 (unit.as_deref(), unit.as_ref().and_then(defined)),
                 (own.as_deref(), own_definition),
             );
-            instance.set_real(&reference, &[map.map_err(Error::Coupling)?.apply(*value)])
+            instance.set_real(&value_of, &[map.map_err(Error::Coupling)?.apply(*value)])
         }
-        (Value::Integer(value), Type::Real(_)) => instance.set_real(&reference, &[f64::from(*value)]),
-        (Value::Integer(value), Type::Integer) => instance.set_integer(&reference, &[*value]),
-        (Value::Boolean(value), Type::Boolean) => instance.set_boolean(&reference, &[i32::from(*value)]),
-        (Value::String(value), Type::String) => instance.set_string(&reference, &[value]),
+        (Value::Integer(value), Type::Real(_)) => instance.set_real(&value_of, &[f64::from(*value)]),
+        (Value::Integer(value), Type::Integer) => instance.set_integer(&value_of, &[*value]),
+        (Value::Boolean(value), Type::Boolean) => instance.set_boolean(&value_of, &[i32::from(*value)]),
+        (Value::String(value), Type::String) => instance.set_string(&value_of, &[value]),
         (_, of) => Err(Error::Coupling(format!("the FMU's variable is of type {}", of.name()))),
     }
 }

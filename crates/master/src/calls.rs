@@ -1,19 +1,22 @@
-//! The C functions of FMI 2.0 as an importer calls them: an FMU's shared library, and one instance of it.
+//! The C functions of FMI as an importer calls them: an FMU's shared library, and one instance of it.
 //!
 //! The library is trusted as any program that one starts: it must keep FMI's contract. What Rust can see of it is
 //! checked: its symbols, NULL, the status it answers, the text it tells.
 
 #![allow(unsafe_code)] // the C boundary, from its other side
 
+mod v2;
+mod v3;
+
 use lemons_fmi::Status;
-use lemons_fmi::v2::CallbackFunctions;
+use lemons_ssp::{Fmi, Native};
 use libloading::Library;
-use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
-use std::ffi::{CStr, CString, NulError, c_char, c_int, c_uint, c_void};
+use std::ffi::{CStr, CString, NulError, c_char, c_int, c_void};
+use std::fmt;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::ptr::{NonNull, null, null_mut};
 use std::rc::Rc;
-use std::{fmt, io};
 
 /// Why a C function of an FMU cannot be called, or gives nothing.
 #[derive(Debug, thiserror::Error)]
@@ -29,7 +32,7 @@ pub enum CallError {
         /// What the loader says.
         source: libloading::Error,
     },
-    /// The FMU lacks a function that FMI makes optional.
+    /// The FMU lacks a function that not every FMU needs.
     #[error("the FMU has no function {0}")]
     NoFunction(&'static str),
     /// A zero would end a text.
@@ -40,7 +43,7 @@ pub enum CallError {
         /// Where it is.
         source: NulError,
     },
-    /// There is no URI of the directory `resources`.
+    /// There is no URI or path of the directory `resources`.
     #[error("{}", path.display())]
     Resources {
         /// The directory.
@@ -49,11 +52,29 @@ pub enum CallError {
         source: io::Error,
     },
     /// The FMU refuses to be instantiated.
-    #[error("fmi2Instantiate returned NULL")]
-    NoInstance,
+    #[error("{0} returned NULL")]
+    NoInstance(&'static str),
     /// The FMU has not given a state.
     #[error("the FMU gave no state")]
     NoState,
+    /// A value that the FMU gave, or that it is given, is not one of a smaller type.
+    #[error("{call}: {value} is not a value of {of}")]
+    Range {
+        /// The C function.
+        call: &'static str,
+        /// The value.
+        value: i128,
+        /// The smaller type.
+        of: &'static str,
+    },
+    /// A step has ended otherwise than as a whole.
+    #[error("{call}: {why}")]
+    Ended {
+        /// The C function.
+        call: &'static str,
+        /// What the FMU said.
+        why: String,
+    },
 }
 
 type Result<T> = std::result::Result<T, CallError>;
@@ -61,13 +82,24 @@ type Result<T> = std::result::Result<T, CallError>;
 /// What a C function returned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[must_use]
-pub struct Answer(pub(crate) c_int);
+pub struct Answer {
+    pub(crate) code: c_int,
+    /// The function's name.
+    pub(crate) call: &'static str,
+}
 
 impl Answer {
     /// The status; `None` if FMI has no such status.
     pub fn status(self) -> Option<Status> {
         use Status::{Discard, Error, Fatal, Ok, Pending, Warning};
-        [Ok, Warning, Discard, Error, Fatal, Pending].into_iter().find(|status| *status as c_int == self.0)
+        let pending = self.call.starts_with("fmi2").then_some(Pending);
+        let known = [Ok, Warning, Discard, Error, Fatal].into_iter().chain(pending);
+        known.into_iter().find(|status| *status as c_int == self.code)
+    }
+
+    /// The name of the C function.
+    pub fn call(self) -> &'static str {
+        self.call
     }
 }
 
@@ -75,7 +107,7 @@ impl fmt::Display for Answer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.status() {
             Some(status) => write!(f, "{status:?}"),
-            None => write!(f, "{}, which is no status of FMI", self.0),
+            None => write!(f, "{}, which is no status of FMI", self.code),
         }
     }
 }
@@ -83,110 +115,85 @@ impl fmt::Display for Answer {
 /// Who hears what an instance tells; perhaps called from threads of the FMU's.
 pub(crate) type Hears = dyn Fn(Option<Status>, &str) + Send + Sync;
 
-/// What `lemons_logger` gets as its environment.
-#[repr(C)]
-struct Listener {
-    hear: unsafe extern "C" fn(*const Listener, c_int, *const c_char),
-    hears: Box<Hears>,
-}
-
-unsafe extern "C" {
-    /// `fmi2CallbackLogger`; see logger.c.
-    fn lemons_logger(
-        environment: *mut c_void,
-        instance: *const c_char,
-        status: Status,
-        category: *const c_char,
-        message: *const c_char,
-        ...
-    );
-}
-
-/// # Safety
-/// The listener lives, the text ends in a zero.
-unsafe extern "C" fn hear(listener: *const Listener, status: c_int, text: *const c_char) {
-    // SAFETY: as said above; only `lemons_logger` calls this.
-    let (listener, text) = unsafe { (&*listener, CStr::from_ptr(text)) };
-    // A number sign in a message is doubled (FMI 2.0.5, section 2.1.5).
-    (listener.hears)(Answer(status).status(), &text.to_string_lossy().replace("##", "#"));
-}
-
 type Plain = unsafe extern "C" fn(*mut c_void) -> c_int;
-type Get<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut T) -> c_int;
-type Set<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *const T) -> c_int;
+
+/// A C function, with its name.
+type Named<T> = (T, &'static str);
 
 macro_rules! functions {
     (required { $($field:ident: $type:ty = $name:literal;)* } optional { $($may:ident: $may_type:ty = $may_name:literal;)* }) => {
         /// Those that are called here.
-        struct Functions {
-            $($field: $type,)*
-            $($may: Option<$may_type>,)*
+        pub(super) struct Functions {
+            $(pub(super) $field: $crate::calls::Named<$type>,)*
+            $(pub(super) $may: $crate::calls::Named<Option<$may_type>>,)*
         }
 
         impl Functions {
             /// # Safety
             /// They are used no longer than the library lives, and have FMI's types.
-            unsafe fn of(library: &Library) -> Result<Functions> {
+            pub(super) unsafe fn of(library: &libloading::Library) -> $crate::calls::Result<Functions> {
                 // SAFETY: the caller's.
                 unsafe {
                     Ok(Functions {
-                        $($field: *library.get::<$type>($name)
-                            .map_err(|source| CallError::NoSymbol { name: $name, source })?,)*
-                        $($may: library.get::<$may_type>($may_name).ok().map(|symbol| *symbol),)*
+                        $($field: (*library.get::<$type>($name)
+                            .map_err(|source| $crate::calls::CallError::NoSymbol { name: $name, source })?, $name),)*
+                        $($may: (library.get::<$may_type>($may_name).ok().map(|symbol| *symbol), $may_name),)*
                     })
                 }
             }
         }
     };
 }
+use functions;
 
-functions! {
-    required {
-        instantiate: unsafe extern "C" fn(
-            *const c_char, c_int, *const c_char, *const c_char, *const CallbackFunctions, c_int, c_int
-        ) -> *mut c_void = "fmi2Instantiate";
-        free_instance: unsafe extern "C" fn(*mut c_void) = "fmi2FreeInstance";
-        setup_experiment: unsafe extern "C" fn(*mut c_void, c_int, f64, f64, c_int, f64) -> c_int
-            = "fmi2SetupExperiment";
-        enter_initialization: Plain = "fmi2EnterInitializationMode";
-        exit_initialization: Plain = "fmi2ExitInitializationMode";
-        terminate: Plain = "fmi2Terminate";
-        reset: Plain = "fmi2Reset";
-        get_real: Get<f64> = "fmi2GetReal";
-        get_integer: Get<c_int> = "fmi2GetInteger";
-        get_boolean: Get<c_int> = "fmi2GetBoolean";
-        get_string: Get<*const c_char> = "fmi2GetString";
-        set_real: Set<f64> = "fmi2SetReal";
-        set_integer: Set<c_int> = "fmi2SetInteger";
-        set_boolean: Set<c_int> = "fmi2SetBoolean";
-        set_string: Set<*const c_char> = "fmi2SetString";
-        do_step: unsafe extern "C" fn(*mut c_void, f64, f64, c_int) -> c_int = "fmi2DoStep";
-    }
-    optional {
-        get_state: unsafe extern "C" fn(*mut c_void, *mut *mut c_void) -> c_int = "fmi2GetFMUstate";
-        set_state: unsafe extern "C" fn(*mut c_void, *mut c_void) -> c_int = "fmi2SetFMUstate";
-        free_state: unsafe extern "C" fn(*mut c_void, *mut *mut c_void) -> c_int = "fmi2FreeFMUstate";
-        state_size: unsafe extern "C" fn(*mut c_void, *mut c_void, *mut usize) -> c_int
-            = "fmi2SerializedFMUstateSize";
-        serialize: unsafe extern "C" fn(*mut c_void, *mut c_void, *mut u8, usize) -> c_int
-            = "fmi2SerializeFMUstate";
-        deserialize: unsafe extern "C" fn(*mut c_void, *const u8, usize, *mut *mut c_void) -> c_int
-            = "fmi2DeSerializeFMUstate";
+/// Functions for states: they differ in their names only.
+struct States {
+    get: Named<Option<unsafe extern "C" fn(*mut c_void, *mut *mut c_void) -> c_int>>,
+    set: Named<Option<unsafe extern "C" fn(*mut c_void, *mut c_void) -> c_int>>,
+    free: Named<Option<unsafe extern "C" fn(*mut c_void, *mut *mut c_void) -> c_int>>,
+    size: Named<Option<unsafe extern "C" fn(*mut c_void, *mut c_void, *mut usize) -> c_int>>,
+    serialize: Named<Option<unsafe extern "C" fn(*mut c_void, *mut c_void, *mut u8, usize) -> c_int>>,
+    deserialize:
+        Named<Option<unsafe extern "C" fn(*mut c_void, *const u8, usize, *mut *mut c_void) -> c_int>>,
+}
+
+impl States {
+    /// # Safety
+    /// As that of `Functions::of`.
+    unsafe fn of(library: &Library, fmi: Fmi) -> States {
+        macro_rules! state {
+            ($v2:literal, $v3:literal) => {{
+                let name = if fmi == Fmi::V2 { $v2 } else { $v3 };
+                // SAFETY: the caller's.
+                (unsafe { library.get(name) }.ok().map(|symbol| *symbol), name)
+            }};
+        }
+        States {
+            get: state!("fmi2GetFMUstate", "fmi3GetFMUState"),
+            set: state!("fmi2SetFMUstate", "fmi3SetFMUState"),
+            free: state!("fmi2FreeFMUstate", "fmi3FreeFMUState"),
+            size: state!("fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"),
+            serialize: state!("fmi2SerializeFMUstate", "fmi3SerializeFMUState"),
+            deserialize: state!("fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"),
+        }
     }
 }
 
-/// `fmi2CoSimulation`
-const CO_SIMULATION: c_int = 1;
-const FALSE: c_int = 0;
-const TRUE: c_int = 1;
+/// The functions of the FMU's version.
+enum Functions {
+    V2(Box<v2::Functions>),
+    V3(Box<v3::Functions>),
+}
 
 /// What an instance is made of.
 pub(crate) struct Made<'a> {
+    pub(crate) fmi: Fmi,
     /// The shared library.
     pub(crate) library: &'a Path,
     /// The FMU's directory `resources`; it need not exist.
     pub(crate) resources: &'a Path,
     pub(crate) name: &'a str,
+    /// In FMI 3.0 the `instantiationToken`.
     pub(crate) guid: &'a str,
     /// Whether the FMU gets functions for memory.
     pub(crate) memory_functions: bool,
@@ -196,17 +203,31 @@ pub(crate) struct Made<'a> {
 pub(crate) struct Calls {
     component: NonNull<c_void>,
     functions: Functions,
-    // FMUs keep pointers to both.
-    _callbacks: Rc<CallbackFunctions>,
-    _listener: Rc<Listener>,
+    states: States,
+    // FMUs keep pointers to it.
+    _heard: v2::Heard,
     _library: Library,
 }
 
 impl Drop for Calls {
     fn drop(&mut self) {
+        let free = match &self.functions {
+            Functions::V2(functions) => functions.free_instance.0,
+            Functions::V3(functions) => functions.free_instance.0,
+        };
         // SAFETY: an instance of this library, freed once.
-        unsafe { (self.functions.free_instance)(self.component.as_ptr()) }
+        unsafe { free(self.component.as_ptr()) }
     }
+}
+
+/// One call of the FMU's version.
+macro_rules! either {
+    ($self:ident, $functions:ident => $call:expr) => {
+        match &$self.functions {
+            Functions::V2($functions) => $call,
+            Functions::V3($functions) => $call,
+        }
+    };
 }
 
 impl Calls {
@@ -217,98 +238,74 @@ impl Calls {
     pub(crate) fn new(made: &Made, hears: Box<Hears>) -> Result<Calls> {
         let name = c_text(made.name, || format!("instance name={:?}", made.name))?;
         let guid = c_text(made.guid, || format!("guid={:?}", made.guid))?;
-        let resources = made.resources.is_dir().then(|| file_uri(made.resources)).transpose()?;
-        let library = load(made.library)?;
-        // SAFETY: kept together with the library; an FMU's library has them as FMI says.
-        let functions = unsafe { Functions::of(&library) }?;
-        let listener = Rc::new(Listener { hear, hears });
-        let memory = |function: *const c_void| if made.memory_functions { function } else { null() };
-        let callbacks = Rc::new(CallbackFunctions {
-            logger: Some(lemons_logger),
-            allocate_memory: memory(libc::calloc as *const c_void),
-            free_memory: memory(libc::free as *const c_void),
-            step_finished: null(),
-            component_environment: Rc::as_ptr(&listener).cast_mut().cast(),
-        });
-        // SAFETY: FMI's arguments; the callbacks and their environment live as long as the instance.
-        let component = unsafe {
-            (functions.instantiate)(
-                name.as_ptr(),
-                CO_SIMULATION,
-                guid.as_ptr(),
-                resources.as_ref().map_or(null(), |uri| uri.as_ptr()),
-                Rc::as_ptr(&callbacks),
-                FALSE,
-                // Else an FMU tells no warnings; what it tells with the status `fmi2OK` is not kept.
-                TRUE,
-            )
+        let place = match made.fmi {
+            Fmi::V2 => v2::file_uri,
+            Fmi::V3 => v3::path,
         };
-        let component = NonNull::new(component).ok_or(CallError::NoInstance)?;
-        Ok(Calls { component, functions, _callbacks: callbacks, _listener: listener, _library: library })
+        let resources = made.resources.is_dir().then(|| place(made.resources)).transpose()?;
+        let resources = resources.as_deref();
+        let library = load(made.library)?;
+        let heard = v2::Heard::new(hears, made.memory_functions);
+        // SAFETY: kept together with the library; an FMU's library has them as FMI says.
+        let (functions, states) = unsafe {
+            let functions = match made.fmi {
+                Fmi::V2 => Functions::V2(Box::new(v2::Functions::of(&library)?)),
+                Fmi::V3 => Functions::V3(Box::new(v3::Functions::of(&library)?)),
+            };
+            (functions, States::of(&library, made.fmi))
+        };
+        let (component, call) = match &functions {
+            Functions::V2(functions) => functions.instantiate(&name, &guid, resources, &heard),
+            Functions::V3(functions) => functions.instantiate(&name, &guid, resources, &heard),
+        };
+        let component = NonNull::new(component).ok_or(CallError::NoInstance(call))?;
+        Ok(Calls { component, functions, states, _heard: heard, _library: library })
     }
 
-    fn plain(&self, function: Plain) -> Answer {
+    fn plain(&self, (function, call): Named<Plain>) -> Answer {
         // SAFETY: an instance of this library.
-        Answer(unsafe { function(self.component.as_ptr()) })
+        Answer { code: unsafe { function(self.component.as_ptr()) }, call }
     }
 
-    fn get<T>(&self, function: Get<T>, references: &[u32], values: &mut [T]) -> Answer {
-        assert_eq!(references.len(), values.len(), "a value for each reference");
-        // SAFETY: an instance of this library; both arrays are as long as said.
-        Answer(unsafe {
-            function(self.component.as_ptr(), references.as_ptr(), references.len(), values.as_mut_ptr())
-        })
-    }
-
-    fn set<T>(&self, function: Set<T>, references: &[u32], values: &[T]) -> Answer {
-        assert_eq!(references.len(), values.len(), "a value for each reference");
-        // SAFETY: an instance of this library; both arrays are as long as said.
-        Answer(unsafe {
-            function(self.component.as_ptr(), references.as_ptr(), references.len(), values.as_ptr())
-        })
-    }
-
-    /// Without tolerance and stop time.
-    pub(crate) fn setup_experiment(&self, start: f64) -> Answer {
-        // SAFETY: an instance of this library.
-        Answer(unsafe {
-            (self.functions.setup_experiment)(self.component.as_ptr(), FALSE, 0.0, start, FALSE, 0.0)
-        })
-    }
-
-    pub(crate) fn enter_initialization(&self) -> Answer {
-        self.plain(self.functions.enter_initialization)
+    /// At a start time \[s\], without tolerance and stop time.
+    ///
+    /// # Errors
+    /// The FMU lacks a function.
+    pub(crate) fn enter_initialization(&self, start: f64) -> Answer {
+        either!(self, functions => functions.enter_initialization(self, start))
     }
 
     pub(crate) fn exit_initialization(&self) -> Answer {
-        self.plain(self.functions.exit_initialization)
+        either!(self, functions => self.plain(functions.exit_initialization))
     }
 
     pub(crate) fn terminate(&self) -> Answer {
-        self.plain(self.functions.terminate)
+        either!(self, functions => self.plain(functions.terminate))
     }
 
     pub(crate) fn reset(&self) -> Answer {
-        self.plain(self.functions.reset)
+        either!(self, functions => self.plain(functions.reset))
     }
 
-    pub(crate) fn get_real(&self, references: &[u32], values: &mut [f64]) -> Answer {
-        self.get(self.functions.get_real, references, values)
+    /// Reads all values of Reals.
+    pub(crate) fn get_real(&self, of: Native, references: &[u32], values: &mut [f64]) -> Result<Answer> {
+        either!(self, functions => functions.get_real(self, of, references, values))
     }
 
-    pub(crate) fn get_integer(&self, references: &[u32], values: &mut [i32]) -> Answer {
-        self.get(self.functions.get_integer, references, values)
+    /// Reads all values of whole numbers.
+    pub(crate) fn get_integer(&self, of: Native, references: &[u32], values: &mut [i32]) -> Result<Answer> {
+        either!(self, functions => functions.get_integer(self, of, references, values))
     }
 
-    pub(crate) fn get_boolean(&self, references: &[u32], values: &mut [i32]) -> Answer {
-        self.get(self.functions.get_boolean, references, values)
+    /// Reads all values of Booleans.
+    pub(crate) fn get_boolean(&self, references: &[u32], values: &mut [i32]) -> Result<Answer> {
+        either!(self, functions => functions.get_boolean(self, references, values))
     }
 
-    /// Leaves the values as they are if the FMU refuses.
-    pub(crate) fn get_string(&self, references: &[u32], values: &mut [String]) -> Answer {
-        assert_eq!(references.len(), values.len(), "a value for each reference");
-        let mut texts = vec![null(); references.len()];
-        let answer = self.get(self.functions.get_string, references, &mut texts);
+    /// Reads all texts; leaves the values as they are if the FMU refuses.
+    pub(crate) fn get_string(&self, references: &[u32], values: &mut [String]) -> Result<Answer> {
+        let mut texts = vec![null(); values.len()];
+        let answer = either!(self, functions => functions.get_string(self, references, &mut texts))?;
         if matches!(answer.status(), Some(Status::Ok | Status::Warning)) {
             for (value, text) in values.iter_mut().zip(texts) {
                 // SAFETY: not NULL, so a text of the FMU's, which lives until its next call.
@@ -316,21 +313,26 @@ impl Calls {
                 *value = text.map(|text| text.to_string_lossy().into_owned()).unwrap_or_default();
             }
         }
-        answer
+        Ok(answer)
     }
 
-    pub(crate) fn set_real(&self, references: &[u32], values: &[f64]) -> Answer {
-        self.set(self.functions.set_real, references, values)
+    /// Sets all values of Reals.
+    pub(crate) fn set_real(&self, of: Native, references: &[u32], values: &[f64]) -> Result<Answer> {
+        either!(self, functions => functions.set_real(self, of, references, values))
     }
 
-    pub(crate) fn set_integer(&self, references: &[u32], values: &[i32]) -> Answer {
-        self.set(self.functions.set_integer, references, values)
+    /// Sets all values of whole numbers.
+    pub(crate) fn set_integer(&self, of: Native, references: &[u32], values: &[i32]) -> Result<Answer> {
+        either!(self, functions => functions.set_integer(self, of, references, values))
     }
 
-    pub(crate) fn set_boolean(&self, references: &[u32], values: &[i32]) -> Answer {
-        self.set(self.functions.set_boolean, references, values)
+    /// Sets all values of Booleans.
+    pub(crate) fn set_boolean(&self, references: &[u32], values: &[i32]) -> Result<Answer> {
+        either!(self, functions => functions.set_boolean(self, references, values))
     }
 
+    /// Sets all texts.
+    ///
     /// # Errors
     /// A text holds a zero, which would end it.
     pub(crate) fn set_string(&self, references: &[u32], values: &[&str]) -> Result<Answer> {
@@ -338,13 +340,26 @@ impl Calls {
         let texts = values.iter().map(|text| c_text(text, || zero(text)));
         let texts = texts.collect::<Result<Vec<CString>>>()?;
         let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
-        Ok(self.set(self.functions.set_string, references, &pointers))
+        either!(self, functions => functions.set_string(self, references, &pointers))
     }
 
     /// From a time over a step, both \[s\]; nothing before that time is asked for any more.
-    pub(crate) fn do_step(&self, time: f64, step: f64) -> Answer {
-        // SAFETY: an instance of this library.
-        Answer(unsafe { (self.functions.do_step)(self.component.as_ptr(), time, step, TRUE) })
+    ///
+    /// # Errors
+    /// The FMU has returned early, or wants an event or the end.
+    pub(crate) fn do_step(&self, time: f64, step: f64) -> Result<Answer> {
+        either!(self, functions => functions.do_step(self, time, step))
+    }
+
+    /// Sets structural parameters in Configuration Mode.
+    ///
+    /// # Errors
+    /// The FMU lacks a function.
+    pub(crate) fn configure(&self, references: &[u32], sizes: &[u64]) -> Result<Answer> {
+        match &self.functions {
+            Functions::V2(_) => Err(CallError::NoFunction("fmi3EnterConfigurationMode")),
+            Functions::V3(functions) => functions.configure(self, references, sizes),
+        }
     }
 }
 
@@ -357,7 +372,7 @@ pub(crate) struct Held {
 
 impl Drop for Held {
     fn drop(&mut self) {
-        if let Some(free) = self.calls.functions.free_state.filter(|_| !self.pointer.is_null()) {
+        if let Some(free) = self.calls.states.free.0.filter(|_| !self.pointer.is_null()) {
             // SAFETY: a state of this instance, which lives. There is nobody to tell of a refusal.
             unsafe { free(self.calls.component.as_ptr(), &raw mut self.pointer) };
         }
@@ -371,44 +386,45 @@ impl Held {
 
     /// `fmi2GetFMUstate`
     pub(crate) fn take(&mut self) -> Result<Answer> {
-        let function = there(self.calls.functions.get_state, "fmi2GetFMUstate")?;
+        let (function, call) = there(self.calls.states.get)?;
         // SAFETY: the pointer is NULL or a state of this instance.
-        Ok(Answer(unsafe { function(self.calls.component.as_ptr(), &raw mut self.pointer) }))
+        Ok(Answer { code: unsafe { function(self.calls.component.as_ptr(), &raw mut self.pointer) }, call })
     }
 
     /// `fmi2SetFMUstate`
     pub(crate) fn put(&self) -> Result<Answer> {
         self.is_there()?;
-        let function = there(self.calls.functions.set_state, "fmi2SetFMUstate")?;
+        let (function, call) = there(self.calls.states.set)?;
         // SAFETY: a state of this instance.
-        Ok(Answer(unsafe { function(self.calls.component.as_ptr(), self.pointer) }))
+        Ok(Answer { code: unsafe { function(self.calls.component.as_ptr(), self.pointer) }, call })
     }
 
     /// `fmi2SerializedFMUstateSize` \[byte\]
     pub(crate) fn size(&self) -> Result<(Answer, usize)> {
         self.is_there()?;
-        let function = there(self.calls.functions.state_size, "fmi2SerializedFMUstateSize")?;
+        let (function, call) = there(self.calls.states.size)?;
         let mut size = 0;
         // SAFETY: a state of this instance.
-        let answer = unsafe { function(self.calls.component.as_ptr(), self.pointer, &raw mut size) };
-        Ok((Answer(answer), size))
+        let code = unsafe { function(self.calls.component.as_ptr(), self.pointer, &raw mut size) };
+        Ok((Answer { code, call }, size))
     }
 
     /// `fmi2SerializeFMUstate`
     pub(crate) fn serialize(&self, bytes: &mut [u8]) -> Result<Answer> {
         self.is_there()?;
-        let function = there(self.calls.functions.serialize, "fmi2SerializeFMUstate")?;
+        let (function, call) = there(self.calls.states.serialize)?;
         let (component, size) = (self.calls.component.as_ptr(), bytes.len());
         // SAFETY: a state of this instance; the bytes are as many as said.
-        Ok(Answer(unsafe { function(component, self.pointer, bytes.as_mut_ptr(), size) }))
+        Ok(Answer { code: unsafe { function(component, self.pointer, bytes.as_mut_ptr(), size) }, call })
     }
 
     /// `fmi2DeSerializeFMUstate`
     pub(crate) fn deserialize(&mut self, bytes: &[u8]) -> Result<Answer> {
-        let function = there(self.calls.functions.deserialize, "fmi2DeSerializeFMUstate")?;
-        let component = self.calls.component.as_ptr();
+        let (function, call) = there(self.calls.states.deserialize)?;
+        let (component, size) = (self.calls.component.as_ptr(), bytes.len());
         // SAFETY: the pointer is NULL or a state of this instance; the bytes are as many as said.
-        Ok(Answer(unsafe { function(component, bytes.as_ptr(), bytes.len(), &raw mut self.pointer) }))
+        let code = unsafe { function(component, bytes.as_ptr(), size, &raw mut self.pointer) };
+        Ok(Answer { code, call })
     }
 
     fn is_there(&self) -> Result<()> {
@@ -416,8 +432,8 @@ impl Held {
     }
 }
 
-fn there<T>(function: Option<T>, name: &'static str) -> Result<T> {
-    function.ok_or(CallError::NoFunction(name))
+fn there<T>((function, name): Named<Option<T>>) -> Result<Named<T>> {
+    Ok((function.ok_or(CallError::NoFunction(name))?, name))
 }
 
 /// `what` is said of a text that holds a zero.
@@ -439,86 +455,15 @@ fn load(path: &Path) -> Result<Library> {
     }
 }
 
-/// What stands for itself in the path of an URI.
-const ENCODED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~').remove(b'/');
-
-/// `file:///…/`, as FMI wants it.
-fn file_uri(directory: &Path) -> Result<CString> {
-    let unknown = |source| CallError::Resources { path: directory.to_owned(), source };
-    let path = std::path::absolute(directory).map_err(unknown)?;
-    let encoded = percent_encode(path.as_os_str().as_encoded_bytes(), ENCODED).to_string();
-    let path =
-        if cfg!(windows) { format!("/{}", encoded.replace("%5C", "/").replace("%3A", ":")) } else { encoded };
-    let uri = format!("file://{}/", path.trim_end_matches('/'));
-    c_text(&uri, || uri.clone())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::{Arc, Mutex};
-
-    /// What is heard when an FMU tells something.
-    fn heard(tell: impl FnOnce(*mut c_void)) -> Vec<(Option<Status>, String)> {
-        let all = Arc::new(Mutex::new(Vec::new()));
-        let list = all.clone();
-        let hears: Box<Hears> =
-            Box::new(move |status, text| list.lock().unwrap().push((status, text.to_owned())));
-        let listener = Rc::new(Listener { hear, hears });
-        tell(Rc::as_ptr(&listener).cast_mut().cast());
-        std::mem::take(&mut *all.lock().unwrap())
-    }
-
-    #[test]
-    fn what_an_fmu_tells_is_formatted_as_printf_does() {
-        let said = heard(|environment| {
-            let (name, category) = (c"x".as_ptr(), c"all".as_ptr());
-            // SAFETY: arguments as the formats want them.
-            unsafe {
-                let format = c"%s is %d of %.2f %%".as_ptr();
-                let (what, count) = (c"this".as_ptr(), 7 as c_int);
-                lemons_logger(environment, name, Status::Error, category, format, what, count, 0.5_f64);
-                lemons_logger(environment, null(), Status::Warning, null(), c"\xff plain".as_ptr());
-                lemons_logger(environment, name, Status::Ok, category, null());
-                lemons_logger(null_mut(), name, Status::Ok, category, c"nobody hears".as_ptr());
-            }
-        });
-        let expected = [
-            (Some(Status::Error), "this is 7 of 0.50 %".to_owned()),
-            (Some(Status::Warning), "\u{fffd} plain".to_owned()),
-        ];
-        assert_eq!(said, expected);
-    }
-
-    #[test]
-    fn an_endless_message_is_cut() {
-        let said = heard(|environment| {
-            // SAFETY: a width and its argument.
-            unsafe {
-                let (format, width) = (c"%*d".as_ptr(), 50_000_000 as c_int);
-                lemons_logger(environment, null(), Status::Ok, null(), format, width, 1 as c_int);
-            }
-        });
-        assert_eq!(said[0].1.len(), 1_000_000);
-    }
-
-    #[test]
-    #[cfg(unix)]
-    fn the_resources_are_named_by_an_uri() {
-        let said = |path: &str| file_uri(Path::new(path)).unwrap().into_string().unwrap();
-        assert_eq!(said("/tmp/a_b-c.d~/resources"), "file:///tmp/a_b-c.d~/resources/");
-        assert_eq!(said("/tmp/a b%20#?/ü/"), "file:///tmp/a%20b%2520%23%3F/%C3%BC/");
-        let here = std::env::current_dir().unwrap();
-        assert_eq!(said("x"), said(here.join("x").to_str().unwrap()));
-        // As the other side reads it.
-        let read = lemons_fmi::location::directories(&said("/tmp/a b%20#?/ü")).unwrap();
-        assert_eq!(read[0], Path::new("/tmp/a b%20#?/ü/"));
-    }
 
     #[test]
     fn a_status_that_fmi_does_not_know_is_told_as_a_number() {
-        let said = [0, 3, 5, 6, -1].map(|code| Answer(code).to_string());
+        let said = |call| [0, 3, 5, 6, -1].map(|code| Answer { code, call }.to_string());
         let unknown = ["6, which is no status of FMI", "-1, which is no status of FMI"];
-        assert_eq!(said, ["Ok", "Error", "Pending", unknown[0], unknown[1]]);
+        assert_eq!(said("fmi2DoStep"), ["Ok", "Error", "Pending", unknown[0], unknown[1]]);
+        assert_eq!(said("fmi3DoStep")[2], "5, which is no status of FMI");
     }
 }

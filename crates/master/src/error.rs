@@ -88,8 +88,8 @@ pub enum Error {
         /// FMI's names of the platforms that it has.
         others: Vec<String>,
     },
-    /// FMI 2.0 has no name for the platform of this program.
-    #[error("FMI 2.0 has no name for this platform")]
+    /// FMI has no name for the platform of this program.
+    #[error("FMI has no name for this platform")]
     NoPlatform,
     /// An FMU for model exchange only.
     #[error("the FMU is not for co-simulation")]
@@ -120,11 +120,9 @@ pub enum Error {
         said: Vec<String>,
     },
     /// The FMU refuses a call, or it fails.
-    #[error("{}", if said.is_empty() { format!("{call} returned {answer}") } else { said.join("\n") })]
+    #[error("{}", if said.is_empty() { format!("{} returned {answer}", answer.call()) } else { said.join("\n") })]
     Refused {
-        /// The C function.
-        call: &'static str,
-        /// What it returned.
+        /// What the C function returned.
         answer: Answer,
         /// What the FMU has logged about it.
         said: Vec<String>,
@@ -135,6 +133,19 @@ pub enum Error {
     /// The FMU has no variable of this name.
     #[error("the FMU has no variable {0:?}")]
     NoVariable(String),
+    /// The FMU has no value at an address.
+    #[error("the FMU has no variable with the value reference {0}, or not so many values in it")]
+    NoReference(u32),
+    /// Arrays cannot have this size.
+    #[error("{name}={value}: {why}")]
+    Size {
+        /// Of the structural parameter.
+        name: String,
+        /// Its value.
+        value: u64,
+        /// Why not.
+        why: String,
+    },
     /// A text is not a value of a variable's type.
     #[error("{name}={text}: {why}")]
     Value {
@@ -156,8 +167,10 @@ pub enum Error {
         of: &'static str,
     },
     /// A state is larger than [`LARGEST_STATE`](crate::LARGEST_STATE).
-    #[error("fmi2SerializedFMUstateSize returned {size} bytes, more than {most}")]
+    #[error("{call} returned {size} bytes, more than {most}")]
     StateSize {
+        /// The C function.
+        call: &'static str,
         /// \[byte\]
         size: usize,
         /// \[byte\]

@@ -3,22 +3,27 @@
 use crate::calls::{Answer, Calls, Made};
 use crate::drive::{DriveChoice, DriveTable, own_drive};
 use crate::error::{Cause, Error, Place, Result};
-use crate::kind::Kind;
+use crate::kind::Kind as FileKind;
 use crate::library::check_library;
+use crate::selection::{Part, Selection};
 use crate::unzip::{DESCRIPTION_FILE, unzip};
+use crowd_mechanics::arrays;
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
-use crowd_mechanics::pack::host_platform;
+use crowd_mechanics::pack::{host_directory, host_platform};
 use crowd_mechanics::resources::{Resources, ResourcesError};
 use lemons_files::{Scratch, input};
 use lemons_fmi::Status;
 use lemons_fmi::location::Location;
-use lemons_ssp::{Allowance, Interface, Type};
+use lemons_ssp::{Address, Allowance, Fmi, Interface, Kind, Type};
 use lemons_trial::Trial;
-use std::collections::HashMap;
+use std::cell::{Cell, RefCell};
 use std::path::Path;
 use std::rc::Rc;
 use std::str::FromStr;
 use std::sync::{Arc, Mutex};
+
+/// The parameter of a crowd that chooses among its packed Trials.
+const TRIAL: &str = "Trial";
 
 /// Stands for all agents in the name of a variable.
 const EVERY_AGENT: &str = "agent[*].";
@@ -35,12 +40,23 @@ pub fn named(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
 /// An FMU, unzipped.
 pub struct Fmu {
     directory: Scratch,
-    /// The content of `modelDescription.xml`.
-    pub description: Interface,
+    /// The content of `modelDescription.xml`; with the sizes of arrays that were chosen by [`Fmu::configure`].
+    pub description: Arc<Interface>,
+    /// The structural parameters that were chosen.
+    sizes: Sizes,
     /// Where it came from.
     shown: String,
     /// The Trial that was packed, by name, and where it lies.
     trial: Option<(String, String)>,
+    /// The packed Trial that was chosen, if that is known.
+    chosen: Option<String>,
+}
+
+/// Structural parameters: value references, and values.
+#[derive(Default, Clone)]
+struct Sizes {
+    references: Vec<u32>,
+    values: Vec<u64>,
 }
 
 /// Temporary places, and what the user knows them by.
@@ -59,7 +75,7 @@ impl Fmu {
     /// # Errors
     /// There is no FMU.
     pub fn open(path: &Path) -> Result<Fmu> {
-        Kind::expect(path, &Kind::ARCHIVES, "an FMU")?;
+        FileKind::expect(path, &FileKind::ARCHIVES, "an FMU")?;
         let mut allowance = Allowance::new(Allowance::FMUS);
         let fmu = Self::unzip(path, &mut allowance).place(|| path.display().to_string())?;
         Ok(fmu.shown_as(&path.display().to_string()))
@@ -95,7 +111,15 @@ impl Fmu {
         let description = Interface::read(&bytes)?;
         check_identifiers(&description).place(|| DESCRIPTION_FILE.to_owned())?;
         check_own_library(&description, directory.path())?;
-        Ok(Fmu { directory, description, shown: "FMU".into(), trial: None })
+        let description = Arc::new(description);
+        Ok(Fmu {
+            directory,
+            description,
+            sizes: Sizes::default(),
+            shown: "FMU".into(),
+            trial: None,
+            chosen: None,
+        })
     }
 
     /// The directory into which it is unzipped; it exists until the FMU is dropped.
@@ -151,12 +175,14 @@ impl Fmu {
         let own = self.description.co_simulation.as_ref();
         let own = own.ok_or(Error::NotCoSimulation)?;
         let platform = host_platform().ok_or(Error::NoPlatform)?;
-        let library = self.directory.path().join(library_of(&own.identifier, platform));
+        let name_of_library = library_of(&own.identifier, platform_of(&self.description, platform));
+        let library = self.directory.path().join(&name_of_library);
         if !library.exists() {
-            return Err(self.no_binary(&own.identifier, platform)).place(|| self.shown.clone());
+            return Err(self.no_binary(&own.identifier, name_of_library)).place(|| self.shown.clone());
         }
         let messages = Arc::new(Messages { names: self.names(), ..Messages::default() });
         let made = Made {
+            fmi: self.description.fmi,
             library: &library,
             resources: &self.directory.path().join("resources"),
             name,
@@ -174,13 +200,20 @@ impl Fmu {
             }
             Error::In { place, source: Box::new(Error::Instantiate { why, said: messages.errors() }) }
         })?;
-        let variables = self.description.variables.iter();
-        let references = variables.map(|variable| (variable.name.clone(), variable.reference)).collect();
-        Ok(Instance { calls: Rc::new(calls), messages, references })
+        let instance = Instance {
+            calls: Rc::new(calls),
+            messages,
+            description: self.description.clone(),
+            sizes: self.sizes.clone(),
+            initialized: Cell::new(false),
+            later: RefCell::default(),
+        };
+        instance.configure().place(|| self.shown.clone())?;
+        Ok(instance)
     }
 
     /// It has no library for a platform, but perhaps for others.
-    fn no_binary(&self, identifier: &str, platform: &'static str) -> Error {
+    fn no_binary(&self, identifier: &str, name: String) -> Error {
         let files = |directory: &Path| directory.read_dir().into_iter().flatten().flatten();
         let has_library = |platform: &Path| {
             files(platform).any(|file| Path::new(&file.file_name()).file_stem() == Some(identifier.as_ref()))
@@ -190,17 +223,90 @@ impl Fmu {
         let mut others: Vec<String> =
             platforms.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
         others.sort();
-        Error::NoBinary { name: library_of(identifier, platform), others }
+        Error::NoBinary { name, others }
     }
 
-    /// The variables that a name stands for; see [`named`].
+    /// The values that a name stands for: see [`named`]. In FMI 3.0, a quantity of materials also has its name of FMI
+    /// 2.0, which contains their Ids.
     pub fn named(&self, name: &str) -> Vec<String> {
-        named(name, |name| self.description.variable(name).is_some())
+        if self.description.fmi == Fmi::V3 && self.description.single(name).is_none() {
+            let found = self.of_materials(name);
+            if !found.is_empty() {
+                return found;
+            }
+        }
+        named(name, |name| self.description.single(name).is_some())
     }
 
-    /// The type of a variable.
+    /// The elements of arrays of materials that have a name in FMI 2.0.
+    fn of_materials(&self, name: &str) -> Vec<String> {
+        if !name.starts_with("material.") && !name.starts_with("contact.") {
+            return Vec::new();
+        }
+        let chosen = self.chosen.as_deref();
+        let Ok(trial) = self.trial(chosen) else { return Vec::new() };
+        let elements = arrays::of_materials(&trial, name).into_iter().filter_map(|(array, element)| {
+            let variable = self.description.variable(array).filter(|array| element < array.count())?;
+            Some(self.description.name_of(variable, element))
+        });
+        elements.collect()
+    }
+
+    /// The type of a value.
     pub fn kind(&self, name: &str) -> Option<&Type> {
-        self.description.variable(name).map(|variable| &variable.of)
+        self.description.single(name).map(|single| &single.variable.of)
+    }
+
+    /// Chooses the sizes of arrays (FMI 3.0) of the next instances, from parameters of which some are structural. If the
+    /// parameter `Trial` names a Trial that is packed in it, its sizes are those.
+    ///
+    /// # Errors
+    /// A text is not a size, or the arrays become too large.
+    pub fn configure<'a>(&mut self, parameters: impl Iterator<Item = (&'a str, &'a str)>) -> Result<()> {
+        if self.description.fmi != Fmi::V3 {
+            return Ok(());
+        }
+        let mut chosen: Vec<(String, u64)> = Vec::new();
+        for (name, text) in parameters {
+            if name == TRIAL
+                && let Ok(packed) = self.resources()
+                && packed.names().iter().any(|known| known == text)
+            {
+                let trial = self.trial(Some(text))?;
+                self.chosen = Some(text.to_owned());
+                let sizes = arrays::SIZES.iter().zip(arrays::sizes(&trial));
+                chosen.extend(sizes.map(|(size, value)| (size.name.to_owned(), value)));
+            }
+            if self.is_structural(name) {
+                let wrong = |why, source| Error::Value { name: name.into(), text: text.into(), why, source };
+                let value = number(text).map_err(|error| wrong("not a size", Some(error)))?;
+                chosen.push((name.to_owned(), value));
+            }
+        }
+        for (name, value) in chosen {
+            if !self.is_structural(&name) {
+                continue;
+            }
+            let description = Arc::make_mut(&mut self.description);
+            description.resize(&name, value).map_err(|why| Error::Size { name: name.clone(), value, why })?;
+            let Some(reference) = description.variable(&name).map(|variable| variable.reference) else {
+                continue;
+            };
+            match self.sizes.references.iter().position(|known| *known == reference) {
+                Some(place) => self.sizes.values[place] = value,
+                None => {
+                    self.sizes.references.push(reference);
+                    self.sizes.values.push(value);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a variable is a structural parameter, which is set by [`Fmu::configure`].
+    pub fn is_structural(&self, name: &str) -> bool {
+        let found = self.description.variable(name);
+        found.is_some_and(|variable| variable.kind == Some(Kind::StructuralParameter))
     }
 }
 
@@ -235,10 +341,15 @@ fn library_of(identifier: &str, platform: &str) -> String {
     format!("binaries/{platform}/{identifier}{}", std::env::consts::DLL_SUFFIX)
 }
 
+/// The directory of a platform in the FMU's version.
+fn platform_of(description: &Interface, platform: &'static str) -> &'static str {
+    if description.fmi == Fmi::V3 { host_directory().unwrap_or(platform) } else { platform }
+}
+
 /// That the library for this machine, if there is one, can be loaded.
 fn check_own_library(description: &Interface, directory: &Path) -> Result<()> {
     let (Some(own), Some(platform)) = (&description.co_simulation, host_platform()) else { return Ok(()) };
-    let name = library_of(&own.identifier, platform);
+    let name = library_of(&own.identifier, platform_of(description, platform));
     let path = directory.join(&name);
     if path.is_file() { check_library(&path, platform).place(|| name) } else { Ok(()) }
 }
@@ -273,8 +384,8 @@ impl Heard {
 pub(crate) struct Messages {
     errors: Mutex<Heard>,
     warnings: Mutex<Heard>,
-    /// Steps that returned fmi2Warning: where the first of them began \[s\], and their number.
-    warned: Mutex<Option<(f64, u64)>>,
+    /// Steps that returned the status Warning: where the first of them began \[s\], and their number.
+    warned: Mutex<Option<(f64, u64, Answer)>>,
     names: Names,
 }
 
@@ -297,11 +408,11 @@ impl Messages {
         }
     }
 
-    /// Notes a step from a time \[s\] that returned fmi2Warning.
-    fn warned(&self, time: f64) {
+    /// Notes a step from a time \[s\] that returned the status Warning.
+    fn warned(&self, time: f64, answer: Answer) {
         if let Ok(mut warned) = self.warned.lock() {
-            let (first, steps) = warned.unwrap_or((time, 0));
-            *warned = Some((first, steps + 1));
+            let (first, steps, answer) = warned.unwrap_or((time, 0, answer));
+            *warned = Some((first, steps + 1, answer));
         }
     }
 
@@ -309,13 +420,14 @@ impl Messages {
     fn warnings(&self) -> Vec<String> {
         let said = self.warnings.lock().map(|mut list| list.take()).unwrap_or_default();
         let mut said: Vec<String> = said.iter().map(|message| self.names.said(message)).collect();
-        if let Some((time, steps)) = self.warned.lock().ok().and_then(|mut warned| warned.take()) {
+        if let Some((time, steps, answer)) = self.warned.lock().ok().and_then(|mut warned| warned.take()) {
             let more = match steps - 1 {
                 0 => String::new(),
                 1 => ", and 1 later step".to_owned(),
                 more => format!(", and {more} later steps"),
             };
-            said.push(format!("warning: the step from t = {time:?} s returned the status fmi2Warning{more}"));
+            let status = format!("{}Warning", &answer.call()[..4]);
+            said.push(format!("warning: the step from t = {time:?} s returned the status {status}{more}"));
         }
         said
     }
@@ -328,13 +440,13 @@ impl Messages {
 }
 
 /// The result of a call; its error is what the FMU has logged about it.
-pub(crate) fn done(messages: &Messages, answer: Answer, call: &'static str) -> Result<()> {
+pub(crate) fn done(messages: &Messages, answer: Answer) -> Result<()> {
     match answer.status() {
         Some(Status::Ok | Status::Warning) => {
             messages.forget_errors();
             Ok(())
         }
-        _ => Err(Error::Refused { call, answer, said: messages.errors() }),
+        _ => Err(Error::Refused { answer, said: messages.errors() }),
     }
 }
 
@@ -342,53 +454,87 @@ fn number<T: FromStr<Err: Into<Cause>>>(text: &str) -> Result<T, Cause> {
     text.parse().map_err(Into::into)
 }
 
+/// What is set when an instance is in initialization.
+type Later = Box<dyn FnOnce(&Instance) -> Result<()>>;
+
 /// An instance of an FMU.
 pub struct Instance {
     pub(crate) calls: Rc<Calls>,
     pub(crate) messages: Arc<Messages>,
-    references: HashMap<String, u32>,
+    pub(crate) description: Arc<Interface>,
+    sizes: Sizes,
+    /// Whether initialization has begun.
+    initialized: Cell<bool>,
+    /// Elements of arrays: FMI 3.0 does not let the others of an array be read before initialization.
+    later: RefCell<Vec<Later>>,
 }
 
 impl Instance {
-    /// The value reference of a variable.
+    fn done(&self, answer: Answer) -> Result<()> {
+        done(&self.messages, answer)
+    }
+
+    /// Sets the structural parameters that were chosen.
+    fn configure(&self) -> Result<()> {
+        let Sizes { references, values } = &self.sizes;
+        if references.is_empty() { Ok(()) } else { self.done(self.calls.configure(references, values)?) }
+    }
+
+    /// Values by their names.
     ///
     /// # Errors
-    /// There is no such variable.
-    pub fn reference(&self, name: &str) -> Result<u32> {
-        self.references.get(name).copied().ok_or_else(|| Error::NoVariable(name.to_owned()))
+    /// There is no such value.
+    pub fn select<S: AsRef<str>>(&self, names: impl IntoIterator<Item = S>) -> Result<Selection> {
+        let addresses = names.into_iter().map(|name| self.address(name.as_ref()));
+        self.select_at(&addresses.collect::<Result<Vec<_>>>()?)
     }
 
-    fn done(&self, answer: Answer, call: &'static str) -> Result<()> {
-        done(&self.messages, answer, call)
-    }
-
-    /// Sets a variable from its text.
+    /// Values by their addresses.
     ///
     /// # Errors
-    /// A text that is no value of the type, or the FMU's refusal.
-    pub fn set(&self, kind: &Type, name: &str, text: &str) -> Result<()> {
-        let reference = [self.reference(name)?];
-        let wrong = |why, source| Error::Value { name: name.to_owned(), text: text.to_owned(), why, source };
-        let answer = match kind {
-            Type::Real(_) => self
-                .calls
-                .set_real(&reference, &[number(text).map_err(|error| wrong("not a number", Some(error)))?]),
-            Type::Integer => self.calls.set_integer(
-                &reference,
-                &[number(text).map_err(|error| wrong("not a number", Some(error)))?],
-            ),
-            Type::String => self.calls.set_string(&reference, &[text])?,
-            Type::Boolean => match text {
-                "true" | "1" => self.calls.set_boolean(&reference, &[1]),
-                "false" | "0" => self.calls.set_boolean(&reference, &[0]),
-                _ => return Err(wrong("neither true nor false", None)),
-            },
-            other => return Err(Error::Type { name: name.to_owned(), of: other.name() }),
-        };
-        self.done(answer, "fmi2Set")
+    /// There is no such value.
+    pub fn select_at(&self, addresses: &[Address]) -> Result<Selection> {
+        Selection::new(&self.description, addresses)
     }
 
-    /// From `fmi2SetupExperiment` to `fmi2ExitInitializationMode`, at time 0.
+    /// Where a value is.
+    ///
+    /// # Errors
+    /// There is no such value.
+    pub fn address(&self, name: &str) -> Result<Address> {
+        let single = self.description.single(name);
+        Ok(single.ok_or_else(|| Error::NoVariable(name.to_owned()))?.address())
+    }
+
+    /// Sets values of one type from a text, all to the same.
+    ///
+    /// # Errors
+    /// There is no such value, the text is no value of the type, or the FMU's refusal.
+    pub fn set<S: AsRef<str>>(&self, names: &[S], text: &str) -> Result<()> {
+        let Some(first) = names.first().map(AsRef::as_ref) else { return Ok(()) };
+        let kind = self.description.single(first).map(|single| &single.variable.of);
+        let kind = kind.ok_or_else(|| Error::NoVariable(first.to_owned()))?;
+        let selection = self.select(names)?;
+        let count = selection.len();
+        let wrong = |why, source| Error::Value { name: first.to_owned(), text: text.to_owned(), why, source };
+        let not_a_number = |error| wrong("not a number", Some(error));
+        match kind {
+            Type::Real(_) => self.set_real(&selection, &vec![number(text).map_err(not_a_number)?; count]),
+            Type::Integer => self.set_integer(&selection, &vec![number(text).map_err(not_a_number)?; count]),
+            Type::String => self.set_string(&selection, &vec![text; count]),
+            Type::Boolean => {
+                let value = match text {
+                    "true" | "1" => 1,
+                    "false" | "0" => 0,
+                    _ => return Err(wrong("neither true nor false", None)),
+                };
+                self.set_boolean(&selection, &vec![value; count])
+            }
+            other => Err(Error::Type { name: first.to_owned(), of: other.name() }),
+        }
+    }
+
+    /// From the beginning of initialization to its end, at time 0.
     ///
     /// # Errors
     /// The FMU refuses the call.
@@ -397,117 +543,203 @@ impl Instance {
         self.exit_initialization()
     }
 
-    /// `fmi2SetupExperiment` at a time \[s\] and `fmi2EnterInitializationMode`
+    /// `fmi2SetupExperiment` at a time \[s\] and `fmi2EnterInitializationMode`, or `fmi3EnterInitializationMode`; then
+    /// elements of arrays are set that were set before.
     ///
     /// # Errors
     /// The FMU refuses the call.
     pub fn enter_initialization(&self, start: f64) -> Result<()> {
-        self.done(self.calls.setup_experiment(start), "fmi2SetupExperiment")?;
-        self.done(self.calls.enter_initialization(), "fmi2EnterInitializationMode")
+        self.done(self.calls.enter_initialization(start))?;
+        self.initialized.set(true);
+        let later = std::mem::take(&mut *self.later.borrow_mut());
+        later.into_iter().try_for_each(|set| set(self))
     }
 
-    /// `fmi2ExitInitializationMode`
+    /// `fmi2ExitInitializationMode`, `fmi3ExitInitializationMode`
     ///
     /// # Errors
     /// The FMU refuses the call.
     pub fn exit_initialization(&self) -> Result<()> {
-        self.done(self.calls.exit_initialization(), "fmi2ExitInitializationMode")
+        self.done(self.calls.exit_initialization())
     }
 
-    /// `fmi2SetReal`
+    /// Whether values must wait for initialization: an array can only be set whole, and cannot be read before. What comes
+    /// after such a value waits, too, so that the last value counts.
+    fn waits(&self, selection: &Selection) -> bool {
+        let arrays = selection.has_arrays() && (selection.is_partial() || !self.later.borrow().is_empty());
+        arrays && !self.initialized.get()
+    }
+
+    /// Sets Reals.
     ///
     /// # Errors
     /// The FMU refuses the call.
-    pub fn set_real(&self, references: &[u32], values: &[f64]) -> Result<()> {
-        self.done(self.calls.set_real(references, values), "fmi2SetReal")
-    }
-
-    /// `fmi2GetReal`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn get_real(&self, references: &[u32], values: &mut [f64]) -> Result<()> {
-        self.done(self.calls.get_real(references, values), "fmi2GetReal")
-    }
-
-    /// `fmi2GetInteger`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn get_integer(&self, references: &[u32], values: &mut [i32]) -> Result<()> {
-        self.done(self.calls.get_integer(references, values), "fmi2GetInteger")
-    }
-
-    /// `fmi2SetInteger`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn set_integer(&self, references: &[u32], values: &[i32]) -> Result<()> {
-        self.done(self.calls.set_integer(references, values), "fmi2SetInteger")
-    }
-
-    /// `fmi2GetBoolean`; anything but 0 is true.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn get_boolean(&self, references: &[u32], values: &mut [i32]) -> Result<()> {
-        self.done(self.calls.get_boolean(references, values), "fmi2GetBoolean")
-    }
-
-    /// `fmi2SetBoolean`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn set_boolean(&self, references: &[u32], values: &[i32]) -> Result<()> {
-        self.done(self.calls.set_boolean(references, values), "fmi2SetBoolean")
-    }
-
-    /// `fmi2GetString`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn get_string(&self, references: &[u32], values: &mut [String]) -> Result<()> {
-        self.done(self.calls.get_string(references, values), "fmi2GetString")
-    }
-
-    /// `fmi2SetString`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn set_string(&self, references: &[u32], values: &[&str]) -> Result<()> {
-        self.done(self.calls.set_string(references, values)?, "fmi2SetString")
-    }
-
-    /// `fmi2DoStep` from a time over a step, both \[s\].
-    ///
-    /// # Errors
-    /// The FMU refuses the step or fails.
-    pub fn step(&self, time: f64, step: f64) -> Result<()> {
-        let answer = self.calls.do_step(time, step);
-        if answer.status() == Some(Status::Warning) {
-            self.messages.warned(time);
+    pub fn set_real(&self, selection: &Selection, values: &[f64]) -> Result<()> {
+        if self.waits(selection) {
+            let (selection, values) = (selection.clone(), values.to_vec());
+            self.later.borrow_mut().push(Box::new(move |instance| instance.set_real(&selection, &values)));
+            return Ok(());
         }
-        self.done(answer, "fmi2DoStep")
+        let set = |part: &Part, values: &[f64]| {
+            self.done(self.calls.set_real(part.of, &part.references, values)?)
+        };
+        selection.write(values, |part, values| self.part_of_real(part, values), set)
     }
 
-    /// `fmi2Reset`
+    fn part_of_real(&self, part: &Part, values: &mut [f64]) -> Result<()> {
+        self.done(self.calls.get_real(part.of, &part.references, values)?)
+    }
+
+    /// Reads Reals.
+    ///
+    /// # Errors
+    /// The FMU refuses the call.
+    pub fn get_real(&self, selection: &Selection, values: &mut [f64]) -> Result<()> {
+        selection.read(values, |part, values| self.part_of_real(part, values))
+    }
+
+    /// Reads Integers; those of FMI 3.0 that are larger than an `Int32` are refused.
+    ///
+    /// # Errors
+    /// The FMU refuses the call, or a value is too large.
+    pub fn get_integer(&self, selection: &Selection, values: &mut [i32]) -> Result<()> {
+        selection.read(values, |part, values| self.part_of_integer(part, values))
+    }
+
+    fn part_of_integer(&self, part: &Part, values: &mut [i32]) -> Result<()> {
+        self.done(self.calls.get_integer(part.of, &part.references, values)?)
+    }
+
+    /// Sets Integers.
+    ///
+    /// # Errors
+    /// The FMU refuses the call, or a value is not one of its type.
+    pub fn set_integer(&self, selection: &Selection, values: &[i32]) -> Result<()> {
+        if self.waits(selection) {
+            let (selection, values) = (selection.clone(), values.to_vec());
+            self.later.borrow_mut().push(Box::new(move |instance| instance.set_integer(&selection, &values)));
+            return Ok(());
+        }
+        let set = |part: &Part, values: &[i32]| {
+            self.done(self.calls.set_integer(part.of, &part.references, values)?)
+        };
+        selection.write(values, |part, values| self.part_of_integer(part, values), set)
+    }
+
+    /// Reads Booleans; anything but 0 is true.
+    ///
+    /// # Errors
+    /// The FMU refuses the call.
+    pub fn get_boolean(&self, selection: &Selection, values: &mut [i32]) -> Result<()> {
+        selection.read(values, |part, values| self.part_of_boolean(part, values))
+    }
+
+    fn part_of_boolean(&self, part: &Part, values: &mut [i32]) -> Result<()> {
+        self.done(self.calls.get_boolean(&part.references, values)?)
+    }
+
+    /// Sets Booleans.
+    ///
+    /// # Errors
+    /// The FMU refuses the call.
+    pub fn set_boolean(&self, selection: &Selection, values: &[i32]) -> Result<()> {
+        if self.waits(selection) {
+            let (selection, values) = (selection.clone(), values.to_vec());
+            self.later.borrow_mut().push(Box::new(move |instance| instance.set_boolean(&selection, &values)));
+            return Ok(());
+        }
+        let set = |part: &Part, values: &[i32]| self.done(self.calls.set_boolean(&part.references, values)?);
+        selection.write(values, |part, values| self.part_of_boolean(part, values), set)
+    }
+
+    /// Reads texts.
+    ///
+    /// # Errors
+    /// The FMU refuses the call.
+    pub fn get_string(&self, selection: &Selection, values: &mut [String]) -> Result<()> {
+        selection.read(values, |part, values| self.part_of_string(part, values))
+    }
+
+    fn part_of_string(&self, part: &Part, values: &mut [String]) -> Result<()> {
+        self.done(self.calls.get_string(&part.references, values)?)
+    }
+
+    /// Sets texts.
+    ///
+    /// # Errors
+    /// The FMU refuses the call.
+    pub fn set_string(&self, selection: &Selection, values: &[&str]) -> Result<()> {
+        let values: Vec<String> = values.iter().map(|text| (*text).to_owned()).collect();
+        if self.waits(selection) {
+            let selection = selection.clone();
+            self.later.borrow_mut().push(Box::new(move |instance| instance.set_texts(&selection, &values)));
+            return Ok(());
+        }
+        self.set_texts(selection, &values)
+    }
+
+    fn set_texts(&self, selection: &Selection, values: &[String]) -> Result<()> {
+        let set = |part: &Part, values: &[String]| {
+            let values: Vec<&str> = values.iter().map(String::as_str).collect();
+            self.done(self.calls.set_string(&part.references, &values)?)
+        };
+        selection.write(values, |part, values| self.part_of_string(part, values), set)
+    }
+
+    /// The text of a single value.
+    ///
+    /// # Errors
+    /// There is no such value, or the FMU refuses the call.
+    pub fn text(&self, name: &str) -> Result<String> {
+        let mut text = [String::new()];
+        self.get_string(&self.select([name])?, &mut text)?;
+        let [text] = text;
+        Ok(text)
+    }
+
+    /// A Real.
+    ///
+    /// # Errors
+    /// There is no such value, or the FMU refuses the call.
+    pub fn real(&self, name: &str) -> Result<f64> {
+        let mut value = [0.0];
+        self.get_real(&self.select([name])?, &mut value)?;
+        Ok(value[0])
+    }
+
+    /// A step from a time, both \[s\].
+    ///
+    /// # Errors
+    /// The FMU refuses the step or fails; in FMI 3.0 also if it wants an event, or the end of the simulation.
+    pub fn step(&self, time: f64, step: f64) -> Result<()> {
+        let answer = self.calls.do_step(time, step)?;
+        if answer.status() == Some(Status::Warning) {
+            self.messages.warned(time, answer);
+        }
+        self.done(answer)
+    }
+
+    /// `fmi2Reset`, `fmi3Reset`
     ///
     /// # Errors
     /// The FMU refuses the call.
     pub fn reset(&self) -> Result<()> {
-        self.done(self.calls.reset(), "fmi2Reset")
+        self.done(self.calls.reset())?;
+        self.initialized.set(false);
+        self.later.borrow_mut().clear();
+        self.configure()
     }
 
-    /// `fmi2Terminate`
+    /// `fmi2Terminate`, `fmi3Terminate`
     ///
     /// # Errors
     /// The FMU refuses the call.
     pub fn terminate(&self) -> Result<()> {
-        self.done(self.calls.terminate(), "fmi2Terminate")
+        self.done(self.calls.terminate())
     }
 
     /// The warnings of the FMU since the last call: the first 1000, the number of further ones, and the time \[s\] of
-    /// the first step that returned fmi2Warning.
+    /// the first step that returned the status Warning.
     pub fn warnings(&self) -> Vec<String> {
         self.messages.warnings()
     }
@@ -527,7 +759,8 @@ mod tests {
         assert_eq!(numbers(&messages.errors()), (1001, "999".into(), Some("and 1 more".into())));
         assert!(messages.warnings().is_empty() && messages.errors().is_empty());
         // A step that returns fmi2Warning in silence.
-        [0.5, 0.6, 0.7].into_iter().for_each(|time| messages.warned(time));
+        let warning = Answer { code: Status::Warning as i32, call: "fmi2DoStep" };
+        [0.5, 0.6, 0.7].into_iter().for_each(|time| messages.warned(time, warning));
         let said = "warning: the step from t = 0.5 s returned the status fmi2Warning, and 2 later steps";
         assert_eq!(messages.warnings(), [said]);
     }
@@ -537,9 +770,9 @@ mod tests {
         let messages = Messages::default();
         messages.hear(Some(Status::Error), "harmless");
         messages.hear(Some(Status::Warning), "to be looked at");
-        done(&messages, Answer(Status::Ok as i32), "fmi2SetReal").unwrap();
+        done(&messages, Answer { code: Status::Ok as i32, call: "fmi2SetReal" }).unwrap();
         messages.hear(Some(Status::Error), "the reason");
-        let error = done(&messages, Answer(Status::Error as i32), "fmi2DoStep").unwrap_err();
+        let error = done(&messages, Answer { code: Status::Error as i32, call: "fmi2DoStep" }).unwrap_err();
         assert_eq!(error.to_string(), "the reason");
         assert_eq!(messages.warnings(), ["to be looked at"]);
     }

@@ -1,4 +1,4 @@
-//! An FMI 2.0 master, and runs without a command line.
+//! A master for FMUs of FMI 2.0 and 3.0, and runs without a command line.
 //!
 //! It knows of an FMU only its model description, and couples several FMUs by SSP. [`Settings`] say what is run and how:
 //! a Trial, an FMU or an SSP. [`Prepared`] is a run that is ready, with an example; [`simulate()`] is its loop.
@@ -18,6 +18,7 @@ mod prepared;
 mod progress;
 mod pushes;
 mod saved;
+mod selection;
 mod settings;
 mod simulate;
 mod state;
@@ -39,6 +40,7 @@ pub use prepared::{PrepareError, Prepared, Runnable, Warning};
 pub use progress::{Kept, Progress};
 pub use pushes::Pushes;
 pub use saved::{ComponentRecord, CrowdRecord, Extent, Saved, wiring_of, writers};
+pub use selection::Selection;
 pub use settings::Settings;
 pub use simulate::{Observer, Reached, Stepped, simulate};
 pub use state::{LARGEST_STATE, State};

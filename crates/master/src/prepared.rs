@@ -35,9 +35,7 @@ use std::path::{Path, PathBuf};
 ///
 ///     fn look(&mut self, system: &mut System, reached: Reached) -> Result<(), Error> {
 ///         let crowd = &system.components()[0].instance;
-///         let mut x = [0.0];
-///         crowd.get_real(&[crowd.reference("agent[0].Position.x")?], &mut x)?;
-///         println!("{} s: {} m", reached.time, x[0]);
+///         println!("{} s: {} m", reached.time, crowd.real("agent[0].Position.x")?);
 ///         Ok(())
 ///     }
 /// }
@@ -258,14 +256,16 @@ fn open(settings: &Settings) -> Result<Opened, PrepareError> {
     let runs = [Kind::Trial, Kind::Fmu, Kind::Ssp, Kind::Archive, Kind::Stream];
     Kind::expect(input, &runs, "a Trial directory, an FMU or an SSP").map_err(Error::from)?;
     if !input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
-        let fmu = Runnable::of(input, settings.binary.as_ref())?.open()?;
+        let mut fmu = Runnable::of(input, settings.binary.as_ref())?.open()?;
+        fmu.configure(settings.parameters.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
         let system = System::of_one("crowd", fmu, settings.algorithm)?;
         return Ok(Opened { system, start: 0.0, stop: None, coupled: false, warnings: Vec::new() });
     }
     if matches!(settings.drive, DriveChoice::File(_)) {
         return Err(PrepareError::DriveOfCoupled);
     }
-    let Assembled { system, start, stop, ignored } = assemble(input, settings.algorithm)?;
+    let Assembled { system, start, stop, ignored } =
+        assemble(input, settings.algorithm, &settings.parameters)?;
     let warnings = ignored.into_iter().map(Warning::Ignored).collect();
     Ok(Opened { system, start: start.unwrap_or(0.0), stop, coupled: true, warnings })
 }
@@ -341,11 +341,11 @@ fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option
         }
     };
     let component = &system.components()[place];
-    let variables = component.fmu.named(variable);
-    for variable in &variables {
-        let kind = component.fmu.kind(variable).ok_or_else(|| Error::NoVariable(variable.clone()))?;
-        component.instance.set(kind, variable, value)?;
+    if component.fmu.is_structural(variable) {
+        return Ok(None);
     }
+    let variables = component.fmu.named(variable);
+    component.instance.set(&variables, value)?;
     let fed = variables.into_iter().find(|variable| system.feeds(place, variable));
     Ok(fed.map(|input| {
         let (name, value) = given();

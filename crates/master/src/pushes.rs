@@ -3,6 +3,7 @@
 use crate::drive::{DriveTable, Missed};
 use crate::error::Result;
 use crate::fmu::Instance;
+use crate::selection::Selection;
 use lemons_trial::Agent;
 
 /// A drive, into an instance of a crowd.
@@ -11,7 +12,7 @@ pub struct Pushes {
     fingerprint: String,
     /// Of the agents that the drive names.
     ids: Vec<String>,
-    inputs: Vec<u32>,
+    inputs: Selection,
 }
 
 impl Pushes {
@@ -26,7 +27,7 @@ impl Pushes {
             .iter()
             .flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(move |name| format!("agent[{i}].{name}")));
         Ok(Pushes {
-            inputs: names.map(|name| instance.reference(&name)).collect::<Result<_>>()?,
+            inputs: instance.select(names)?,
             ids: driven.iter().map(|(_, agent)| agent.id.clone()).collect(),
             fingerprint: drive.fingerprint(),
             drive,

@@ -3,6 +3,7 @@
 use crate::calls::Held;
 use crate::error::{Error, Result};
 use crate::fmu::{Fmu, Instance, Messages, done};
+use lemons_ssp::Fmi;
 use std::sync::Arc;
 
 /// \[byte\] The largest state, and the largest sum of those of all components, which are held in memory: some ten times that of 100 000 agents in contact.
@@ -20,7 +21,7 @@ impl State {
     /// # Errors
     /// The FMU refuses the call.
     pub fn renew(&mut self) -> Result<()> {
-        done(&self.messages, self.held.take()?, "fmi2GetFMUstate")
+        done(&self.messages, self.held.take()?)
     }
 
     /// `fmi2SerializeFMUstate`
@@ -29,14 +30,15 @@ impl State {
     /// The FMU's refusal, or a state too large for the memory.
     pub fn bytes(&self) -> Result<Vec<u8>> {
         let (answer, size) = self.held.size()?;
-        done(&self.messages, answer, "fmi2SerializedFMUstateSize")?;
+        let call = answer.call();
+        done(&self.messages, answer)?;
         if size > LARGEST_STATE {
-            return Err(Error::StateSize { size, most: LARGEST_STATE });
+            return Err(Error::StateSize { call, size, most: LARGEST_STATE });
         }
         let mut bytes = Vec::new();
         bytes.try_reserve_exact(size).map_err(|source| Error::Memory { size, source })?;
         bytes.resize(size, 0);
-        done(&self.messages, self.held.serialize(&mut bytes)?, "fmi2SerializeFMUstate")?;
+        done(&self.messages, self.held.serialize(&mut bytes)?)?;
         Ok(bytes)
     }
 }
@@ -62,17 +64,21 @@ impl Instance {
     /// Bytes that are none of such an FMU, or its refusal.
     pub fn restore(&self, bytes: &[u8]) -> Result<()> {
         let mut state = self.empty_state();
-        done(&self.messages, state.held.deserialize(bytes)?, "fmi2DeSerializeFMUstate")?;
-        done(&self.messages, state.held.put()?, "fmi2SetFMUstate")
+        done(&self.messages, state.held.deserialize(bytes)?)?;
+        done(&self.messages, state.held.put()?)
     }
 }
 
 impl Fmu {
-    /// Which of the flags `canGetAndSetFMUstate`, `canSerializeFMUstate` the FMU lacks to save its state.
+    /// Which of the flags `canGetAndSetFMUstate`, `canSerializeFMUstate` (FMI 3.0: `…State`) the FMU lacks to save its state.
     pub fn cannot_save(&self) -> Option<&'static str> {
+        let [get_and_set, serialize] = match self.description.fmi {
+            Fmi::V2 => ["canGetAndSetFMUstate", "canSerializeFMUstate"],
+            Fmi::V3 => ["canGetAndSetFMUState", "canSerializeFMUState"],
+        };
         match &self.description.co_simulation {
-            Some(able) if !able.can_get_and_set_state => Some("canGetAndSetFMUstate"),
-            Some(able) if !able.can_serialize_state => Some("canSerializeFMUstate"),
+            Some(able) if !able.can_get_and_set_state => Some(get_and_set),
+            Some(able) if !able.can_serialize_state => Some(serialize),
             Some(_) => None,
             None => Some("co-simulation"),
         }

@@ -1,6 +1,7 @@
 //! Several FMUs that step together: co-simulation with a fixed communication step.
 //!
-//! Each component keeps the newest values of its connected outputs here, read by one call for each type. Then
+//! Each component keeps the newest values of its connected outputs here, read by one call for each type. In FMI 3.0 an
+//! array is read and set whole, and each of its elements has a connection of its own here. Then
 //!
 //! - Jacobi: all inputs are set, all components step, all outputs are read;
 //! - Gauss-Seidel: the components step one after the other, in the order of the file. For each, the inputs are set, it
@@ -11,8 +12,9 @@
 
 use crate::error::{Error, Place, Result};
 use crate::fmu::{Fmu, Instance};
+use crate::selection::Selection;
 use crate::state::State;
-use lemons_ssp::{Affine, Type};
+use lemons_ssp::{Address, Affine, Type};
 use lemons_trial::Trial;
 use std::collections::HashMap;
 use std::fmt;
@@ -52,12 +54,10 @@ impl Component {
     /// # Errors
     /// The FMU does not say which one, or it cannot be read.
     pub fn trial(&self) -> Result<Option<Trial>> {
-        let (Ok(_), Ok(reference)) = (self.fmu.resources(), self.instance.reference("Trial")) else {
+        if self.fmu.resources().is_err() || self.fmu.kind("Trial").is_none() {
             return Ok(None);
-        };
-        let mut chosen = [String::new()];
-        self.instance.get_string(&[reference], &mut chosen)?;
-        self.fmu.trial(Some(&chosen[0])).map(Some)
+        }
+        self.fmu.trial(Some(&self.instance.text("Trial")?)).map(Some)
     }
 }
 
@@ -73,10 +73,10 @@ pub struct System {
     time: f64,
 }
 
-/// A connection, by component and value reference.
+/// A connection of single values, by component and address.
 pub(crate) struct Wire {
-    pub(crate) from: (usize, u32),
-    pub(crate) to: (usize, u32),
+    pub(crate) from: (usize, Address),
+    pub(crate) to: (usize, Address),
     /// Of Reals.
     pub(crate) map: Affine,
 }
@@ -114,14 +114,18 @@ impl System {
         }
     }
 
-    /// Adds connections.
-    pub(crate) fn connect(&mut self, wires: &Wires) {
+    /// Adds connections; each is one of so many lines of the SSP.
+    ///
+    /// # Errors
+    /// An FMU has no such values.
+    pub(crate) fn connect(&mut self, wires: &Wires, connections: usize) -> Result<()> {
         let Wires { reals, integers, booleans, strings } = wires;
-        self.reals.connect(reals);
-        self.integers.connect(integers);
-        self.booleans.connect(booleans);
-        self.strings.connect(strings);
-        self.connections += [reals, integers, booleans, strings].map(Vec::len).iter().sum::<usize>();
+        self.reals.connect(reals, &self.components)?;
+        self.integers.connect(integers, &self.components)?;
+        self.booleans.connect(booleans, &self.components)?;
+        self.strings.connect(strings, &self.components)?;
+        self.connections += connections;
+        Ok(())
     }
 
     /// In the order of the file.
@@ -137,17 +141,14 @@ impl System {
     /// Whether a connection feeds a variable of the component at this place.
     pub fn feeds(&self, place: usize, variable: &str) -> bool {
         let component = &self.components[place];
-        let (Some(kind), Ok(reference)) =
-            (component.fmu.kind(variable), component.instance.reference(variable))
-        else {
-            return false;
-        };
-        match kind {
-            Type::Real(_) => self.reals.feeds(place, reference),
-            Type::Integer => self.integers.feeds(place, reference),
-            Type::Boolean => self.booleans.feeds(place, reference),
-            Type::String => self.strings.feeds(place, reference),
-            Type::Enumeration(_) | Type::Binary => false,
+        let Some(single) = component.fmu.description.single(variable) else { return false };
+        let address = single.address();
+        match single.variable.of {
+            Type::Real(_) => self.reals.feeds(place, address),
+            Type::Integer => self.integers.feeds(place, address),
+            Type::Boolean => self.booleans.feeds(place, address),
+            Type::String => self.strings.feeds(place, address),
+            Type::Enumeration(_) | Type::Binary | Type::Clock => false,
         }
     }
 
@@ -313,8 +314,8 @@ pub(crate) fn component_of<'a>(components: &[Component], name: &'a str) -> Optio
 /// The FMI functions of a type.
 trait Signal {
     type Value: Clone + Default + PartialEq;
-    fn get(instance: &Instance, references: &[u32], values: &mut [Self::Value]) -> Result<()>;
-    fn set(instance: &Instance, references: &[u32], values: &[Self::Value]) -> Result<()>;
+    fn get(instance: &Instance, selection: &Selection, values: &mut [Self::Value]) -> Result<()>;
+    fn set(instance: &Instance, selection: &Selection, values: &[Self::Value]) -> Result<()>;
     /// What arrives of a value that is sent.
     fn arrive(value: &Self::Value, _: Affine) -> Self::Value {
         value.clone()
@@ -328,11 +329,11 @@ struct Strings;
 
 impl Signal for Reals {
     type Value = f64;
-    fn get(instance: &Instance, references: &[u32], values: &mut [f64]) -> Result<()> {
-        instance.get_real(references, values)
+    fn get(instance: &Instance, selection: &Selection, values: &mut [f64]) -> Result<()> {
+        instance.get_real(selection, values)
     }
-    fn set(instance: &Instance, references: &[u32], values: &[f64]) -> Result<()> {
-        instance.set_real(references, values)
+    fn set(instance: &Instance, selection: &Selection, values: &[f64]) -> Result<()> {
+        instance.set_real(selection, values)
     }
     fn arrive(value: &f64, map: Affine) -> f64 {
         map.apply(*value)
@@ -341,32 +342,32 @@ impl Signal for Reals {
 
 impl Signal for Integers {
     type Value = i32;
-    fn get(instance: &Instance, references: &[u32], values: &mut [i32]) -> Result<()> {
-        instance.get_integer(references, values)
+    fn get(instance: &Instance, selection: &Selection, values: &mut [i32]) -> Result<()> {
+        instance.get_integer(selection, values)
     }
-    fn set(instance: &Instance, references: &[u32], values: &[i32]) -> Result<()> {
-        instance.set_integer(references, values)
+    fn set(instance: &Instance, selection: &Selection, values: &[i32]) -> Result<()> {
+        instance.set_integer(selection, values)
     }
 }
 
 impl Signal for Booleans {
     type Value = i32;
-    fn get(instance: &Instance, references: &[u32], values: &mut [i32]) -> Result<()> {
-        instance.get_boolean(references, values)
+    fn get(instance: &Instance, selection: &Selection, values: &mut [i32]) -> Result<()> {
+        instance.get_boolean(selection, values)
     }
-    fn set(instance: &Instance, references: &[u32], values: &[i32]) -> Result<()> {
-        instance.set_boolean(references, values)
+    fn set(instance: &Instance, selection: &Selection, values: &[i32]) -> Result<()> {
+        instance.set_boolean(selection, values)
     }
 }
 
 impl Signal for Strings {
     type Value = String;
-    fn get(instance: &Instance, references: &[u32], values: &mut [String]) -> Result<()> {
-        instance.get_string(references, values)
+    fn get(instance: &Instance, selection: &Selection, values: &mut [String]) -> Result<()> {
+        instance.get_string(selection, values)
     }
-    fn set(instance: &Instance, references: &[u32], values: &[String]) -> Result<()> {
+    fn set(instance: &Instance, selection: &Selection, values: &[String]) -> Result<()> {
         let values: Vec<&str> = values.iter().map(String::as_str).collect();
-        instance.set_string(references, &values)
+        instance.set_string(selection, &values)
     }
 }
 
@@ -379,7 +380,8 @@ struct Channel<S: Signal> {
 /// The connected outputs of a component.
 #[derive(Clone, Default)]
 struct Outputs<T> {
-    references: Vec<u32>,
+    addresses: Vec<Address>,
+    selection: Selection,
     newest: Vec<T>,
     before: Vec<T>,
 }
@@ -387,7 +389,8 @@ struct Outputs<T> {
 /// The connected inputs of a component.
 #[derive(Clone, Default)]
 struct Inputs<T> {
-    references: Vec<u32>,
+    addresses: Vec<Address>,
+    selection: Selection,
     sources: Vec<Source>,
     values: Vec<T>,
 }
@@ -405,29 +408,34 @@ impl<S: Signal> Channel<S> {
         Channel { outputs: vec![Outputs::default(); components], inputs: vec![Inputs::default(); components] }
     }
 
-    fn connect(&mut self, wires: &[Wire]) {
+    fn connect(&mut self, wires: &[Wire], components: &[Component]) -> Result<()> {
         // One output may feed several inputs and is read once.
         let mut places = HashMap::new();
         for wire in wires {
             let outputs = &mut self.outputs[wire.from.0];
             let place = *places.entry(wire.from).or_insert_with(|| {
-                outputs.references.push(wire.from.1);
+                outputs.addresses.push(wire.from.1);
                 outputs.newest.push(S::Value::default());
-                outputs.references.len() - 1
+                outputs.addresses.len() - 1
             });
             let inputs = &mut self.inputs[wire.to.0];
-            inputs.references.push(wire.to.1);
+            inputs.addresses.push(wire.to.1);
             inputs.sources.push(Source { component: wire.from.0, place, map: wire.map });
         }
+        for ((component, outputs), inputs) in components.iter().zip(&mut self.outputs).zip(&mut self.inputs) {
+            outputs.selection = component.instance.select_at(&outputs.addresses)?;
+            inputs.selection = component.instance.select_at(&inputs.addresses)?;
+        }
+        Ok(())
     }
 
     fn wiring(&self) -> String {
         let inputs = self.inputs.iter().enumerate().flat_map(|(c, inputs)| {
-            let ends = inputs.references.iter().zip(&inputs.sources);
+            let ends = inputs.addresses.iter().zip(&inputs.sources);
             ends.map(move |(to, source)| (c, *to, source))
         });
         let lines = inputs.map(|(c, to, source)| {
-            let from = self.outputs[source.component].references[source.place];
+            let from = self.outputs[source.component].addresses[source.place];
             format!("{}.{from} -> {c}.{to} {:?}", source.component, source.map)
         });
         let mut lines: Vec<String> = lines.collect();
@@ -435,24 +443,24 @@ impl<S: Signal> Channel<S> {
         lines.join(" ")
     }
 
-    fn feeds(&self, c: usize, reference: u32) -> bool {
-        self.inputs[c].references.contains(&reference)
+    fn feeds(&self, c: usize, address: Address) -> bool {
+        self.inputs[c].addresses.contains(&address)
     }
 
     fn read(&mut self, c: usize, instance: &Instance) -> Result<bool> {
         let outputs = &mut self.outputs[c];
-        if outputs.references.is_empty() {
+        if outputs.addresses.is_empty() {
             return Ok(false);
         }
         let first = outputs.before.is_empty();
         outputs.before.clone_from(&outputs.newest);
-        S::get(instance, &outputs.references, &mut outputs.newest)?;
+        S::get(instance, &outputs.selection, &mut outputs.newest)?;
         Ok(first || outputs.before != outputs.newest)
     }
 
     fn send(&mut self, c: usize, instance: &Instance) -> Result<()> {
-        let Inputs { references, sources, values } = &mut self.inputs[c];
-        if references.is_empty() {
+        let Inputs { selection, sources, values, .. } = &mut self.inputs[c];
+        if selection.is_empty() {
             return Ok(());
         }
         values.clear();
@@ -462,6 +470,6 @@ impl<S: Signal> Channel<S> {
                 .iter()
                 .map(|source| S::arrive(&outputs[source.component].newest[source.place], source.map)),
         );
-        S::set(instance, references, values)
+        S::set(instance, selection, values)
     }
 }

@@ -54,8 +54,23 @@ pub struct Connector {
     pub kind: Kind,
     /// The variable's type, if the file says it.
     pub of: Option<Type>,
+    /// The same in the words of SSP 2.0, if the file or the FMU says it.
+    pub native: Option<Native>,
+    /// SSP 2.0: those of an array, from the outermost.
+    pub dimensions: Vec<Extent>,
     /// In the file; 0 if there is none.
     pub line: u32,
+}
+
+/// How many elements an array connector has in a dimension.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Extent {
+    /// So many.
+    Size(u64),
+    /// As many as the structural parameter with this name says.
+    Parameter(String),
+    /// The FMU says it.
+    Unsaid,
 }
 
 /// What a connector is for.
@@ -66,16 +81,18 @@ pub enum Kind {
     Output,
     Parameter,
     CalculatedParameter,
+    StructuralParameter,
     InOut,
 }
 
 impl Kind {
     /// SSP's names, which are FMI's.
-    pub const NAMES: [(&str, Kind); 5] = [
+    pub const NAMES: [(&str, Kind); 6] = [
         ("input", Kind::Input),
         ("output", Kind::Output),
         ("parameter", Kind::Parameter),
         ("calculatedParameter", Kind::CalculatedParameter),
+        ("structuralParameter", Kind::StructuralParameter),
         ("inout", Kind::InOut),
     ];
 
@@ -98,6 +115,8 @@ pub enum Type {
     Enumeration(String),
     /// Not in FMI 2.0.
     Binary,
+    /// Not in FMI 2.0.
+    Clock,
 }
 
 impl Type {
@@ -110,6 +129,7 @@ impl Type {
             Type::String => "String",
             Type::Enumeration(_) => "Enumeration",
             Type::Binary => "Binary",
+            Type::Clock => "Clock",
         }
     }
 
@@ -118,6 +138,69 @@ impl Type {
         match self {
             Type::Real(unit) => unit.as_deref(),
             _ => None,
+        }
+    }
+}
+
+/// The types of FMI 3.0. A Real of FMI 2.0 is a `Float64`, an Integer or an Enumeration an `Int32`; an Enumeration of FMI
+/// 3.0 is an `Int64`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // FMI's own names
+pub enum Native {
+    Float64,
+    Float32,
+    Int8,
+    UInt8,
+    Int16,
+    UInt16,
+    Int32,
+    UInt32,
+    Int64,
+    UInt64,
+    Boolean,
+    String,
+    Binary,
+    Clock,
+}
+
+impl Native {
+    /// FMI's names.
+    pub const NAMES: [(&str, Native); 14] = [
+        ("Float64", Native::Float64),
+        ("Float32", Native::Float32),
+        ("Int8", Native::Int8),
+        ("UInt8", Native::UInt8),
+        ("Int16", Native::Int16),
+        ("UInt16", Native::UInt16),
+        ("Int32", Native::Int32),
+        ("UInt32", Native::UInt32),
+        ("Int64", Native::Int64),
+        ("UInt64", Native::UInt64),
+        ("Boolean", Native::Boolean),
+        ("String", Native::String),
+        ("Binary", Native::Binary),
+        ("Clock", Native::Clock),
+    ];
+
+    /// FMI's name.
+    pub fn name(self) -> &'static str {
+        Native::NAMES.iter().find(|(_, native)| *native == self).map_or("", |(name, _)| name)
+    }
+
+    /// The type with this name.
+    pub fn named(name: &str) -> Option<Native> {
+        Native::NAMES.iter().find(|(known, _)| *known == name).map(|(_, native)| *native)
+    }
+
+    /// What its values are, with a unit.
+    pub fn of(self, unit: Option<String>) -> Type {
+        match self {
+            Native::Float64 | Native::Float32 => Type::Real(unit),
+            Native::Boolean => Type::Boolean,
+            Native::String => Type::String,
+            Native::Binary => Type::Binary,
+            Native::Clock => Type::Clock,
+            _ => Type::Integer,
         }
     }
 }
@@ -138,6 +221,10 @@ pub struct Connection {
     pub from: Port,
     /// The input.
     pub to: Port,
+    /// SSP 2.0: the element of an output that is an array, by indices from 1; empty for all of it.
+    pub from_indices: Vec<u64>,
+    /// The same of the input.
+    pub to_indices: Vec<u64>,
     /// `LinearTransformation`, after the conversion to the unit of the input.
     pub transformation: Option<Affine>,
     /// `suppressUnitConversion`
@@ -180,6 +267,12 @@ pub enum Value {
 }
 
 impl SystemStructure {
+    /// Whether there are array connectors, which SSP 1.0 has not.
+    pub fn has_arrays(&self) -> bool {
+        let mut connectors = self.components.iter().flat_map(|component| &component.connectors);
+        connectors.any(|connector| !connector.dimensions.is_empty())
+    }
+
     /// A connector and its component.
     pub fn port(&self, port: Port) -> (&Component, &Connector) {
         let component = &self.components[port.component];

@@ -1,22 +1,38 @@
-//! What an FMU 2.0 says of itself in its `modelDescription.xml`: its names, abilities, variables and units.
+//! What an FMU says of itself in its `modelDescription.xml`, of FMI 2.0 or 3.0: names, abilities, variables and units.
 
-use crate::document::{Kind, Type};
+mod elements;
+mod v2;
+mod v3;
+
+use crate::document::{Kind, Native, Type};
 use crate::error::Result;
-use crate::read::read_unit;
 use crate::unit::Unit;
 use lemons_xml::{Document, Element};
 use std::collections::HashMap;
+use std::fmt;
 use std::path::Path;
 
 /// The most elements and texts of a description: more than twice those of the largest that is read (256 MB).
 const NODES: u32 = 16_000_000;
 
+/// A version of FMI.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Fmi {
+    /// FMI 2.0: each variable is a single value.
+    #[default]
+    V2,
+    /// FMI 3.0: a variable may be an array.
+    V3,
+}
+
 /// What an FMU says of itself.
 #[derive(Debug, Clone, Default)]
 pub struct Interface {
+    /// `fmiVersion`
+    pub fmi: Fmi,
     /// `modelName`
     pub model_name: String,
-    /// `guid`, which its library compares with its own.
+    /// `guid`, in FMI 3.0 `instantiationToken`, which its library compares with its own.
     pub guid: String,
     /// `version`
     pub version: Option<String>,
@@ -26,7 +42,10 @@ pub struct Interface {
     pub model_exchange: Option<String>,
     /// In the order of the file.
     pub variables: Vec<Variable>,
+    /// By name, and by an FMI 3.0 `<Alias>`.
     places: HashMap<String, usize>,
+    /// FMI 3.0: by value reference.
+    references: HashMap<u32, usize>,
     units: HashMap<String, Unit>,
     /// \[s\] `DefaultExperiment`
     pub start: Option<f64>,
@@ -41,11 +60,11 @@ pub struct Interface {
 pub struct CoSimulation {
     /// `modelIdentifier`: what its library is called.
     pub identifier: String,
-    /// `canNotUseMemoryManagementFunctions`
+    /// `canNotUseMemoryManagementFunctions`; FMI 3.0 knows no such functions.
     pub cannot_use_memory_functions: bool,
-    /// `canGetAndSetFMUstate`
+    /// `canGetAndSetFMUstate`, in FMI 3.0 `canGetAndSetFMUState`
     pub can_get_and_set_state: bool,
-    /// `canSerializeFMUstate`
+    /// `canSerializeFMUstate`, in FMI 3.0 `canSerializeFMUState`
     pub can_serialize_state: bool,
 }
 
@@ -56,35 +75,110 @@ pub struct Variable {
     pub name: String,
     /// Of the FMI functions.
     pub reference: u32,
-    /// `None` for local and independent variables.
+    /// `None` for local and independent variables, and for what is known in Event Mode only.
     pub kind: Option<Kind>,
     /// With its unit.
     pub of: Type,
-    /// `start`
-    pub start: Option<String>,
+    /// Its type in FMI 3.0, or the one that has the same values.
+    pub native: Native,
+    /// From the outermost; none for a single value. Elements are in row-major order.
+    pub dimensions: Vec<Dimension>,
+    /// `start`: none, one for all elements, or one for each.
+    pub start: Vec<String>,
     /// `description`
     pub description: Option<String>,
+}
+
+/// A dimension of an array.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Dimension {
+    /// The number of elements.
+    pub size: usize,
+    /// The structural parameter that says this number: its place among the variables.
+    pub parameter: Option<usize>,
+}
+
+impl Variable {
+    /// The number of its values.
+    pub fn count(&self) -> usize {
+        self.dimensions.iter().map(|dimension| dimension.size).product()
+    }
+
+    /// Whether it is an array, perhaps of one element.
+    pub fn is_array(&self) -> bool {
+        !self.dimensions.is_empty()
+    }
+
+    /// The start value of an element.
+    pub fn start_of(&self, element: usize) -> Option<&str> {
+        let one_for_all = self.start.len() == 1;
+        self.start.get(if one_for_all { 0 } else { element }).map(String::as_str)
+    }
+}
+
+/// A single value: a variable, or an element of an array.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Single<'a> {
+    /// Of which it is one.
+    pub variable: &'a Variable,
+    /// Among the values of the variable, from 0, in row-major order.
+    pub element: usize,
+}
+
+impl Single<'_> {
+    /// Where the FMU has it.
+    pub fn address(self) -> Address {
+        let element = self.variable.is_array().then_some(self.element as u32);
+        Address { reference: self.variable.reference, element }
+    }
+}
+
+/// Where an FMU has a single value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Address {
+    /// The value reference of the variable.
+    pub reference: u32,
+    /// If the variable is an array: which element, from 0.
+    pub element: Option<u32>,
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.element {
+            None => write!(f, "{}", self.reference),
+            Some(element) => write!(f, "{}[{element}]", self.reference),
+        }
+    }
 }
 
 impl Interface {
     /// Reads a `modelDescription.xml`.
     ///
     /// # Errors
-    /// It is broken, or not of FMI 2.0, two variables have one name, or a start value is NaN.
+    /// It is broken, or neither of FMI 2.0 nor of FMI 3.0, two variables have one name, a start value is NaN; in FMI 3.0
+    /// also dimensions without a size, or start values that are not as many as the elements.
     pub fn read(bytes: &[u8]) -> Result<Interface> {
         let document = Document::parse(Path::new("modelDescription.xml"), bytes, NODES)?;
         let root = document.root("fmiModelDescription")?;
-        if root.text("fmiVersion")? != "2.0" {
-            return Err(root
-                .wrong("fmiVersion", "must be 2.0: FMUs of other versions of FMI cannot be read")
-                .into());
-        }
+        let fmi = match root.text("fmiVersion")? {
+            "2.0" => Fmi::V2,
+            version if version.starts_with("3.") => Fmi::V3,
+            _ => {
+                let why = "must be 2.0 or 3.0: FMUs of other versions of FMI cannot be read";
+                return Err(root.wrong("fmiVersion", why).into());
+            }
+        };
+        let (token, unit_of) = match fmi {
+            Fmi::V2 => ("guid", v2::declared_units as fn(_) -> _),
+            Fmi::V3 => ("instantiationToken", v3::declared_units as fn(_) -> _),
+        };
         let exchange = root.child("ModelExchange").map(|element| element.text("modelIdentifier"));
         let mut interface = Interface {
+            fmi,
             model_name: root.text("modelName")?.to_owned(),
-            guid: root.text("guid")?.to_owned(),
+            guid: root.text(token)?.to_owned(),
             version: root.optional("version").map(str::to_owned),
-            co_simulation: root.child("CoSimulation").map(read_co_simulation).transpose()?,
+            co_simulation: root.child("CoSimulation").map(|own| read_co_simulation(own, fmi)).transpose()?,
             model_exchange: exchange.transpose()?.map(str::to_owned),
             ..Interface::default()
         };
@@ -94,91 +188,76 @@ impl Interface {
             interface.step = experiment.number("stepSize")?;
         }
         for unit in root.child("UnitDefinitions").into_iter().flat_map(|units| units.children("Unit")) {
-            if let Some(unit) = read_unit(unit)? {
+            if let Some(unit) = crate::read::read_unit(unit)? {
                 interface.units.insert(unit.name.clone(), unit);
             }
         }
-        let types = root.child("TypeDefinitions").into_iter().flat_map(|types| types.children("SimpleType"));
-        let mut declared = HashMap::new();
-        for simple in types {
-            if let Some(unit) = simple.child("Real").and_then(|real| real.optional("unit")) {
-                declared.insert(simple.text("name")?, unit);
-            }
-        }
-        let variables = root.child("ModelVariables").into_iter();
-        for element in variables.flat_map(|variables| variables.children("ScalarVariable")) {
-            let variable = read_variable(element, &declared)?;
-            let place = interface.variables.len();
-            if let Some(other) = interface.places.insert(variable.name.clone(), place) {
-                let (one, other) = (interface.variables[other].reference, variable.reference);
-                let why =
-                    format!("two variables have this name, with the value references {one} and {other}");
-                return Err(element.wrong("name", &why).into());
-            }
-            interface.variables.push(variable);
+        let declared: HashMap<&str, &str> = unit_of(root)?;
+        match fmi {
+            Fmi::V2 => v2::read_variables(&mut interface, root, &declared)?,
+            Fmi::V3 => v3::read_variables(&mut interface, root, &declared)?,
         }
         Ok(interface)
     }
 
-    /// A variable by name.
+    /// A variable by name, whole.
     pub fn variable(&self, name: &str) -> Option<&Variable> {
         self.places.get(name).map(|&place| &self.variables[place])
+    }
+
+    /// A variable of FMI 3.0 by its value reference; in FMI 2.0 several may have one.
+    pub fn referenced(&self, reference: u32) -> Option<&Variable> {
+        self.references.get(&reference).map(|&place| &self.variables[place])
     }
 
     /// The definition of a unit.
     pub fn unit(&self, name: &str) -> Option<&Unit> {
         self.units.get(name)
     }
+
+    /// Adds a variable under its name.
+    fn add(&mut self, variable: Variable, element: Element) -> Result<()> {
+        let (place, reference) = (self.variables.len(), variable.reference);
+        self.add_name(&variable.name, place, reference, element)?;
+        self.variables.push(variable);
+        Ok(())
+    }
+
+    /// Adds a name of the variable at a place, with its value reference.
+    fn add_name(&mut self, name: &str, place: usize, reference: u32, element: Element) -> Result<()> {
+        if let Some(other) = self.places.insert(name.to_owned(), place) {
+            let other = self.variables.get(other).map_or(reference, |other| other.reference);
+            let why =
+                format!("two variables have this name, with the value references {other} and {reference}");
+            return Err(element.wrong("name", why).into());
+        }
+        Ok(())
+    }
 }
 
-fn read_co_simulation(element: Element) -> Result<CoSimulation> {
+fn read_co_simulation(element: Element, fmi: Fmi) -> Result<CoSimulation> {
     let flag = |name| lemons_xml::Result::Ok(element.boolean(name)?.unwrap_or(false));
+    let [state, serialize] = match fmi {
+        Fmi::V2 => ["canGetAndSetFMUstate", "canSerializeFMUstate"],
+        Fmi::V3 => ["canGetAndSetFMUState", "canSerializeFMUState"],
+    };
     Ok(CoSimulation {
         identifier: element.text("modelIdentifier")?.to_owned(),
-        cannot_use_memory_functions: flag("canNotUseMemoryManagementFunctions")?,
-        can_get_and_set_state: flag("canGetAndSetFMUstate")?,
-        can_serialize_state: flag("canSerializeFMUstate")?,
+        cannot_use_memory_functions: fmi == Fmi::V3 || flag("canNotUseMemoryManagementFunctions")?,
+        can_get_and_set_state: flag(state)?,
+        can_serialize_state: flag(serialize)?,
     })
 }
 
-fn read_variable(element: Element, declared: &HashMap<&str, &str>) -> Result<Variable> {
+/// The causality of a variable as a kind; `None` for local and independent variables.
+fn read_kind(element: Element) -> Option<Kind> {
     let causality = element.optional("causality").unwrap_or("local");
-    let kind = Kind::NAMES.iter().find(|(name, _)| *name == causality).map(|(_, kind)| *kind);
-    let nan = |child: &Element| {
-        let start = child.optional("start").and_then(|start| start.trim().parse::<f64>().ok());
-        child.name() == "Real" && start.is_some_and(f64::is_nan)
-    };
-    if let Some(real) = element.elements().find(nan) {
-        let variable = element.text("name")?;
-        return Err(real.wrong("start", format!("of the variable {variable:?} is not a number")).into());
-    }
-    let typed = element.elements().find_map(|child| {
-        let declared_type = child.optional("declaredType");
-        let of = match child.name() {
-            "Real" => {
-                let unit = child.optional("unit");
-                let unit = unit.or_else(|| declared_type.and_then(|name| declared.get(name).copied()));
-                Type::Real(unit.filter(|unit| !unit.is_empty()).map(str::to_owned))
-            }
-            "Integer" => Type::Integer,
-            "Boolean" => Type::Boolean,
-            "String" => Type::String,
-            "Enumeration" => Type::Enumeration(declared_type.unwrap_or_default().to_owned()),
-            _ => return None,
-        };
-        Some((of, child.optional("start").map(str::to_owned)))
-    });
-    let (of, start) = typed.ok_or_else(|| element.problem("has no type"))?;
-    Ok(Variable {
-        name: element.text("name")?.to_owned(),
-        reference: element
-            .parsed("valueReference", "a number from 0 to 4294967295")?
-            .ok_or_else(|| element.problem("has no valueReference"))?,
-        kind,
-        of,
-        start,
-        description: element.optional("description").map(str::to_owned),
-    })
+    Kind::NAMES.iter().find(|(name, _)| *name == causality).map(|(_, kind)| *kind)
+}
+
+fn read_reference(element: Element) -> Result<u32> {
+    let reference = element.parsed("valueReference", "a number from 0 to 4294967295")?;
+    Ok(reference.ok_or_else(|| element.problem("has no valueReference"))?)
 }
 
 #[cfg(test)]
@@ -196,7 +275,7 @@ mod tests {
         let own = interface.co_simulation.as_ref().unwrap();
         assert_eq!(own.identifier, "CrowdMechanics");
         assert!(own.can_get_and_set_state && own.can_serialize_state && own.cannot_use_memory_functions);
-        assert_eq!((interface.model_exchange.as_deref(), input.start.as_deref()), (None, Some("0.0")));
+        assert_eq!((interface.model_exchange.as_deref(), input.start_of(0)), (None, Some("0.0")));
         assert!(interface.guid.starts_with('{') && !interface.model_name.is_empty());
         assert!(input.description.as_ref().is_some_and(|text| !text.is_empty()));
     }
@@ -210,8 +289,14 @@ mod tests {
         assert_eq!(said("fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\""), "read");
         let place = "modelDescription.xml:1: <fmiModelDescription>";
         assert_eq!(
-            said("fmiVersion=\"3.0\" modelName=\"m\""),
-            format!("{place} fmiVersion=\"3.0\": must be 2.0: FMUs of other versions of FMI cannot be read")
+            said("fmiVersion=\"1.0\" modelName=\"m\""),
+            format!(
+                "{place} fmiVersion=\"1.0\": must be 2.0 or 3.0: FMUs of other versions of FMI cannot be read"
+            )
+        );
+        assert_eq!(
+            said("fmiVersion=\"3.0\" modelName=\"m\" guid=\"g\""),
+            format!("{place}: has no instantiationToken")
         );
         assert_eq!(said("modelName=\"m\" guid=\"g\""), format!("{place}: has no fmiVersion"));
         assert_eq!(said("fmiVersion=\"2.0\" guid=\"g\""), format!("{place}: has no modelName"));

@@ -1,16 +1,16 @@
-//! SSP 1.0 (System Structure and Parameterization): FMUs and the connections between them in one archive.
+//! SSP 1.0 and 2.0 (System Structure and Parameterization): FMUs and the connections between them in one archive.
 //!
 //! - [`SystemStructure`]: what `SystemStructure.ssd` says, checked: connections lead from an output to an input
-//! - [`Interface`]: what an FMU says of itself: its variables and units, its names and abilities
+//! - [`Interface`]: what an FMU of FMI 2.0 or 3.0 says of itself: its variables and units, its names and abilities
 //! - [`connect`]: interfaces -> the structure that connects equal names
 //! - [`Archive`], [`write_archive`]: the `.ssp`
 //! - [`Allowance`]: how much an archive may unpack to
 //! - [`Error`]: what is wrong; a problem in an XML file names file, line, element, attribute and value
 //!
 //! Served of the standard: components that are FMUs for co-simulation, connections with unit conversion and
-//! linear transformation, parameter values (inline or `.ssv`), the default experiment. Refused, with a message
-//! that names the element: nested systems, signal dictionaries, connections from the system's own inputs,
-//! parameter mappings, mapping transformations.
+//! linear transformation, parameter values (inline or `.ssv`), the default experiment; of SSP 2.0 arrays that are
+//! connected whole or by element. Refused, with a message that names the element: nested systems, signal dictionaries,
+//! connections from the system's own inputs, parameter mappings, mapping transformations, values of arrays, clocks.
 
 mod allowance;
 mod archive;
@@ -26,9 +26,9 @@ pub use allowance::Allowance;
 pub use archive::{Archive, distinct, leads_outside, write_archive};
 pub use connect::{Connected, Participant, connect};
 pub use document::{
-    Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure,
-    Type, Value, located,
+    Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
+    SystemStructure, Type, Value, located,
 };
 pub use error::{Error, Result};
-pub use interface::{CoSimulation, Interface, Variable};
+pub use interface::{Address, CoSimulation, Dimension, Fmi, Interface, Single, Variable};
 pub use unit::{Affine, Unit, conversion};

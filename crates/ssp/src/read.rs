@@ -1,8 +1,8 @@
 //! `SystemStructure.ssd` and the `.ssv` files that it names -> [`SystemStructure`].
 
 use crate::document::{
-    Component, Connection, Connector, Kind, Parameter, ParameterSet, Port, STRUCTURE_FILE, SystemStructure,
-    Type, Value,
+    Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
+    SystemStructure, Type, Value,
 };
 use crate::error::Result;
 use crate::unit::{Affine, Unit};
@@ -23,8 +23,12 @@ const NODES: u32 = 4_000_000;
 pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<SystemStructure> {
     let document = Document::parse(Path::new(STRUCTURE_FILE), bytes, NODES)?;
     let root = document.root("SystemStructureDescription")?;
-    if !root.text("version")?.trim().starts_with("1.") {
-        return Err(root.wrong("version", "only SSP 1.x is served").into());
+    if !["1.", "2."]
+        .iter()
+        .any(|begin| root.optional("version").is_some_and(|it| it.trim().starts_with(begin)))
+    {
+        root.text("version")?;
+        return Err(root.wrong("version", "only SSP 1.x and 2.x are served").into());
     }
     let system = root.child("System").ok_or_else(|| root.problem("has no <System>"))?;
     let mut structure = SystemStructure {
@@ -53,10 +57,10 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
     }
     let outside = read_connectors(system)?;
     let outside = outside.iter().map(|connector| (connector.name.as_str(), connector.kind)).collect();
-    let mut fed = HashMap::new();
+    let mut fed = Fed::default();
     for element in system.child("Connections").into_iter().flat_map(|list| list.children("Connection")) {
         let Some(connection) = read_connection(element, &structure, &names, &outside)? else { continue };
-        if let Some(first) = fed.insert(connection.to, connection.line) {
+        if let Some(first) = fed.add(&connection) {
             let (component, connector) = structure.port(connection.to);
             return Err(element
                 .problem(format!(
@@ -68,6 +72,32 @@ pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
         structure.connections.push(connection);
     }
     Ok(structure)
+}
+
+/// The lines that feed inputs.
+#[derive(Default)]
+struct Fed {
+    /// The first line that feeds a connector or a part of it.
+    connectors: HashMap<Port, u32>,
+    /// Elements of arrays.
+    elements: HashMap<(Port, Vec<u64>), u32>,
+}
+
+impl Fed {
+    /// The line that feeds the same input already.
+    fn add(&mut self, connection: &Connection) -> Option<u32> {
+        let (port, indices) = (connection.to, &connection.to_indices);
+        let whole = self.elements.get(&(port, Vec::new())).copied();
+        let same = self.elements.insert((port, indices.clone()), connection.line);
+        let any = match self.connectors.entry(port) {
+            Entry::Vacant(first) => {
+                first.insert(connection.line);
+                None
+            }
+            Entry::Occupied(first) => Some(*first.get()),
+        };
+        same.or(whole).or(if indices.is_empty() { any } else { None })
+    }
 }
 
 /// The places of components and connectors by name.
@@ -118,31 +148,56 @@ fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
             Entry::Occupied(_) => return Err(element.wrong("name", "two connectors have this name").into()),
         };
         let kind = element.text("kind")?;
+        let (of, native) = read_type(element)?;
         let kind = Kind::NAMES.iter().find(|(name, _)| *name == kind).map(|(_, kind)| *kind);
         Ok(Connector {
             name: name.to_owned(),
             kind: kind.ok_or_else(|| element.wrong("kind", "is not a kind of connector"))?,
-            of: read_type(element)?,
+            of,
+            native,
+            dimensions: element.children("Dimension").map(read_dimension).collect::<Result<_>>()?,
             line: element.line(),
         })
     })
     .collect()
 }
 
-fn read_type(connector: Element) -> Result<Option<Type>> {
+/// What a connector's values are, and the name of that in SSP 2.0 if the file has it.
+fn read_type(connector: Element) -> Result<(Option<Type>, Option<Native>)> {
     for element in connector.elements() {
-        return Ok(Some(match element.name() {
-            "ConnectorGeometry" | "Annotations" => continue,
-            "Real" => Type::Real(element.optional("unit").map(str::to_owned)),
+        let unit = || element.optional("unit").map(str::to_owned);
+        let of = match element.name() {
+            "ConnectorGeometry" | "Annotations" | "Dimension" => continue,
+            "Real" => Type::Real(unit()),
             "Integer" => Type::Integer,
-            "Boolean" => Type::Boolean,
-            "String" => Type::String,
             "Enumeration" => Type::Enumeration(element.text("name")?.to_owned()),
-            "Binary" => Type::Binary,
-            _ => return Err(element.problem("is not a type of SSP 1.0").into()),
-        }));
+            "Clock" => return Err(element.problem("is not served: clocks are not").into()),
+            name => match Native::named(name) {
+                Some(native) => return Ok((Some(native.of(unit())), Some(native))),
+                None => return Err(element.problem("is not a type of SSP").into()),
+            },
+        };
+        return Ok((Some(of), None));
     }
-    Ok(None)
+    Ok((None, None))
+}
+
+fn read_dimension(element: Element) -> Result<Extent> {
+    let size = element.parsed("size", "a whole number that is not negative")?;
+    Ok(match (size, element.optional("sizeConnector")) {
+        (Some(_), Some(_)) => return Err(element.problem("has both a size and a sizeConnector").into()),
+        (Some(size), None) => Extent::Size(size),
+        (None, Some(name)) => Extent::Parameter(name.to_owned()),
+        (None, None) => Extent::Unsaid,
+    })
+}
+
+/// The indices of an element of an array connector, from 1; empty for all of it.
+fn read_indices(element: Element, attribute: &str) -> Result<Vec<u64>> {
+    let indices = element.optional(attribute).unwrap_or_default().split_whitespace();
+    let index = |text: &str| text.parse().ok().filter(|index| *index > 0);
+    let indices = indices.map(index).collect::<Option<Vec<u64>>>();
+    Ok(indices.ok_or_else(|| element.wrong(attribute, "must be a list of whole numbers from 1 on"))?)
 }
 
 /// `None` for what leads to an output of the system: nobody is outside to see it.
@@ -174,9 +229,11 @@ fn read_connection(
     };
     // Start and end say nothing about the direction, the connectors' kinds do.
     let kind = |port| structure.port(port).1.kind;
-    let (from, to) = match (kind(start), kind(end)) {
-        (Kind::Output, Kind::Input) => (start, end),
-        (Kind::Input, Kind::Output) => (end, start),
+    let (start_indices, end_indices) =
+        (read_indices(element, "startIndices")?, read_indices(element, "endIndices")?);
+    let (from, to, from_indices, to_indices) = match (kind(start), kind(end)) {
+        (Kind::Output, Kind::Input) => (start, end, start_indices, end_indices),
+        (Kind::Input, Kind::Output) => (end, start, end_indices, start_indices),
         (a, b) => {
             let text = format!(
                 "connects {} {:?} with {} {:?}: only an output and an input are served",
@@ -204,6 +261,8 @@ fn read_connection(
     Ok(Some(Connection {
         from,
         to,
+        from_indices,
+        to_indices,
         transformation,
         suppress_unit_conversion: element.boolean("suppressUnitConversion")?.unwrap_or(false),
         line: element.line(),
@@ -282,8 +341,16 @@ fn read_parameters(set: Element, prefix: &str) -> Result<ParameterSet> {
     let parameters = list.map(|element| {
         let typed = element.elements().find(|child| child.name() != "Annotations");
         let typed = typed.ok_or_else(|| element.problem("has no value"))?;
+        if let Some(dimension) = element.child("Dimension") {
+            return Err(dimension.problem("is not served: set the elements by their names").into());
+        }
         let missing = || typed.problem("has no value");
-        let value = match typed.name() {
+        let native = Native::named(typed.name()).map(|native| native.of(None));
+        let name: &str = match &native {
+            Some(of) => of.name(),
+            None => typed.name(),
+        };
+        let value = match name {
             "Real" => {
                 let value = typed.number("value")?.ok_or_else(missing)?;
                 Value::Real(value, typed.optional("unit").map(str::to_owned))

@@ -1,23 +1,24 @@
 //! [`SystemStructure`] -> `SystemStructure.ssd`.
 
-use crate::document::{Component, Connector, SystemStructure, Type};
+use crate::document::{Component, Connector, Extent, Native, SystemStructure, Type};
 use crate::unit::Unit;
 use lemons_xml::{Layout, Out, number};
 
 impl SystemStructure {
-    /// As XML, without parameters; the same structure gives the same text.
+    /// As XML of SSP 1.0, or of SSP 2.0 if there are arrays, without parameters; the same structure gives the same text.
     pub fn to_xml(&self) -> String {
+        let arrays = self.has_arrays();
         let root = [
             ("xmlns:ssc", "http://ssp-standard.org/SSP1/SystemStructureCommon"),
             ("xmlns:ssd", "http://ssp-standard.org/SSP1/SystemStructureDescription"),
-            ("version", "1.0"),
+            ("version", if arrays { "2.0" } else { "1.0" }),
             ("name", self.name.as_str()),
             ("generationTool", concat!("LEMONS-FMU ", env!("CARGO_PKG_VERSION"))),
         ];
         Out::document(Layout::STANDARD, "ssd:SystemStructureDescription", &root, |out| {
             out.element("ssd:System", &[("name", &self.name)], |out| {
                 out.element("ssd:Elements", &[], |out| {
-                    self.components.iter().for_each(|component| write_component(out, component));
+                    self.components.iter().for_each(|component| write_component(out, component, arrays));
                 });
                 if !self.connections.is_empty() {
                     out.element("ssd:Connections", &[], |out| write_connections(out, self));
@@ -63,7 +64,7 @@ fn write_annotation(out: &mut Out, step: f64) {
     });
 }
 
-fn write_component(out: &mut Out, component: &Component) {
+fn write_component(out: &mut Out, component: &Component, arrays: bool) {
     let attributes = [
         ("name", component.name.as_str()),
         ("type", "application/x-fmu-sharedlibrary"),
@@ -75,12 +76,12 @@ fn write_component(out: &mut Out, component: &Component) {
     }
     out.element("ssd:Component", &attributes, |out| {
         out.element("ssd:Connectors", &[], |out| {
-            component.connectors.iter().for_each(|connector| write_connector(out, connector));
+            component.connectors.iter().for_each(|connector| write_connector(out, connector, arrays));
         });
     });
 }
 
-fn write_connector(out: &mut Out, connector: &Connector) {
+fn write_connector(out: &mut Out, connector: &Connector, arrays: bool) {
     let attributes = [("name", connector.name.as_str()), ("kind", connector.kind.name())];
     let Some(of) = &connector.of else { return out.empty("ssd:Connector", &attributes) };
     out.element("ssd:Connector", &attributes, |out| {
@@ -89,7 +90,15 @@ fn write_connector(out: &mut Out, connector: &Connector) {
             Type::Enumeration(name) => Some(("name", name.as_str())),
             _ => None,
         };
-        out.empty(&format!("ssc:{}", of.name()), detail.as_slice());
+        let native = connector.native.filter(|_| arrays && !matches!(of, Type::Enumeration(_)));
+        out.empty(&format!("ssc:{}", native.map_or(of.name(), Native::name)), detail.as_slice());
+        for dimension in &connector.dimensions {
+            match dimension {
+                Extent::Size(size) => out.empty("ssc:Dimension", &[("size", &size.to_string())]),
+                Extent::Parameter(name) => out.empty("ssc:Dimension", &[("sizeConnector", name)]),
+                Extent::Unsaid => out.empty("ssc:Dimension", &[]),
+            }
+        }
     });
 }
 
@@ -97,12 +106,18 @@ fn write_connections(out: &mut Out, structure: &SystemStructure) {
     for connection in &structure.connections {
         let ((start, output), (end, input)) =
             (structure.port(connection.from), structure.port(connection.to));
-        let mut attributes = vec![
+        let written = |indices: &[u64]| indices.iter().map(u64::to_string).collect::<Vec<_>>().join(" ");
+        let (from, to) = (written(&connection.from_indices), written(&connection.to_indices));
+        let attributes = [
             ("startElement", start.name.as_str()),
             ("startConnector", &output.name),
+            ("startIndices", &from),
             ("endElement", &end.name),
             ("endConnector", &input.name),
+            ("endIndices", &to),
         ];
+        let there = |(name, value): &(&str, &str)| !name.ends_with("Indices") || !value.is_empty();
+        let mut attributes: Vec<(&str, &str)> = attributes.into_iter().filter(there).collect();
         if connection.suppress_unit_conversion {
             attributes.push(("suppressUnitConversion", "true"));
         }

@@ -90,8 +90,8 @@ fn what_is_wrong_or_not_served_is_named() {
     let table = [
         (
             r#"version="1.0" name"#,
-            r#"version="2.0" name"#,
-            r#":3: <SystemStructureDescription> version="2.0": only"#,
+            r#"version="3.0" name"#,
+            r#":3: <SystemStructureDescription> version="3.0": only"#,
         ),
         (r#"<Component name="a""#, r#"<System name="a""#, "not well-formed"),
         (r#"</System>"#, "", "not well-formed"),
@@ -367,4 +367,137 @@ fn what_cannot_be_connected_is_said() {
     let said = said(&[all("output", "m"), all("input", "km")]);
     assert_eq!(said.lines().count(), 6, "{said}");
     assert!(said.ends_with("… and 4 more like these"), "{said}");
+}
+
+/// Of FMI 3.0: two people, their positions and whatever else is said.
+fn people(causality: [&str; 2], size: usize, more: &str) -> Interface {
+    let [position, force] = causality;
+    let text = format!(
+        r#"<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t"><CoSimulation modelIdentifier="m"/>
+        <UnitDefinitions>{METRE}</UnitDefinitions><ModelVariables>
+        <UInt64 name="Agents" valueReference="1" causality="structuralParameter" start="{size}"/>
+        <Float64 name="Position" valueReference="2" causality="{position}" unit="m"><Dimension valueReference="1"/>
+        <Dimension start="2"/></Float64>
+        <Float64 name="Mp" valueReference="3" causality="{force}"><Dimension valueReference="1"/></Float64>{more}
+        </ModelVariables></fmiModelDescription>"#
+    );
+    Interface::read(text.as_bytes()).unwrap()
+}
+
+#[test]
+fn arrays_are_connected_whole_where_both_have_them() {
+    let decides = people(["input", "output"], 2, "");
+    let more = r#"<Int32 name="Count" valueReference="7" causality="output"><Dimension start="3"/></Int32>
+        <Float64 name="free" valueReference="8" causality="input"><Dimension start="2"/></Float64>"#;
+    let moves = people(["output", "input"], 2, more);
+    let made = connected(&[decides, moves]).unwrap();
+    assert_eq!(made.names, ["Position", "Mp"]);
+    assert_eq!(made.unconnected, [vec![], vec!["free[1]".to_owned(), "free[2]".to_owned()]]);
+    assert!(made.structure.has_arrays());
+    let text = made.structure.to_xml();
+    for part in [
+        r#" version="2.0""#,
+        r#"<ssd:Connector name="Agents" kind="structuralParameter">"#,
+        r#"<ssc:UInt64/>"#,
+        r#"<ssc:Float64 unit="m"/>"#,
+        r#"<ssc:Dimension sizeConnector="Agents"/>"#,
+        r#"<ssc:Dimension size="2"/>"#,
+        r#"<ssd:Connection startElement="b" startConnector="Position" endElement="a" endConnector="Position"/>"#,
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(text.contains(r#"name="Count""#) && !text.contains(r#"name="free""#), "{text}");
+    // It is read as it was.
+    let again = read(&text).unwrap();
+    assert_eq!(again.to_xml(), text);
+    assert_eq!(again.components[0].connectors[1].dimensions.len(), 2);
+}
+
+#[test]
+fn single_values_are_connected_with_elements_of_arrays() {
+    let names = ["agent[0].Position.x", "agent[0].Position.y", "agent[1].Position.x", "agent[1].Position.y"];
+    let decides = interface(
+        &[
+            (names[0], "input", "m"),
+            (names[1], "input", "m"),
+            (names[2], "input", "m"),
+            ("agent[1].Mp", "output", ""),
+        ],
+        METRE,
+    );
+    let made = connected(&[decides, people(["output", "input"], 2, "")]).unwrap();
+    assert_eq!(made.names, [names[0], names[1], names[2], "agent[1].Mp"]);
+    assert_eq!(made.unconnected[1], ["agent[0].Mp"]);
+    let text = made.structure.to_xml();
+    for part in [
+        r#" version="2.0""#,
+        r#"startConnector="Position" startIndices="2 1" endElement="a" endConnector="agent[1].Position.x"/>"#,
+        r#"startElement="a" startConnector="agent[1].Mp" endElement="b" endConnector="Mp" endIndices="2"/>"#,
+        "<ssc:Real unit=\"m\"/>",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let again = read(&text).unwrap();
+    let indices: Vec<_> =
+        again.connections.iter().map(|c| (c.from_indices.clone(), c.to_indices.clone())).collect();
+    assert_eq!(
+        indices,
+        [(vec![1, 1], vec![]), (vec![1, 2], vec![]), (vec![2, 1], vec![]), (vec![], vec![2])]
+    );
+    // Crowds of other sizes have other people.
+    let three = connected(&[people(["input", "output"], 3, ""), people(["output", "input"], 2, "")]).unwrap();
+    assert_eq!(three.unconnected[0], ["agent[2].Position.x", "agent[2].Position.y"]);
+    assert_eq!(three.names.len(), 6, "each element by itself");
+}
+
+#[test]
+fn what_is_wrong_with_arrays_is_named() {
+    let decides = people(["input", "output"], 2, "");
+    let text = connected(&[decides, people(["output", "input"], 2, "")]).unwrap().structure.to_xml();
+    let said = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}: {text}");
+        read(&text.replacen(from, to, 1)).map_or_else(|error| error, |_| "read".to_owned())
+    };
+    let line = r#"startConnector="Position" endElement"#;
+    for (from, to, expected) in [
+        (
+            line,
+            r#"startConnector="Position" startIndices="1 0" endElement"#,
+            "startIndices=\"1 0\": must be a list of whole numbers from 1 on",
+        ),
+        (
+            line,
+            r#"startConnector="Position" startIndices="1 -1" endElement"#,
+            "startIndices=\"1 -1\": must be a list",
+        ),
+        (
+            r#"size="2"/>"#,
+            r#"size="two"/>"#,
+            "<Dimension> size=\"two\": must be a whole number that is not negative",
+        ),
+        (
+            r#"size="2"/>"#,
+            r#"size="2" sizeConnector="Agents"/>"#,
+            "<Dimension>: has both a size and a sizeConnector",
+        ),
+        ("<ssc:UInt64/>", "<ssc:Clock/>", "<Clock>: is not served: clocks are not"),
+        ("<ssc:UInt64/>", "<ssc:UInt65/>", "<UInt65>: is not a type of SSP"),
+    ] {
+        let said = said(from, to);
+        assert!(said.starts_with("SystemStructure.ssd:") && said.contains(expected), "{to}: {said}");
+    }
+    // An input that is fed twice: whole and whole, whole and element, element and element.
+    let connection = |indices: &str| {
+        format!(
+            r#"<ssd:Connection startElement="a" startConnector="Mp" endElement="b" endConnector="Mp"{indices}/>"#
+        )
+    };
+    let whole = connection("");
+    let of = |first: &str, second: &str| said(&whole, &(connection(first) + &connection(second)));
+    let [one, two] = [r#" startIndices="1" endIndices="1""#, r#" startIndices="2" endIndices="2""#];
+    assert_eq!(of(one, two), "read");
+    for (first, second) in [("", ""), ("", one), (one, ""), (two, two)] {
+        let said = of(first, second);
+        assert!(said.contains("feeds the input \"Mp\" of \"b\", which line"), "{first} {second}: {said}");
+    }
 }

@@ -4,7 +4,7 @@ use crate::error::{Error, Place, Result};
 use crate::measure::{Measure, Watched};
 use crate::points::Values;
 use crate::spec::Spec;
-use lemons_master::{Clock, DriveTable, Fmu, Instance, Observer, Pushes, Reached};
+use lemons_master::{Clock, DriveTable, Fmu, Instance, Observer, Pushes, Reached, Selection};
 use lemons_ssp::Type;
 use lemons_trial::Trial;
 
@@ -29,8 +29,8 @@ pub struct Worker<'a> {
 
 /// Where a measure's values are read.
 struct Look {
-    reals: Vec<u32>,
-    integers: Vec<u32>,
+    reals: Selection,
+    integers: Selection,
     /// Number of values for each agent.
     width: usize,
 }
@@ -91,13 +91,13 @@ impl<'a> Worker<'a> {
         let looks = job.spec.measures.iter().map(|(_, measure)| {
             let (reals, integers) = measure.of.outputs();
             let places = job.places(measure)?;
-            let references = |names: &[&str]| -> Result<Vec<u32>> {
+            let select = |names: &[&str]| -> Result<Selection> {
                 let names =
                     places.iter().flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
-                Ok(names.map(|name| instance.reference(&name)).collect::<Result<_, _>>()?)
+                Ok(instance.select(names)?)
             };
             let width = reals.len().max(integers.len());
-            Ok(Look { reals: references(reals)?, integers: references(integers)?, width })
+            Ok(Look { reals: select(reals)?, integers: select(integers)?, width })
         });
         let looks = looks.collect::<Result<Vec<_>>>()?;
         let pushes = Pushes::new(&instance, &job.trial.agents, job.drive.clone())?;
@@ -110,10 +110,7 @@ impl<'a> Worker<'a> {
         self.instance.reset()?;
         for (parameter, values) in &points.columns {
             let text = values.text(point);
-            for name in fmu.named(parameter) {
-                let kind = fmu.kind(&name).ok_or_else(|| lemons_master::Error::NoVariable(name.clone()))?;
-                self.instance.set(kind, &name, &text)?;
-            }
+            self.instance.set(&fmu.named(parameter), &text)?;
         }
         self.instance.initialize()?;
         let watched: Vec<Watched> = measures.iter().map(|(_, measure)| Watched::new(measure)).collect();

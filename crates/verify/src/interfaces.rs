@@ -29,20 +29,19 @@ pub fn through_fmu(trial: &Trial, mechanical_step: Option<f64>, steps: u32) -> R
     let fmu = Fmu::open(&path)?;
     let instance = fmu.instantiate("verify")?;
     if let Some(step) = mechanical_step {
-        instance.set_real(&[instance.reference("TimeStepMechanical")?], &[step])?;
+        instance.set_real(&instance.select(["TimeStepMechanical"])?, &[step])?;
     }
     instance.initialize()?;
     let names = ["Position.x", "Position.y", "Theta", "Velocity.x", "Velocity.y", "Omega"];
-    let references = (0..trial.agents.len())
-        .flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")))
-        .map(|name| instance.reference(&name))
-        .collect::<Result<Vec<u32>, _>>()?;
+    let names =
+        (0..trial.agents.len()).flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
+    let poses = instance.select(names)?;
     let step = trial.parameters.time_step;
-    let mut values = vec![0.0; references.len()];
+    let mut values = vec![0.0; poses.len()];
     (0..steps)
         .map(|k| {
             instance.step(f64::from(k) * step, step)?;
-            instance.get_real(&references, &mut values)?;
+            instance.get_real(&poses, &mut values)?;
             let (agents, _) = values.as_chunks::<6>();
             Ok(agents
                 .iter()

@@ -22,10 +22,10 @@ pub fn claim(system: &System, trials: &[Option<Trial>], progress: &Progress) -> 
     let goes_on = progress.index > 0;
     let mut left = Vec::new();
     for (component, _) in system.components().iter().zip(trials).filter(|(_, trial)| trial.is_some()) {
-        let Ok(reference) = component.instance.reference(DIRECTORY) else { continue };
-        let mut name = [String::new()];
-        component.instance.get_string(&[reference], &mut name)?;
-        let [name] = name;
+        if component.fmu.kind(DIRECTORY).is_none() {
+            continue;
+        }
+        let name = component.instance.text(DIRECTORY)?;
         if name.is_empty() {
             continue;
         }

@@ -609,8 +609,7 @@ impl Observer<System> for Poses {
         for i in 0..5 {
             let mut pose = [0.0; 3];
             let names = ["Position.x", "Position.y", "Theta"].map(|name| format!("agent[{i}].{name}"));
-            let references = names.iter().map(|name| crowd.reference(name)).collect::<Result<Vec<_>, _>>()?;
-            crowd.get_real(&references, &mut pose)?;
+            crowd.get_real(&crowd.select(names)?, &mut pose)?;
             self.0.push([reached.time, pose[0], pose[1], pose[2]].map(f64::to_bits));
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! `lemons connect` and `lemons run FILE.ssp` as their users meet them.
 
 #[path = "../../../../tests/coupling/controller.rs"]
-mod controller;
+pub mod controller;
 
 use controller::{DESCRIPTION, write_controller, write_zip};
 use std::fs;

@@ -6,6 +6,7 @@ mod checks;
 mod command;
 mod common;
 mod coupling;
+mod fmi3;
 #[cfg(unix)]
 mod outputs;
 mod people;

@@ -1,9 +1,6 @@
 //! Coupled FMUs against loops written out here, and against recurrences done by hand.
 
-#[path = "../../../../tests/coupling/controller.rs"]
-mod controller;
-
-use controller::{DESCRIPTION, write_controller, write_zip};
+use crate::controller::{DESCRIPTION, write_controller, write_zip};
 use crowd_mechanics::pack::Package;
 use lemons_master::{Algorithm, Fmu, Instance, System, assemble, own_binary};
 use std::path::Path;
@@ -45,12 +42,12 @@ fn write_ssp(directory: &Path, structure: &str) -> std::path::PathBuf {
 
 fn real(instance: &Instance, name: &str) -> f64 {
     let mut value = [0.0];
-    instance.get_real(&[instance.reference(name).unwrap()], &mut value).unwrap();
+    instance.get_real(&instance.select([name]).unwrap(), &mut value).unwrap();
     value[0]
 }
 
 fn set_real(instance: &Instance, name: &str, value: f64) {
-    instance.set_real(&[instance.reference(name).unwrap()], &[value]).unwrap();
+    instance.set_real(&instance.select([name]).unwrap(), &[value]).unwrap();
 }
 
 const FORCE: &str = "agent[0].NormalForce";
@@ -109,7 +106,7 @@ fn by_hand(fmu: &Fmu, algorithm: Algorithm) -> Seen {
 }
 
 fn coupled(path: &Path, algorithm: Algorithm) -> Seen {
-    let mut system = assemble(path, algorithm).unwrap().system;
+    let mut system = assemble(path, algorithm, &[]).unwrap().system;
     system.initialize(0.0).unwrap();
     let seen = (1..=STEPS).map(|k| {
         system.step_to(f64::from(k) * STEP).unwrap();
@@ -185,7 +182,7 @@ fn every_type_arrives_and_the_algorithms_count_as_they_should() {
         .collect();
     let path = write_ssp(at, &structure(&connectors, ["", ""], &connections, ""));
     for algorithm in [Algorithm::Jacobi, Algorithm::GaussSeidel] {
-        let mut system = assemble(&path, algorithm).unwrap().system;
+        let mut system = assemble(&path, algorithm, &[]).unwrap().system;
         assert_eq!(system.connections(), 8);
         system.initialize(0.0).unwrap();
         for k in 1..=6 {
@@ -197,12 +194,12 @@ fn every_type_arrives_and_the_algorithms_count_as_they_should() {
             };
             for (component, count) in system.components().iter().zip(counts) {
                 let instance = &component.instance;
-                let reference = |name: &str| [instance.reference(name).unwrap()];
+                let select = |name: &str| instance.select([name]).unwrap();
                 assert_eq!(real(instance, "real.out"), f64::from(count));
                 let (mut integer, mut boolean, mut string) = ([0], [0], [String::new()]);
-                instance.get_integer(&reference("integer.out"), &mut integer).unwrap();
-                instance.get_boolean(&reference("boolean.out"), &mut boolean).unwrap();
-                instance.get_string(&reference("string.out"), &mut string).unwrap();
+                instance.get_integer(&select("integer.out"), &mut integer).unwrap();
+                instance.get_boolean(&select("boolean.out"), &mut boolean).unwrap();
+                instance.get_string(&select("string.out"), &mut string).unwrap();
                 assert_eq!(integer, [count]);
                 assert_eq!(boolean, [count % 2]);
                 assert_eq!(string[0], "x".repeat(usize::try_from(count).unwrap()));
@@ -253,7 +250,7 @@ fn units_are_converted_on_the_way_and_parameters_on_theirs() {
         (r#"suppressUnitConversion="true""#, transformed, 3.0),
     ] {
         let path = write_ssp(at, &structure(connectors, [binding, ""], &connection(attributes, inside), ""));
-        let assembled = assemble(&path, Algorithm::GaussSeidel).unwrap();
+        let assembled = assemble(&path, Algorithm::GaussSeidel, &[]).unwrap();
         assert_eq!(assembled.ignored.len(), 1);
         assert!(assembled.ignored[0].contains("\"Nobody\""), "{:?}", assembled.ignored);
         let mut system = assembled.system;
@@ -276,7 +273,7 @@ fn first_values_pass_through_initialization() {
     let connection = r#"<ssd:Connection startElement="a" startConnector="agent[1].Position.x"
         endElement="b" endConnector="agent[0].Fp.x" suppressUnitConversion="true"/>"#;
     let path = write_ssp(at, &structure(connectors, ["", ""], connection, ""));
-    let mut system: System = assemble(&path, Algorithm::Jacobi).unwrap().system;
+    let mut system: System = assemble(&path, Algorithm::Jacobi, &[]).unwrap().system;
     system.initialize(0.0).unwrap();
     let [a, b] = [0, 1].map(|c| &system.components()[c].instance);
     assert_eq!(real(a, "agent[1].Position.x"), 0.279);
@@ -301,7 +298,7 @@ fn what_does_not_fit_the_fmu_is_refused() {
     let units = r#"<ssd:Units><ssc:Unit name="km"><ssc:BaseUnit m="1" factor="1e3"/></ssc:Unit></ssd:Units>"#;
     let said = |connectors: &str, bindings: &str, connections: &str| {
         let path = write_ssp(at, &structure(connectors, [bindings, ""], connections, units));
-        match assemble(&path, Algorithm::Jacobi) {
+        match assemble(&path, Algorithm::Jacobi, &[]) {
             Ok(_) => panic!("accepted: {connectors} {connections}"),
             Err(error) => error.whole(),
         }
@@ -349,7 +346,7 @@ fn what_does_not_fit_the_fmu_is_refused() {
     // The same without the mistakes is accepted.
     let path =
         write_ssp(at, &structure(&whole, ["", ""], &connection("integer.out", "integer.in", ""), units));
-    assert!(assemble(&path, Algorithm::Jacobi).is_ok());
+    assert!(assemble(&path, Algorithm::Jacobi, &[]).is_ok());
 }
 
 /// 300 000 took over a minute; a document type may hide them in an entity.

@@ -6,7 +6,7 @@ use fmi_rs::fmi2::types::{fmi2FMUstate, fmi2Status};
 use fmi_rs::fmi2::{CS, FMU2};
 use fmi_rs::model_description::fmi2::{Causality, ModelDescription, VariableType};
 use lemons_master::{Fmu, own_binary};
-use lemons_ssp::{Kind, Type};
+use lemons_ssp::{Address, Kind, Type};
 use std::path::Path;
 use std::sync::Arc;
 use tempfile::TempDir;
@@ -51,7 +51,10 @@ fn both_read_the_same_description() {
     assert_eq!(own.variables.len(), theirs.modelVariables.len());
     for (own, theirs) in own.variables.iter().zip(&theirs.modelVariables) {
         assert_eq!((&own.name, own.reference), (&theirs.name, theirs.valueReference));
-        assert_eq!((&own.description, &own.start), (&theirs.description, theirs.variableType.start()));
+        assert_eq!(
+            (&own.description, own.start.first()),
+            (&theirs.description, theirs.variableType.start().as_ref())
+        );
         let kind = match theirs.causality {
             Causality::Input => Some(Kind::Input),
             Causality::Output => Some(Kind::Output),
@@ -83,6 +86,11 @@ fn both_run_to_the_same_bits() {
         .collect();
     let input = [fmu.description.variable("agent[0].Fp.x").unwrap().reference];
     let own = fmu.instantiate("own").unwrap();
+    let select = |references: &[u32]| {
+        let at = |reference: &u32| Address { reference: *reference, element: None };
+        own.select_at(&references.iter().map(at).collect::<Vec<_>>()).unwrap()
+    };
+    let (own_input, own_outputs) = (select(&input), select(&outputs));
     let (identifier, guid) =
         (&fmu.description.co_simulation.as_ref().unwrap().identifier, &fmu.description.guid);
     let theirs = FMU2::<CS>::new(
@@ -108,9 +116,9 @@ fn both_run_to_the_same_bits() {
     let mut squeezed = false;
     for k in 0..60 {
         let time = f64::from(k) * STEP;
-        own.set_real(&input, &[FORCE]).unwrap();
+        own.set_real(&own_input, &[FORCE]).unwrap();
         own.step(time, STEP).unwrap();
-        own.get_real(&outputs, &mut ours).unwrap();
+        own.get_real(&own_outputs, &mut ours).unwrap();
         let done = [
             theirs.setReal(&input, &[FORCE]),
             theirs.doStep(time, STEP, 1),

@@ -25,9 +25,9 @@ type Row = (u64, Vec<u64>);
 
 fn row(system: &System, time: f64) -> Result<Row, Error> {
     let instance = &system.components()[0].instance;
-    let references = names().iter().map(|name| instance.reference(name)).collect::<Result<Vec<u32>, _>>()?;
-    let mut values = vec![0.0; references.len()];
-    instance.get_real(&references, &mut values)?;
+    let selection = instance.select(names())?;
+    let mut values = vec![0.0; selection.len()];
+    instance.get_real(&selection, &mut values)?;
     Ok((time.to_bits(), values.iter().map(|value| value.to_bits()).collect()))
 }
 
@@ -67,19 +67,18 @@ fn by_hand(directory: &Path, step: f64, steps: u32) -> Vec<Row> {
     Package { trials, binaries, ..Package::default() }.write(&path).unwrap();
     let fmu = Fmu::open(&path).unwrap();
     let instance = fmu.instantiate("by_hand").unwrap();
-    let reference = |name: &str| instance.reference(name).unwrap();
-    let masses: Vec<u32> = (0..AGENTS).map(|i| reference(&format!("agent[{i}].Mass"))).collect();
+    let masses = instance.select((0..AGENTS).map(|i| format!("agent[{i}].Mass"))).unwrap();
     instance.set_real(&masses, &[80.0; AGENTS]).unwrap();
-    instance.set_real(&[reference("TimeStepMechanical")], &[1e-5]).unwrap();
+    instance.set_real(&instance.select(["TimeStepMechanical"]).unwrap(), &[1e-5]).unwrap();
     instance.initialize().unwrap();
-    let references: Vec<u32> = names().iter().map(|name| reference(name)).collect();
+    let (poses, force_x) = (instance.select(names()).unwrap(), instance.select(["agent[0].Fp.x"]).unwrap());
     let rows = (0..steps).map(|k| {
         let (from, to) = (f64::from(k) * step, f64::from(k + 1) * step);
         let force = if from <= 0.7 { 900.0 } else { 0.0 };
-        instance.set_real(&[reference("agent[0].Fp.x")], &[force]).unwrap();
+        instance.set_real(&force_x, &[force]).unwrap();
         instance.step(from, to - from).unwrap();
         let mut values = [0.0; 3 * AGENTS];
-        instance.get_real(&references, &mut values).unwrap();
+        instance.get_real(&poses, &mut values).unwrap();
         (to.to_bits(), values.iter().map(|value| value.to_bits()).collect())
     });
     rows.collect()
@@ -203,10 +202,9 @@ fn what_is_wrong_is_said_as_data() {
     assert!(matches!(&error, PrepareError::Run(Error::Value { text, .. }) if text == "many"), "{error}");
     let negative =
         Settings { parameters: vec![("agent[0].Mass".into(), "-1".into())], ..Settings::of(trial()) };
-    let PrepareError::Run(Error::Refused { call, said, .. }) = refused(&negative) else {
-        panic!("by the FMU")
-    };
-    assert!(call == "fmi2Set" && said.iter().any(|said| said.contains("Mass")), "{call}: {said:?}");
+    let PrepareError::Run(Error::Refused { answer, said }) = refused(&negative) else { panic!("by the FMU") };
+    let call = answer.call();
+    assert!(call == "fmi2SetReal" && said.iter().any(|said| said.contains("Mass")), "{call}: {said:?}");
 
     // A Trial with errors has all of them.
     let broken = directory.path().join("T");

@@ -1,0 +1,284 @@
+//! The C functions of FMI 2.0.
+
+use super::{Answer, CallError, Calls, Hears, Named, Plain, Result, c_text, functions};
+use lemons_fmi::Status;
+use lemons_fmi::v2::CallbackFunctions;
+use lemons_ssp::Native;
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
+use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
+use std::path::Path;
+use std::ptr::null;
+use std::rc::Rc;
+
+/// What `lemons_logger` gets as its environment.
+#[repr(C)]
+pub(super) struct Listener {
+    hear: unsafe extern "C" fn(*const Listener, c_int, *const c_char),
+    pub(super) hears: Box<Hears>,
+}
+
+/// What FMUs keep pointers to.
+pub(super) struct Heard {
+    callbacks: Rc<CallbackFunctions>,
+    listener: Rc<Listener>,
+}
+
+impl Heard {
+    pub(super) fn new(hears: Box<Hears>, memory_functions: bool) -> Heard {
+        let listener = Rc::new(Listener { hear, hears });
+        let memory = |function: *const c_void| if memory_functions { function } else { null() };
+        let callbacks = Rc::new(CallbackFunctions {
+            logger: Some(lemons_logger),
+            allocate_memory: memory(libc::calloc as *const c_void),
+            free_memory: memory(libc::free as *const c_void),
+            step_finished: null(),
+            component_environment: Rc::as_ptr(&listener).cast_mut().cast(),
+        });
+        Heard { callbacks, listener }
+    }
+
+    /// A [`Listener`].
+    pub(super) fn environment(&self) -> *mut c_void {
+        Rc::as_ptr(&self.listener).cast_mut().cast()
+    }
+}
+
+unsafe extern "C" {
+    /// `fmi2CallbackLogger`; see logger.c.
+    fn lemons_logger(
+        environment: *mut c_void,
+        instance: *const c_char,
+        status: Status,
+        category: *const c_char,
+        message: *const c_char,
+        ...
+    );
+}
+
+/// # Safety
+/// The listener lives, the text ends in a zero.
+unsafe extern "C" fn hear(listener: *const Listener, status: c_int, text: *const c_char) {
+    // SAFETY: as said above; only `lemons_logger` calls this.
+    let (listener, text) = unsafe { (&*listener, CStr::from_ptr(text)) };
+    let status = Answer { code: status, call: "fmi2CallbackLogger" }.status();
+    // A number sign in a message is doubled (FMI 2.0.5, section 2.1.5).
+    (listener.hears)(status, &text.to_string_lossy().replace("##", "#"));
+}
+
+type Get<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut T) -> c_int;
+type Set<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *const T) -> c_int;
+
+functions! {
+    required {
+        instantiate: unsafe extern "C" fn(
+            *const c_char, c_int, *const c_char, *const c_char, *const CallbackFunctions, c_int, c_int
+        ) -> *mut c_void = "fmi2Instantiate";
+        free_instance: unsafe extern "C" fn(*mut c_void) = "fmi2FreeInstance";
+        setup_experiment: unsafe extern "C" fn(*mut c_void, c_int, f64, f64, c_int, f64) -> c_int
+            = "fmi2SetupExperiment";
+        begin_initialization: Plain = "fmi2EnterInitializationMode";
+        exit_initialization: Plain = "fmi2ExitInitializationMode";
+        terminate: Plain = "fmi2Terminate";
+        reset: Plain = "fmi2Reset";
+        get_real: Get<f64> = "fmi2GetReal";
+        get_integer: Get<c_int> = "fmi2GetInteger";
+        get_boolean: Get<c_int> = "fmi2GetBoolean";
+        get_string: Get<*const c_char> = "fmi2GetString";
+        set_real: Set<f64> = "fmi2SetReal";
+        set_integer: Set<c_int> = "fmi2SetInteger";
+        set_boolean: Set<c_int> = "fmi2SetBoolean";
+        set_string: Set<*const c_char> = "fmi2SetString";
+        step: unsafe extern "C" fn(*mut c_void, f64, f64, c_int) -> c_int = "fmi2DoStep";
+    }
+    optional {}
+}
+
+/// `fmi2CoSimulation`
+const CO_SIMULATION: c_int = 1;
+const FALSE: c_int = 0;
+const TRUE: c_int = 1;
+
+/// A single value for each reference.
+fn get<T>(calls: &Calls, (function, call): Named<Get<T>>, references: &[u32], values: &mut [T]) -> Answer {
+    assert_eq!(references.len(), values.len(), "a value for each reference");
+    // SAFETY: an instance of this library; both arrays are as long as said.
+    let code = unsafe {
+        function(calls.component.as_ptr(), references.as_ptr(), references.len(), values.as_mut_ptr())
+    };
+    Answer { code, call }
+}
+
+/// A single value for each reference.
+fn set<T>(calls: &Calls, (function, call): Named<Set<T>>, references: &[u32], values: &[T]) -> Answer {
+    assert_eq!(references.len(), values.len(), "a value for each reference");
+    // SAFETY: an instance of this library; both arrays are as long as said.
+    let code =
+        unsafe { function(calls.component.as_ptr(), references.as_ptr(), references.len(), values.as_ptr()) };
+    Answer { code, call }
+}
+
+impl Functions {
+    /// A pointer to the instance or NULL, and the name of the function.
+    pub(super) fn instantiate(
+        &self,
+        name: &CStr,
+        guid: &CStr,
+        resources: Option<&CStr>,
+        heard: &Heard,
+    ) -> (*mut c_void, &'static str) {
+        let (function, call) = self.instantiate;
+        let resources = resources.map_or(null(), CStr::as_ptr);
+        let callbacks = Rc::as_ptr(&heard.callbacks);
+        // SAFETY: FMI's arguments; the callbacks and their environment live as long as the instance.
+        let component = unsafe {
+            // Else an FMU tells no warnings; what it tells with the status `fmi2OK` is not kept.
+            function(name.as_ptr(), CO_SIMULATION, guid.as_ptr(), resources, callbacks, FALSE, TRUE)
+        };
+        (component, call)
+    }
+
+    pub(super) fn enter_initialization(&self, calls: &Calls, start: f64) -> Answer {
+        let (function, call) = self.setup_experiment;
+        // SAFETY: an instance of this library.
+        let code = unsafe { function(calls.component.as_ptr(), FALSE, 0.0, start, FALSE, 0.0) };
+        let answer = Answer { code, call };
+        match answer.status() {
+            Some(Status::Ok | Status::Warning) => calls.plain(self.begin_initialization),
+            _ => answer,
+        }
+    }
+
+    pub(super) fn get_real(
+        &self,
+        calls: &Calls,
+        _: Native,
+        of: &[u32],
+        values: &mut [f64],
+    ) -> Result<Answer> {
+        Ok(get(calls, self.get_real, of, values))
+    }
+
+    pub(super) fn get_integer(
+        &self,
+        calls: &Calls,
+        _: Native,
+        of: &[u32],
+        values: &mut [i32],
+    ) -> Result<Answer> {
+        Ok(get(calls, self.get_integer, of, values))
+    }
+
+    pub(super) fn get_boolean(&self, calls: &Calls, of: &[u32], values: &mut [i32]) -> Result<Answer> {
+        Ok(get(calls, self.get_boolean, of, values))
+    }
+
+    pub(super) fn get_string(
+        &self,
+        calls: &Calls,
+        of: &[u32],
+        values: &mut [*const c_char],
+    ) -> Result<Answer> {
+        Ok(get(calls, self.get_string, of, values))
+    }
+
+    pub(super) fn set_real(&self, calls: &Calls, _: Native, of: &[u32], values: &[f64]) -> Result<Answer> {
+        Ok(set(calls, self.set_real, of, values))
+    }
+
+    pub(super) fn set_integer(&self, calls: &Calls, _: Native, of: &[u32], values: &[i32]) -> Result<Answer> {
+        Ok(set(calls, self.set_integer, of, values))
+    }
+
+    pub(super) fn set_boolean(&self, calls: &Calls, of: &[u32], values: &[i32]) -> Result<Answer> {
+        Ok(set(calls, self.set_boolean, of, values))
+    }
+
+    pub(super) fn set_string(&self, calls: &Calls, of: &[u32], values: &[*const c_char]) -> Result<Answer> {
+        Ok(set(calls, self.set_string, of, values))
+    }
+
+    pub(super) fn do_step(&self, calls: &Calls, time: f64, step: f64) -> Result<Answer> {
+        let (function, call) = self.step;
+        // SAFETY: an instance of this library.
+        Ok(Answer { code: unsafe { function(calls.component.as_ptr(), time, step, TRUE) }, call })
+    }
+}
+
+/// What stands for itself in the path of an URI.
+const ENCODED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~').remove(b'/');
+
+/// `file:///…/`, as FMI 2.0 wants it.
+pub(super) fn file_uri(directory: &Path) -> Result<CString> {
+    let unknown = |source| CallError::Resources { path: directory.to_owned(), source };
+    let path = std::path::absolute(directory).map_err(unknown)?;
+    let encoded = percent_encode(path.as_os_str().as_encoded_bytes(), ENCODED).to_string();
+    let path =
+        if cfg!(windows) { format!("/{}", encoded.replace("%5C", "/").replace("%3A", ":")) } else { encoded };
+    let uri = format!("file://{}/", path.trim_end_matches('/'));
+    c_text(&uri, || uri.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lemons_fmi::Status;
+    use std::ptr::null_mut;
+    use std::sync::{Arc, Mutex};
+
+    /// What is heard when an FMU tells something.
+    fn heard(tell: impl FnOnce(*mut c_void)) -> Vec<(Option<Status>, String)> {
+        let all = Arc::new(Mutex::new(Vec::new()));
+        let list = all.clone();
+        let hears: Box<Hears> =
+            Box::new(move |status, text| list.lock().unwrap().push((status, text.to_owned())));
+        let heard = Heard::new(hears, false);
+        tell(heard.environment());
+        std::mem::take(&mut *all.lock().unwrap())
+    }
+
+    #[test]
+    fn what_an_fmu_tells_is_formatted_as_printf_does() {
+        let said = heard(|environment| {
+            let (name, category) = (c"x".as_ptr(), c"all".as_ptr());
+            // SAFETY: arguments as the formats want them.
+            unsafe {
+                let format = c"%s is %d of %.2f %%".as_ptr();
+                let (what, count) = (c"this".as_ptr(), 7 as c_int);
+                lemons_logger(environment, name, Status::Error, category, format, what, count, 0.5_f64);
+                lemons_logger(environment, null(), Status::Warning, null(), c"\xff plain".as_ptr());
+                lemons_logger(environment, name, Status::Ok, category, null());
+                lemons_logger(null_mut(), name, Status::Ok, category, c"nobody hears".as_ptr());
+            }
+        });
+        let expected = [
+            (Some(Status::Error), "this is 7 of 0.50 %".to_owned()),
+            (Some(Status::Warning), "\u{fffd} plain".to_owned()),
+        ];
+        assert_eq!(said, expected);
+    }
+
+    #[test]
+    fn an_endless_message_is_cut() {
+        let said = heard(|environment| {
+            // SAFETY: a width and its argument.
+            unsafe {
+                let (format, width) = (c"%*d".as_ptr(), 50_000_000 as c_int);
+                lemons_logger(environment, null(), Status::Ok, null(), format, width, 1 as c_int);
+            }
+        });
+        assert_eq!(said[0].1.len(), 1_000_000);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn the_resources_are_named_by_an_uri() {
+        let said = |path: &str| file_uri(Path::new(path)).unwrap().into_string().unwrap();
+        assert_eq!(said("/tmp/a_b-c.d~/resources"), "file:///tmp/a_b-c.d~/resources/");
+        assert_eq!(said("/tmp/a b%20#?/ü/"), "file:///tmp/a%20b%2520%23%3F/%C3%BC/");
+        let here = std::env::current_dir().unwrap();
+        assert_eq!(said("x"), said(here.join("x").to_str().unwrap()));
+        // As the other side reads it.
+        let read = lemons_fmi::location::directories(&said("/tmp/a b%20#?/ü")).unwrap();
+        assert_eq!(read[0], Path::new("/tmp/a b%20#?/ü/"));
+    }
+}

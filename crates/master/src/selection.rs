@@ -1,0 +1,169 @@
+//! Single values that are read or set together.
+//!
+//! An FMU 2.0 has a value for each reference. An FMU 3.0 has arrays, which are read and set whole, by one call for all of
+//! one type: which of their elements are meant is found out once, not at each communication point.
+
+use crate::error::{Error, Result};
+use lemons_ssp::{Address, Fmi, Interface, Native};
+use std::collections::HashMap;
+
+/// Single values of an instance that are read or set together, in an order.
+#[derive(Debug, Clone, Default)]
+pub struct Selection {
+    /// One for each type of FMI 3.0.
+    parts: Vec<Part>,
+    count: usize,
+}
+
+/// What one call reads or sets.
+#[derive(Debug, Clone)]
+pub(crate) struct Part {
+    pub(crate) of: Native,
+    pub(crate) references: Vec<u32>,
+    /// The number of values of the call.
+    length: usize,
+    /// From the selected values to their places among those of the call; `None` if they are the same.
+    places: Option<Vec<Place>>,
+    /// Whether each value of the call is a selected one.
+    whole: bool,
+    /// Whether an array is among the variables.
+    arrays: bool,
+}
+
+/// A selected value, and which of the call's it is.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    selected: u32,
+    of_call: u32,
+}
+
+impl Selection {
+    /// Of values by their addresses.
+    ///
+    /// # Errors
+    /// The FMU has no such value.
+    pub(crate) fn new(interface: &Interface, addresses: &[Address]) -> Result<Selection> {
+        let count = addresses.len();
+        if interface.fmi == Fmi::V2 {
+            let references = addresses.iter().map(|address| address.reference).collect();
+            let of = Native::Float64;
+            let part = Part { of, references, length: count, places: None, whole: true, arrays: false };
+            let parts = if count > 0 { vec![part] } else { Vec::new() };
+            return Ok(Selection { parts, count });
+        }
+        let mut parts: Vec<Part> = Vec::new();
+        // Where the values of a variable begin, in which part.
+        let mut begins: HashMap<u32, (usize, usize)> = HashMap::new();
+        let mut places: Vec<Vec<Place>> = Vec::new();
+        for (selected, address) in (0..).zip(addresses) {
+            let (at, begin) = match begins.get(&address.reference) {
+                Some(known) => *known,
+                None => {
+                    let variable = interface.referenced(address.reference);
+                    let variable = variable.ok_or(Error::NoReference(address.reference))?;
+                    let at = parts.iter().position(|part| part.of == variable.native).unwrap_or_else(|| {
+                        let of = variable.native;
+                        let references = Vec::new();
+                        parts.push(Part {
+                            of,
+                            references,
+                            length: 0,
+                            places: None,
+                            whole: false,
+                            arrays: false,
+                        });
+                        places.push(Vec::new());
+                        parts.len() - 1
+                    });
+                    let part = &mut parts[at];
+                    let begin = part.length;
+                    part.references.push(address.reference);
+                    part.length += variable.count();
+                    part.arrays |= variable.is_array();
+                    begins.insert(address.reference, (at, begin));
+                    (at, begin)
+                }
+            };
+            let of_call = begin + address.element.unwrap_or(0) as usize;
+            if of_call >= parts[at].length {
+                return Err(Error::NoReference(address.reference));
+            }
+            places[at].push(Place { selected, of_call: of_call as u32 });
+        }
+        for (part, places) in parts.iter_mut().zip(places) {
+            let mut there = vec![false; part.length];
+            places.iter().for_each(|place| there[place.of_call as usize] = true);
+            part.whole = there.iter().all(|there| *there);
+            let same = places.len() == part.length && places.len() == count;
+            let same = same && places.iter().all(|place| place.selected == place.of_call);
+            part.places = (!same).then_some(places);
+        }
+        Ok(Selection { parts, count })
+    }
+
+    /// The number of values.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Whether values must be read before some of them can be set.
+    pub(crate) fn is_partial(&self) -> bool {
+        self.parts.iter().any(|part| !part.whole)
+    }
+
+    /// Whether an array is among the variables.
+    pub(crate) fn has_arrays(&self) -> bool {
+        self.parts.iter().any(|part| part.arrays)
+    }
+
+    /// Reads the values by a call for each part.
+    pub(crate) fn read<T: Clone + Default>(
+        &self,
+        values: &mut [T],
+        mut get: impl FnMut(&Part, &mut [T]) -> Result<()>,
+    ) -> Result<()> {
+        assert_eq!(self.count, values.len(), "a value for each that is selected");
+        for part in &self.parts {
+            let Some(places) = &part.places else {
+                get(part, values)?;
+                continue;
+            };
+            let mut all = vec![T::default(); part.length];
+            get(part, &mut all)?;
+            for place in places {
+                values[place.selected as usize].clone_from(&all[place.of_call as usize]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the values by a call for each part. Arrays of which only some elements are selected are read before.
+    pub(crate) fn write<T: Clone + Default>(
+        &self,
+        values: &[T],
+        mut get: impl FnMut(&Part, &mut [T]) -> Result<()>,
+        mut set: impl FnMut(&Part, &[T]) -> Result<()>,
+    ) -> Result<()> {
+        assert_eq!(self.count, values.len(), "a value for each that is selected");
+        for part in &self.parts {
+            let Some(places) = &part.places else {
+                set(part, values)?;
+                continue;
+            };
+            let mut all = vec![T::default(); part.length];
+            if !part.whole {
+                get(part, &mut all)?;
+            }
+            for place in places {
+                all[place.of_call as usize].clone_from(&values[place.selected as usize]);
+            }
+            set(part, &all)?;
+        }
+        Ok(())
+    }
+}
