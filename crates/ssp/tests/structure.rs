@@ -111,7 +111,7 @@ fn what_is_wrong_or_not_served_is_named() {
             r#"<Connector> name="u": two connectors"#,
         ),
         (r#"name="p" kind="parameter""#, r#"name="p" kind="thing""#, r#"kind="thing": is not a kind"#),
-        ("<c:Integer/>", "<c:Float64/>", "<Float64>: is not a type of SSP 1.0"),
+        ("<c:Integer/>", "<c:Float65/>", "<Float65>: is not a type of SSP"),
         (
             r#"startElement="b""#,
             r#"startElement="z""#,

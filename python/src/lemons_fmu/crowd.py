@@ -211,21 +211,11 @@ class Crowd:
 
     def save(self) -> State:
         """Returns the state, including contacts. After it is restored, results have the same bits."""
-        with self._instance.calls() as slave:
-            state = slave.getFMUstate()
-            try:
-                return State(self.time, bytes(slave.serializeFMUstate(state)))
-            finally:
-                slave.freeFMUstate(state)
+        return State(self.time, self._instance.save())
 
     def restore(self, state: State) -> None:
         """Restores a state that was saved from this Crowd, or from another one of the same FMU."""
-        with self._instance.calls() as slave:
-            restored = slave.deSerializeFMUstate(state.data)
-            try:
-                slave.setFMUstate(restored)
-            finally:
-                slave.freeFMUstate(restored)
+        self._instance.restore(state.data)
         self.time = state.time
 
     def run(self, drive: DriveLike[Crowd] = None, *, until: float, step: float | None = None) -> Run:

@@ -31,9 +31,11 @@ from fmpy.fmi2 import (
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
 )
+from fmpy.fmi3 import FMU3Slave
 from numpy.typing import NDArray
 
 from . import columns, files
+from .arrays import AGENTS, Array, Plan, names, of_materials, plan
 from .columns import INPUTS
 from .drive import Drive, read
 
@@ -41,8 +43,10 @@ Value = Union[float, int, str]
 Source = Union[str, "os.PathLike[str]", bytes]
 
 DRIVE_FILE = "drive.csv"
-_STATUS = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
+_STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 _WARNING, _FATAL = 1, 4
+# Of FMI 3.0, and what they are here.
+_TYPES = {"Float64": "Real", "Int32": "Integer", "String": "String"}
 # Messages come as arguments of printf. The FMU always gives "%s" and one text, which on 64-bit Linux is an ordinary sixth
 # argument. (fmpy's proxy for such loggers supports only one logger in a process.)
 _Logger = ctypes.CFUNCTYPE(
@@ -76,17 +80,23 @@ class Fmu:
             shutil.rmtree(directory, ignore_errors=True)
             what = "cannot be unpacked" if isinstance(error, OSError) else "is not a readable FMU"
             raise FmuError(f"{what}: {error}") from error
-        if description.fmiVersion != "2.0" or description.coSimulation is None:
-            raise FmuError("is not an FMI 2.0 co-simulation FMU")
+        if description.fmiVersion[:2] not in ("2.", "3.") or description.coSimulation is None:
+            raise FmuError("is not a co-simulation FMU of FMI 2.0 or 3.0")
         self.data = data
         self.sha256 = sha256
         self.directory = directory
         self.guid: str = description.guid
         self.model_name: str = description.modelName
         self.identifier: str = description.coSimulation.modelIdentifier
+        #: The variables of FMI 3.0, of which arrays are read and set whole; empty for FMI 2.0.
+        self.arrays = _arrays(description) if description.fmiVersion.startswith("3.") else []
+        #: Single values by name. In FMI 3.0 a reference is the place among the values of all variables.
         self.variables = {
             v.name: Variable(int(v.valueReference), str(v.type), str(v.causality)) for v in description.modelVariables
         }
+        if self.arrays:
+            self.variables = _singles(description, self.arrays)
+        self._plans: dict[bytes, Plan] = {}
         experiment = description.defaultExperiment
         size = None if experiment is None else experiment.stepSize
         #: Communication step of the default Trial [s].
@@ -100,9 +110,17 @@ class Fmu:
             raise FmuError(f"{self.model_name!r} is not a packed crowd: it has no variable agent[0].Mp")
         #: Number of people.
         self.agents = agents
-        words = {v.name: v.description or "" for v in description.modelVariables}
+        self._idle: list[Instance] = []
+        self._lock = threading.Lock()
+        self._of_materials: dict[str, list[str]] = {}
         #: Ids of the agents in Agents.xml.
-        self.ids = [_id_in(words[f"agent[{i}].Mp"], i) for i in range(agents)]
+        self.ids: list[str]
+        if self.arrays:
+            self.ids, materials = self._read_ids()
+            self._of_materials = of_materials(self.arrays, materials)
+        else:
+            words = {v.name: v.description or "" for v in description.modelVariables}
+            self.ids = [_id_in(words[f"agent[{i}].Mp"], i) for i in range(agents)]
         self.inputs = self.references(INPUTS)
         of_step = [quantity.variable for quantity in columns.OF_STEP]
         #: Whether the FMU has the outputs `columns.OF_STEP`.
@@ -110,8 +128,6 @@ class Fmu:
         reals = [quantity.variable for quantity in columns.REALS]
         self.reals = self.references(reals + of_step if self.has_means else reals)
         self.counts = self.references([quantity.variable for quantity in columns.CONTACTS])
-        self._idle: list[Instance] = []
-        self._lock = threading.Lock()
         self._drives: dict[str, Drive | None] = {}
         self._steps: dict[str, float] = {}
 
@@ -174,6 +190,7 @@ class Fmu:
             FmuError: the FMU has no such variable.
         """
         names = [name.replace("agent[*]", f"agent[{i}]", 1) for i in range(self.agents)] if "agent[*]" in name else [name]
+        names = self._of_materials.get(name, names)
         for each in names:
             if each not in self.variables:
                 raise FmuError(f"the FMU has no variable {each!r}; `lemons info` lists them")
@@ -184,7 +201,31 @@ class Fmu:
         with self._lock:
             if self._idle:
                 return self._idle.pop()
-        return Instance(self)
+        return (ArrayInstance if self.arrays else Instance)(self)
+
+    def plan(self, keys: NDArray[np.uint32]) -> Plan:
+        """Returns how values of FMI 3.0 are read by one call; it is found out once for the same values."""
+        known = keys.tobytes()
+        found = self._plans.get(known)
+        if found is None:
+            found = self._plans[known] = plan(keys, self.arrays)
+        return found
+
+    def _read_ids(self) -> tuple[list[str], list[str]]:
+        """Returns the Ids of agents and of materials, which an instance of FMI 3.0 tells."""
+        instance = self.borrow()
+        with instance.calls() as slave:
+            slave.enterInitializationMode()
+            ids = [
+                [str(text) for text in slave.getString([array.reference], array.size)]
+                for name in ("AgentId", "MaterialId")
+                for array in self.arrays
+                if array.name == name
+            ]
+        self.give_back(instance)
+        if len(ids) != 2 or len(ids[0]) != self.agents:
+            raise FmuError(f"{self.model_name!r} is not a packed crowd: it has no Ids of its agents and materials")
+        return ids[0], ids[1]
 
     def give_back(self, instance: Instance) -> None:
         """Resets an instance and keeps it for later, or drops it if it cannot be reset."""
@@ -252,10 +293,11 @@ class Instance:
     def _check(self, function: str, status: int) -> None:
         if status > _WARNING:
             self.fatal |= status == _FATAL
-            raise FmuError(self._why(f"{function}: {_STATUS[status] if status < len(_STATUS) else status}"))
+            said = f"{function[:4]}{_STATUS[status]}" if status < len(_STATUS) else str(status)
+            raise FmuError(self._why(f"{function}: {said}"))
 
     @contextmanager
-    def calls(self) -> Iterator[FMU2Slave]:
+    def calls(self) -> Iterator[Any]:
         """Gives fmpy's instance. Refused calls raise `FmuError` with the message of the FMU."""
         try:
             yield self.slave
@@ -319,24 +361,226 @@ class Instance:
             slave.enterInitializationMode()
             slave.exitInitializationMode()
 
+    def save(self) -> bytes:
+        """Returns the state as bytes."""
+        with self.calls() as slave:
+            state = slave.getFMUstate()
+            try:
+                return bytes(slave.serializeFMUstate(state))
+            finally:
+                slave.freeFMUstate(state)
+
+    def restore(self, data: bytes) -> None:
+        """Restores a state."""
+        with self.calls() as slave:
+            restored = slave.deSerializeFMUstate(data)
+            try:
+                slave.setFMUstate(restored)
+            finally:
+                slave.freeFMUstate(restored)
+
     def reset(self) -> None:
         if self.fatal:
-            raise FmuError("the instance cannot be used after fmi2Fatal")
+            raise FmuError("the instance cannot be used after a fatal error")
         with self.calls() as slave:
             slave.reset()
         self._said.clear()
 
     def drop(self) -> None:
-        """Frees it, except after fmi2Fatal: FMI then forbids all calls."""
+        """Frees it, except after a fatal error: FMI then forbids all calls."""
         if not self.fatal:
             with _loading:
                 self.slave.freeInstance()
 
 
-def _function(library: ctypes.CDLL, name: str) -> Any:
-    """Returns a new function object, so that the argument types of fmpy's do not change."""
+class ArrayInstance(Instance):
+    """An instance of an FMI 3.0 FMU. Arrays are read and set whole: where some of their elements are set, the others keep the
+    values that they have."""
+
+    def __init__(self, fmu: Fmu) -> None:
+        self.fmu = fmu
+        self.fatal = False
+        self._said = deque(maxlen=100)
+        with _loading:
+            try:
+                self.slave = FMU3Slave(
+                    guid=fmu.guid,
+                    unzipDirectory=str(fmu.directory),
+                    modelIdentifier=fmu.identifier,
+                    instanceName=f"crowd {next(_numbers)}",
+                )
+                self.slave.instantiate(logMessage=self._hear, loggingOn=True)
+            except Exception as error:
+                raise FmuError(self._why(str(error))) from error
+        self._first = [text for _, text in self._said]
+        self._said.clear()
+        library = self.slave.dll
+        self._component = ctypes.c_void_p(self.slave.component)
+        self._set_float64 = _function(library, "fmi3SetFloat64", counted=True)
+        self._get_float64 = _function(library, "fmi3GetFloat64", counted=True)
+        self._get_int32 = _function(library, "fmi3GetInt32", counted=True)
+        self._step = library["fmi3DoStep"]
+        flags = [ctypes.c_void_p] * 4
+        self._step.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_bool, *flags]
+        self._step.restype = ctypes.c_int
+        #: What a step tells: three Booleans and a time [s].
+        self._flags = [ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()]
+        self._reached = ctypes.c_double()
+        self._initialized = False
+        self._later: list[tuple[list[str], Value]] = []
+
+    def _hear(self, _environment: object, status: int, _kind: bytes, text: bytes) -> None:
+        self._said.append((status, text.decode("utf-8", "replace").replace(f"{self.fmu.directory}/", "")))
+
+    def _call(self, name: str, function: Any, found: Plan, values: NDArray[Any]) -> None:
+        references = found.references
+        status = function(self._component, references.ctypes.data, references.size, values.ctypes.data, values.size)
+        self._check(name, status)
+
+    def _get(self, name: str, function: Any, keys: NDArray[np.uint32], values: NDArray[Any]) -> None:
+        found = self.fmu.plan(keys)
+        if found.places is None:
+            self._call(name, function, found, values)
+            return
+        read = np.empty(found.size, dtype=values.dtype)
+        self._call(name, function, found, read)
+        values[...] = read[found.places].reshape(values.shape)
+
+    def set_real(self, references: NDArray[np.uint32], values: NDArray[np.float64]) -> None:
+        found = self.fmu.plan(references)
+        if found.places is not None:
+            read = np.empty(found.size)
+            if not found.whole:
+                self._call("fmi3GetFloat64", self._get_float64, found, read)
+            read[found.places] = values.ravel()
+            values = read
+        self._call("fmi3SetFloat64", self._set_float64, found, values)
+
+    def get_real(self, references: NDArray[np.uint32], values: NDArray[np.float64]) -> None:
+        self._get("fmi3GetFloat64", self._get_float64, references, values)
+
+    def get_integer(self, references: NDArray[np.uint32], values: NDArray[np.int32]) -> None:
+        self._get("fmi3GetInt32", self._get_int32, references, values)
+
+    def do_step(self, time: float, step: float) -> None:
+        flags = [ctypes.byref(flag) for flag in self._flags]
+        status = self._step(self._component, time, step, True, *flags, ctypes.byref(self._reached))
+        self._check("fmi3DoStep", status)
+        if any(flag.value for flag in self._flags):
+            raise FmuError(f"fmi3DoStep: the FMU ended the step at {self._reached.value:g} s")
+
+    def set(self, name: str, value: Value) -> None:
+        names = self.fmu.expand(name)
+        variables = [self.fmu.variables[each] for each in names]
+        kind, reference = variables[0].type, variables[0].reference
+        array = next(one for one in reversed(self.fmu.arrays) if one.begin <= reference)
+        if array.shape and not self._initialized:
+            # The other elements of the array cannot be read before.
+            self._later.append((names, value))
+        elif kind == "Real":
+            keys = np.array([variable.reference for variable in variables], dtype=np.uint32)
+            self.set_real(keys, np.full(len(names), _real(names[0], value)))
+        elif array.shape:
+            raise FmuError(f"{names[0]} is an element of an array of type {kind}: not supported")
+        else:
+            with self.calls() as slave:
+                if kind == "Integer":
+                    slave.setInt32([array.reference], [_integer(names[0], value)])
+                elif kind == "String":
+                    if not isinstance(value, str):
+                        raise FmuError(f"{names[0]} must be a text, not {value!r}")
+                    slave.setString([array.reference], [value])
+                else:
+                    raise FmuError(f"{names[0]} is a {kind}: not supported")
+
+    def get(self, name: str) -> Value:
+        name = self.fmu.expand(name)[0]
+        variable = self.fmu.variables[name]
+        keys = np.array([variable.reference], dtype=np.uint32)
+        if variable.type == "Real":
+            real = np.empty(1)
+            self.get_real(keys, real)
+            return float(real[0])
+        if variable.type == "Integer":
+            integer = np.empty(1, dtype=np.int32)
+            self.get_integer(keys, integer)
+            return int(integer[0])
+        if variable.type == "String":
+            found = self.fmu.plan(keys)
+            with self.calls() as slave:
+                texts = slave.getString([int(found.references[0])], found.size)
+            return str(texts[0 if found.places is None else int(found.places[0])])
+        raise FmuError(f"{name} is a {variable.type}: not supported")
+
+    def initialize(self, parameters: Mapping[str, Value], start: float) -> None:
+        for name, value in parameters.items():
+            self.set(name, value)
+        with self.calls() as slave:
+            slave.enterInitializationMode(startTime=start)
+            self._initialized = True
+            later, self._later = self._later, []
+            for names, value in later:
+                keys = np.array([self.fmu.variables[each].reference for each in names], dtype=np.uint32)
+                if self.fmu.variables[names[0]].type != "Real":
+                    raise FmuError(f"{names[0]} is an element of an array that is not of Reals: not supported")
+                self.set_real(keys, np.full(len(names), _real(names[0], value)))
+            slave.exitInitializationMode()
+
+    def save(self) -> bytes:
+        with self.calls() as slave:
+            state = slave.getFMUState()
+            try:
+                return bytes(slave.serializeFMUState(state))
+            finally:
+                slave.freeFMUState(state)
+
+    def restore(self, data: bytes) -> None:
+        with self.calls() as slave:
+            restored = slave.deserializeFMUState(data)
+            try:
+                slave.setFMUState(restored)
+            finally:
+                slave.freeFMUState(restored)
+
+    def reset(self) -> None:
+        super().reset()
+        self._initialized = False
+        self._later.clear()
+
+
+def _arrays(description: Any) -> list[Array]:
+    """Returns the variables of FMI 3.0 that have values here: Reals of 64 bits, Integers of 32 bits, and texts."""
+    variables = description.modelVariables
+    counts = [variable.valueReference for variable in variables if variable.name == AGENTS]
+    found, begin = [], 0
+    for variable in variables:
+        if variable.type not in _TYPES:
+            continue
+        first = variable.dimensions[0].valueReference if variable.dimensions else None
+        of_agents = first is not None and first in counts
+        array = Array(variable.name, int(variable.valueReference), tuple(variable.shape or ()), of_agents, begin)
+        found.append(array)
+        begin += array.size
+    return found
+
+
+def _singles(description: Any, arrays: Sequence[Array]) -> dict[str, Variable]:
+    """Returns the values of FMI 3.0 by their names."""
+    own = {variable.name: variable for variable in description.modelVariables}
+    by_name = {array.name: array for array in arrays}
+    singles = {}
+    for array in arrays:
+        kind, causality = _TYPES[own[array.name].type], str(own[array.name].causality)
+        for place, name in enumerate(names(array, by_name)):
+            singles[name] = Variable(array.begin + place, kind, causality)
+    return singles
+
+
+def _function(library: ctypes.CDLL, name: str, counted: bool = False) -> Any:
+    """Returns a new function object, so that the argument types of fmpy's do not change; in FMI 3.0 values are counted."""
     function = library[name]
-    function.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]
+    count = [ctypes.c_size_t] if counted else []
+    function.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, *count]
     function.restype = ctypes.c_int
     return function
 
