@@ -4,6 +4,7 @@
 
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use crowd_mechanics::model::CrowdModel;
+use crowd_mechanics::pack::Format;
 use crowd_mechanics::setup;
 use crowd_mechanics::variables::{guid, table};
 use lemons_bench::fmu::{DENSE, Packed};
@@ -21,7 +22,7 @@ fn load(criterion: &mut Criterion) {
         bencher.iter(|| setup::read(&packed.trial()).expect("a good Trial"));
     });
     group.bench_function(BenchmarkId::new("read, check and pack", AGENTS), |bencher| {
-        bencher.iter(|| packed.pack().expect("a good Trial"));
+        bencher.iter(|| packed.pack(Format::default()).expect("a good Trial"));
     });
     let guid = guid(&table(&setup::read(&packed.trial()).expect("a good Trial").0)).to_string();
     let resources = packed.resources();

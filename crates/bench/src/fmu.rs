@@ -5,7 +5,7 @@
 use crate::error::{Error, Result};
 use crate::{MASS, Numbers, RATE};
 use cpu_time::{ProcessTime, ThreadTime};
-use crowd_mechanics::pack::Package;
+use crowd_mechanics::pack::{Format, Package};
 use crowd_mechanics::setup;
 use include_dir::{Dir, include_dir};
 use lemons_master::{
@@ -149,9 +149,9 @@ impl Packed {
     ///
     /// # Errors
     /// The Trial cannot be packed.
-    pub fn pack(&self) -> Result<()> {
+    pub fn pack(&self, format: Format) -> Result<()> {
         let (trials, binaries) = (vec![self.trial()], vec![own_binary()?]);
-        Package { trials, binaries, ..Package::default() }.write(&self.fmu())?;
+        Package { trials, binaries, format, ..Package::default() }.write(&self.fmu())?;
         Ok(())
     }
 }
@@ -186,9 +186,10 @@ fn median(mut times: Vec<f64>) -> f64 {
 /// The cost of getting and setting values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overhead {
-    /// \[µs\] Setting the three inputs of every agent, in one `fmi2SetReal`.
+    /// \[µs\] Setting the three inputs of every agent, in one `fmi2SetReal` or `fmi3SetFloat64`.
     pub set: f64,
-    /// \[µs\] Getting the ten outputs of every agent, in one `fmi2GetReal` and one `fmi2GetInteger`.
+    /// \[µs\] Getting the ten outputs of every agent, in one `fmi2GetReal` and one `fmi2GetInteger`; in FMI 3.0 whole arrays,
+    /// which our master puts in the order of FMI 2.0.
     pub get: f64,
 }
 
@@ -197,10 +198,10 @@ pub struct Overhead {
 ///
 /// # Errors
 /// The FMU refuses a call.
-pub fn overhead(agents: usize, runs: usize) -> Result<Overhead> {
+pub fn overhead(agents: usize, runs: usize, format: Format) -> Result<Overhead> {
     const CALLS: u64 = 100;
     let packed = Packed::new(agents, SPARSE)?;
-    packed.pack()?;
+    packed.pack(format)?;
     let instance = Fmu::open(&packed.fmu())?.instantiate("bench")?;
     instance.initialize()?;
     instance.step(0.0, 1e-4)?;
@@ -245,7 +246,7 @@ pub fn loading(agents: usize, runs: usize) -> Result<Loading> {
     let mut times = [const { Vec::new() }; 4];
     for _ in 0..runs {
         let read = timed(|| Ok(setup::read(&packed.trial())?))?.0;
-        let pack = timed(|| packed.pack())?.0;
+        let pack = timed(|| packed.pack(Format::default()))?.0;
         let fmu = Fmu::open(&packed.fmu())?;
         let (instantiate, instance) = timed(|| Ok(fmu.instantiate("bench")?))?;
         let initialize = timed(|| Ok(instance.initialize()?))?.0;

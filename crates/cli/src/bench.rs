@@ -2,6 +2,7 @@
 
 use crate::tell;
 use anyhow::{Result, bail};
+use crowd_mechanics::pack::Format;
 use lemons_bench::{Figures, cases, fmu, measure};
 use lemons_files::input;
 use std::io::Write;
@@ -76,9 +77,11 @@ fn through_fmu(out: &mut impl Write, runs: usize) -> Result<()> {
         writeln!(out, "{what:<50}{value:>10.3} {unit}")?;
         Ok(out.flush()?)
     };
-    let overhead = fmu::overhead(1_000, runs)?;
-    row("1000 agents: set 3 inputs of each", overhead.set, "µs")?;
-    row("1000 agents: get 10 outputs of each", overhead.get, "µs")?;
+    for (version, format) in [("", Format::default()), (" (FMI 3.0)", Format::Fmi3)] {
+        let overhead = fmu::overhead(1_000, runs, format)?;
+        row(&format!("1000 agents: set 3 inputs of each{version}"), overhead.set, "µs")?;
+        row(&format!("1000 agents: get 10 outputs of each{version}"), overhead.get, "µs")?;
+    }
     let loading = fmu::loading(10_000, runs)?;
     row("10 000 agents: read and check the Trial", loading.read, "s")?;
     row("10 000 agents: read, check and pack it", loading.pack, "s")?;

@@ -86,6 +86,7 @@ fn runs(directory: &Path) -> Done {
         name: name.into(),
         model: "push".into(),
         guid: format!("{{{place}}}"),
+        chosen: std::collections::BTreeMap::new(),
         state: format!("state-{place}"),
         bytes,
     };

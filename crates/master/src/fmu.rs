@@ -17,6 +17,7 @@ use lemons_fmi::location::Location;
 use lemons_ssp::{Address, Allowance, Fmi, Interface, Kind, Type};
 use lemons_trial::Trial;
 use std::cell::{Cell, RefCell};
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::rc::Rc;
 use std::str::FromStr;
@@ -50,6 +51,8 @@ pub struct Fmu {
     trial: Option<(String, String)>,
     /// The packed Trial that was chosen, if that is known.
     chosen: Option<String>,
+    /// The values that names of materials stand for, as far as they were asked for: a Trial is large.
+    materials: Mutex<HashMap<String, Vec<String>>>,
 }
 
 /// Structural parameters: value references, and values.
@@ -119,6 +122,7 @@ impl Fmu {
             shown: "FMU".into(),
             trial: None,
             chosen: None,
+            materials: Mutex::default(),
         })
     }
 
@@ -243,13 +247,19 @@ impl Fmu {
         if !name.starts_with("material.") && !name.starts_with("contact.") {
             return Vec::new();
         }
-        let chosen = self.chosen.as_deref();
-        let Ok(trial) = self.trial(chosen) else { return Vec::new() };
+        if let Some(known) = self.materials.lock().ok().and_then(|known| known.get(name).cloned()) {
+            return known;
+        }
+        let Ok(trial) = self.trial(self.chosen.as_deref()) else { return Vec::new() };
         let elements = arrays::of_materials(&trial, name).into_iter().filter_map(|(array, element)| {
             let variable = self.description.variable(array).filter(|array| element < array.count())?;
             Some(self.description.name_of(variable, element))
         });
-        elements.collect()
+        let elements: Vec<String> = elements.collect();
+        if let Ok(mut known) = self.materials.lock() {
+            known.insert(name.to_owned(), elements.clone());
+        }
+        elements
     }
 
     /// The type of a value.
@@ -274,6 +284,7 @@ impl Fmu {
             {
                 let trial = self.trial(Some(text))?;
                 self.chosen = Some(text.to_owned());
+                self.materials = Mutex::default();
                 let sizes = arrays::SIZES.iter().zip(arrays::sizes(&trial));
                 chosen.extend(sizes.map(|(size, value)| (size.name.to_owned(), value)));
             }
@@ -301,6 +312,15 @@ impl Fmu {
             }
         }
         Ok(())
+    }
+
+    /// What was chosen by [`Fmu::configure`], by name: a saved run must choose it again.
+    pub(crate) fn choices(&self) -> BTreeMap<String, String> {
+        let Sizes { references, values } = &self.sizes;
+        let sizes = references.iter().zip(values).filter_map(|(reference, value)| {
+            Some((self.description.referenced(*reference)?.name.clone(), value.to_string()))
+        });
+        sizes.chain(self.chosen.iter().map(|trial| (TRIAL.to_owned(), trial.clone()))).collect()
     }
 
     /// Whether a variable is a structural parameter, which is set by [`Fmu::configure`].

@@ -193,8 +193,12 @@ impl Prepared {
         }
         let saved = settings.resume.as_deref().map(read_saved).transpose()?;
         let (before, states) = saved.unzip();
-        let Opened { mut system, start, stop, coupled, mut warnings } = open(settings)?;
-        set_parameters(&system, settings, coupled, &mut warnings)?;
+        let parameters = match &before {
+            Some(before) => before.chosen(is_coupled(settings)),
+            None => settings.parameters.clone(),
+        };
+        let Opened { mut system, start, stop, coupled, mut warnings } = open(settings, &parameters)?;
+        set_parameters(&system, &parameters, settings.threads, coupled, &mut warnings)?;
         if settings.saves || before.is_some() {
             check_saves(&system)?;
         }
@@ -251,21 +255,25 @@ struct Opened {
     warnings: Vec<Warning>,
 }
 
-fn open(settings: &Settings) -> Result<Opened, PrepareError> {
+/// Whether the input is an SSP.
+fn is_coupled(settings: &Settings) -> bool {
+    settings.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp"))
+}
+
+fn open(settings: &Settings, parameters: &[(String, String)]) -> Result<Opened, PrepareError> {
     let input = &settings.input;
     let runs = [Kind::Trial, Kind::Fmu, Kind::Ssp, Kind::Archive, Kind::Stream];
     Kind::expect(input, &runs, "a Trial directory, an FMU or an SSP").map_err(Error::from)?;
-    if !input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp")) {
+    if !is_coupled(settings) {
         let mut fmu = Runnable::of(input, settings.binary.as_ref())?.open()?;
-        fmu.configure(settings.parameters.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
+        fmu.configure(parameters.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
         let system = System::of_one("crowd", fmu, settings.algorithm)?;
         return Ok(Opened { system, start: 0.0, stop: None, coupled: false, warnings: Vec::new() });
     }
     if matches!(settings.drive, DriveChoice::File(_)) {
         return Err(PrepareError::DriveOfCoupled);
     }
-    let Assembled { system, start, stop, ignored } =
-        assemble(input, settings.algorithm, &settings.parameters)?;
+    let Assembled { system, start, stop, ignored } = assemble(input, settings.algorithm, parameters)?;
     let warnings = ignored.into_iter().map(Warning::Ignored).collect();
     Ok(Opened { system, start: start.unwrap_or(0.0), stop, coupled: true, warnings })
 }
@@ -315,14 +323,15 @@ impl Runnable {
 /// Parameters, start values and the number of threads.
 fn set_parameters(
     system: &System,
-    settings: &Settings,
+    parameters: &[(String, String)],
+    threads: Option<i32>,
     coupled: bool,
     warnings: &mut Vec<Warning>,
 ) -> Result<(), PrepareError> {
-    for (name, value) in &settings.parameters {
+    for (name, value) in parameters {
         warnings.extend(set(system, name, value, coupled)?);
     }
-    match settings.threads {
+    match threads {
         Some(threads) if coupled => Err(PrepareError::ThreadsOfCoupled(threads)),
         Some(threads) => set(system, "Threads", &threads.to_string(), coupled).map(drop),
         None => Ok(()),

@@ -10,7 +10,7 @@ use lemons_fmi::fingerprint;
 use lemons_ssp::{Allowance, distinct};
 use lemons_trial::quoted;
 use serde::{Deserialize, Serialize};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Display;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
@@ -68,6 +68,9 @@ pub struct ComponentRecord {
     pub model: String,
     /// guid
     pub guid: String,
+    /// The sizes of arrays that were chosen before initialization, and the Trial (FMI 3.0).
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub chosen: BTreeMap<String, String>,
     /// The archive's entry with its state.
     pub state: String,
     /// \[byte\] of the state
@@ -157,10 +160,22 @@ impl Saved {
             name: component.name.clone(),
             model: component.fmu.description.model_name.clone(),
             guid: component.fmu.description.guid.clone(),
+            chosen: component.fmu.choices(),
             state: format!("state-{place}"),
             bytes: state.len() as u64,
         });
         record.collect()
+    }
+
+    /// What was chosen before initialization, as parameters: in an SSP, with the names of the components.
+    pub(crate) fn chosen(&self, coupled: bool) -> Vec<(String, String)> {
+        let of = |component: &ComponentRecord, name: &String| {
+            if coupled { format!("{}.{name}", component.name) } else { name.clone() }
+        };
+        let all = self.component.iter().flat_map(|component| {
+            component.chosen.iter().map(move |(name, value)| (of(component, name), value.clone()))
+        });
+        all.collect()
     }
 
     /// That the states of all components can be read again.

@@ -1,6 +1,6 @@
 //! FMI 3.0: what an FMU of arrays gives is what the FMU 2.0 of the same Trial gives, byte for byte.
 
-use crate::common::{assert_code, default_trial, done, err, lemons, out, root};
+use crate::common::{assert_code, decision_library, default_trial, done, err, lemons, out, root};
 use crate::coupling::controller::{DESCRIPTION, write_controller};
 use std::fs;
 use std::path::Path;
@@ -101,6 +101,11 @@ fn trials_of_different_sizes_are_chosen() {
     done(at, &[&["run", "both.fmu", "--set", "Trial=Trial_door"][..], &run, &["both.csv"]].concat());
     let read = |name: &str| fs::read(at.join(name)).unwrap();
     assert!(read("door.csv") == read("both.csv"));
+    // A saved run knows which it was.
+    let first = ["run", "both.fmu", "--set", "Trial=Trial_door", "--until", "0.1", "-o", "saved.csv"];
+    done(at, &[&first[..], &["--set", "agent[29].Mass=80", "--state", "s.run"]].concat());
+    done(at, &["run", "both.fmu", "--resume", "s.run", "--until", "0.2", "-o", "saved.csv"]);
+    assert!(read("saved.csv") == read("both.csv"));
     let said = |settings: &[&str]| {
         let output = lemons(at, &[&["run", "both.fmu", "-o", "x.csv", "--set"][..], settings].concat());
         assert_code(&output, 1);
@@ -177,4 +182,31 @@ fn info_tells_arrays_by_their_elements() {
             .contains("\nAgents            size  Integer 5"),
         "{said}"
     );
+}
+
+/// Arrays to arrays, values to elements, and elements to values.
+#[test]
+fn decisions_and_crowds_of_both_versions_couple_to_the_same_bytes() {
+    decision_library();
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let door = root().join("resources/Trial_door");
+    let door = door.to_str().unwrap();
+    for version in ["2", "3"] {
+        done(at, &["decide", "--fmi", version, door, "-o", &format!("decision{version}.fmu")]);
+        done(at, &["pack", "--fmi", version, door, "-o", &format!("crowd{version}.fmu")]);
+    }
+    let mut tables = Vec::new();
+    for (decision, crowd) in [("2", "2"), ("2", "3"), ("3", "2"), ("3", "3")] {
+        fs::copy(at.join(format!("decision{decision}.fmu")), at.join("decision.fmu")).unwrap();
+        fs::copy(at.join(format!("crowd{crowd}.fmu")), at.join("crowd.fmu")).unwrap();
+        let said = out(&done(at, &["connect", "decision.fmu", "crowd.fmu", "-o", "x.ssp"]));
+        let whole = said.contains("decision -> crowd: 2 connected: Fp, Mp");
+        assert_eq!(whole, (decision, crowd) == ("3", "3"), "{said}");
+        let run = ["run", "x.ssp", "--until", "0.5", "--algorithm", "gauss-seidel", "-o", "x.csv"];
+        done(at, &[&run[..], &["--outputs", "wishes.csv"]].concat());
+        tables.push(fs::read(at.join("x.csv")).unwrap());
+    }
+    assert!(tables.iter().all(|table| *table == tables[0]), "to the last bit");
+    assert!(String::from_utf8_lossy(&tables[0]).contains("\n0.5,29,"));
 }

@@ -1,4 +1,4 @@
-//! fmi-rs reads and runs the crowd's FMI 3.0 FMU, and gets the bits of the FMI 2.0 FMU.
+//! fmi-rs reads and runs the crowd's FMI 3.0 FMU, and gets the bits of our own master, which runs that and the FMI 2.0 FMU.
 
 use crowd_mechanics::pack::{Format, Package};
 use fmi_rs::fmi3::FMU3;
@@ -78,14 +78,17 @@ fn fmi_rs_runs_arrays_to_the_bits_of_scalars() {
     let inputs = description.modelVariables.iter().filter(|it| it.causality == Causality::Input);
     assert_eq!(inputs.map(|it| &it.name[..]).collect::<Vec<_>>(), ["Fp", "Mp"]);
 
-    let scalars = Fmu::open(&packed(directory.path(), Format::default())).unwrap();
-    let own = scalars.instantiate("own").unwrap();
-    own.initialize().unwrap();
-    let reference = |name: &str| scalars.description.variable(name).unwrap().reference;
-    let drives: Vec<u32> = (0..AGENTS)
-        .flat_map(|i| ["x", "y"].map(|axis| reference(&format!("agent[{i}].Fp.{axis}"))))
-        .collect();
-    let outputs: Vec<u32> = [
+    // Our own master, with both versions.
+    let fmus = [Format::default(), Format::Fmi3].map(|format| {
+        let directory = TempDir::new().unwrap();
+        let fmu = Fmu::open(&packed(directory.path(), format)).unwrap();
+        let own = fmu.instantiate("own").unwrap();
+        own.initialize().unwrap();
+        (own, fmu)
+    });
+    let drives: Vec<String> =
+        (0..AGENTS).flat_map(|i| ["x", "y"].map(|axis| format!("agent[{i}].Fp.{axis}"))).collect();
+    let outputs: Vec<String> = [
         ["Position.x", "Position.y"].as_slice(),
         &["Theta"],
         &["Velocity.x", "Velocity.y"],
@@ -97,8 +100,9 @@ fn fmi_rs_runs_arrays_to_the_bits_of_scalars() {
     .flat_map(|names| {
         (0..AGENTS).flat_map(move |i| names.iter().map(move |name| format!("agent[{i}].{name}")))
     })
-    .map(|name| reference(&name))
     .collect();
+    let selected =
+        fmus.each_ref().map(|(own, _)| (own.select(&drives).unwrap(), own.select(&outputs).unwrap()));
 
     let (fp, length) = size("Fp");
     assert_eq!(length, 2 * AGENTS);
@@ -126,10 +130,12 @@ fn fmi_rs_runs_arrays_to_the_bits_of_scalars() {
             assert_eq!(theirs.getFMUState(&mut state), fmi3Status::Ok);
         }
         step(k, &mut others);
-        own.set_real(&drives, &force).unwrap();
-        own.step(f64::from(k) * STEP, STEP).unwrap();
-        own.get_real(&outputs, &mut ours).unwrap();
-        assert_eq!(bits(&ours), bits(&others), "step {k}");
+        for ((own, _), (drives, outputs)) in fmus.iter().zip(&selected) {
+            own.set_real(drives, &force).unwrap();
+            own.step(f64::from(k) * STEP, STEP).unwrap();
+            own.get_real(outputs, &mut ours).unwrap();
+            assert_eq!(bits(&ours), bits(&others), "step {k}");
+        }
         squeezed = squeezed.max(others[others.len() - AGENTS]);
     }
     assert!(squeezed > 100.0, "they touch");
