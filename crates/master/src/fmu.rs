@@ -485,7 +485,7 @@ pub struct Instance {
     sizes: Sizes,
     /// Whether initialization has begun.
     initialized: Cell<bool>,
-    /// Elements of arrays: FMI 3.0 does not let the others of an array be read before initialization.
+    /// Arrays: FMI 3.0 does not let their other elements be read before initialization.
     later: RefCell<Vec<Later>>,
 }
 
@@ -583,11 +583,10 @@ impl Instance {
         self.done(self.calls.exit_initialization())
     }
 
-    /// Whether values must wait for initialization: an array can only be set whole, and cannot be read before. What comes
-    /// after such a value waits, too, so that the last value counts.
+    /// Whether values must wait for initialization: an array can only be set whole, and cannot be read before. All arrays
+    /// wait, so that the last value counts, and sizes are those of the Trial that was chosen.
     fn waits(&self, selection: &Selection) -> bool {
-        let arrays = selection.has_arrays() && (selection.is_partial() || !self.later.borrow().is_empty());
-        arrays && !self.initialized.get()
+        selection.has_arrays() && !self.initialized.get()
     }
 
     /// Sets Reals.

@@ -111,11 +111,6 @@ impl Selection {
         self.count == 0
     }
 
-    /// Whether values must be read before some of them can be set.
-    pub(crate) fn is_partial(&self) -> bool {
-        self.parts.iter().any(|part| !part.whole)
-    }
-
     /// Whether an array is among the variables.
     pub(crate) fn has_arrays(&self) -> bool {
         self.parts.iter().any(|part| part.arrays)

@@ -98,7 +98,8 @@ fn trials_of_different_sizes_are_chosen() {
     done(at, &["pack", "--fmi", "3", push, door, "-o", "both.fmu"]);
     let run = ["--until", "0.2", "--set", "agent[29].Mass=80", "-o"];
     done(at, &[&["run", door][..], &run, &["door.csv"]].concat());
-    done(at, &[&["run", "both.fmu", "--set", "Trial=Trial_door"][..], &run, &["both.csv"]].concat());
+    // The sizes are chosen first.
+    done(at, &[&["run", "both.fmu"][..], &run, &["both.csv", "--set", "Trial=Trial_door"]].concat());
     let read = |name: &str| fs::read(at.join(name)).unwrap();
     assert!(read("door.csv") == read("both.csv"));
     // A saved run knows which it was.
@@ -177,11 +178,8 @@ fn info_tells_arrays_by_their_elements() {
     assert_eq!(two, three, "the same inputs and outputs, with units and start values");
     assert!(said.contains("FMI 3.0   37 variables, token {"), "{said}");
     assert!(said.contains("values    15 inputs, 69 outputs,"), "{said}");
-    assert!(
-        out(&done(at, &["info", "3.fmu", "--only", "Agents"]))
-            .contains("\nAgents            size  Integer 5"),
-        "{said}"
-    );
+    let size = said.lines().find(|line| line.starts_with("Agents ")).unwrap();
+    assert_eq!(size.split_whitespace().collect::<Vec<_>>(), ["Agents", "size", "Integer", "5"]);
 }
 
 /// Arrays to arrays, values to elements, and elements to values.
