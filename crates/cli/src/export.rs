@@ -1,10 +1,9 @@
 //! `lemons export`: a run for the field's tools, and a Trial that goes on where it ended.
 
 use crate::error::Misused;
-use crate::files::{self, Force, WISHES_FILE};
+use crate::files::{self, Force};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
-use crowd_mechanics::pack::DRIVE_FILE;
 use crowd_mechanics::setup;
 use lemons_files::input;
 use lemons_master::{Fmu, Given, Kind};
@@ -58,19 +57,7 @@ enum Format {
 
 pub fn export(arguments: &Arguments) -> Result<()> {
     let Arguments { source, to, out, every, .. } = arguments;
-    if *to == Format::Trial && *every != 1 {
-        bail!("--every is not for --to trial, which takes the last frame");
-    }
-    expect_table(source)?;
-    if *to != Format::Jupedsim && arguments.area.is_some() {
-        bail!("--area is for --to jupedsim: the other formats have no walkable area");
-    }
-    if *to != Format::Pedpy && files::is_standard_output(out) {
-        bail!(Misused(
-            "OUT -: only the format pedpy can go to standard output; for a file of this name, write ./-"
-                .into()
-        ));
-    }
+    arguments.check()?;
     let trial = trial_of(source, arguments.trial.as_deref())?;
     if *to == Format::Jupedsim && trial.is_none() && arguments.area.is_none() {
         bail!(
@@ -119,29 +106,57 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             let trial = trial_at_end(&run.read(|k| k == last)?, need()?)?;
             claim_all(trial.files_written(out).into_iter())?;
             trial.write(out)?;
-            said.extend(
-                [DRIVE_FILE, WISHES_FILE]
-                    .map(|name| out.join(name))
-                    .into_iter()
-                    .filter(|file| file.is_file())
-                    .map(|file| {
-                        format!("warning: {} of the Trial that was there stays, and is used", file.display())
-                    }),
-            );
+            said.extend(files::staying(out));
         }
     }
+    said.extend(not_exported(*to, &run));
+    for line in said {
+        note!("{line}");
+    }
+    let (first, end) = (run.times().next().unwrap_or_default(), run.times().nth(last).unwrap_or_default());
+    let (agents, out) = (run.ids().len(), out.display());
+    match to {
+        Format::Trial => say!("{out}: {agents} agents as at t = {end:?} s")?,
+        _ => say!("{out}: {agents} agents, {} frames from {first:?} to {end:?} s", run.frames())?,
+    }
+    Ok(())
+}
+
+impl Arguments {
+    /// Whether the options belong together.
+    fn check(&self) -> Result<()> {
+        if self.to == Format::Trial && self.every != 1 {
+            bail!("--every is not for --to trial, which takes the last frame");
+        }
+        expect_table(&self.source)?;
+        if self.to != Format::Jupedsim && self.area.is_some() {
+            bail!("--area is for --to jupedsim: the other formats have no walkable area");
+        }
+        if self.to != Format::Pedpy && files::is_standard_output(&self.out) {
+            bail!(Misused(
+                "OUT -: only the format pedpy can go to standard output; for a file of this name, write ./-"
+                    .into()
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// What the format or the record does not have.
+fn not_exported(to: Format, run: &Record) -> Vec<String> {
+    let mut said = Vec::new();
     if matches!(to, Format::Jupedsim | Format::Pedpy) && !run.names().are_ids {
         said.push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into());
     }
     let without_contacts = !run.contacts();
-    if *to == Format::Series && without_contacts {
+    if to == Format::Series && without_contacts {
         said.push(
             "a table contains no contacts, so no AgentInteractions files are written. To have them, let the FMU write \
              the files: lemons run TRIAL --set OutputDirectory=DIRECTORY"
                 .into(),
         );
     }
-    if *to == Format::Trial {
+    if to == Format::Trial {
         if without_contacts {
             said.push(
                 "a table contains no contacts, so all contact springs start unstretched. To keep them, export from an \
@@ -154,16 +169,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
                 .into(),
         );
     }
-    for line in said {
-        note!("{line}");
-    }
-    let (first, end) = (run.times().next().unwrap_or_default(), run.times().nth(last).unwrap_or_default());
-    let (agents, out) = (run.ids().len(), out.display());
-    match to {
-        Format::Trial => say!("{out}: {agents} agents as at t = {end:?} s")?,
-        _ => say!("{out}: {agents} agents, {} frames from {first:?} to {end:?} s", run.frames())?,
-    }
-    Ok(())
+    said
 }
 
 /// That a file can be the table of a run; what is in it is read later.

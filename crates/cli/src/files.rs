@@ -27,6 +27,14 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Of the people of a Trial, in its directory.
 pub const WISHES_FILE: &str = "decision.toml";
 
+/// Says of a Trial that is replaced which files stay there that the command does not write, and that are used.
+pub fn staying(trial: &Path) -> impl Iterator<Item = String> {
+    let files = [crowd_mechanics::pack::DRIVE_FILE, WISHES_FILE].map(|name| trial.join(name)).into_iter();
+    files
+        .filter(|file| file.is_file())
+        .map(|file| format!("warning: {} of the Trial that was there stays, and is used", file.display()))
+}
+
 /// Of the commands that write.
 #[derive(clap::Args, Clone)]
 pub struct Force {

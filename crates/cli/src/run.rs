@@ -14,9 +14,10 @@ use crate::tell::nobody_listens;
 use crate::version::BUILD;
 use crate::watch::{Places, Recorded, Records, Watch};
 use crate::words::{refused, warned};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, bail};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
+use lemons_files::Staged;
 use lemons_master::{
     Algorithm, DriveChoice, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings,
     System, writers,
@@ -249,14 +250,7 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
     let recording = Recording { about, before: before.as_ref() };
     let watch = Watch::create(&system, trials, places, recording)?;
     let file = state.map(|path| Ok::<_, anyhow::Error>((files::stage(&path)?, path))).transpose()?;
-    let coupling = coupled.then(|| {
-        let (components, connections) = (system.components().len(), system.connections());
-        let algorithm = system.algorithm();
-        [
-            format!("components         {components:>10}     ({connections} connections, {algorithm})"),
-            format!("communication step {:>10} s", progress.clock.step),
-        ]
-    });
+    let coupling = coupled.then(|| described(&system, progress.clock.step));
     let kept = if file.is_some() { Some(Kept::of(&mut system, &progress)?) } else { None };
     series::remove(&left)?;
     let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
@@ -282,15 +276,7 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
     let wall = started.elapsed();
     let records = watch.records(&system);
     let Recorded { lines: seen, run: recorded, placed } = watch.finish();
-    let saved = match file {
-        Some((file, path)) => {
-            let kept = stepping.kept.as_ref().context("the run failed between two states");
-            let at_hand = kept.and_then(|kept| stepping.at_hand(&system, kept, records));
-            let at_hand = at_hand.with_context(|| path.display().to_string());
-            at_hand.and_then(|at_hand| at_hand.write(file, &path)).map(Some)
-        }
-        None => Ok(None),
-    };
+    let saved = file.map(|(file, path)| stepping.save(&system, file, &path, records)).transpose();
     // States are given back while their FMUs are there.
     drop(stepping.kept.take());
     let (clock, rest) = (stepping.progress.clock, &stepping.rest);
@@ -299,22 +285,7 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
         note!("{warning}");
     }
     if let Err(error) = done {
-        match saved {
-            Ok(Some(line)) => note!("{line}"),
-            Ok(None) => {}
-            Err(why) => note!("warning: the run is not saved: {why:#}"),
-        }
-        let stopped = format!("stopped at t = {:?} s", system.time());
-        let quiet = nobody_listens(&error);
-        return Err(error.context(match placed {
-            Ok(()) => format!("{stopped}; the results until then are written"),
-            Err(why) => {
-                if !quiet {
-                    note!("lemons: {}", said(&why));
-                }
-                stopped
-            }
-        }));
+        return Err(stopped(error, system.time(), saved, placed));
     }
     let (saved, kept) = saved.map_or_else(|error| (None, Err(error)), |saved| (saved, Ok(())));
     Ok(Ended {
@@ -328,6 +299,36 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
         saved,
         recorded,
         failed: and_then(placed, kept).err(),
+    })
+}
+
+/// A coupled system, for the lines at the end of a run. `step` \[s\] is the communication step.
+fn described(system: &System, step: f64) -> [String; 2] {
+    let (components, connections) = (system.components().len(), system.connections());
+    let algorithm = system.algorithm();
+    [
+        format!("components         {components:>10}     ({connections} connections, {algorithm})"),
+        format!("communication step {step:>10} s"),
+    ]
+}
+
+/// The error of a run that stopped at a time \[s\], after what became of its files was told.
+fn stopped(error: Error, time: f64, saved: Result<Option<String>>, placed: Result<()>) -> Error {
+    match saved {
+        Ok(Some(line)) => note!("{line}"),
+        Ok(None) => {}
+        Err(why) => note!("warning: the run is not saved: {why:#}"),
+    }
+    let stopped = format!("stopped at t = {time:?} s");
+    let quiet = nobody_listens(&error);
+    error.context(match placed {
+        Ok(()) => format!("{stopped}; the results until then are written"),
+        Err(why) => {
+            if !quiet {
+                note!("lemons: {}", said(&why));
+            }
+            stopped
+        }
     })
 }
 
@@ -456,6 +457,13 @@ impl Stepping<'_> {
             underway.at_hand = Some(at_hand);
             Ok(())
         })
+    }
+
+    /// Writes the state at the end of the run, and returns a line about it.
+    fn save(&self, system: &System, file: Staged, path: &Path, records: Records) -> Result<String> {
+        let kept = self.kept.as_ref().context("the run failed between two states");
+        let at_hand = kept.and_then(|kept| self.at_hand(system, kept, records));
+        at_hand.with_context(|| path.display().to_string())?.write(file, path)
     }
 
     fn at_hand(&self, system: &System, kept: &Kept, (crowd, outputs): Records) -> Result<AtHand> {

@@ -6,14 +6,14 @@ use super::source::{CUSTOM_HELP, Mixed, SourceArguments};
 use super::{line, within};
 use crate::binary::CROWD;
 use crate::error::{Misused, TrialHasErrors, and_then};
-use crate::files::{self, WISHES_FILE};
+use crate::files;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::pack::{Fmi, FmuArguments, write_fmu};
 use crate::tell;
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
-use crowd_mechanics::pack::{Binary, DRIVE_FILE};
+use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_files::{Scratch, names_beside};
 use lemons_master::Given;
@@ -208,22 +208,14 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
     let mut outputs = arguments.outputs()?;
     // Of a Trial that is refused nothing more is told.
-    for file in
-        trial.output.iter().flat_map(|directory| [DRIVE_FILE, WISHES_FILE].map(|name| directory.join(name)))
-    {
-        if file.is_file() {
-            note!("warning: {} of the Trial that was there stays, and is used", file.display());
-        }
+    for said in trial.output.iter().flat_map(|directory| files::staying(directory)) {
+        note!("{said}");
     }
     let interrupt = Interrupt::watch();
 
     let agents: Vec<Agent> = population.agents(*seed).take(wanted.number).collect();
     let shapes = agents.iter().map(shape).collect::<Result<Vec<Shape>>>()?;
-    if !others.sections.is_empty() || others.obj.is_some() || others.stl.is_some() {
-        for (k, person) in agents.iter().enumerate().filter_map(|(k, agent)| Some((k, pedestrian(agent)?))) {
-            Body3d::possible(&person).with_context(|| format!("agent {k}"))?;
-        }
-    }
+    others.check_bodies(&agents)?;
     let started = Instant::now();
     let packing = placing.run(&shapes, &place, wanted, *seed, &interrupt)?;
     let seconds = started.elapsed().as_secs_f64();
@@ -255,22 +247,8 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         output.fill(|file| file.write_all(text.as_bytes()))?;
     }
     let bodies = Bodies { agents: &agents, poses: &packing.poses, interrupt: &interrupt };
-    if !others.sections.is_empty() {
-        let sections = bodies.sections(&altitudes(&others.sections, &agents))?;
-        bodies.table(&mut out, &sections, covered, ground)?;
-        if let Some(output) = &mut outputs.sections {
-            output.fill(|file| write_geojson(&sections, file))?;
-        }
-        if let Some(output) = &mut outputs.sections_wkt {
-            output.fill(|file| write_wkt(&sections, file))?;
-        }
-    }
-    if let Some(output) = &mut outputs.obj {
-        bodies.obj(output)?;
-    }
-    if let Some(output) = &mut outputs.stl {
-        bodies.stl(output)?;
-    }
+    let at = (!others.sections.is_empty()).then(|| altitudes(&others.sections, &agents));
+    outputs.write_bodies(&bodies, at.as_deref(), [covered, ground], &mut out)?;
     interrupt.check()?;
     let mut done = Ok(());
     if mixed == Mixed::No && makeable.is_ok() {
@@ -424,6 +402,17 @@ fn say(out: &mut impl Write, what: &str, path: &Path) -> io::Result<()> {
 }
 
 impl OtherArguments {
+    /// Whether the bodies that are wanted can be made.
+    fn check_bodies(&self, agents: &[Agent]) -> Result<()> {
+        if !self.sections.is_empty() || self.obj.is_some() || self.stl.is_some() {
+            let people = agents.iter().enumerate().filter_map(|(k, agent)| Some((k, pedestrian(agent)?)));
+            for (k, person) in people {
+                Body3d::possible(&person).with_context(|| format!("agent {k}"))?;
+            }
+        }
+        Ok(())
+    }
+
     fn has_pictures(&self) -> bool {
         [&self.svg, &self.pdf, &self.png].iter().any(|file| file.is_some())
     }
@@ -496,6 +485,33 @@ struct Outputs {
 }
 
 impl Outputs {
+    /// Writes sections at altitudes \[m\], and meshes. `covered` and `ground` \[m²\] are for the table of sections.
+    fn write_bodies(
+        &mut self,
+        bodies: &Bodies,
+        altitudes: Option<&[f64]>,
+        [covered, ground]: [f64; 2],
+        out: &mut Vec<u8>,
+    ) -> Result<()> {
+        if let Some(altitudes) = altitudes {
+            let sections = bodies.sections(altitudes)?;
+            bodies.table(out, &sections, covered, ground)?;
+            if let Some(output) = &mut self.sections {
+                output.fill(|file| write_geojson(&sections, file))?;
+            }
+            if let Some(output) = &mut self.sections_wkt {
+                output.fill(|file| write_wkt(&sections, file))?;
+            }
+        }
+        if let Some(output) = &mut self.obj {
+            bodies.obj(output)?;
+        }
+        if let Some(output) = &mut self.stl {
+            bodies.stl(output)?;
+        }
+        Ok(())
+    }
+
     fn is_empty(&self) -> bool {
         let Outputs { population, light_xml, sections, sections_wkt, obj, stl, .. } = self;
         let others = [population, light_xml, sections, sections_wkt, obj, stl];
