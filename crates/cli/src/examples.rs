@@ -67,7 +67,7 @@ lemons export trajectories.csv Trial_next --to trial --trial Trial_box",
         "describe",
         "\
 lemons describe resources/Trial_push
-lemons describe resources/Trial_door --fmi 3 --plan resources/Trial_door/decision.toml",
+lemons describe resources/Trial_door --fmi 3 --plan plan.toml",
     ),
     (
         "verify",
