@@ -1,26 +1,24 @@
-//! An FMU and its instances.
+//! An FMU: its files, its description, what its names stand for.
 
-use crate::calls::{Answer, Calls, Made};
+use crate::calls::{Calls, Made};
 use crate::drive::{DriveChoice, DriveTable, own_drive};
-use crate::error::{Cause, Error, Place, Result};
+use crate::error::{Error, Place, Result};
+use crate::instance::{Instance, Sizes, number};
 use crate::kind::Kind as FileKind;
 use crate::library::check_library;
-use crate::selection::{Part, Selection};
+use crate::messages::{Messages, Names};
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use crowd_mechanics::arrays;
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use crowd_mechanics::pack::{host_directory, host_platform};
 use crowd_mechanics::resources::{Resources, ResourcesError};
 use lemons_files::{Scratch, input};
-use lemons_fmi::Status;
 use lemons_fmi::location::Location;
-use lemons_ssp::{Address, Allowance, Fmi, Interface, Kind, Type};
+use lemons_ssp::{Allowance, Fmi, Interface, Kind, Type};
 use lemons_trial::Trial;
-use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::rc::Rc;
-use std::str::FromStr;
 use std::sync::{Arc, Mutex};
 
 /// The parameter of a crowd that chooses among its packed Trials.
@@ -53,23 +51,6 @@ pub struct Fmu {
     chosen: Option<String>,
     /// The values that names of materials stand for, as far as they were asked for: a Trial is large.
     materials: Mutex<HashMap<String, Vec<String>>>,
-}
-
-/// Structural parameters: value references, and values.
-#[derive(Default, Clone)]
-struct Sizes {
-    references: Vec<u32>,
-    values: Vec<u64>,
-}
-
-/// Temporary places, and what the user knows them by.
-#[derive(Default, Clone)]
-struct Names(Vec<(String, String)>);
-
-impl Names {
-    fn said(&self, text: &str) -> String {
-        self.0.iter().fold(text.to_owned(), |text, (place, name)| text.replace(place, name))
-    }
 }
 
 impl Fmu {
@@ -184,7 +165,7 @@ impl Fmu {
         if !library.exists() {
             return Err(self.no_binary(&own.identifier, name_of_library)).place(|| self.shown.clone());
         }
-        let messages = Arc::new(Messages { names: self.names(), ..Messages::default() });
+        let messages = Arc::new(Messages::with(self.names()));
         let made = Made {
             fmi: self.description.fmi,
             library: &library,
@@ -204,14 +185,8 @@ impl Fmu {
             }
             Error::In { place, source: Box::new(Error::Instantiate { why, said: messages.errors() }) }
         })?;
-        let instance = Instance {
-            calls: Rc::new(calls),
-            messages,
-            description: self.description.clone(),
-            sizes: self.sizes.clone(),
-            initialized: Cell::new(false),
-            later: RefCell::default(),
-        };
+        let (description, sizes) = (self.description.clone(), self.sizes.clone());
+        let instance = Instance::new(Rc::new(calls), messages, description, sizes);
         instance.configure().place(|| self.shown.clone())?;
         Ok(instance)
     }
@@ -374,427 +349,9 @@ fn check_own_library(description: &Interface, directory: &Path) -> Result<()> {
     if path.is_file() { check_library(&path, platform).place(|| name) } else { Ok(()) }
 }
 
-/// Messages of one kind that are kept; further ones are counted.
-const MOST_MESSAGES: usize = 1000;
-
-/// The first messages of a kind, and how many there were.
-#[derive(Default)]
-struct Heard {
-    first: Vec<String>,
-    more: u64,
-}
-
-impl Heard {
-    fn push(&mut self, message: String) {
-        if self.first.len() < MOST_MESSAGES { self.first.push(message) } else { self.more += 1 }
-    }
-
-    /// All of them since the last call.
-    fn take(&mut self) -> Vec<String> {
-        let Heard { mut first, more } = std::mem::take(self);
-        if more > 0 {
-            first.push(format!("and {more} more"));
-        }
-        first
-    }
-}
-
-/// What the FMU logs. Errors become the run's error; warnings are kept for the end.
-#[derive(Default)]
-pub(crate) struct Messages {
-    errors: Mutex<Heard>,
-    warnings: Mutex<Heard>,
-    /// Steps that returned the status Warning: where the first of them began \[s\], and their number.
-    warned: Mutex<Option<(f64, u64, Answer)>>,
-    names: Names,
-}
-
-impl Messages {
-    fn hear(&self, status: Option<Status>, message: &str) {
-        let list = match status {
-            Some(Status::Ok) => return,
-            Some(Status::Warning | Status::Discard) => &self.warnings,
-            _ => &self.errors,
-        };
-        if let Ok(mut list) = list.lock() {
-            list.push(message.to_owned());
-        }
-    }
-
-    /// What was logged as an error in a call that succeeded is not the reason of a later refusal.
-    fn forget_errors(&self) {
-        if let Ok(mut errors) = self.errors.lock() {
-            *errors = Heard::default();
-        }
-    }
-
-    /// Notes a step from a time \[s\] that returned the status Warning.
-    fn warned(&self, time: f64, answer: Answer) {
-        if let Ok(mut warned) = self.warned.lock() {
-            let (first, steps, answer) = warned.unwrap_or((time, 0, answer));
-            *warned = Some((first, steps + 1, answer));
-        }
-    }
-
-    /// The warnings since the last call.
-    fn warnings(&self) -> Vec<String> {
-        let said = self.warnings.lock().map(|mut list| list.take()).unwrap_or_default();
-        let mut said: Vec<String> = said.iter().map(|message| self.names.said(message)).collect();
-        if let Some((time, steps, answer)) = self.warned.lock().ok().and_then(|mut warned| warned.take()) {
-            let more = match steps - 1 {
-                0 => String::new(),
-                1 => ", and 1 later step".to_owned(),
-                more => format!(", and {more} later steps"),
-            };
-            let status = format!("{}Warning", &answer.call()[..4]);
-            said.push(format!("warning: the step from t = {time:?} s returned the status {status}{more}"));
-        }
-        said
-    }
-
-    /// The errors since the last call.
-    fn errors(&self) -> Vec<String> {
-        let said = self.errors.lock().map(|mut list| list.take()).unwrap_or_default();
-        said.iter().map(|message| self.names.said(message)).collect()
-    }
-}
-
-/// The result of a call; its error is what the FMU has logged about it.
-pub(crate) fn done(messages: &Messages, answer: Answer) -> Result<()> {
-    match answer.status() {
-        Some(Status::Ok | Status::Warning) => {
-            messages.forget_errors();
-            Ok(())
-        }
-        _ => Err(Error::Refused { answer, said: messages.errors() }),
-    }
-}
-
-fn number<T: FromStr<Err: Into<Cause>>>(text: &str) -> Result<T, Cause> {
-    text.parse().map_err(Into::into)
-}
-
-/// What is set when an instance is in initialization.
-type Later = Box<dyn FnOnce(&Instance) -> Result<()>>;
-
-/// An instance of an FMU.
-pub struct Instance {
-    pub(crate) calls: Rc<Calls>,
-    pub(crate) messages: Arc<Messages>,
-    pub(crate) description: Arc<Interface>,
-    sizes: Sizes,
-    /// Whether initialization has begun.
-    initialized: Cell<bool>,
-    /// Arrays: FMI 3.0 does not let their other elements be read before initialization.
-    later: RefCell<Vec<Later>>,
-}
-
-impl Instance {
-    fn done(&self, answer: Answer) -> Result<()> {
-        done(&self.messages, answer)
-    }
-
-    /// Sets the structural parameters that were chosen.
-    fn configure(&self) -> Result<()> {
-        let Sizes { references, values } = &self.sizes;
-        if references.is_empty() { Ok(()) } else { self.done(self.calls.configure(references, values)?) }
-    }
-
-    /// Values by their names.
-    ///
-    /// # Errors
-    /// There is no such value.
-    pub fn select<S: AsRef<str>>(&self, names: impl IntoIterator<Item = S>) -> Result<Selection> {
-        let addresses = names.into_iter().map(|name| self.address(name.as_ref()));
-        self.select_at(&addresses.collect::<Result<Vec<_>>>()?)
-    }
-
-    /// Values by their addresses.
-    ///
-    /// # Errors
-    /// There is no such value.
-    pub fn select_at(&self, addresses: &[Address]) -> Result<Selection> {
-        Selection::new(&self.description, addresses)
-    }
-
-    /// Where a value is.
-    ///
-    /// # Errors
-    /// There is no such value.
-    pub fn address(&self, name: &str) -> Result<Address> {
-        let single = self.description.single(name);
-        Ok(single.ok_or_else(|| Error::NoVariable(name.to_owned()))?.address())
-    }
-
-    /// Sets values of one type from a text, all to the same.
-    ///
-    /// # Errors
-    /// There is no such value, the text is no value of the type, or the FMU's refusal.
-    pub fn set<S: AsRef<str>>(&self, names: &[S], text: &str) -> Result<()> {
-        let Some(first) = names.first().map(AsRef::as_ref) else { return Ok(()) };
-        let kind = self.description.single(first).map(|single| &single.variable.of);
-        let kind = kind.ok_or_else(|| Error::NoVariable(first.to_owned()))?;
-        let selection = self.select(names)?;
-        let count = selection.len();
-        let wrong = |why, source| Error::Value { name: first.to_owned(), text: text.to_owned(), why, source };
-        let not_a_number = |error| wrong("not a number", Some(error));
-        match kind {
-            Type::Real(_) => self.set_real(&selection, &vec![number(text).map_err(not_a_number)?; count]),
-            Type::Integer => self.set_integer(&selection, &vec![number(text).map_err(not_a_number)?; count]),
-            Type::String => self.set_string(&selection, &vec![text; count]),
-            Type::Boolean => {
-                let value = match text {
-                    "true" | "1" => 1,
-                    "false" | "0" => 0,
-                    _ => return Err(wrong("neither true nor false", None)),
-                };
-                self.set_boolean(&selection, &vec![value; count])
-            }
-            other => Err(Error::Type { name: first.to_owned(), of: other.name() }),
-        }
-    }
-
-    /// From the beginning of initialization to its end, at time 0.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn initialize(&self) -> Result<()> {
-        self.enter_initialization(0.0)?;
-        self.exit_initialization()
-    }
-
-    /// `fmi2SetupExperiment` at a time \[s\] and `fmi2EnterInitializationMode`, or `fmi3EnterInitializationMode`; then
-    /// elements of arrays are set that were set before.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn enter_initialization(&self, start: f64) -> Result<()> {
-        self.done(self.calls.enter_initialization(start))?;
-        self.initialized.set(true);
-        let later = std::mem::take(&mut *self.later.borrow_mut());
-        later.into_iter().try_for_each(|set| set(self))
-    }
-
-    /// `fmi2ExitInitializationMode`, `fmi3ExitInitializationMode`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn exit_initialization(&self) -> Result<()> {
-        self.done(self.calls.exit_initialization())
-    }
-
-    /// Whether values must wait for initialization: an array can only be set whole, and cannot be read before. All arrays
-    /// wait, so that the last value counts, and sizes are those of the Trial that was chosen.
-    fn waits(&self, selection: &Selection) -> bool {
-        selection.has_arrays() && !self.initialized.get()
-    }
-
-    /// Sets Reals.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn set_real(&self, selection: &Selection, values: &[f64]) -> Result<()> {
-        if self.waits(selection) {
-            let (selection, values) = (selection.clone(), values.to_vec());
-            self.later.borrow_mut().push(Box::new(move |instance| instance.set_real(&selection, &values)));
-            return Ok(());
-        }
-        let set = |part: &Part, values: &[f64]| {
-            self.done(self.calls.set_real(part.of, &part.references, values)?)
-        };
-        selection.write(values, |part, values| self.part_of_real(part, values), set)
-    }
-
-    fn part_of_real(&self, part: &Part, values: &mut [f64]) -> Result<()> {
-        self.done(self.calls.get_real(part.of, &part.references, values)?)
-    }
-
-    /// Reads Reals.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn get_real(&self, selection: &Selection, values: &mut [f64]) -> Result<()> {
-        selection.read(values, |part, values| self.part_of_real(part, values))
-    }
-
-    /// Reads Integers; those of FMI 3.0 that are larger than an `Int32` are refused.
-    ///
-    /// # Errors
-    /// The FMU refuses the call, or a value is too large.
-    pub fn get_integer(&self, selection: &Selection, values: &mut [i32]) -> Result<()> {
-        selection.read(values, |part, values| self.part_of_integer(part, values))
-    }
-
-    fn part_of_integer(&self, part: &Part, values: &mut [i32]) -> Result<()> {
-        self.done(self.calls.get_integer(part.of, &part.references, values)?)
-    }
-
-    /// Sets Integers.
-    ///
-    /// # Errors
-    /// The FMU refuses the call, or a value is not one of its type.
-    pub fn set_integer(&self, selection: &Selection, values: &[i32]) -> Result<()> {
-        if self.waits(selection) {
-            let (selection, values) = (selection.clone(), values.to_vec());
-            self.later.borrow_mut().push(Box::new(move |instance| instance.set_integer(&selection, &values)));
-            return Ok(());
-        }
-        let set = |part: &Part, values: &[i32]| {
-            self.done(self.calls.set_integer(part.of, &part.references, values)?)
-        };
-        selection.write(values, |part, values| self.part_of_integer(part, values), set)
-    }
-
-    /// Reads Booleans; anything but 0 is true.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn get_boolean(&self, selection: &Selection, values: &mut [i32]) -> Result<()> {
-        selection.read(values, |part, values| self.part_of_boolean(part, values))
-    }
-
-    fn part_of_boolean(&self, part: &Part, values: &mut [i32]) -> Result<()> {
-        self.done(self.calls.get_boolean(&part.references, values)?)
-    }
-
-    /// Sets Booleans.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn set_boolean(&self, selection: &Selection, values: &[i32]) -> Result<()> {
-        if self.waits(selection) {
-            let (selection, values) = (selection.clone(), values.to_vec());
-            self.later.borrow_mut().push(Box::new(move |instance| instance.set_boolean(&selection, &values)));
-            return Ok(());
-        }
-        let set = |part: &Part, values: &[i32]| self.done(self.calls.set_boolean(&part.references, values)?);
-        selection.write(values, |part, values| self.part_of_boolean(part, values), set)
-    }
-
-    /// Reads texts.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn get_string(&self, selection: &Selection, values: &mut [String]) -> Result<()> {
-        selection.read(values, |part, values| self.part_of_string(part, values))
-    }
-
-    fn part_of_string(&self, part: &Part, values: &mut [String]) -> Result<()> {
-        self.done(self.calls.get_string(&part.references, values)?)
-    }
-
-    /// Sets texts.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn set_string(&self, selection: &Selection, values: &[&str]) -> Result<()> {
-        let values: Vec<String> = values.iter().map(|text| (*text).to_owned()).collect();
-        if self.waits(selection) {
-            let selection = selection.clone();
-            self.later.borrow_mut().push(Box::new(move |instance| instance.set_texts(&selection, &values)));
-            return Ok(());
-        }
-        self.set_texts(selection, &values)
-    }
-
-    fn set_texts(&self, selection: &Selection, values: &[String]) -> Result<()> {
-        let set = |part: &Part, values: &[String]| {
-            let values: Vec<&str> = values.iter().map(String::as_str).collect();
-            self.done(self.calls.set_string(&part.references, &values)?)
-        };
-        selection.write(values, |part, values| self.part_of_string(part, values), set)
-    }
-
-    /// The text of a single value.
-    ///
-    /// # Errors
-    /// There is no such value, or the FMU refuses the call.
-    pub fn text(&self, name: &str) -> Result<String> {
-        let mut text = [String::new()];
-        self.get_string(&self.select([name])?, &mut text)?;
-        let [text] = text;
-        Ok(text)
-    }
-
-    /// A Real.
-    ///
-    /// # Errors
-    /// There is no such value, or the FMU refuses the call.
-    pub fn real(&self, name: &str) -> Result<f64> {
-        let mut value = [0.0];
-        self.get_real(&self.select([name])?, &mut value)?;
-        Ok(value[0])
-    }
-
-    /// A step from a time, both \[s\].
-    ///
-    /// # Errors
-    /// The FMU refuses the step or fails; in FMI 3.0 also if it wants an event, or the end of the simulation.
-    pub fn step(&self, time: f64, step: f64) -> Result<()> {
-        let answer = self.calls.do_step(time, step)?;
-        if answer.status() == Some(Status::Warning) {
-            self.messages.warned(time, answer);
-        }
-        self.done(answer)
-    }
-
-    /// `fmi2Reset`, `fmi3Reset`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn reset(&self) -> Result<()> {
-        self.done(self.calls.reset())?;
-        self.initialized.set(false);
-        self.later.borrow_mut().clear();
-        self.configure()
-    }
-
-    /// `fmi2Terminate`, `fmi3Terminate`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn terminate(&self) -> Result<()> {
-        self.done(self.calls.terminate())
-    }
-
-    /// The warnings of the FMU since the last call: the first 1000, the number of further ones, and the time \[s\] of
-    /// the first step that returned the status Warning.
-    pub fn warnings(&self) -> Vec<String> {
-        self.messages.warnings()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn messages_without_end_are_counted() {
-        let messages = Messages::default();
-        let numbers = |list: &[String]| (list.len(), list[999].clone(), list.last().cloned());
-        (0..1012).for_each(|k| messages.hear(Some(Status::Warning), &k.to_string()));
-        (0..1001).for_each(|k| messages.hear(Some(Status::Error), &k.to_string()));
-        assert_eq!(numbers(&messages.warnings()), (1001, "999".into(), Some("and 12 more".into())));
-        assert_eq!(numbers(&messages.errors()), (1001, "999".into(), Some("and 1 more".into())));
-        assert!(messages.warnings().is_empty() && messages.errors().is_empty());
-        // A step that returns fmi2Warning in silence.
-        let warning = Answer { code: Status::Warning as i32, call: "fmi2DoStep" };
-        [0.5, 0.6, 0.7].into_iter().for_each(|time| messages.warned(time, warning));
-        let said = "warning: the step from t = 0.5 s returned the status fmi2Warning, and 2 later steps";
-        assert_eq!(messages.warnings(), [said]);
-    }
-
-    #[test]
-    fn an_error_that_was_logged_in_a_good_call_is_not_the_reason_of_a_later_refusal() {
-        let messages = Messages::default();
-        messages.hear(Some(Status::Error), "harmless");
-        messages.hear(Some(Status::Warning), "to be looked at");
-        done(&messages, Answer { code: Status::Ok as i32, call: "fmi2SetReal" }).unwrap();
-        messages.hear(Some(Status::Error), "the reason");
-        let error = done(&messages, Answer { code: Status::Error as i32, call: "fmi2DoStep" }).unwrap_err();
-        assert_eq!(error.to_string(), "the reason");
-        assert_eq!(messages.warnings(), ["to be looked at"]);
-    }
 
     #[test]
     fn an_fmu_for_other_platforms_says_which() {

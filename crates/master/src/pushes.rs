@@ -2,7 +2,7 @@
 
 use crate::drive::{DriveTable, Missed};
 use crate::error::Result;
-use crate::fmu::Instance;
+use crate::instance::Instance;
 use crate::selection::Selection;
 use lemons_trial::Agent;
 

@@ -2,7 +2,7 @@
 
 use crate::clock::Clock;
 use crate::error::{Error, Result};
-use crate::fmu::Instance;
+use crate::instance::Instance;
 use crate::pushes::Pushes;
 use crate::system::System;
 use std::ops::ControlFlow;

@@ -2,7 +2,9 @@
 
 use crate::calls::Held;
 use crate::error::{Error, Result};
-use crate::fmu::{Fmu, Instance, Messages, done};
+use crate::fmu::Fmu;
+use crate::instance::Instance;
+use crate::messages::{Messages, done};
 use lemons_ssp::Fmi;
 use std::sync::Arc;
 

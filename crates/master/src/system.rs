@@ -11,7 +11,8 @@
 //! there are components, or until nothing changes. The longest chain without a loop then has its values.
 
 use crate::error::{Error, Place, Result};
-use crate::fmu::{Fmu, Instance};
+use crate::fmu::Fmu;
+use crate::instance::Instance;
 use crate::selection::Selection;
 use crate::state::State;
 use lemons_ssp::{Address, Affine, Type};
