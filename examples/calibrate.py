@@ -45,7 +45,7 @@ from distributed import Client, as_completed
 from feldmann_push import COLOURS, DATA, pack
 from lemons_fmu import Crowd, FmuError, SweepError, load, local_cluster, sweep
 from lemons_fmu.push import STEP, UNTIL, Push
-from lemons_fmu.sweep import Progress, ProgressLine
+from lemons_fmu.progress import Progress, ProgressLine
 from scipy.optimize import minimize
 from scipy.stats import qmc
 

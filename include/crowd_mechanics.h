@@ -14,7 +14,7 @@ extern "C" {
  * when there are contacts and removes it when there are none. Numbers are written so that they read back to the same double, so a
  * chain of calls equals one uninterrupted run.
  *
- * files: five names, each ending in a zero:
+ * files: five names, each ending in a zero (on Windows in UTF-8):
  *   files[0]  Parameters.xml, a path from the working directory; the directories in it are relative to its own
  *   files[1]  Materials.xml      in the Static directory
  *   files[2]  Geometry.xml       in the Static directory

@@ -12,7 +12,7 @@ use crate::variables::{guid, table};
 use lemons_files::Staged;
 pub use lemons_fmi::Format;
 use lemons_fmi::archive::{Archive, ArchiveError, Version, read};
-pub use lemons_fmi::archive::{Binary, host_directory, host_platform};
+pub use lemons_fmi::archive::{Binary, host_directory, host_platform, library_file, platforms};
 pub use lemons_fmi::v2::description::Naming;
 use lemons_fmi::v3;
 use lemons_trial::{Problems, Trial};

@@ -4,9 +4,9 @@ use crate::binary::{CROWD, Library};
 use crate::files::{self, Force};
 use crate::version::BUILD;
 use crate::words::trial_told;
-use anyhow::{Result, anyhow};
-use crowd_mechanics::pack::{Binary, Format, Naming};
-use lemons_master::{Error, Given, binary_beside};
+use anyhow::{Result, anyhow, bail};
+use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
+use lemons_master::{Error, Given, binaries_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
@@ -48,9 +48,14 @@ impl Fmi {
 /// What every FMU that is made here can be told.
 #[derive(clap::Args)]
 pub struct FmuArguments {
-    /// Add the shared library of a platform: linux64=FILE, win64=FILE, … Default: that of this machine
+    /// Add the shared library of a platform: linux64=FILE, win64=FILE, … Default: those of all platforms that
+    /// were installed with this program
     #[arg(long = "binary", value_name = "PLATFORM=FILE", value_parser = parse_binary)]
     binaries: Vec<Binary>,
+    /// Of the libraries that were installed with this program, only that of this platform: linux64, win64,
+    /// aarch64-linux, darwin64. Can be given several times
+    #[arg(long = "platform", value_name = "PLATFORM", conflicts_with = "binaries")]
+    platforms: Vec<String>,
     /// Declare the variable names as flat instead of structured (FMI 2.0); some tools are slow to check
     /// structured names
     #[arg(long)]
@@ -62,12 +67,22 @@ impl FmuArguments {
         if self.flat_names { Naming::Flat } else { Naming::Structured }
     }
 
-    /// Those that were given, checked, else the library built with this program.
+    /// Those that were given, checked, else the libraries built with this program.
     pub fn binaries(&self, library: &Library) -> Result<Vec<Binary>> {
         if self.binaries.is_empty() {
-            let binary = binary_beside(library.name).map_err(with_option)?;
-            files::reads(&binary.path, library.name);
-            return Ok(vec![binary]);
+            let mut wanted: Vec<String> = Vec::new();
+            for platform in &self.platforms {
+                if !platforms().any(|known| known == platform) {
+                    let known: Vec<&str> = platforms().collect();
+                    bail!("--platform {platform}: no such platform; there are {}", known.join(", "));
+                }
+                if !wanted.contains(platform) {
+                    wanted.push(platform.clone());
+                }
+            }
+            let binaries = binaries_beside(library.name, &wanted).map_err(with_option)?;
+            binaries.iter().for_each(|binary| files::reads(&binary.path, library.name));
+            return Ok(binaries);
         }
         self.binaries.iter().try_for_each(|binary| library.check(binary))?;
         Ok(self.binaries.clone())

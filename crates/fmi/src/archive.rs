@@ -62,6 +62,18 @@ fn platform(name: &str, version: Version) -> Option<(&'static str, &'static str)
     Some((if version == Version::V2 { row.0 } else { row.1 }, row.2))
 }
 
+/// Returns the platforms for which libraries are made, by the names of FMI 2.0, and where FMI 2.0 has none, of FMI 3.0.
+pub fn platforms() -> impl Iterator<Item = &'static str> {
+    // FMI 2.0 and FMI 3.0 have a name each for the platforms of most libraries.
+    PLATFORMS.iter().map(|row| row.0).filter(|name| !["x86_64-linux", "x86_64-darwin"].contains(name))
+}
+
+/// Returns the file name of a shared library on a platform of FMI.
+pub fn library_file(name: &str, platform: &str) -> Option<String> {
+    let (_, extension) = self::platform(platform, Version::V2)?;
+    Some(format!("{}{name}.{extension}", if extension == "dll" { "" } else { "lib" }))
+}
+
 /// Returns the FMI name of the platform on which this program runs, if it has one.
 pub fn host_platform() -> Option<&'static str> {
     match (std::env::consts::OS, std::env::consts::ARCH) {

@@ -58,23 +58,39 @@ pub fn directories(location: &str) -> Result<Vec<PathBuf>, LocationError> {
 }
 
 fn paths(location: &str) -> Result<Vec<PathBuf>, LocationError> {
+    Ok(texts(location, cfg!(windows))?.into_iter().map(PathBuf::from).collect())
+}
+
+/// The paths, as texts of an operating system.
+fn texts(location: &str, windows: bool) -> Result<Vec<String>, LocationError> {
     let uri = location.trim();
     if uri.is_empty() {
         return Err(LocationError::Missing);
     }
     let refused = || LocationError::Uri(uri.to_owned());
+    // Of Windows: the share of a machine.
+    let mut share = None;
     let path = match uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("file:")) {
         Some(_) => {
             let rest = &uri[5..];
             match rest.strip_prefix("//") {
                 // file://host/path; an empty host is this machine.
-                Some(host_and_path) => match host_and_path.find('/') {
-                    Some(0) => host_and_path,
-                    Some(slash) if host_and_path[..slash].eq_ignore_ascii_case("localhost") => {
-                        &host_and_path[slash..]
+                Some(host_and_path) => {
+                    let slash = host_and_path.find('/').unwrap_or(host_and_path.len());
+                    let (host, path) = host_and_path.split_at(slash);
+                    match host {
+                        "" if !path.is_empty() => path,
+                        // Two slashes instead of three: some importers write it.
+                        drive if windows && has_drive(drive) => host_and_path,
+                        _ if path.is_empty() => return Err(refused()),
+                        host if host.eq_ignore_ascii_case("localhost") => path,
+                        host if windows => {
+                            share = Some(host);
+                            path
+                        }
+                        _ => return Err(refused()),
                     }
-                    _ => return Err(refused()),
-                },
+                }
                 None => rest,
             }
         }
@@ -82,14 +98,24 @@ fn paths(location: &str) -> Result<Vec<PathBuf>, LocationError> {
         None if uri.find("://").is_some_and(|colon| colon > 1) => return Err(refused()),
         None => uri,
     };
-    let path = if cfg!(windows) { path.strip_prefix('/').unwrap_or(path) } else { path };
-    let decoded = percent_decode_str(path).decode_utf8_lossy().into_owned();
+    // /C:/path; a share stands behind more than one slash.
+    let path = match path.strip_prefix('/') {
+        Some(drive) if windows && has_drive(drive) => drive,
+        _ => path,
+    };
+    let path = share.map_or_else(|| path.to_owned(), |host| format!("//{host}{path}"));
+    let decoded = percent_decode_str(&path).decode_utf8_lossy().into_owned();
     // Some importers do not encode: a percent sign is then literal.
-    let mut paths = vec![PathBuf::from(&decoded)];
-    if decoded != path {
-        paths.push(PathBuf::from(path));
-    }
-    Ok(paths)
+    let literal = (decoded != path).then_some(path);
+    Ok([decoded].into_iter().chain(literal).collect())
+}
+
+/// Whether a path of Windows begins with a drive, whose colon may be encoded.
+fn has_drive(path: &str) -> bool {
+    let mut letters = path.chars();
+    let rest =
+        |path: &str| path.starts_with(':') || path.get(..3).is_some_and(|c| c.eq_ignore_ascii_case("%3a"));
+    letters.next().is_some_and(|letter| letter.is_ascii_alphabetic()) && rest(letters.as_str())
 }
 
 #[cfg(test)]
@@ -115,5 +141,40 @@ mod tests {
         assert!(paths("http://host/x").is_err());
         assert!(paths("file://elsewhere/x").is_err());
         assert!(matches!(paths(" "), Err(LocationError::Missing)));
+    }
+
+    #[test]
+    fn uris_of_windows_are_read_liberally() {
+        let said =
+            |uri: &str| texts(uri, true).map(|texts| texts[0].clone()).map_err(|error| error.to_string());
+        for (uri, path) in [
+            ("file:///C:/Users/J%C3%BCrgen/a%20b/resources", "C:/Users/Jürgen/a b/resources"),
+            ("file:///C:/Users/Jürgen/resources/", "C:/Users/Jürgen/resources/"),
+            ("file:///c%3A/x", "c:/x"),
+            ("file:/C:/x", "C:/x"),
+            ("file://C:/x", "C:/x"),
+            ("file:///C:\\Users\\x", "C:\\Users\\x"),
+            ("file://C:\\Users\\x", "C:\\Users\\x"),
+            ("file:C:\\x", "C:\\x"),
+            ("FILE://LocalHost/C:/x", "C:/x"),
+            ("C:\\Users\\Jürgen\\resources", "C:\\Users\\Jürgen\\resources"),
+            ("C:/x", "C:/x"),
+            ("/C:/x", "C:/x"),
+            ("\\\\server\\share\\x", "\\\\server\\share\\x"),
+            ("\\\\?\\C:\\x", "\\\\?\\C:\\x"),
+            ("file://server/share/a%20b", "//server/share/a b"),
+            ("file:////server/share/x", "//server/share/x"),
+            ("/x", "/x"),
+        ] {
+            assert_eq!(said(uri).as_deref(), Ok(path), "{uri}");
+        }
+        // A percent sign that was not encoded.
+        assert_eq!(texts("file:///C:/100%25", true).unwrap(), ["C:/100%", "C:/100%25"]);
+        for uri in ["http://host/x", "file://", "file://server", ""] {
+            assert!(said(uri).is_err(), "{uri}");
+        }
+        // Elsewhere a machine's name is not a part of a path.
+        assert!(texts("file://server/share/x", false).is_err());
+        assert_eq!(texts("file:///C:/x", false).unwrap(), ["/C:/x"]);
     }
 }

@@ -448,8 +448,9 @@ fn load(path: &Path) -> Result<Library> {
     #[cfg(windows)]
     {
         use libloading::os::windows;
-        // With the libraries that lie beside it.
+        // With the libraries that lie beside it. Windows wants an absolute path with backslashes for that.
         let flags = windows::LOAD_WITH_ALTERED_SEARCH_PATH;
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         // SAFETY: as above.
         Ok(unsafe { windows::Library::load_with_flags(path, flags) }?.into())
     }

@@ -67,15 +67,15 @@ pub enum Error {
     /// A shared library is not for this platform, or it is not whole.
     #[error(transparent)]
     Library(#[from] LibraryError),
-    /// The shared library that was built with this program is not there.
+    /// A shared library that was built with this program is not there.
     #[error("{name} is not beside this program ({})", beside.display())]
     NoLibrary {
         /// Its file name.
         name: String,
         /// Where it was looked for.
         beside: PathBuf,
-        /// FMI's name of this platform.
-        platform: &'static str,
+        /// FMI's name of its platform.
+        platform: String,
     },
     /// The FMU has no library for this platform.
     #[error(

@@ -2,10 +2,10 @@
 
 use crate::calls::{Calls, Made};
 use crate::drive::{DriveChoice, DriveTable, own_drive};
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, whole};
 use crate::instance::{Instance, Sizes, number};
 use crate::kind::Kind as FileKind;
-use crate::library::check_library;
+use crate::library::{check_library, glibc_needed};
 use crate::messages::{Messages, Names};
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use crowd_mechanics::arrays;
@@ -17,7 +17,7 @@ use lemons_fmi::location::Location;
 use lemons_ssp::{Allowance, Fmi, Interface, Kind, Type};
 use lemons_trial::Trial;
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 
@@ -51,6 +51,15 @@ pub struct Fmu {
     chosen: Option<String>,
     /// The values that names of materials stand for, as far as they were asked for: a Trial is large.
     materials: Mutex<HashMap<String, Vec<String>>>,
+}
+
+/// A platform for which an FMU has a library.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Platform {
+    /// As FMI or the FMU calls it; text from outside.
+    pub name: String,
+    /// The glibc that it needs, `[2, 17]`, if it is one of Linux that needs any; else what is wrong with the library.
+    pub glibc: Result<Option<[u32; 2]>, String>,
 }
 
 impl Fmu {
@@ -193,16 +202,38 @@ impl Fmu {
 
     /// It has no library for a platform, but perhaps for others.
     fn no_binary(&self, identifier: &str, name: String) -> Error {
-        let files = |directory: &Path| directory.read_dir().into_iter().flatten().flatten();
-        let has_library = |platform: &Path| {
-            files(platform).any(|file| Path::new(&file.file_name()).file_stem() == Some(identifier.as_ref()))
-        };
-        let platforms =
-            files(&self.directory.path().join("binaries")).filter(|entry| has_library(&entry.path()));
-        let mut others: Vec<String> =
-            platforms.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-        others.sort();
+        let others = self.libraries(identifier).into_iter().map(|(platform, _)| platform).collect();
         Error::NoBinary { name, others }
+    }
+
+    /// The platforms for which it has a library of co-simulation, by name, and what is known of these libraries.
+    pub fn platforms(&self) -> Vec<Platform> {
+        let Some(own) = &self.description.co_simulation else { return Vec::new() };
+        let of = |(name, path): (String, PathBuf)| {
+            let needs = check_library(&path, &name).map_err(|error| whole(&error));
+            let needs = needs.and_then(|()| glibc_needed(&path).map_err(|error| whole(&error)));
+            Platform { name, glibc: needs }
+        };
+        self.libraries(&own.identifier).into_iter().map(of).collect()
+    }
+
+    /// The libraries of all platforms, with the names of their directories.
+    fn libraries(&self, identifier: &str) -> Vec<(String, PathBuf)> {
+        let files = |directory: &Path| {
+            let files = directory.read_dir().into_iter().flatten().flatten();
+            files.map(|file| file.path()).collect::<Vec<_>>()
+        };
+        let library_of = |platform: &Path| {
+            let mut all = files(platform);
+            all.sort();
+            all.into_iter().find(|file| file.file_stem() == Some(identifier.as_ref()))
+        };
+        let name = |platform: &Path| platform.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let platforms = files(&self.directory.path().join("binaries")).into_iter();
+        let mut found: Vec<(String, PathBuf)> =
+            platforms.filter_map(|platform| Some((name(&platform), library_of(&platform)?))).collect();
+        found.sort();
+        found
     }
 
     /// The values that a name stands for: see [`named`]. In FMI 3.0, a quantity of materials also has its name of FMI

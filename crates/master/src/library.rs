@@ -2,8 +2,8 @@
 //!
 //! A loader maps the parts of a file that its headers speak of. Where the file ends before them, the program gets SIGBUS.
 
-use object::elf::{EM_386, EM_AARCH64, EM_X86_64, FileHeader32, FileHeader64};
-use object::read::elf::{FileHeader, ProgramHeader};
+use object::elf::{EM_386, EM_AARCH64, EM_X86_64, FileHeader32, FileHeader64, SHT_GNU_VERNEED};
+use object::read::elf::{FileHeader, ProgramHeader, SectionHeader};
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, Endianness, FileKind, Object, ObjectSegment, ReadCache, ReadRef};
 use std::io;
@@ -125,6 +125,72 @@ fn elf<'data, Header: FileHeader<Endian = Endianness>>(data: impl ReadRef<'data>
     Ok(Part { format: BinaryFormat::Elf, processor, lacks })
 }
 
+/// \[byte\] The largest table of versions that is looked at; those of real libraries have some hundred bytes.
+const LARGEST_VERSIONS: u64 = 100_000;
+
+/// The glibc that a library needs (2.17: `[2, 17]`), by the versions of the functions that it uses; `None` if it needs
+/// none, or is no library of Linux.
+///
+/// # Errors
+/// It cannot be read, or its table of versions is broken.
+pub fn glibc_needed(path: &Path) -> Result<Option<[u32; 2]>, GlibcError> {
+    let data = ReadCache::new(lemons_files::input::open(path)?);
+    match FileKind::parse(&data)? {
+        FileKind::Elf32 => glibc_of::<FileHeader32<Endianness>>(&data),
+        FileKind::Elf64 => glibc_of::<FileHeader64<Endianness>>(&data),
+        _ => Ok(None),
+    }
+}
+
+/// Why it is not known which glibc a library needs.
+#[derive(Debug, thiserror::Error)]
+pub enum GlibcError {
+    /// It cannot be read.
+    #[error("cannot be read")]
+    Read(#[from] io::Error),
+    /// It is broken.
+    #[error("is broken: {0}")]
+    Broken(#[from] object::Error),
+    /// A table that no real library has.
+    #[error("is broken: its table of versions has {0} bytes")]
+    TooLarge(u64),
+}
+
+fn glibc_of<'data, Header: FileHeader<Endian = Endianness>>(
+    data: impl ReadRef<'data>,
+) -> Result<Option<[u32; 2]>, GlibcError> {
+    let header = Header::parse(data)?;
+    let endian = header.endian()?;
+    let sections = header.sections(endian, data)?;
+    let mut newest = None;
+    for section in sections.iter().filter(|section| section.sh_type(endian) == SHT_GNU_VERNEED) {
+        let size = section.sh_size(endian).into();
+        // Tables that lie within each other take a time that grows as the square of this.
+        if size > LARGEST_VERSIONS {
+            return Err(GlibcError::TooLarge(size));
+        }
+        let Some((needs, strings)) = section.gnu_verneed(endian, data)? else { continue };
+        let strings = sections.strings(endian, data, strings)?;
+        for need in needs {
+            for version in need?.1 {
+                newest = newest.max(glibc_version(version?.name(endian, strings)?));
+            }
+        }
+    }
+    Ok(newest)
+}
+
+/// The glibc in which a version of functions begins, such as `GLIBC_2.2.5`.
+fn glibc_version(name: &[u8]) -> Option<[u32; 2]> {
+    let name = std::str::from_utf8(name).ok()?.strip_prefix("GLIBC_")?;
+    // The mark of relative relocations in short form.
+    if name == "ABI_DT_RELR" {
+        return Some([2, 36]);
+    }
+    let mut parts = name.split('.').map(|part| part.parse().ok());
+    Some([parts.next()??, parts.next()??])
+}
+
 /// The first of a file's parts that ends behind the file.
 fn lacks<'data>(data: impl ReadRef<'data>, ends: impl IntoIterator<Item = (String, u64)>) -> Option<String> {
     let length = data.len().unwrap_or(0);
@@ -137,6 +203,7 @@ fn lacks<'data>(data: impl ReadRef<'data>, ends: impl IntoIterator<Item = (Strin
 mod tests {
     use super::super::own_binary;
     use super::*;
+    use std::io::{Seek, SeekFrom, Write};
     use tempfile::TempDir;
 
     /// A loader that was given such a file got SIGBUS.
@@ -156,6 +223,83 @@ mod tests {
             let no_header = length <= 64 && said.starts_with("is not a shared library for ");
             assert!(cut_off || no_header, "{length}: {said}");
         }
+    }
+
+    #[test]
+    fn versions_of_functions_name_a_glibc() {
+        let of = |name: &str| glibc_version(name.as_bytes());
+        assert_eq!(of("GLIBC_2.2.5"), Some([2, 2]));
+        assert_eq!(of("GLIBC_2.34"), Some([2, 34]));
+        assert_eq!(of("GLIBC_ABI_DT_RELR"), Some([2, 36]));
+        for other in ["GLIBC_PRIVATE", "GLIBC_2", "GLIBC_2.x", "GLIBC_99999999999.1", "GCC_3.0", "", "GLIBC_"]
+        {
+            assert_eq!(of(other), None, "{other}");
+        }
+        assert!(Some([2, 4]) < Some([2, 17]) && None < Some([2, 2]));
+    }
+
+    /// As `objdump -T` counts them.
+    #[test]
+    fn the_glibc_of_our_own_library_is_that_of_its_functions() {
+        let binary = own_binary().unwrap();
+        if binary.platform != "linux64" {
+            eprintln!("skipped: looks into a library of linux64");
+            return;
+        }
+        let needed = glibc_needed(&binary.path).unwrap().unwrap();
+        let tool = std::process::Command::new("objdump").arg("-T").arg(&binary.path).output();
+        let Ok(tool) = tool else {
+            eprintln!("skipped: there is no objdump");
+            return;
+        };
+        let text = String::from_utf8(tool.stdout).unwrap();
+        let words = text.split(|c: char| c.is_whitespace() || "()".contains(c));
+        assert_eq!(words.filter_map(|word| glibc_version(word.as_bytes())).max(), Some(needed));
+    }
+
+    /// Whatever stands in the table: an answer or an error, and soon.
+    #[test]
+    fn a_broken_table_of_versions_is_an_error() {
+        let binary = own_binary().unwrap();
+        if binary.platform != "linux64" {
+            eprintln!("skipped: looks into a library of linux64");
+            return;
+        }
+        let whole = std::fs::read(&binary.path).unwrap();
+        let word = |at: usize| u64::from_le_bytes(whole[at..at + 8].try_into().unwrap()) as usize;
+        let count = usize::from(u16::from_le_bytes([whole[60], whole[61]]));
+        let header = (0..count)
+            .map(|k| word(40) + 64 * k)
+            .find(|&at| whole[at + 4..at + 8] == SHT_GNU_VERNEED.0.to_le_bytes())
+            .unwrap();
+        let (table, size) = (word(header + 24), word(header + 32));
+        let directory = TempDir::new().unwrap();
+        let path = directory.path().join("library");
+        std::fs::write(&path, &whole).unwrap();
+        let mut file = std::fs::File::options().write(true).open(&path).unwrap();
+        let mut write = move |at: usize, bytes: &[u8]| {
+            file.seek(SeekFrom::Start(at as u64)).unwrap();
+            file.write_all(bytes).unwrap();
+        };
+        let mut said = |at: usize, bytes: &[u8]| {
+            write(at, bytes);
+            let said = glibc_needed(&path).map_err(|error| error.to_string());
+            write(at, &whole[at..at + bytes.len()]);
+            said
+        };
+        for byte in table..table + size {
+            for value in [0, 1, 0x7f, 0xff] {
+                // No panic; most of them break it.
+                let _ = said(byte, &[value]);
+            }
+        }
+        // The first entry leads beyond the end.
+        assert!(said(table + 12, &[0xff; 4]).unwrap_err().starts_with("is broken: "));
+        let large = said(header + 32, &200_000_u64.to_le_bytes());
+        assert_eq!(large.unwrap_err(), "is broken: its table of versions has 200000 bytes");
+        // The names are those of a section that does not exist.
+        assert!(said(header + 40, &[0xff; 4]).is_err());
+        assert_eq!(said(0, &whole[..4]), Ok(glibc_needed(&binary.path).unwrap()), "as it was");
     }
 
     /// Without a table of sections, which stands at the end, the segments tell.

@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Place, Result};
 use crate::library::check_library;
-use crowd_mechanics::pack::{Binary, host_platform};
-use std::path::Path;
+use crowd_mechanics::pack::{Binary, host_platform, library_file, platforms};
+use std::path::{Path, PathBuf};
 
 /// The crowd's shared library that was built with this program.
 ///
@@ -13,23 +13,123 @@ pub fn own_binary() -> Result<Binary> {
     binary_beside("crowd_mechanics")
 }
 
-/// A shared library that was built with this program: beside it, or in `deps` beside it.
+/// A shared library that was built with this program: beside it, or in `deps` or a directory with FMI's name of this
+/// platform beside it.
 ///
 /// # Errors
-/// It is in neither place, it is cut off or not a library, or FMI has no name for this platform.
+/// It is in no such place, it is cut off or not a library, or FMI has no name for this platform.
 pub fn binary_beside(library: &str) -> Result<Binary> {
     let platform = host_platform().ok_or(Error::NoPlatform)?;
-    let name = format!("{}{library}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let beside = beside()?;
+    let name = library_file(library, platform).ok_or(Error::NoPlatform)?;
+    match own(&beside, library, platform) {
+        Some(binary) => checked(binary),
+        None => Err(Error::NoLibrary { name, beside, platform: platform.to_owned() }),
+    }
+}
+
+/// The shared library for this machine, and those for other platforms that lie in directories with FMI's names (`win64`,
+/// `aarch64-linux`, …) beside this program: all of them, or those of the platforms that are `wanted`.
+///
+/// # Errors
+/// None is there for this machine or for a platform that is wanted, or one is cut off or not for its platform.
+pub fn binaries_beside(library: &str, wanted: &[String]) -> Result<Vec<Binary>> {
+    binaries_in(&beside()?, library, wanted)
+}
+
+fn binaries_in(beside: &Path, library: &str, wanted: &[String]) -> Result<Vec<Binary>> {
+    let missing = |platform: &str| Error::NoLibrary {
+        name: library_file(library, platform).unwrap_or_else(|| library.to_owned()),
+        beside: beside.to_owned(),
+        platform: platform.to_owned(),
+    };
+    let host = host_platform();
+    let found = |platform: &str| match host {
+        Some(host) if host == platform => own(beside, library, host),
+        _ => other(beside, library, platform),
+    };
+    let binaries: Vec<Binary> = if wanted.is_empty() {
+        let host = host.ok_or(Error::NoPlatform)?;
+        let own = found(host).ok_or_else(|| missing(host))?;
+        let others = platforms().filter(|platform| *platform != host).filter_map(found);
+        [own].into_iter().chain(others).collect()
+    } else {
+        let each = wanted.iter().map(|platform| found(platform).ok_or_else(|| missing(platform)));
+        each.collect::<Result<_>>()?
+    };
+    binaries.into_iter().map(checked).collect()
+}
+
+/// Where this program is.
+fn beside() -> Result<PathBuf> {
     let program = std::env::current_exe().map_err(Error::io("where is this program?"))?;
-    let beside = program.parent().unwrap_or(Path::new("."));
-    let places = [beside.join(&name), beside.join("deps").join(&name)];
+    Ok(program.parent().unwrap_or(Path::new(".")).to_owned())
+}
+
+fn own(beside: &Path, library: &str, platform: &str) -> Option<Binary> {
+    let name = library_file(library, platform)?;
+    let places = [beside.join(&name), beside.join("deps").join(&name), beside.join(platform).join(&name)];
     // Cargo may have left an older one in one of the places.
-    let newest = places.iter().filter_map(|path| Some((path.metadata().ok()?.modified().ok()?, path))).max();
-    match newest {
-        Some((_, path)) => {
-            check_library(path, platform).place(|| path.display().to_string())?;
-            Ok(Binary { platform: platform.to_owned(), path: path.clone() })
+    let newest =
+        places.into_iter().filter_map(|path| Some((path.metadata().ok()?.modified().ok()?, path))).max();
+    newest.map(|(_, path)| Binary { platform: platform.to_owned(), path })
+}
+
+fn other(beside: &Path, library: &str, platform: &str) -> Option<Binary> {
+    let path = beside.join(platform).join(library_file(library, platform)?);
+    path.is_file().then(|| Binary { platform: platform.to_owned(), path })
+}
+
+fn checked(binary: Binary) -> Result<Binary> {
+    check_library(&binary.path, &binary.platform).place(|| binary.path.display().to_string())?;
+    Ok(binary)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tempfile::TempDir;
+
+    /// A file that says that it is a library of Windows, and holds nothing more.
+    fn pe() -> Vec<u8> {
+        let mut bytes = vec![0; 512];
+        bytes[..2].copy_from_slice(b"MZ");
+        bytes[60] = 64;
+        bytes[64..70].copy_from_slice(b"PE\0\0\x64\x86");
+        bytes[84] = 240;
+        bytes[88..90].copy_from_slice(&[0x0b, 0x02]);
+        bytes
+    }
+
+    #[test]
+    fn libraries_of_other_platforms_are_found_in_directories_beside_the_program() {
+        let (directory, own) = (TempDir::new().unwrap(), own_binary().unwrap());
+        let (beside, host) = (directory.path(), host_platform().unwrap());
+        let found = |wanted: &[&str]| {
+            let wanted: Vec<String> = wanted.iter().map(|&platform| platform.to_owned()).collect();
+            binaries_in(beside, "crowd_mechanics", &wanted)
+                .map(|all| all.into_iter().map(|binary| binary.platform).collect::<Vec<_>>())
+                .map_err(|error| error.whole())
+        };
+        let name = library_file("crowd_mechanics", host).unwrap();
+        let said = found(&[]).unwrap_err();
+        assert!(said.starts_with(&format!("{name} is not beside this program")), "{said}");
+        // That of this machine may lie there, too.
+        std::fs::create_dir(beside.join(host)).unwrap();
+        std::fs::copy(&own.path, beside.join(host).join(&name)).unwrap();
+        assert_eq!(found(&[]).unwrap(), [host]);
+        let other = if host == "win64" { "aarch64-linux" } else { "win64" };
+        assert!(found(&[other]).unwrap_err().contains("is not beside this program"));
+        if other == "win64" {
+            std::fs::create_dir(beside.join("win64")).unwrap();
+            let dll = beside.join("win64/crowd_mechanics.dll");
+            std::fs::write(&dll, pe()).unwrap();
+            assert_eq!(found(&[]).unwrap(), [host, "win64"]);
+            assert_eq!(found(&["win64"]).unwrap(), ["win64"]);
+            // Nothing is left out in silence.
+            std::fs::copy(&own.path, &dll).unwrap();
+            assert!(found(&[]).unwrap_err().ends_with("is not a shared library for win64"));
         }
-        None => Err(Error::NoLibrary { name, beside: beside.to_owned(), platform }),
+        assert!(found(&["win65"]).unwrap_err().contains("crowd_mechanics is not beside this program"));
     }
 }

@@ -69,7 +69,7 @@ fn crowd() -> Result<(f64, f64, f64)> {
         .map(|k| {
             let (column, row, k) = (f64::from(k % 6), f64::from(k / 6), f64::from(k));
             let pose = Pose { position: vec2(0.33 * column, 0.33 * row), orientation: 0.7 * k };
-            (pose, moving((1.3 * k).sin(), (2.1 * k).cos()))
+            (pose, moving(libm::sin(1.3 * k), libm::cos(2.1 * k)))
         })
         .collect();
     let mut whole = world(&bodies, &[wall(&[(-1.0, -0.5), (3.0, -0.5)])], ELASTIC, &motions, dt);

@@ -142,7 +142,7 @@ pub fn lattice(side: u32, spacing: f64, mechanical_step: f64) -> World {
         .map(|k| {
             let (column, row, k) = (f64::from(k % side), f64::from(k / side), f64::from(k));
             let pose = Pose { position: vec2(spacing * column, spacing * row), orientation: 0.7 * k };
-            (pose, moving((1.3 * k).sin(), (2.1 * k).cos()))
+            (pose, moving(libm::sin(1.3 * k), libm::cos(2.1 * k)))
         })
         .collect();
     let below = wall(&[(-1.0, -0.5), (spacing * f64::from(side) + 3.0, -0.5)]);

@@ -200,7 +200,7 @@ fn crowd(trial: &Trial, damping: f64) -> Trial {
     let still = trial.dynamics[0].clone();
     let moving = |k: u32| {
         let (column, row, k) = (f64::from(k % side), f64::from(k / side), f64::from(k));
-        let velocity = vec2(0.3 * (1.3 * k).sin(), 0.3 * (2.1 * k).cos());
+        let velocity = vec2(0.3 * libm::sin(1.3 * k), 0.3 * libm::cos(2.1 * k));
         AgentDynamics { position: vec2(x * column, y * row), velocity, ..still.clone() }
     };
     trial.dynamics = (0..side * side).map(moving).collect();

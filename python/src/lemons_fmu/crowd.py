@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from time import monotonic
 from types import TracebackType
 from typing import Any
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from .columns import CONTACTS, ID, INPUTS, OF_STEP, REALS, TABLE, TIME, TOTALS
 from .drive import Drive, DriveLike, Floats, forces, known
 from .fmu import Fmu, FmuError, Instance, Source, Value, load
+from .progress import Progress, ProgressLine
 
 Ints = NDArray[np.int32]
 
@@ -218,12 +220,13 @@ class Crowd:
         self._instance.restore(state.data)
         self.time = state.time
 
-    def run(self, drive: DriveLike[Crowd] = None, *, until: float, step: float | None = None) -> Run:
+    def run(self, drive: DriveLike[Crowd] = None, *, until: float, step: float | None = None, progress: bool = False) -> Run:
         """Steps until a time [s], and returns poses, velocities, squeeze and contacts at all communication points. These are
         multiples of the step from the present time; the last step may be shorter. The default step is the Trial's TimeStep.
 
         The default drive is the drive.csv packed with the Trial, as in `lemons run`. With `False` no drive is set: that of
-        the Trial, or the one that was set before, continues. See `DriveLike` for other drives.
+        the Trial, or the one that was set before, continues. See `DriveLike` for other drives. `progress` shows the progress
+        on standard error.
 
         Raises:
             FmuError: the FMU refuses something; the message is that of the FMU.
@@ -246,6 +249,7 @@ class Crowd:
             self.set_drive(drive)
         instance.get_real(self.fmu.reals, reals[0])
         instance.get_integer(self.fmu.counts, counts[0])
+        line, begin = (ProgressLine("steps", failing=False) if progress else None), monotonic()
         for k in range(steps):
             if pushes is not None and driven is not None:
                 instance.set_real(driven, pushes[k])
@@ -254,6 +258,8 @@ class Crowd:
             self.step_to(float(times[k + 1]))
             instance.get_real(self.fmu.reals, reals[k + 1])
             instance.get_integer(self.fmu.counts, counts[k + 1])
+            if line is not None:
+                line(Progress(k + 1, 0, steps, monotonic() - begin, 0, None))
         return Run(times, reals, counts, tuple(self.fmu.ids))
 
     def _pushes(self, drive: Drive, times: Floats) -> tuple[Floats, NDArray[np.uint32]]:
@@ -361,6 +367,7 @@ def simulate(
     until: float = 5.0,
     *,
     step: float | None = None,
+    progress: bool = False,
 ) -> pd.DataFrame:
     """Simulates from the beginning of the Trial until a time [s], and returns the table that `lemons run` writes.
 
@@ -376,4 +383,4 @@ def simulate(
         OSError: the drive's file cannot be read.
     """
     with Crowd(fmu, parameters) as crowd:
-        return crowd.run(drive, until=until, step=step).frame()
+        return crowd.run(drive, until=until, step=step, progress=progress).frame()

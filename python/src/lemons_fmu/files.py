@@ -10,15 +10,23 @@ import errno
 import os
 import select
 import stat
+import sys
 from typing import BinaryIO
 
 #: The largest settings file [byte].
 LARGEST_SETTINGS = 64_000_000
+#: The largest file of a Trial [byte].
+LARGEST_TRIAL_FILE = 1_000_000_000
 #: The largest drive file or table of measurements [byte].
 LARGEST_DRIVE = 500_000_000
 #: The largest FMU that is read into memory, and its largest size when it is unpacked [byte].
 LARGEST_BINARY = 4_000_000_000
 LARGEST_UNPACKED = 4_000_000_000
+
+# The systems differ in what there is. Without O_BINARY, Windows replaces ends of lines.
+_FLAGS = os.O_RDONLY
+for _flag in ("O_NONBLOCK", "O_NOCTTY", "O_BINARY"):
+    _FLAGS |= getattr(os, _flag, 0)
 
 #: Time to wait for the writer of a pipe [s].
 PATIENCE = 30.0
@@ -32,7 +40,7 @@ def found(path: str | os.PathLike[str], largest: int | None = None) -> BinaryIO:
     """
     # Opening a device can have side effects.
     _regular(os.stat(path), path)
-    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
+    descriptor = os.open(path, _FLAGS)
     try:
         there = os.fstat(descriptor)
         _regular(there, path)
@@ -102,7 +110,7 @@ def _regular(there: os.stat_result, path: str | os.PathLike[str]) -> None:
 
 def _open_given(path: str, flags: int) -> int:
     """Opens a file. For a pipe that nobody writes to it raises an error, where `open` would wait for ever."""
-    if os.name != "posix":
+    if sys.platform == "win32":
         return os.open(path, flags)
     descriptor = os.open(path, flags | os.O_NONBLOCK)
     try:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import atexit
 import ctypes
-import fcntl
 import hashlib
 import itertools
 import os
@@ -14,7 +13,7 @@ import threading
 import zipfile
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -34,7 +33,7 @@ from fmpy.fmi2 import (
 from fmpy.fmi3 import FMU3Slave
 from numpy.typing import NDArray
 
-from . import columns, files
+from . import columns, files, locks
 from .arrays import AGENTS, Array, Plan, names, of_materials, plan
 from .columns import INPUTS
 from .drive import Drive, read
@@ -47,8 +46,8 @@ _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 _WARNING, _FATAL = 1, 4
 # Of FMI 3.0, and what they are here.
 _TYPES = {"Float64": "Real", "Int32": "Integer", "String": "String"}
-# Messages come as arguments of printf. The FMU always gives "%s" and one text, which on 64-bit Linux is an ordinary sixth
-# argument. (fmpy's proxy for such loggers supports only one logger in a process.)
+# Messages come as arguments of printf. The FMU always gives "%s" and one text, which on 64-bit Linux and Windows is an
+# ordinary sixth argument. (fmpy's proxy for such loggers supports only one logger in a process.)
 _Logger = ctypes.CFUNCTYPE(
     None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p, ctypes.c_void_p
 )
@@ -648,9 +647,11 @@ def scratch() -> Path:
     """Returns the temporary directory of this process, which is removed at exit. It also removes the directories of killed
     processes: a lock on the file beside a directory shows that its process lives."""
     if not _own_scratch:
-        base = Path(tempfile.gettempdir()) / f"lemons-fmu-{os.getuid()}"
+        # On Windows each user has a temporary directory.
+        user = os.getuid() if hasattr(os, "getuid") else 0
+        base = Path(tempfile.gettempdir()) / f"lemons-fmu-{user}"
         base.mkdir(mode=0o700, exist_ok=True)
-        if base.is_symlink() or base.stat().st_uid != os.getuid():
+        if base.is_symlink() or base.stat().st_uid != user:
             raise FmuError(f"{base} belongs to another user")
         for lock in base.glob("*.lock"):
             _remove_if_dead(lock)
@@ -658,9 +659,12 @@ def scratch() -> Path:
             place = base / f"{os.getpid()}-{os.urandom(4).hex()}"
             path = place.with_suffix(".lock")
             descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600)
-            fcntl.flock(descriptor, fcntl.LOCK_EX)
-            if path.exists():  # else another process removed it before it was locked
-                break
+            try:
+                locks.lock(descriptor)
+                if path.exists():
+                    break
+            except OSError:
+                pass  # another process took it for that of a dead one: it removes it, or has already
             os.close(descriptor)
         place.mkdir(mode=0o700)
         _own_scratch.append(place)
@@ -675,19 +679,30 @@ def _remove_if_dead(lock: Path) -> None:
     except OSError:
         return
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        shutil.rmtree(lock.with_suffix(""), ignore_errors=True)
-        lock.unlink(missing_ok=True)
+        locks.lock(descriptor)
     except OSError:
-        pass  # its process lives
-    finally:
+        os.close(descriptor)  # its process lives
+        return
+    shutil.rmtree(lock.with_suffix(""), ignore_errors=True)
+    _unlink(lock, descriptor)
+
+
+def _unlink(lock: Path, descriptor: int) -> None:
+    """Removes a locked file. Windows does not remove what is open; elsewhere it must be locked until it is gone."""
+    if os.name == "nt":
+        os.close(descriptor)
+    with suppress(OSError):
+        lock.unlink(missing_ok=True)
+    if os.name != "nt":
         os.close(descriptor)
 
 
 def _remove(place: Path, process: int) -> None:
     if os.getpid() == process:
         shutil.rmtree(place, ignore_errors=True)
-        place.with_suffix(".lock").unlink(missing_ok=True)
+        # Windows keeps the files of loaded libraries: the next process removes them, by the lock that stays.
+        if not place.exists() and _own_lock:
+            _unlink(place.with_suffix(".lock"), _own_lock.pop())
 
 
 def _forget() -> None:
@@ -701,4 +716,5 @@ def _forget() -> None:
     _own_lock.clear()
 
 
-os.register_at_fork(after_in_child=_forget)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget)

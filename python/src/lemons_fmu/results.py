@@ -3,7 +3,6 @@ it exactly."""
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import itertools
 import json
@@ -20,7 +19,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from . import files
+from . import files, locks
 from .fmu import Value
 
 FORMAT = 1
@@ -203,7 +202,7 @@ class Directory:
         self._lock = os.open(self.path / LOCK, os.O_CREAT | os.O_RDWR, 0o644)
         try:
             try:
-                fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                locks.lock(self._lock)
             except OSError:
                 raise SweepError(f"{self.path}: another process writes its results here") from None
             # Other programs may write here, too: remove only what a killed sweep leaves.

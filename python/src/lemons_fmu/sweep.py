@@ -7,7 +7,6 @@ import logging
 import math
 import os
 import queue
-import sys
 import time
 import weakref
 from asyncio import CancelledError
@@ -27,6 +26,7 @@ from distributed import Client, Future, KilledWorker, LocalCluster, Worker, Work
 from .crowd import Crowd, Run, steps_between
 from .drive import DriveLike, Known, function_identity, identity, known
 from .fmu import Fmu, FmuError, Source, Value, load, scratch
+from .progress import Progress, ProgressLine
 from .results import FAILED, POINT, RESERVED, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of, unicode
 
 #: A function of a run that returns its measures: names and numbers (or texts).
@@ -41,21 +41,6 @@ TASK = 0.5
 
 #: The message of a point whose worker process ends several times, for example by os._exit, a signal or lack of memory.
 DIED = "the worker process ended several times while it simulated this point"
-
-
-@dataclass(frozen=True)
-class Progress:
-    """The progress of a sweep: numbers of finished, of failed and of all points."""
-
-    done: int
-    failed: int
-    total: int
-    #: Time since this call [s].
-    seconds: float
-    #: Number of points that were finished before this call.
-    before: int
-    #: Number of threads of all workers, None if it is not known; 0: the sweep waits for a worker.
-    threads: int | None
 
 
 @dataclass(frozen=True)
@@ -425,26 +410,3 @@ def _report(progress: bool | Callable[[Progress], None]) -> Callable[[Progress],
     if not isinstance(progress, bool):
         return progress
     return ProgressLine() if progress else lambda _: None
-
-
-class ProgressLine:
-    """A progress line on standard error: a terminal shows it updated, elsewhere a new one is written every half minute. `what`
-    is the noun of what is counted."""
-
-    def __init__(self, what: str = "points") -> None:
-        self.what = what
-        self.terminal = sys.stderr.isatty()
-        self.last = -math.inf
-
-    def __call__(self, at: Progress) -> None:
-        end = at.done == at.total
-        if at.seconds - self.last < (0.2 if self.terminal else 30.0) and not end:
-            return
-        self.last = at.seconds
-        new = at.done - at.before
-        rest = f"{(at.total - at.done) * at.seconds / new:.0f} s left" if new and not end else f"{at.seconds:.0f} s"
-        if at.threads == 0 and not end:
-            rest = "waiting for workers"
-        line = f"{at.done} of {at.total} {self.what}, {at.failed} failed, {rest}"
-        print(f"\r{line:<60}" if self.terminal else line, end="" if self.terminal and not end else "\n", file=sys.stderr)
-        sys.stderr.flush()

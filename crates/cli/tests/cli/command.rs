@@ -1,6 +1,6 @@
 //! The command as its users meet it: exit codes, messages, files.
 
-use crate::common::{assert_code, copy_trial, default_trial, err, lemons, out};
+use crate::common::{assert_code, copy_trial, default_trial, done, err, lemons, out};
 use lemons_master::{Observer, Prepared, Reached, Settings, System};
 use std::fs;
 use std::path::Path;
@@ -243,6 +243,69 @@ fn info_lists_the_variables() {
     assert!(said.contains("agent[0].Mass"), "{said}");
     assert!(!said.contains("agent[1].Mass"), "{said}");
     assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
+}
+
+/// Another packer's FMU may have anything in it.
+#[test]
+fn info_lists_the_platforms_and_the_glibc_that_they_need() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    done(at, &["pack", default_trial().to_str().unwrap(), "-o", "push.fmu"]);
+    let platforms = || {
+        let said = out(&done(at, &["info", "push.fmu", "--only", "no such"]));
+        let lines = said.lines().skip_while(|line| !line.starts_with("platforms "));
+        lines
+            .take_while(|line| line.starts_with("platforms ") || line.starts_with(' '))
+            .map(|line| line[10..].to_owned())
+            .collect::<Vec<_>>()
+    };
+    let own = platforms();
+    assert_eq!(own.len(), 1, "{own:?}");
+    if cfg!(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu")) {
+        let glibc = own[0].strip_prefix("linux64        glibc 2.").unwrap();
+        assert!(glibc.parse::<u32>().unwrap() >= 2, "{own:?}");
+    }
+    let file = std::fs::File::options().read(true).write(true).open(at.join("push.fmu")).unwrap();
+    let mut zip = zip::ZipWriter::new_append(file).unwrap();
+    for (name, content) in [
+        ("binaries/win64/CrowdMechanics.dll", &b"no library"[..]),
+        ("binaries/zx\u{1b}81/CrowdMechanics.bin", b""),
+        ("binaries/amiga/other.so", b""),
+    ] {
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut zip, content).unwrap();
+    }
+    zip.finish().unwrap();
+    let all = platforms();
+    assert_eq!(all[0], own[0]);
+    assert!(all[1].starts_with("win64          is not a shared library for win64"), "{all:?}");
+    assert!(all.len() == 3 && all[2].starts_with("zx81           is broken: "), "{all:?}");
+}
+
+#[test]
+fn a_platform_is_chosen_among_those_beside_the_command() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let trial = default_trial();
+    let trial = trial.to_str().unwrap();
+    let host = crowd_mechanics::pack::host_platform().unwrap();
+    done(at, &["pack", trial, "-o", "all.fmu"]);
+    done(at, &["pack", trial, "--platform", host, "--platform", host, "-o", "own.fmu"]);
+    let bytes = ["all.fmu", "own.fmu"].map(|file| std::fs::read(at.join(file)).unwrap());
+    assert_eq!(bytes[0], bytes[1]);
+    let said = |arguments: &[&str], code| {
+        let all = [&["pack", trial, "-o", "x.fmu"], arguments].concat();
+        let output = lemons(at, &all);
+        assert_code(&output, code);
+        assert!(!at.join("x.fmu").exists());
+        err(&output)
+    };
+    let missing = said(&["--platform", "win32"], 1);
+    assert!(missing.contains("crowd_mechanics.dll is not beside this program"), "{missing}");
+    assert!(missing.contains("give --binary win32=FILE"), "{missing}");
+    let unknown = said(&["--platform", "amiga"], 1);
+    assert!(unknown.contains("--platform amiga: no such platform; there are linux64, "), "{unknown}");
+    said(&["--platform", host, "--binary", "linux64=x"], 2);
 }
 
 #[test]

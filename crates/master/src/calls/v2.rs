@@ -211,11 +211,28 @@ const ENCODED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'
 pub(super) fn file_uri(directory: &Path) -> Result<CString> {
     let unknown = |source| CallError::Resources { path: directory.to_owned(), source };
     let path = std::path::absolute(directory).map_err(unknown)?;
-    let encoded = percent_encode(path.as_os_str().as_encoded_bytes(), ENCODED).to_string();
-    let path =
-        if cfg!(windows) { format!("/{}", encoded.replace("%5C", "/").replace("%3A", ":")) } else { encoded };
-    let uri = format!("file://{}/", path.trim_end_matches('/'));
+    let uri = uri_of(path.as_os_str().as_encoded_bytes(), cfg!(windows));
     c_text(&uri, || uri.clone())
+}
+
+/// Of an absolute path.
+fn uri_of(path: &[u8], windows: bool) -> String {
+    let encoded = |path: &[u8]| {
+        let text = percent_encode(path, ENCODED).to_string();
+        text.trim_end_matches('/').to_owned()
+    };
+    if !windows {
+        return format!("file://{}/", encoded(path));
+    }
+    // What tells Windows to take a path as it is stands before a drive, or before the name of a machine.
+    let share = path
+        .strip_prefix(br"\\?\UNC\")
+        .or_else(|| path.strip_prefix(br"\\").filter(|rest| !rest.starts_with(b"?")));
+    let plain = share.or_else(|| path.strip_prefix(br"\\?\")).unwrap_or(path);
+    let slashes: Vec<u8> = plain.iter().map(|&byte| if byte == b'\\' { b'/' } else { byte }).collect();
+    // The colon of the drive stands for itself.
+    let encoded = encoded(&slashes).replacen("%3A", ":", 1);
+    if share.is_some() { format!("file://{encoded}/") } else { format!("file:///{encoded}/") }
 }
 
 #[cfg(test)]
@@ -280,5 +297,14 @@ mod tests {
         // As the other side reads it.
         let read = lemons_fmi::location::directories(&said("/tmp/a b%20#?/ü")).unwrap();
         assert_eq!(read[0], Path::new("/tmp/a b%20#?/ü/"));
+    }
+
+    #[test]
+    fn a_path_of_windows_is_named_by_an_uri() {
+        let said = |path: &str| uri_of(path.as_bytes(), true);
+        assert_eq!(said(r"C:\Users\Jürgen\a b%\x"), "file:///C:/Users/J%C3%BCrgen/a%20b%25/x/");
+        assert_eq!(said(r"\\?\C:\Users\x\"), "file:///C:/Users/x/");
+        assert_eq!(said(r"\\server\share\x"), "file://server/share/x/");
+        assert_eq!(said(r"\\?\UNC\server\share\x"), "file://server/share/x/");
     }
 }

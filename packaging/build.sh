@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Builds the libraries, and the command where there is one, of platforms (all without arguments) into dist/PLATFORM/.
+# `build.sh linux64 win64` builds these only; the tools that it needs are named in lib.sh. LIBRARIES_ONLY=1: no command.
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+
+(($#)) || set -- "${platforms[@]}"
+for platform; do
+    targets "$platform" >/dev/null
+done
+choose_compiler "$@"
+tools
+for platform; do
+    packages=(-p crowd-mechanics -p lemons-decision-fmu)
+    program=$([[ -n ${LIBRARIES_ONLY:-} ]] || program "$platform")
+    [[ -z $program ]] || packages+=(-p lemons-cli)
+    read -ra of_platform <<<"$(targets "$platform")"
+    for target in "${of_platform[@]}"; do
+        note "$platform: $target, with $("$RUSTC" --version)"
+        compile "$target" "${packages[@]}"
+    done
+    rm -rf "${dist:?}/$platform"
+    mkdir -p "$dist/$platform"
+    for file in $(libraries "$platform") $program; do
+        if ((${#of_platform[@]} == 1)); then
+            cp "$directory/${of_platform[0]}/dist/$file" "$dist/$platform/$file"
+        else
+            python3 packaging/fat.py "$dist/$platform/$file" "${of_platform[@]/#/$directory/}" "dist/$file"
+        fi
+    done
+    (cd "$dist/$platform" && sha256sum -- *)
+done

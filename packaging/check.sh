@@ -1,0 +1,156 @@
+#!/usr/bin/env bash
+# Makes all that is released (release.sh) and tests it: sizes, symbols, what is imported; the Windows command under wine and
+# that for aarch64 under qemu against the one for Linux, bit for bit; wheels in fresh environments; the same bytes again.
+# Prepares a fresh Debian for it, if root runs it. Rust itself is expected there only if rustup has all targets.
+# `check.sh linux64 win64` leaves out other platforms. BUILT=1 takes the libraries that are in dist/.
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+
+begin=$SECONDS
+(($#)) || set -- "${platforms[@]}"
+given=("$@")
+has() {
+    [[ " ${given[*]} " == *" $1 "* ]]
+}
+
+packages=()
+want() {
+    command -v "$1" >/dev/null || packages+=("${@:2}")
+}
+want git git
+want objdump binutils
+want python3 python3
+python3 -c 'import ensurepip, venv' 2>/dev/null || packages+=(python3-venv)
+want x86_64-w64-mingw32-gcc gcc-mingw-w64-x86-64
+want cc build-essential
+! has win64 || [[ -x /usr/lib/wine/wine64 ]] || packages+=(wine64)
+! has aarch64-linux || want qemu-aarch64 qemu-user libc6-arm64-cross
+if [[ -z ${PACKAGING_WITH:-} ]] && have_rustup "$@"; then export PACKAGING_WITH=rustup; fi
+[[ ${PACKAGING_WITH:-} == rustup ]] || have_debian || packages+=("${debian_packages[@]}")
+if ((${#packages[@]})); then
+    [[ $(id -u) == 0 ]] && command -v apt-get >/dev/null ||
+        fail "missing: ${packages[*]} (only root can install them, with apt-get)"
+    export DEBIAN_FRONTEND=noninteractive
+    apt-get update -qq
+    apt-get install -qq -y --no-install-recommends "${packages[@]}" </dev/null
+fi
+
+choose_compiler "$@"
+packaging/release.sh "$@"
+note "made after $((SECONDS - begin)) s"
+ls -l "$dist" "$dist"/*/ | awk 'NF > 8 { printf "%12d  %s\n", $5, $9 }'
+(cd "$dist" && sha256sum --quiet -c SHA256SUMS)
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# `at_most MEGABYTES FILE…`
+at_most() {
+    local file
+    for file in "${@:2}"; do
+        (($(stat -c %s "$file") <= $1 * 1000000)) || fail "$file has more than $1 MB"
+    done
+}
+
+note "what is in the files"
+for platform; do
+    for file in $(libraries "$platform"); do
+        at_most 8 "$dist/$platform/$file"
+        python3 packaging/symbols.py "$dist/$platform/$file"
+    done
+    for file in $(program "$platform"); do
+        at_most 20 "$dist/$platform/$file"
+        python3 packaging/symbols.py "$dist/$platform/$file"
+    done
+    # Nothing tells on which machine it was made.
+    for place in "$root" "${CARGO_HOME:-$HOME/.cargo}" /usr/src/rustc; do
+        ! grep -qrF "$place" "$dist/$platform" || fail "$dist/$platform: contains the path $place"
+    done
+done
+
+note "the same numbers"
+lemons=$dist/linux64/lemons
+"$lemons" info "$dist/push_fmi2.fmu" --only "no such" >"$work/info"
+for platform; do
+    grep -q "\b$platform\b" "$work/info" || fail "push_fmi2.fmu has no $platform: $(<"$work/info")"
+done
+# What is compared: the push and the thirty people at the door, from FMUs of both versions and coupled; a crowd that is
+# made, packed and run; ends of lines as Windows has them. Directories have spaces and letters of other languages.
+mkdir -p "$work/Jürgen 試"
+cp "$dist"/*_fmi?.fmu "$work/Jürgen 試"
+cp -r resources/Trial_push "$work/Jürgen 試/Trial_CRLF"
+find "$work/Jürgen 試/Trial_CRLF" -type f -exec sed -i 's/$/\r/' {} +
+scenes=(
+    "run push_fmi2.fmu -o push2.csv"
+    "run push_fmi3.fmu -o push3.csv"
+    "run door_fmi2.fmu --until 1 -o door2.csv"
+    "run door_fmi3.fmu --until 1 -o door3.csv"
+    "connect decision_fmi2.fmu door_fmi2.fmu -o coupled.ssp"
+    "run coupled.ssp --until 0.5 -o coupled.csv --outputs none.csv"
+    "crowd --number 150 --box 4.56x4.56 --speed 0.5 -o Menge"
+    "run Menge --until 0.2 -o dense.csv"
+    "check Trial_CRLF"
+    "run Trial_CRLF --until 0.5 -o crlf.csv"
+    "plot push2.csv --trial push_fmi2.fmu --at 1 -o picture.svg"
+)
+compared=(push2.csv push3.csv door2.csv door3.csv coupled.csv dense.csv crlf.csv picture.svg Menge/static/Agents.xml)
+# `play DIRECTORY COMMAND…`
+play() {
+    local line words to=$work/$1
+    shift
+    cp -r "$work/Jürgen 試" "$to"
+    for line in "${scenes[@]}"; do
+        read -ra words <<<"$line"
+        (cd "$to" && "$@" "${words[@]}" >said.txt 2>&1 </dev/null) || fail "$* $line: $(tail -n 5 "$to/said.txt")"
+    done
+}
+compare() {
+    local file
+    for file in "${compared[@]}"; do
+        cmp "$work/Linux ä/$file" "$work/$1/$file" || fail "$1: $file differs from that of Linux"
+    done
+    note "$1: the same bits in ${#compared[@]} files"
+}
+play "Linux ä" "$lemons"
+if has aarch64-linux; then
+    play "aarch64 ä" qemu-aarch64 -L /usr/aarch64-linux-gnu "$dist/aarch64-linux/lemons"
+    compare "aarch64 ä"
+fi
+if has win64; then
+    export WINEPREFIX=$work/wine WINEDEBUG=-all
+    cp "$dist/win64/lemons.exe" "$dist"/win64/*.dll "$work"
+    # Wine 8 has no bcryptprimitives.dll.
+    x86_64-w64-mingw32-gcc -shared -O2 -o "$work/bcryptprimitives.dll" packaging/bcryptprimitives.c -ladvapi32
+    wine=$(command -v /usr/lib/wine/wine64 wine64 wine | head -n 1)
+    play "Windows ä" "$wine" "$work/lemons.exe"
+    compare "Windows ä"
+    # A drive, backslashes.
+    (cd / && "$wine" "$work/lemons.exe" run "Z:${work//\//\\}\\Windows ä\\push_fmi2.fmu" \
+        -o "Z:${work//\//\\}\\Windows ä\\drive letter.csv" >/dev/null)
+    cmp "$work/Linux ä/push2.csv" "$work/Windows ä/drive letter.csv"
+    # Closed forms, the ledger, golden bits.
+    (cd "$work" && "$wine" "$work/lemons.exe" verify >"$work/verify.txt") || fail "$(grep -v ' ok' "$work/verify.txt")"
+    tail -n 1 "$work/verify.txt" >&2
+fi
+
+note "wheels"
+python3 -m venv "$work/venv"
+"$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+    "$dist"/lemons_fmu-"$version"-*manylinux_2_17_x86_64*.whl
+(cd "$work" && env -u LEMONS PATH="$work/venv/bin:/usr/bin:/bin" "$work/venv/bin/python" "$root/packaging/wheel_test.py" "$root" "$@")
+
+note "the same bytes again"
+if git diff --quiet HEAD; then
+    # In another place.
+    git clone -q . "$work/elsewhere"
+    (cd "$work/elsewhere" && DIST=$work/again PACKAGING_TARGET_DIR=$work/target LIBRARIES_ONLY=1 \
+        packaging/build.sh linux64) >/dev/null
+    for file in $(libraries linux64); do
+        cmp "$work/again/linux64/$file" "$dist/linux64/$file"
+    done
+else
+    note "libraries are not compared: files have changed since the commit"
+fi
+cp "$dist/SHA256SUMS" "$work"
+BUILT=1 packaging/release.sh "$@" >/dev/null
+cmp "$dist/SHA256SUMS" "$work/SHA256SUMS"
+note "all passed after $((SECONDS - begin)) s"

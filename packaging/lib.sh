@@ -1,0 +1,130 @@
+# For the scripts of this directory: where things are, and how a platform is compiled for. Sourced, not run.
+#
+# A platform has FMI's name. Needed are python3 with venv (zig's linker and cargo-zigbuild come from PyPI), and one of
+# - rustup, which has the targets or can get them (and mingw-w64 for win64);
+# - Debian's packages in `debian_packages`: the standard library is then built from its source.
+# PACKAGING_WITH=rustup or PACKAGING_WITH=debian decides which. The target directory is not the one of other builds.
+# shellcheck shell=bash disable=SC2034
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$root"
+dist=${DIST:-$root/dist}
+directory=${PACKAGING_TARGET_DIR:-$root/target/packaging}
+version=$(sed -n '/^\[workspace.package\]/,/^$/s/^version = "\(.*\)"/\1/p' Cargo.toml)
+# What has a time has that of the commit.
+: "${SOURCE_DATE_EPOCH:=$(git log -1 --format=%ct)}"
+export SOURCE_DATE_EPOCH
+export LC_ALL=C.UTF-8 TZ=UTC CARGO_INCREMENTAL=0
+
+platforms=(linux64 aarch64-linux win64 darwin64)
+debian_packages=(rustc-web cargo-web rust-web-src gcc-mingw-w64-x86-64)
+# The oldest glibc that is served: that of manylinux_2_17.
+glibc=2.17
+
+fail() {
+    printf '%s: %s\n' "$(basename -- "$0")" "$*" >&2
+    exit 1
+}
+
+note() {
+    printf '== %s\n' "$*" >&2
+}
+
+# The targets of a platform; darwin64 holds two processors.
+targets() {
+    case $1 in
+        linux64) echo x86_64-unknown-linux-gnu ;;
+        aarch64-linux) echo aarch64-unknown-linux-gnu ;;
+        win64) echo x86_64-pc-windows-gnu ;;
+        darwin64) echo x86_64-apple-darwin aarch64-apple-darwin ;;
+        *) fail "$1: no such platform; there are ${platforms[*]}" ;;
+    esac
+}
+
+# The crowd's library and the decision's, as they are called there.
+libraries() {
+    case $1 in
+        win64) echo crowd_mechanics.dll lemons_decision_fmu.dll ;;
+        darwin64) echo libcrowd_mechanics.dylib liblemons_decision_fmu.dylib ;;
+        *) echo libcrowd_mechanics.so liblemons_decision_fmu.so ;;
+    esac
+}
+
+# The command's name there; none for a Mac, whose frameworks it would be linked with.
+program() {
+    case $1 in
+        win64) echo lemons.exe ;;
+        darwin64) ;;
+        *) echo lemons ;;
+    esac
+}
+
+# A Python with zig and cargo-zigbuild, and what else is asked for in tools.txt.
+tools() {
+    local stamp=$directory/tools/stamp wanted
+    wanted=$(sha256sum packaging/tools.txt)
+    [[ -f $stamp && $(<"$stamp") == "$wanted" ]] && return
+    rm -rf "$directory/tools"
+    mkdir -p "$directory"
+    "${PYTHON:-python3}" -m venv "$directory/tools"
+    "$directory/tools/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
+        -r packaging/tools.txt
+    printf '%s\n' "$wanted" >"$stamp"
+}
+
+have_rustup() {
+    command -v rustup >/dev/null || return
+    local all target installed
+    all=$(for platform; do targets "$platform" | tr ' ' '\n'; done)
+    installed=$(rustup target list --installed)
+    for target in $all; do
+        # A mirror may have no targets and not say so.
+        grep -qx "$target" <<<"$installed" || timeout 120 rustup target add "$target" >&2 || return
+    done
+}
+
+have_debian() {
+    [[ -x /usr/bin/rustc && -x /usr/bin/cargo && -d /usr/src/rustc-$(/usr/bin/rustc -vV | sed -n 's/^release: //p') ]]
+}
+
+# One compiler for all platforms that are named: sets `with`.
+choose_compiler() {
+    case ${PACKAGING_WITH:-any} in
+        rustup | any) if have_rustup "$@"; then with=rustup; fi ;;&
+        debian | any) if [[ -z ${with:-} ]] && have_debian; then with=debian; fi ;;
+    esac
+    [[ -n ${with:-} ]] ||
+        fail "neither does rustup have the targets, nor are ${debian_packages[*]} installed (Debian)"
+    export PACKAGING_WITH=$with
+    if [[ $with == debian ]]; then
+        # Not those of rustup, whatever is first on the PATH.
+        export RUSTC=/usr/bin/rustc CARGO=/usr/bin/cargo RUSTC_BOOTSTRAP=1
+        unset RUSTUP_TOOLCHAIN
+    else
+        CARGO=$(rustup which cargo)
+        RUSTC=$(rustup which rustc)
+        export CARGO RUSTC
+    fi
+}
+
+# Builds for a target: `compile TARGET ARGUMENTS…`, with cargo's arguments. No place of this machine gets into a binary.
+compile() {
+    local target=$1 cargo=("$CARGO") flags place home=${CARGO_HOME:-${HOME:-/root}/.cargo}
+    shift
+    flags=(--remap-path-prefix="$directory"=target --remap-path-prefix="$root"=lemons --remap-path-prefix="$home"=cargo)
+    place="-ffile-prefix-map=$root=lemons -ffile-prefix-map=$home=cargo"
+    local arguments=(build --locked --profile dist --target-dir "$directory" "$@")
+    if [[ $with == debian && $target != x86_64-unknown-linux-gnu ]]; then
+        arguments+=(-Zbuild-std=std,panic_unwind)
+        flags+=(--remap-path-prefix="/usr/src/rustc-$("$RUSTC" -vV | sed -n 's/^release: //p')"=rust)
+    fi
+    case $target in
+        *-windows-gnu) export CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER=x86_64-w64-mingw32-gcc ;;
+        *) cargo=("$directory/tools/bin/cargo-zigbuild") arguments[0]=zigbuild ;;
+    esac
+    [[ $target == *-linux-gnu ]] && target=$target.$glibc
+    # The separator of arguments that may contain spaces.
+    CARGO_ENCODED_RUSTFLAGS=$(IFS=$'\x1f' && printf %s "${flags[*]}") CFLAGS=$place \
+        PATH=$directory/tools/bin:$PATH nice "${cargo[@]}" "${arguments[@]}" --target "$target"
+}

@@ -1,0 +1,171 @@
+"""Names what is in the binaries that are released: sbom.cdx.json (CycloneDX 1.5), THIRD-PARTY.txt (licences, with their texts).
+
+    licences.py DIRECTORY TARGET…
+
+These are the packages that cargo links for the targets. Fails if a package has a licence that is not in ALLOWED, or comes
+from elsewhere than crates.io. Says nothing of known vulnerabilities: `cargo deny check advisories` (deny.toml) does.
+"""
+
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+import tomllib
+import uuid
+from datetime import datetime, timezone
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SHIPPED = ["crowd-mechanics", "lemons-decision-fmu", "lemons-cli"]
+#: Licences that ask for no more than their text. deny.toml has the same list.
+ALLOWED = set(tomllib.loads((ROOT / "deny.toml").read_text())["licenses"]["allow"])
+#: What is linked beside packages.
+OTHERS = """\
+The standard library of Rust (MIT OR Apache-2.0, https://www.rust-lang.org/policies/licenses) is in all of them. SQLite (in
+libsqlite3-sys) is in the public domain. Binaries for Linux and macOS contain compiler-rt and libunwind of zig and LLVM (MIT,
+Apache-2.0 WITH LLVM-exception); those for Windows contain startup code of mingw-w64 (ZPL-2.1 and public domain) and libgcc
+(GPL-3.0-or-later WITH GCC-exception-3.1).
+"""
+TEXTS = re.compile(r"(un)?licen[cs]e|copying|copyright|notice", re.IGNORECASE)
+
+
+def metadata(target: str) -> dict:
+    command = [os.environ.get("CARGO", "cargo"), "metadata", "--format-version=1", "--locked", f"--filter-platform={target}"]
+    return json.loads(subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout)
+
+
+def linked(target: str) -> dict[str, dict]:
+    """The packages that are in the binaries for a target, by their ids: no build scripts, no macros, no tests."""
+    known = metadata(target)
+    packages = {package["id"]: package for package in known["packages"]}
+    nodes = {node["id"]: node for node in known["resolve"]["nodes"]}
+    waiting = [i for i, package in packages.items() if package["name"] in SHIPPED and package["source"] is None]
+    found: dict[str, dict] = {}
+    while waiting:
+        i = waiting.pop()
+        macro = any("proc-macro" in t["kind"] for t in packages[i]["targets"])
+        if i in found or macro:
+            continue
+        found[i] = packages[i]
+        for dependency in nodes[i]["deps"]:
+            if any(kind["kind"] is None for kind in dependency["dep_kinds"]):
+                waiting.append(dependency["pkg"])
+    return found
+
+
+def allowed(expression: str) -> bool:
+    """Whether an SPDX expression lets us choose allowed licences only."""
+    words = re.findall(r"[()]|[^\s()/]+|/", expression)
+    place = 0
+
+    def next_is(*wanted: str) -> bool:
+        return place < len(words) and words[place].upper() in wanted
+
+    def either() -> bool:
+        nonlocal place
+        value = both()
+        while next_is("OR", "/"):
+            place += 1
+            other = both()
+            value = value or other
+        return value
+
+    def both() -> bool:
+        nonlocal place
+        value = one()
+        while next_is("AND"):
+            place += 1
+            other = one()
+            value = value and other
+        return value
+
+    def one() -> bool:
+        nonlocal place
+        if next_is("("):
+            place += 1
+            value = either()
+            place += 1
+            return value
+        name = words[place]
+        place += 1
+        if next_is("WITH"):
+            name += f" WITH {words[place + 1]}"
+            place += 2
+        return name in ALLOWED
+
+    return either() and place == len(words)
+
+
+def texts(package: dict) -> list[tuple[str, str]]:
+    """Its files with licences, those of C sources in it, too."""
+    directory = Path(package["manifest_path"]).parent
+    files = [file for file in directory.iterdir() if file.is_file()]
+    files += [file for file in directory.glob("*/*") if file.is_file()]
+    named = [file for file in files if TEXTS.match(file.name) and file.suffix.lower() in ("", ".md", ".txt")]
+    return sorted((file.relative_to(directory).as_posix(), file.read_text(errors="replace").strip()) for file in named)
+
+
+def main() -> None:
+    directory, *targets = sys.argv[1:]
+    packages = {i: package for target in targets for i, package in linked(target).items()}
+    others = sorted((p for p in packages.values() if p["source"]), key=lambda p: (p["name"], p["version"]))
+    wrong = [f"{p['name']} {p['version']}: {p['license']}" for p in others if not p["license"] or not allowed(p["license"])]
+    wrong += [f"{p['name']}: from {p['source']}" for p in others if "crates.io-index" not in p["source"]]
+    if wrong:
+        sys.exit("licences.py: not allowed:\n" + "\n".join(wrong))
+    lock = tomllib.loads((ROOT / "Cargo.lock").read_text())["package"]
+    sums = {(p["name"], p["version"]): p.get("checksum") for p in lock}
+    version = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+    components = []
+    for package in others:
+        name, number = package["name"], package["version"]
+        components.append({
+            "type": "library",
+            "bom-ref": f"pkg:cargo/{name}@{number}",
+            "name": name,
+            "version": number,
+            "purl": f"pkg:cargo/{name}@{number}",
+            "licenses": [{"expression": package["license"].replace("/", " OR ")}],
+            "hashes": [{"alg": "SHA-256", "content": sums[name, number]}],
+        })
+    epoch = int(os.environ["SOURCE_DATE_EPOCH"])
+    about = {
+        "timestamp": datetime.fromtimestamp(epoch, timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "component": {
+            "type": "application",
+            "bom-ref": "lemons-fmu",
+            "name": "lemons-fmu",
+            "version": version,
+            "licenses": [{"expression": "MIT OR Apache-2.0"}],
+        },
+    }
+    digest = hashlib.sha256(json.dumps([about, components]).encode()).hexdigest()
+    bom = {
+        "bomFormat": "CycloneDX",
+        "specVersion": "1.5",
+        # The same content has the same number.
+        "serialNumber": f"urn:uuid:{uuid.uuid5(uuid.NAMESPACE_URL, digest)}",
+        "version": 1,
+        "metadata": about,
+        "components": components,
+    }
+    out = Path(directory)
+    (out / "sbom.cdx.json").write_text(json.dumps(bom, indent=1, ensure_ascii=False) + "\n")
+
+    # A text that several packages have stands there once.
+    by_text: dict[str, list[str]] = {}
+    for package in others:
+        for name, text in texts(package):
+            by_text.setdefault(text, []).append(f"{package['name']} {package['version']} ({name})")
+    lines = [f"What is in the binaries of LEMONS-FMU {version}, beside LEMONS-FMU itself (MIT OR Apache-2.0)", "", OTHERS]
+    lines += [f"{p['name']} {p['version']}: {p['license']}" for p in others]
+    for text, owners in by_text.items():
+        lines += ["", "-" * 100, *owners, "", text]
+    (out / "THIRD-PARTY.txt").write_text("\n".join(lines) + "\n")
+    print(f"licences.py: {len(others)} packages, {len(by_text)} different texts")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Makes everything that is released, in dist/: libraries and commands (build.sh), what is in them (licences.py), FMUs of the
+# shipped Trials for all platforms, wheels, archives, checksums. `release.sh linux64 win64` leaves out other platforms.
+# The same commit and the same compiler give the same bytes. BUILT=1 takes the libraries that are in dist/.
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+
+(($#)) || set -- "${platforms[@]}"
+for platform; do
+    targets "$platform" >/dev/null
+done
+choose_compiler "$@"
+[[ -n ${BUILT:-} ]] || packaging/build.sh "$@"
+
+# The command of this machine.
+case $(uname -m) in
+    x86_64) host=linux64 ;;
+    aarch64) host=aarch64-linux ;;
+    *) fail "$(uname -m): no command for this machine" ;;
+esac
+lemons=$dist/$host/lemons
+[[ -x $lemons ]] || fail "$lemons is missing: build.sh $host"
+
+mapfile -t all < <(for platform; do targets "$platform" | tr ' ' '\n'; done)
+python3 packaging/licences.py "$dist" "${all[@]}"
+
+crowd=() decision=()
+for platform; do
+    read -r one other <<<"$(libraries "$platform")"
+    crowd+=(--binary "$platform=$dist/$platform/$one")
+    decision+=(--binary "$platform=$dist/$platform/$other")
+done
+for fmi in 2 3; do
+    for trial in push door; do
+        "$lemons" pack "resources/Trial_$trial" --fmi $fmi "${crowd[@]}" --force -o "$dist/${trial}_fmi$fmi.fmu"
+    done
+    "$lemons" decide resources/Trial_door --fmi $fmi "${decision[@]}" --force -o "$dist/decision_fmi$fmi.fmu"
+done
+
+rm -f "$dist"/*.whl "$dist"/*.tar.gz "$dist"/*.zip
+python3 packaging/wheels.py "$dist"
+python3 packaging/archives.py "$dist"
+cd "$dist"
+find . -maxdepth 1 -type f ! -name SHA256SUMS -printf '%P\n' | sort | xargs sha256sum >SHA256SUMS

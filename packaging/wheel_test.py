@@ -1,0 +1,50 @@
+"""Uses an installed wheel as a user does: check.sh calls it in a fresh environment.
+
+    wheel_test.py REPOSITORY PLATFORM…
+
+The examples are those of README.md; results are those of the command.
+"""
+
+import re
+import shutil
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import fmpy
+import lemons_fmu
+import pandas as pd
+
+repository, platforms = Path(sys.argv[1]), sys.argv[2:]
+assert "site-packages" in lemons_fmu.__file__, lemons_fmu.__file__
+command = shutil.which("lemons")
+assert command == str(Path(sys.executable).with_name("lemons")), command
+
+
+def lemons(*words: object) -> str:
+    return subprocess.run(["lemons", *map(str, words)], check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+assert lemons("--version").startswith(f"lemons {version("lemons-fmu")}")
+# As the command is used.
+for trial in ("push", "door"):
+    lemons("pack", repository / f"resources/Trial_{trial}", "-o", f"{trial}.fmu", "--force")
+said = lemons("info", "push.fmu", "--only", "no such")
+found = re.findall(r"^(?:platforms| {9}) (\S+)", said, re.MULTILINE)
+assert set(found) == set(platforms), said
+lemons("run", "push.fmu", "--until", "1", "-o", "push.csv", "--force")
+table = pd.read_csv("push.csv")
+
+# Without the package: FMPy.
+result = fmpy.simulate_fmu("push.fmu", stop_time=1.0, step_size=0.05, output=["agent[0].Position.x"])
+assert len(result) == 21
+
+# With it.
+assert (lemons_fmu.simulate("push.fmu", until=1.0).to_numpy() == table.to_numpy()).all()
+crowd = lemons_fmu.crowd(number=150, box=(4.56, 4.56), seed=2)
+assert len(crowd) == 150 and crowd.disks.shape == (750, 4)
+with lemons_fmu.Crowd(crowd.pack("crowd.fmu", fmi=3, platforms=["linux64"])) as packed:
+    run = packed.run(until=0.05)
+assert lemons_fmu.plot(run, trial=crowd).data.startswith(b"<")
+print(f"wheel_test.py: {said.splitlines()[0]}, {', '.join(found)}; {crowd!r}, {run!r}")

@@ -1,0 +1,59 @@
+"""The command `lemons`, of which this package uses what makes crowds, packs them and draws."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Union
+
+from lemons_command import program
+
+#: The value of an option: True is the option alone; False and None leave it out; a sequence is joined with commas; a mapping
+#: is given as NAME=VALUE, once for each.
+Option = Union[None, bool, int, float, str, "os.PathLike[str]", Sequence[Union[int, float, str]], Mapping[str, Union[int, float, str]]]
+
+
+class CommandError(Exception):
+    """The command `lemons` is missing, or it refuses something: the message is its own."""
+
+
+def options(values: Mapping[str, Option]) -> list[str]:
+    """Returns options as the command wants them: `speed_up=0.2` is `--speed-up=0.2`."""
+    words = []
+    for name, value in values.items():
+        # `from_` and the like avoid the words of Python.
+        option = "--" + name.rstrip("_").replace("_", "-")
+        if value is None or value is False:
+            continue
+        if value is True:
+            words.append(option)
+        elif isinstance(value, Mapping):
+            words += [f"{option}={key}={_text(each)}" for key, each in value.items()]
+        elif isinstance(value, (int, float, str, os.PathLike)):
+            words.append(f"{option}={_text(value)}")
+        else:
+            words.append(f"{option}={','.join(_text(each) for each in value)}")
+    return words
+
+
+def call(words: Iterable[str | os.PathLike[str]]) -> str:
+    """Calls the command, and returns what it prints.
+
+    Raises:
+        CommandError: it is missing, or it fails.
+    """
+    try:
+        command = [program(), *(os.fspath(word) for word in words)]
+        # Python's own Ctrl-C reaches the command, too: it leaves nothing half-written.
+        done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL)
+    except OSError as error:
+        raise CommandError(str(error)) from None
+    if done.returncode != 0:
+        raise CommandError(done.stderr.strip() or f"lemons ended with {done.returncode}")
+    return done.stdout
+
+
+def _text(value: int | float | str | os.PathLike[str]) -> str:
+    # Of numpy's numbers, too, as which `repr` would name their type.
+    return os.fspath(value) if isinstance(value, (str, os.PathLike)) else f"{value}"

@@ -1,0 +1,151 @@
+"""People that are made from Python are those that the command makes; packed and drawn they are what it packs and draws."""
+
+import os
+import subprocess
+import sys
+import zipfile
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH
+
+import lemons_fmu
+from lemons_fmu import CommandError, Crowd, Trial, pack, person, plot, simulate
+from lemons_fmu import crowd as make
+
+
+@pytest.fixture(autouse=True)
+def command(lemons, tmp_path, monkeypatch):
+    monkeypatch.setenv("LEMONS", str(lemons))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+
+def test_a_crowd_is_that_of_the_command(lemons, tmp_path):
+    there = tmp_path / "there"
+    words = ["crowd", "--number", "12", "--box", "2.5x1.75", "--seed", "7", "--speed", "0.5", "-o", there]
+    subprocess.run([lemons, *words], check=True, capture_output=True)
+    made = make(number=12, box=(2.5, 1.75), seed=7, speed=0.5)
+    for file in ("static/Agents.xml", "static/Geometry.xml", "dynamic/AgentDynamics.xml"):
+        assert (made.directory / file).read_bytes() == (there / file).read_bytes()
+    saved = made.save(tmp_path / "saved")
+    temporary = made.directory
+    assert repr(made) == f"<Trial 'crowd': 12 people, {made.masses.sum():.0f} kg>"
+    del made
+    assert not temporary.exists() and len(saved) == len(Trial(there)) == 12
+
+
+def test_arrays_are_people_who_do_not_overlap(tmp_path):
+    made = make(number=30, box=(3, 3), output=tmp_path / "crowd")
+    assert made.poses.shape == (30, 3) and made.disks.shape == (150, 4)
+    x, y, radius, who = made.disks.T
+    inside = (radius <= x) & (x <= 3 - radius) & (radius <= y) & (y <= 3 - radius)
+    assert inside.all()
+    gaps = np.hypot(x[:, None] - x, y[:, None] - y) - radius[:, None] - radius
+    assert gaps[who[:, None] != who].min() > -1e-9
+    # The same poses and masses as the engine has.
+    with Crowd(made.pack(tmp_path / "crowd.fmu")) as packed:
+        assert (packed.poses() == made.poses).all() and (packed.masses() == made.masses).all()
+
+
+def test_one_person_has_the_shape_that_the_command_prints(lemons):
+    measures = ["--breadth", "49", "--depth", "25", "--stature", "1.75", "--mass", "70"]
+    said = subprocess.run([lemons, "person", *measures], check=True, capture_output=True, text=True).stdout
+    rows = [[float(word) for word in line.split()] for line in said.splitlines()[1:6]]
+    one = person(breadth=0.49, depth=0.25, stature=1.75, mass=70)
+    assert len(one) == 1 and one.masses[0] == 70 and one.statures[0] == 1.75 and one.poses[0, 2] == 0
+    printed = np.array(rows)[:, [2, 3, 1]] / 100
+    assert np.abs(one.shapes[0] - printed).max() < 1e-6
+    # The breadth over the outermost disks.
+    assert np.ptp([one.shapes[0][:, 1] + one.shapes[0][:, 2], one.shapes[0][:, 1] - one.shapes[0][:, 2]]) == pytest.approx(0.49)
+
+
+def test_a_packed_trial_has_the_platforms_that_are_asked_for(tmp_path):
+    file = pack(TRIAL_PUSH, tmp_path / "push.fmu", fmi=3, platforms=["linux64"])
+    names = zipfile.ZipFile(file).namelist()
+    assert [name for name in names if name.startswith("binaries/")] == ["binaries/x86_64-linux/CrowdMechanics.so"]
+    with pytest.raises(CommandError, match="--platform amiga: no such platform; there are linux64, "):
+        pack(TRIAL_PUSH, tmp_path / "other.fmu", platforms=["amiga"])
+    assert len(simulate(file, until=0.1)) == 15
+
+
+def test_pictures_are_what_notebooks_show(tmp_path):
+    trial = Trial(TRIAL_DOOR)
+    svg = trial._repr_svg_()
+    assert ElementTree.fromstring(svg).tag.endswith("svg")
+    picture = trial.plot(fill="speed", format="png")
+    assert picture._repr_png_().startswith(b"\x89PNG") and picture._repr_svg_() is None
+    assert picture.save(tmp_path / "a.png").read_bytes() == picture.data
+    with pytest.raises(ValueError, match="the picture is PNG"):
+        picture.save(tmp_path / "a.svg")
+    with pytest.raises(CommandError, match="invalid value 'colour'"):
+        trial.plot(fill="colour")
+
+
+def test_a_run_is_drawn_as_the_table_of_the_command(lemons, push_fmu, tmp_path):
+    table, drawn = tmp_path / "run.csv", tmp_path / "drawn.svg"
+    subprocess.run([lemons, "run", push_fmu, "--until", "0.5", "-o", table], check=True, capture_output=True)
+    words = ["plot", table, "--trial", TRIAL_PUSH, "--at", "0.2,0.5", "-o", drawn]
+    subprocess.run([lemons, *words], check=True, capture_output=True)
+    with Crowd(push_fmu) as crowd:
+        run = crowd.run(until=0.5)
+    assert plot(run, trial=TRIAL_PUSH, at=[0.2, 0.5]).data == drawn.read_bytes()
+    with pytest.raises(CommandError, match="give the Trial or FMU of the run with --trial"):
+        plot(run)
+
+
+def test_a_run_shows_how_far_it_is(push_fmu, capsys):
+    simulate(push_fmu, until=0.2, progress=True)
+    said = capsys.readouterr().err.splitlines()
+    assert said[-1].startswith("4 of 4 steps, ") and "failed" not in said[-1]
+    simulate(push_fmu, until=0.2)
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    "file, text, said",
+    [
+        ("Parameters.xml", "<Parameters/>", "there is no <Directories>"),
+        ("static/Agents.xml", "<Agents", "unclosed token"),
+        ("static/Agents.xml", "<!DOCTYPE a><Agents/>", "contains a document type"),
+        ("dynamic/AgentDynamics.xml", "<Agents/>", "is missing for an agent"),
+    ],
+)
+def test_a_broken_trial_is_an_error_that_names_it(tmp_path, file, text, said):
+    trial = Trial(TRIAL_PUSH).save(tmp_path / "trial")
+    (trial.directory / file).write_text(text)
+    with pytest.raises(ValueError, match=said) as error:
+        Trial(trial)
+    assert str(tmp_path) in str(error.value)
+
+
+def test_a_missing_command_is_said(monkeypatch, tmp_path):
+    monkeypatch.setenv("LEMONS", str(tmp_path / "none"))
+    with pytest.raises(CommandError, match="No such file"):
+        make(number=2)
+    monkeypatch.delenv("LEMONS")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(CommandError, match="install the wheel of a release, or put the command on the PATH"):
+        make(number=2)
+
+
+def test_the_package_imports_without_what_only_posix_has():
+    """As on Windows: no fcntl, no users by number, no fork."""
+    code = """
+import os, sys, types
+import subprocess, tempfile, concurrent.futures, multiprocessing, fmpy, pandas, dask.distributed, pyarrow.parquet
+sys.platform, os_name = "win32", os.name
+sys.modules["fcntl"] = None
+held = []
+sys.modules["msvcrt"] = types.SimpleNamespace(LK_NBLCK=2, locking=lambda descriptor, mode, size: held.append((mode, size)))
+del os.getuid, os.register_at_fork
+import lemons_fmu
+lemons_fmu.locks.lock(os.open(os.devnull, os.O_RDWR))
+assert held == [(2, 1)], held
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, env=os.environ | {"PYTHONPATH": str(REPOSITORY / "python" / "src")})
+
+
+def test_all_that_is_exported_is_there():
+    assert sorted(lemons_fmu.__all__) == sorted(set(lemons_fmu.__all__))
+    assert all(hasattr(lemons_fmu, name) for name in lemons_fmu.__all__)
