@@ -21,6 +21,7 @@ mod mechanical_step;
 mod neighbours;
 mod overlap;
 mod pairs;
+mod passing;
 mod scene;
 mod shortlist;
 mod springs;

@@ -4,12 +4,12 @@
 //! order of every sum, and with it every bit of the results, is the same for any number of threads.
 
 use super::circle::Circle;
-use super::contacts::{ContactReport, Crossing, Instant, Load, Stretch, Sums, deepen};
+use super::contacts::{ContactReport, Crossing, Impulse, Instant, Load, Stretch, Sums, deepen};
 use super::exposure::Tally;
 use super::neighbours::{CellGrid, Crowded, Near, Room, list};
 use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
 use super::standing::Standing;
-use super::{Pose, Scene, State, Threads, Twist, Work};
+use super::{BodyId, Pose, Scene, State, Threads, Twist, Work};
 
 /// Number of bodies of a block. It is large enough that few pairs connect two blocks and that giving it to a thread is
 /// cheap, and small enough that a crowd of a thousand can be shared. It affects the last digits of results.
@@ -24,6 +24,11 @@ pub(super) struct Block {
     outgoing: Vec<Crossing>,
     /// Forces from earlier blocks, in the order of their pairs.
     incoming: Vec<Crossing>,
+    /// Impulses on its bodies by contacts that began or ended within the last step.
+    impulses: Vec<Impulse>,
+    /// The same on bodies of later blocks, and from earlier blocks.
+    outgoing_impulses: Vec<Impulse>,
+    incoming_impulses: Vec<Impulse>,
     /// The last value returned for its bodies.
     result: f64,
     work: Work,
@@ -63,6 +68,8 @@ pub(super) struct Bodies<'a> {
     pub flown: &'a mut [Flown],
     /// Loads by the contacts at the present instant.
     pub loads: &'a [Load],
+    /// Impulses by contacts that began or ended within the last step, besides the loads.
+    pub impulses: &'a [Impulse],
 }
 
 impl Blocks {
@@ -94,6 +101,8 @@ impl Blocks {
             // Already empty, unless a panic was caught.
             block.outgoing.clear();
             block.incoming.clear();
+            block.outgoing_impulses.clear();
+            block.incoming_impulses.clear();
         }
         for known in &state.disk_springs {
             self.blocks[scene.body_of(known.first).index() / BLOCK].pairs.load_disks(scene, known);
@@ -135,11 +144,11 @@ impl Blocks {
 
     /// Makes the lists of near pairs from the candidates.
     pub fn renew(&mut self, scene: &Scene, threads: &Threads, near: Near) {
-        let standing = &self.standing[..];
+        let (standing, evaluation) = (&self.standing[..], self.evaluation);
         threads.each(self.blocks.iter_mut(), |block| {
             let Block { candidates, pairs, work, .. } = block;
             work.candidates += (candidates.disks.len() + candidates.faces.len()) as u64;
-            pairs.renew(scene, standing, candidates, near.0);
+            pairs.renew(scene, standing, candidates, near.0, evaluation);
         });
     }
 
@@ -163,14 +172,19 @@ impl Blocks {
                 let of_block = k * BLOCK..standing.len().min((k + 1) * BLOCK);
                 let (start, loads) = (of_block.start, &mut loads[..of_block.len()]);
                 let deepest = &mut deepest[of_block.clone()];
-                blocks[k].evaluate(&Instant { scene, standing, before }, stretch, start, loads, deepest);
+                let unkicked = |body: BodyId| flown[body.index()].twist;
+                let instant = Instant { scene, standing, unkicked: &unkicked, before };
+                blocks[k].evaluate(&instant, stretch, start, loads, deepest);
                 hand_over(blocks, k);
                 blocks[k].take_in(start, loads, deepest);
                 let (standing, flown) = (&mut standing[of_block.clone()], &mut flown[of_block]);
-                blocks[k].result = then(k, Bodies { start, standing, flown, loads });
+                let block = &mut blocks[k];
+                let impulses = &block.impulses[..];
+                block.result = then(k, Bodies { start, standing, flown, loads, impulses });
             }
         } else {
-            let instant = Instant { scene, standing, before };
+            let unkicked = |body: BodyId| flown[body.index()].twist;
+            let instant = Instant { scene, standing, unkicked: &unkicked, before };
             let each =
                 blocks.iter_mut().zip(loads.chunks_mut(BLOCK).zip(deepest.chunks_mut(BLOCK))).enumerate();
             threads.each(each, |(k, (block, (loads, deepest)))| {
@@ -182,7 +196,8 @@ impl Blocks {
             let each = each.zip(flown.chunks_mut(BLOCK).zip(loads));
             threads.each(each, |((k, (block, standing)), (flown, (loads, deepest)))| {
                 block.take_in(k * BLOCK, loads, deepest);
-                block.result = then(k, Bodies { start: k * BLOCK, standing, flown, loads });
+                let impulses = &block.impulses[..];
+                block.result = then(k, Bodies { start: k * BLOCK, standing, flown, loads, impulses });
             });
         }
         blocks.iter().map(|block| block.result).fold(0.0, f64::max)
@@ -190,7 +205,9 @@ impl Blocks {
 
     /// Returns the contacts at present; changes nothing.
     pub fn report(&self, scene: &Scene) -> ContactReport {
-        let instant = Instant { scene, standing: &self.standing, before: self.evaluation };
+        let unkicked = |body: BodyId| self.flown[body.index()].twist;
+        let instant =
+            Instant { scene, standing: &self.standing, unkicked: &unkicked, before: self.evaluation };
         instant.report(self.blocks.iter().map(|block| &block.pairs))
     }
 
@@ -210,9 +227,11 @@ impl Block {
         loads: &mut [Load],
         deepest: &mut [f64],
     ) {
-        let Block { pairs, outgoing, work, .. } = self;
+        let Block { pairs, outgoing, impulses, outgoing_impulses, work, .. } = self;
         loads.fill(Load::default());
-        instant.evaluate(pairs, stretch, &mut Sums { start, loads, deepest, outgoing, work });
+        impulses.clear();
+        let mut sums = Sums { start, loads, deepest, outgoing, impulses, outgoing_impulses, work };
+        instant.evaluate(pairs, stretch, &mut sums);
     }
 
     /// Adds the forces from earlier blocks. After that the forces are complete.
@@ -221,13 +240,14 @@ impl Block {
             loads[body.index() - start].add(&load);
             deepen(&mut deepest[body.index() - start], depth);
         }
+        self.impulses.append(&mut self.incoming_impulses);
     }
 }
 
 /// Passes forces on bodies of later blocks on, block by block, so that each receives them in order.
 #[inline(always)]
 fn hand_over(blocks: &mut [Block], k: usize) {
-    if blocks[k].outgoing.is_empty() {
+    if blocks[k].outgoing.is_empty() && blocks[k].outgoing_impulses.is_empty() {
         return;
     }
     let mut outgoing = std::mem::take(&mut blocks[k].outgoing);
@@ -235,4 +255,9 @@ fn hand_over(blocks: &mut [Block], k: usize) {
         blocks[crossing.body.index() / BLOCK].incoming.push(crossing);
     }
     blocks[k].outgoing = outgoing;
+    let mut outgoing = std::mem::take(&mut blocks[k].outgoing_impulses);
+    for impulse in outgoing.drain(..) {
+        blocks[impulse.body.index() / BLOCK].incoming_impulses.push(impulse);
+    }
+    blocks[k].outgoing_impulses = outgoing;
 }

@@ -1,11 +1,12 @@
 //! Computes all contacts at one time: forces from overlap, relative motion and springs.
 
-use super::contact_law::{Reaction, react};
+use super::contact_law::{Grip, Reaction, normal_force, react};
 use super::face::nearest_on_face;
-use super::overlap::{Meeting, Overlap, books_contact, meet, meet_face};
-use super::pairs::{DiskPair, DiskPairDetail, FacePair, Pairs, Sight, Spring, spring_at_face};
-use super::standing::Standing;
-use super::{BodyId, DiskId, FaceId, FacePart, PairLaw, Regime, Scene, Vec2, Wrench};
+use super::overlap::{COINCIDENT, Meeting, Overlap, books_contact, meet, meet_face, overlap_with_part, unit};
+use super::pairs::{DiskPair, DiskPairDetail, FacePair, Pairs, Sight, Spring, Touching, spring_at_face};
+use super::passing::Passing;
+use super::standing::{Standing, velocity_at};
+use super::{BodyId, DiskId, FaceId, FacePart, PairLaw, Regime, Scene, Twist, Vec2, Wrench};
 
 /// How an evaluation changes the springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +69,19 @@ struct Touch {
     /// \[m\] of the spring, before the slider may give way.
     elongation: f64,
     reaction: Reaction,
+    excess: Excess,
+}
+
+/// \[s\] By how much longer than half a mechanical step the forces of a contact lasted, before an evaluation that finds
+/// its beginning or after the last one that found it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Excess {
+    normal: f64,
+    tangential: f64,
+}
+
+impl Excess {
+    const NONE: Excess = Excess { normal: 0.0, tangential: 0.0 };
 }
 
 enum Finding {
@@ -109,6 +123,16 @@ pub(super) struct Crossing {
     pub depth: f64,
 }
 
+/// What a contact that began or ended within a step does to a body besides its loads, see [`Instant::evaluate`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Impulse {
+    pub body: BodyId,
+    /// \[N.s\], \[N.m.s\]
+    pub wrench: Wrench,
+    /// \[N.s\] of |F_n|.
+    pub squeeze: f64,
+}
+
 /// The sums of an evaluation for the bodies of a block.
 pub(super) struct Sums<'a> {
     /// Index of the first body of the block.
@@ -119,6 +143,10 @@ pub(super) struct Sums<'a> {
     pub deepest: &'a mut [f64],
     /// Forces on bodies of later blocks.
     pub outgoing: &'a mut Vec<Crossing>,
+    /// Impulses on the bodies of the block, by contacts that began or ended within the last step.
+    pub impulses: &'a mut Vec<Impulse>,
+    /// The same on bodies of later blocks.
+    pub outgoing_impulses: &'a mut Vec<Impulse>,
     pub work: &'a mut Work,
 }
 
@@ -141,6 +169,22 @@ impl Sums<'_> {
                 deepen(deepest, depth);
             }
             _ => self.outgoing.push(Crossing { body, load, depth }),
+        }
+    }
+
+    /// The impulse of a contact that began or ended within a step, on both bodies.
+    #[cold]
+    fn amend(&mut self, receiver: BodyId, giver: Option<BodyId>, touch: &Touch) {
+        let (Touch { excess, reaction, .. }, across) = (touch, touch.overlap.normal);
+        let impulse = across * (reaction.normal * excess.normal)
+            + across.perp() * (reaction.tangential * excess.tangential);
+        let squeeze = reaction.normal.abs() * excess.normal;
+        let on_receiver = Impulse { body: receiver, wrench: touch.on_receiver(impulse), squeeze };
+        let on_giver = giver.map(|body| Impulse { body, wrench: touch.on_giver(impulse), squeeze });
+        for impulse in [Some(on_receiver), on_giver].into_iter().flatten() {
+            let inside = impulse.body.index() - self.start < self.loads.len();
+            let impulses = if inside { &mut *self.impulses } else { &mut *self.outgoing_impulses };
+            impulses.push(impulse);
         }
     }
 
@@ -167,6 +211,8 @@ pub(super) struct Instant<'a> {
     pub scene: &'a Scene,
     /// One for each body.
     pub standing: &'a [Standing],
+    /// Returns the twist of a body without its last half kick.
+    pub unkicked: &'a (dyn Fn(BodyId) -> Twist + Sync),
     /// Number of earlier evaluations.
     pub before: u64,
 }
@@ -186,7 +232,12 @@ impl Instant<'_> {
         let other_arm = sight.other_arm - overlap.contact_point(detail.second_radius);
         let velocity = i.velocity_at(arm) - j.velocity_at(other_arm);
         let law = self.scene.law_at(detail.law);
-        Finding::Touching(touch(law, overlap, FacePart::Left, arm, other_arm, velocity, memory))
+        let lately = |_| {
+            let first = velocity_at(&(self.unkicked)(pair.first_body), arm);
+            let second = velocity_at(&(self.unkicked)(pair.second_body), other_arm);
+            Lately { came: None, half_kick: velocity - (first - second) }
+        };
+        Finding::Touching(touch(law, overlap, FacePart::Left, [arm, other_arm], velocity, memory, lately))
     }
 
     /// A disk and a face; `memory` returns the memory of the part of the face that is touched.
@@ -207,35 +258,122 @@ impl Instant<'_> {
             Meeting::Coincident => return Finding::Coincident { depth: disk.radius, part },
             Meeting::Touching(overlap) => overlap,
         };
+        let going = standing.velocity_at(arm);
         let arm = arm + overlap.contact_point(disk.radius);
         let law = self.scene.law(disk.material, wall.material);
         let velocity = standing.velocity_at(arm);
-        Finding::Touching(touch(law, overlap, part, arm, Vec2::ZERO, velocity, memory(part)))
+        let lately = |dt| {
+            let passing = Passing { scene: self.scene, centre, velocity: going, dt };
+            let half_kick = velocity - velocity_at(&(self.unkicked)(disk.body), arm);
+            Lately { came: passing.since_coming(wall, part), half_kick }
+        };
+        Finding::Touching(touch(law, overlap, part, [arm, Vec2::ZERO], velocity, memory(part), lately))
     }
 
     /// Sums the contact wrenches of a block's pairs, and lets their springs advance according to `stretch`.
+    ///
+    /// The force of an evaluation stands for half a step before it and half a step after it. Where a contact began
+    /// within the step before, or ended within it, the force lasted longer or shorter than that. The difference is
+    /// given as an impulse: else a force that jumps would make the integrator first order.
     pub fn evaluate(&self, pairs: &mut Pairs, stretch: Stretch, sums: &mut Sums) {
         let before = self.before;
         let now = before + 1;
         sums.work.pairs += (pairs.disks.len() + pairs.faces.len()) as u64;
         pairs.overlapping.resize(AT_ONCE, (0, Sight::default()));
+        let touched = std::mem::take(&mut pairs.touching);
+        pairs.touching = std::mem::take(&mut pairs.touched);
+        pairs.touching.clear();
         for start in (0..pairs.disks.len()).step_by(AT_ONCE) {
             for (k, sight) in self.find_overlapping(&pairs.disks, start, &mut pairs.overlapping) {
                 let (pair, detail) = (&pairs.disks[*k], &pairs.disk_details[*k]);
                 let spring = &mut pairs.disk_springs[*k];
                 let finding = self.disks(pair, detail, sight, Memory { spring, before, stretch });
-                settle(finding, spring, now, stretch, pair.first_body, Some(pair.second_body), sums);
+                if settle(finding, spring, now, stretch, pair.first_body, Some(pair.second_body), sums) {
+                    pairs.touching.disks.push(*k as u32);
+                }
             }
         }
-        let Pairs { faces, face_springs, .. } = pairs;
+        let Pairs { faces, face_springs, touching, .. } = &mut *pairs;
         for (k, pair) in faces.iter().enumerate() {
             let memory = |part| {
                 let spring = spring_at_face(self.scene, faces, face_springs, k, part, before);
                 Memory { spring, before, stretch }
             };
             let finding = self.face(pair, memory);
-            settle(finding, &mut face_springs[k], now, stretch, self.scene.body_of(pair.disk), None, sums);
+            if let (Stretch::Over(dt), Finding::Touching(touch)) = (stretch, &finding)
+                && (face_springs[k].touched_at, true) == (before, face_springs[k].part != touch.part)
+                && let Some(ended) = self.ended_face(pair, &face_springs[k], dt)
+            {
+                // It touches another part of the same face.
+                sums.amend(self.scene.body_of(pair.disk), None, &ended);
+            }
+            if settle(finding, &mut face_springs[k], now, stretch, self.scene.body_of(pair.disk), None, sums)
+            {
+                touching.faces.push(k as u32);
+            }
         }
+        if let Stretch::Over(dt) = stretch {
+            self.end(pairs, &touched, dt, sums);
+        }
+        pairs.touched = touched;
+    }
+
+    /// Amends the motion by the contacts that ended within the last step.
+    fn end(&self, pairs: &Pairs, touched: &Touching, dt: f64, sums: &mut Sums) {
+        for k in touched.disks.iter().map(|k| *k as usize) {
+            let spring = &pairs.disk_springs[k];
+            if spring.touched_at == self.before
+                && let Some(ended) = self.ended_disks(&pairs.disks[k], &pairs.disk_details[k], spring, dt)
+            {
+                sums.amend(pairs.disks[k].first_body, Some(pairs.disks[k].second_body), &ended);
+            }
+        }
+        for k in touched.faces.iter().map(|k| *k as usize) {
+            let (pair, spring) = (&pairs.faces[k], &pairs.face_springs[k]);
+            if spring.touched_at == self.before
+                && let Some(ended) = self.ended_face(pair, spring, dt)
+            {
+                sums.amend(self.scene.body_of(pair.disk), None, &ended);
+            }
+        }
+    }
+
+    /// The contact of two disks when it ended within the last step.
+    #[cold]
+    fn ended_disks(
+        &self,
+        pair: &DiskPair,
+        detail: &DiskPairDetail,
+        spring: &Spring,
+        dt: f64,
+    ) -> Option<Touch> {
+        let sight = pair.seen(self.standing);
+        let distance = sight.between.norm();
+        if distance <= COINCIDENT {
+            return None;
+        }
+        let apart = Overlap { depth: pair.reach - distance, normal: unit(sight.between, distance) };
+        let (i, j) = (&self.standing[pair.first_body.index()], &self.standing[pair.second_body.index()]);
+        let arm = sight.arm + apart.contact_point(detail.first_radius);
+        let other_arm = sight.other_arm - apart.contact_point(detail.second_radius);
+        let velocity = i.velocity_at(arm) - j.velocity_at(other_arm);
+        let law = self.scene.law_at(detail.law);
+        ended(law, apart, [arm, other_arm], velocity, spring, None, dt)
+    }
+
+    /// The same for a disk and a face.
+    #[cold]
+    fn ended_face(&self, pair: &FacePair, spring: &Spring, dt: f64) -> Option<Touch> {
+        let (disk, face) = (&self.scene.disks[pair.disk.index()], pair.face.index());
+        let (wall, standing) = (&self.scene.faces[face], &self.standing[disk.body.index()]);
+        let arm = standing.arm(disk.offset);
+        let centre = standing.position + arm;
+        let apart = overlap_with_part(wall, spring.part, centre, disk.radius)?;
+        let passing = Passing { scene: self.scene, centre, velocity: standing.velocity_at(arm), dt };
+        let left = passing.since_leaving(wall, spring.part);
+        let arm = arm + apart.contact_point(disk.radius);
+        let law = self.scene.law(disk.material, wall.material);
+        ended(law, apart, [arm, Vec2::ZERO], standing.velocity_at(arm), spring, left, dt)
     }
 
     /// Finds the overlapping pairs among the next [`AT_ONCE`], and their indices. It has no branches, because
@@ -344,43 +482,89 @@ struct Memory<'a> {
     stretch: Stretch,
 }
 
+/// What happened to a contact within the last step.
+struct Lately {
+    /// \[s\] Time since the receiver came to this part of a wall, if it did so.
+    came: Option<f64>,
+    /// \[m/s\] What the other contacts added to the relative velocity in the last half step.
+    half_kick: Vec2,
+}
+
 /// Applies the law to a contact; `velocity` \[m/s\] of the receiver relative to the other at the contact point.
+/// `lately` is asked, with the duration \[s\] of the last step, for a contact that began within it.
 #[inline(always)]
 fn touch(
     law: &PairLaw,
     overlap: Overlap,
     part: FacePart,
-    arm: Vec2,
-    other_arm: Vec2,
+    [arm, other_arm]: [Vec2; 2],
     velocity: Vec2,
     memory: Memory,
+    lately: impl FnOnce(f64) -> Lately,
 ) -> Touch {
     let normal_speed = velocity.dot(overlap.normal);
     let slip_speed = velocity.dot(overlap.normal.perp());
+    let normal = normal_force(law, overlap.depth, normal_speed);
     let Memory { spring, before, stretch } = memory;
-    let touched = spring.touched_at == before;
-    let elongation = match stretch {
-        Stretch::Hold if touched && spring.part == part => spring.elongation,
-        // The trapezoidal rule for ds/dt = v_t keeps the integrator's second order.
-        Stretch::Over(dt) if touched && spring.part == part => {
-            spring.elongation + 0.5 * dt * (spring.slip_speed + slip_speed)
-        }
-        // The contact began within this step, at zero depth; the spring has stretched since then.
-        Stretch::Over(dt) if !touched => slip_speed * touching_for(overlap.depth, normal_speed, dt),
-        // At another part of a wall another contact begins.
-        _ => 0.0,
+    let continues = spring.touched_at == before && spring.part == part;
+    let (elongation, excess) = match stretch {
+        Stretch::Hold if continues => (spring.grip.elongation, Excess::NONE),
+        Stretch::Hold => (0.0, Excess::NONE),
+        Stretch::Over(dt) if continues => (spring.grip.stretched(law, normal, slip_speed, dt), Excess::NONE),
+        Stretch::Over(dt) => begun(law, &overlap, velocity, &lately(dt), dt),
     };
-    let reaction = react(law, overlap.depth, normal_speed, slip_speed, elongation);
-    Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction }
+    let reaction = react(law, normal, slip_speed, elongation);
+    Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction, excess }
 }
 
-/// \[s\] Duration of a contact that began within a step.
-#[inline]
-fn touching_for(depth: f64, normal_speed: f64, dt: f64) -> f64 {
-    if -normal_speed * dt > depth { depth / -normal_speed } else { dt }
+/// \[m\] Elongation of a contact that began within a step, and how long its forces lasted.
+#[cold]
+fn begun(law: &PairLaw, overlap: &Overlap, velocity: Vec2, lately: &Lately, dt: f64) -> (f64, Excess) {
+    let (depth, normal_speed) = (overlap.depth, velocity.dot(overlap.normal));
+    let touched = if -normal_speed * dt > depth { depth / -normal_speed } else { dt };
+    let (since, excess) = match lately.came {
+        Some(came) if came < touched => (came, Excess { normal: 0.0, tangential: came - 0.5 * dt }),
+        _ => (touched, Excess { normal: touched - 0.5 * dt, tangential: touched - 0.5 * dt }),
+    };
+    // In the instant in which it begins it may slide, and then stick: the damping forces are there at once.
+    let then = velocity - lately.half_kick * (since / (0.5 * dt));
+    let normal = normal_force(law, depth + normal_speed * since, then.dot(overlap.normal));
+    let at_first = react(law, normal, then.dot(overlap.normal.perp()), 0.0).elongation;
+    (at_first + velocity.dot(overlap.normal.perp()) * since, excess)
 }
 
-/// Writes the result of the evaluation `now` into the pair's spring, and adds the forces to the sums.
+/// A contact that ended within a step, at its end. `overlap` is what the disks would have now. `left` is the time \[s\]
+/// since the receiver left this part of a wall, if it did so within the step.
+fn ended(
+    law: &PairLaw,
+    overlap: Overlap,
+    [arm, other_arm]: [Vec2; 2],
+    velocity: Vec2,
+    spring: &Spring,
+    left: Option<f64>,
+    dt: f64,
+) -> Option<Touch> {
+    let normal_speed = velocity.dot(overlap.normal);
+    let slip_speed = velocity.dot(overlap.normal.perp());
+    let gap = -overlap.depth;
+    let parted = (gap >= 0.0 && normal_speed > 0.0).then(|| dt.min(gap / normal_speed));
+    let (since, parts) = match (left, parted) {
+        (Some(left), Some(parted)) => (left.max(parted), parted >= left),
+        (Some(left), None) => (left, false),
+        (None, Some(parted)) => (parted, true),
+        (None, None) => return None,
+    };
+    let normal = normal_force(law, overlap.depth + normal_speed * since, normal_speed);
+    let elongation = spring.grip.stretched(law, normal, slip_speed, dt - since);
+    let reaction = react(law, normal, slip_speed, elongation);
+    let tangential = 0.5 * dt - since;
+    let excess = Excess { normal: if parts { tangential } else { 0.0 }, tangential };
+    let part = spring.part;
+    Some(Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction, excess })
+}
+
+/// Writes the result of the evaluation `now` into the pair's spring, and adds the forces to the sums. Returns whether
+/// the pair touches.
 #[inline(always)]
 fn settle(
     finding: Finding,
@@ -390,10 +574,13 @@ fn settle(
     receiver: BodyId,
     giver: Option<BodyId>,
     sums: &mut Sums,
-) {
+) -> bool {
     match finding {
-        Finding::Apart => {}
-        Finding::Coincident { depth, .. } => sums.add_coincident(receiver, giver, depth),
+        Finding::Apart => false,
+        Finding::Coincident { depth, .. } => {
+            sums.add_coincident(receiver, giver, depth);
+            false
+        }
         Finding::Touching(touch) => {
             sums.work.contacts += 1;
             sums.work.sliding += u64::from(touch.reaction.regime == Regime::Sliding);
@@ -401,9 +588,13 @@ fn settle(
                 Stretch::Hold => touch.elongation,
                 Stretch::Over(_) => touch.reaction.elongation,
             };
-            let (slip_speed, part) = (touch.slip_speed, touch.part);
-            *spring = Spring { elongation, slip_speed, part, touched_at: now };
+            let grip = Grip { elongation, slip_speed: touch.slip_speed, normal: touch.reaction.normal };
+            *spring = Spring { grip, part: touch.part, touched_at: now };
             sums.add(receiver, giver, &touch);
+            if touch.excess != Excess::NONE {
+                sums.amend(receiver, giver, &touch);
+            }
+            true
         }
     }
 }

@@ -52,13 +52,19 @@ impl Tally {
         self.peak_force = if load.squeeze > self.peak_force { load.squeeze } else { self.peak_force };
     }
 
+    /// Adds an impulse \[N.s\] of contacts that began or ended within a step.
+    pub fn add_impulse(&mut self, impulse: f64) {
+        self.impulse += impulse;
+    }
+
     /// Returns the exposure over a communication step of a duration \[s\], 0 for a single instant. `peak_overlap` \[m\]
     /// is the deepest overlap. `squeeze` \[N\] is the force at its end, after the correction of velocities, which may
     /// be slightly larger than the earlier ones.
     pub fn exposure(&self, duration: f64, squeeze: f64, peak_overlap: f64) -> Exposure {
         let peak_force = self.peak_force.max(squeeze);
         // Rounding may make (force × duration) / duration one bit larger than the force.
-        let mean_force = if duration > 0.0 { (self.impulse / duration).min(peak_force) } else { squeeze };
+        let mean_force =
+            if duration > 0.0 { (self.impulse / duration).max(0.0).min(peak_force) } else { squeeze };
         Exposure { mean_force, peak_force, peak_overlap }
     }
 }

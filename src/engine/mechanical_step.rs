@@ -158,10 +158,11 @@ impl<D: Course> CommunicationStep<'_, D> {
         let half_kick = 0.5 * self.dt;
         // Multiplied, not added up, so that rounding errors do not accumulate.
         let begun = (step - 1) as f64 * self.dt;
-        let (movers, flights) = (&self.movers, &self.flights[..]);
-        let predict = |k: usize, bodies: Bodies| {
+        let (scene, movers, flights) = (self.scene, &self.movers, &self.flights[..]);
+        let predict = |k: usize, mut bodies: Bodies| {
             // Squares, so that one root is enough for all.
             let (mut moved, mut turned) = (0.0f64, 0.0f64);
+            amend(scene, &mut bodies);
             for mover in &movers[k] {
                 let b = mover.body.index() - bodies.start;
                 let (load, flown) = (&bodies.loads[b], &mut bodies.flown[b]);
@@ -185,8 +186,9 @@ impl<D: Course> CommunicationStep<'_, D> {
 
     /// Evaluates the forces of the last instant and does the last half kick.
     fn correct(&mut self) {
-        let (movers, half_kick) = (&self.movers, 0.5 * self.dt);
-        let correct = |k: usize, bodies: Bodies| {
+        let (scene, movers, half_kick) = (self.scene, &self.movers, 0.5 * self.dt);
+        let correct = |k: usize, mut bodies: Bodies| {
+            amend(scene, &mut bodies);
             for mover in &movers[k] {
                 let b = mover.body.index() - bodies.start;
                 let (load, flown) = (&bodies.loads[b], &mut bodies.flown[b]);
@@ -312,6 +314,18 @@ fn moved_further(leeway: f64, reach: f64, then: &Pose, now: &Pose) -> bool {
     let left = leeway - reach * (now.orientation - then.orientation).abs();
     // Negated, so that a pose that is not a number counts as moved.
     !(left > 0.0 && (now.position - then.position).norm_squared() < left * left)
+}
+
+/// Adds the impulses by contacts that began or ended within the last step.
+#[inline]
+fn amend(scene: &Scene, bodies: &mut Bodies) {
+    for impulse in bodies.impulses {
+        let flown = &mut bodies.flown[impulse.body.index() - bodies.start];
+        flown.tally.add_impulse(impulse.squeeze);
+        let gain = per_mass_and_inertia(&scene.bodies[impulse.body.index()], &impulse.wrench);
+        flown.twist.velocity += gain.force;
+        flown.twist.angular_velocity += gain.torque;
+    }
 }
 
 #[inline]

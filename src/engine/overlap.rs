@@ -94,6 +94,22 @@ pub fn meet_face(
     (meeting, part)
 }
 
+/// The overlap of a disk with a part of a face that it touched before: negative where they parted. None if there is no
+/// normal.
+pub fn overlap_with_part(face: &Face, part: FacePart, centre: Vec2, radius: f64) -> Option<Overlap> {
+    let corner = match part {
+        FacePart::Left | FacePart::Right => {
+            let normal = if part == FacePart::Left { face.normal } else { -face.normal };
+            return Some(Overlap { depth: radius - (centre - face.start).dot(normal), normal });
+        }
+        FacePart::Start => face.start,
+        FacePart::End => face.end,
+    };
+    let between = centre - corner;
+    let distance = between.norm();
+    (distance > COINCIDENT).then(|| Overlap { depth: radius - distance, normal: unit(between, distance) })
+}
+
 /// \[m\] If the nearest points of two faces are both this close to their common corner, they are one point.
 const SAME_POINT: f64 = 1e-9;
 

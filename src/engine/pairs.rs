@@ -1,6 +1,7 @@
 //! Candidates, near pairs and their springs, as arrays.
 
 use super::circle::Circle;
+use super::contact_law::Grip;
 use super::standing::Standing;
 use super::{BodyId, Disk, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
 use std::cmp::Ordering;
@@ -8,10 +9,8 @@ use std::cmp::Ordering;
 /// The memory of a pair between mechanical steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spring {
-    /// \[m\] elongation along the tangent.
-    pub elongation: f64,
-    /// \[m/s\] tangential speed at the last evaluation.
-    pub slip_speed: f64,
+    /// The contact at the last evaluation.
+    pub grip: Grip,
     /// The part of the face it touched; for two disks it is [`FacePart::Left`] by convention.
     pub part: FacePart,
     /// Number of the last evaluation in which the pair touched. It has a spring only if that was the previous one.
@@ -20,8 +19,7 @@ pub(super) struct Spring {
 
 impl Spring {
     /// A pair that never touched: evaluations are numbered from [`FIRST_EVALUATION`].
-    pub const RELAXED: Spring =
-        Spring { elongation: 0.0, slip_speed: 0.0, part: FacePart::Left, touched_at: 0 };
+    pub const RELAXED: Spring = Spring { grip: Grip::NONE, part: FacePart::Left, touched_at: 0 };
 }
 
 /// The number of the evaluation to which the springs of a state belong.
@@ -105,10 +103,28 @@ pub(super) struct Pairs {
     pub disk_springs: Vec<Spring>,
     pub faces: Vec<FacePair>,
     pub face_springs: Vec<Spring>,
+    /// Indices of the pairs that touched in the last evaluation, ascending.
+    pub touching: Touching,
+    /// The same of the evaluation before; scratch space.
+    pub touched: Touching,
     /// Among some disk pairs, those that overlap at the present instant, and their indices; scratch space.
     pub overlapping: Vec<(usize, Sight)>,
     /// The previous list; scratch space.
     old: Old,
+}
+
+/// Indices of touching pairs, ascending.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Touching {
+    pub disks: Vec<u32>,
+    pub faces: Vec<u32>,
+}
+
+impl Touching {
+    pub fn clear(&mut self) {
+        self.disks.clear();
+        self.faces.clear();
+    }
 }
 
 /// Springs and their pairs.
@@ -119,8 +135,16 @@ struct Old {
 }
 
 impl Pairs {
-    /// Replaces the near pairs by the candidates nearer than a margin \[m\]. Pairs that remain keep their springs.
-    pub fn renew(&mut self, scene: &Scene, standing: &[Standing], candidates: &Candidates, margin: f64) {
+    /// Replaces the near pairs by the candidates nearer than a margin \[m\], after an evaluation. Pairs that remain keep
+    /// their springs; those that touched in this evaluation remain.
+    pub fn renew(
+        &mut self,
+        scene: &Scene,
+        standing: &[Standing],
+        candidates: &Candidates,
+        margin: f64,
+        evaluation: u64,
+    ) {
         self.put_aside();
         let mut old = self.old.disks.iter().copied().peekable();
         for &(first, second) in &candidates.disks {
@@ -128,9 +152,13 @@ impl Pairs {
             let reach = a.radius + b.radius + margin;
             let between =
                 standing[a.body.index()].centre(a.offset) - standing[b.body.index()].centre(b.offset);
-            if between.norm_squared() <= reach * reach {
-                let spring = kept(&mut old, (first, second));
+            let spring = kept(&mut old, (first, second));
+            let touched = spring.touched_at == evaluation;
+            if between.norm_squared() <= reach * reach || touched {
                 push_disks(&mut self.disks, &mut self.disk_details, scene, first, second);
+                if touched {
+                    self.touching.disks.push(self.disk_springs.len() as u32);
+                }
                 self.disk_springs.push(spring);
             }
         }
@@ -138,8 +166,13 @@ impl Pairs {
         for &(disk, face) in &candidates.faces {
             let Disk { body, offset, radius, .. } = scene.disks[disk.index()];
             let circle = Circle { centre: standing[body.index()].centre(offset), radius };
-            if circle.nears_face(&scene.faces, face, margin) {
-                self.face_springs.push(kept(&mut old, (disk, face)));
+            let spring = kept(&mut old, (disk, face));
+            let touched = spring.touched_at == evaluation;
+            if circle.nears_face(&scene.faces, face, margin) || touched {
+                if touched {
+                    self.touching.faces.push(self.face_springs.len() as u32);
+                }
+                self.face_springs.push(spring);
                 self.faces.push(FacePair { disk, face });
             }
         }
@@ -155,6 +188,7 @@ impl Pairs {
         self.old.faces.extend(faces.zip(self.face_springs.drain(..)));
         self.disks.clear();
         self.disk_details.clear();
+        self.touching.clear();
     }
 
     /// Empties the list.
@@ -164,6 +198,7 @@ impl Pairs {
         self.disk_springs.clear();
         self.faces.clear();
         self.face_springs.clear();
+        self.touching.clear();
     }
 
     /// Adds the pair of a state's spring, which belongs to the [`FIRST_EVALUATION`].
@@ -183,11 +218,12 @@ impl Pairs {
         let touching = |spring: &Spring| spring.touched_at == evaluation;
         let disks = self.disk_details.iter().zip(&self.disk_springs);
         state.disk_springs.extend(disks.filter(|(_, spring)| touching(spring)).map(|(pair, spring)| {
-            DiskSpring { first: pair.first, second: pair.second, elongation: spring.elongation }
+            DiskSpring { first: pair.first, second: pair.second, elongation: spring.grip.elongation }
         }));
         let faces = self.faces.iter().zip(&self.face_springs);
         state.face_springs.extend(faces.filter(|(_, spring)| touching(spring)).map(|(pair, spring)| {
-            FaceSpring { disk: pair.disk, face: pair.face, part: spring.part, elongation: spring.elongation }
+            let elongation = spring.grip.elongation;
+            FaceSpring { disk: pair.disk, face: pair.face, part: spring.part, elongation }
         }));
     }
 }
@@ -258,7 +294,7 @@ fn came_from<'a>(
 }
 
 fn loaded(elongation: f64, part: FacePart) -> Spring {
-    Spring { elongation, slip_speed: 0.0, part, touched_at: FIRST_EVALUATION }
+    Spring { grip: Grip { elongation, ..Grip::NONE }, part, touched_at: FIRST_EVALUATION }
 }
 
 /// Returns the spring of the next listed pair from the old list, both ascending; a new pair gets a relaxed spring.

@@ -70,6 +70,12 @@ impl Standing {
     /// Returns the velocity \[m/s\] of the body's point at a vector from its centre of mass.
     #[inline]
     pub fn velocity_at(&self, arm: Vec2) -> Vec2 {
-        self.twist.velocity + arm.perp() * self.twist.angular_velocity
+        velocity_at(&self.twist, arm)
     }
+}
+
+/// Returns the velocity \[m/s\] of a body's point at a vector from its centre of mass.
+#[inline]
+pub(super) fn velocity_at(twist: &Twist, arm: Vec2) -> Vec2 {
+    twist.velocity + arm.perp() * twist.angular_velocity
 }

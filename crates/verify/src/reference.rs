@@ -65,8 +65,17 @@ fn differences(case: &Case, mechanical_step: f64) -> Result<(f64, f64)> {
 /// # Errors
 /// A case cannot be run.
 pub fn all(mechanical_step: f64) -> Result<Vec<(String, f64, f64)>> {
-    let cases: Vec<Case> = serde_json::from_str(CASES)?;
+    let cases = of(CASES, mechanical_step)?;
     ensure!(cases.len() >= 12, "there are at least 12 cases: {}", cases.len());
+    Ok(cases)
+}
+
+/// Returns names and largest differences of the cases in a text that `reference.py` wrote.
+///
+/// # Errors
+/// A case cannot be run.
+pub fn of(text: &str, mechanical_step: f64) -> Result<Vec<(String, f64, f64)>> {
+    let cases: Vec<Case> = serde_json::from_str(text)?;
     cases
         .iter()
         .map(|case| differences(case, mechanical_step).map(|(pose, twist)| (case.name.clone(), pose, twist)))
