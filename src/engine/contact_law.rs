@@ -114,6 +114,18 @@ mod tests {
     }
 
     #[test]
+    fn a_spring_is_released_where_the_normal_force_is_zero() {
+        let held = Grip { elongation: 3e-4, slip_speed: 0.1, normal: 300.0 };
+        // Zero after three quarters of 1 ms, at a slip speed of 0.25 m/s.
+        let stretched = held.stretched(&LAW, -100.0, 0.3, 1e-3);
+        let at_zero = -300.0 * 0.25 / 5e5;
+        assert!((stretched - (at_zero + 0.25e-3 * 0.275)).abs() < 1e-18);
+        // Where it pulls at both times, it holds.
+        let pulls = Grip { normal: -300.0, ..held };
+        assert_eq!(pulls.stretched(&LAW, -100.0, 0.3, 1e-3), 3e-4 + 1e-3 * 0.2);
+    }
+
+    #[test]
     fn may_pull_while_parting() {
         assert_eq!(normal_force(&LAW, 1e-4, 1.0), 100.0 - 700.0);
     }

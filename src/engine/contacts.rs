@@ -69,19 +69,35 @@ struct Touch {
     /// \[m\] of the spring, before the slider may give way.
     elongation: f64,
     reaction: Reaction,
-    excess: Excess,
+    amendment: Amendment,
 }
 
-/// \[s\] By how much longer than half a mechanical step the forces of a contact lasted, before an evaluation that finds
-/// its beginning or after the last one that found it.
+/// By how much the impulse of a contact that began or ended within a step differs from that of the evaluation next to
+/// this time, whose forces count for half a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Excess {
+struct Amendment {
+    /// \[N.s\] along the normal.
     normal: f64,
+    /// \[N.s\] along the tangent.
     tangential: f64,
+    /// \[N.s\] of |F_n|.
+    squeeze: f64,
 }
 
-impl Excess {
-    const NONE: Excess = Excess { normal: 0.0, tangential: 0.0 };
+impl Amendment {
+    const NONE: Amendment = Amendment { normal: 0.0, tangential: 0.0, squeeze: 0.0 };
+
+    /// For a contact that lasted a time \[s\] within a step, between its `edge` and the evaluation. `whole`: it began
+    /// or ended there with all forces; else it passed to another part of a wall, and its normal force went on.
+    fn of(edge: &Reaction, evaluated: &Reaction, lasted: f64, dt: f64, whole: bool) -> Amendment {
+        let over = |edge: f64, evaluated: f64| 0.5 * ((edge + evaluated) * lasted - evaluated * dt);
+        let tangential = over(edge.tangential, evaluated.tangential);
+        if !whole {
+            return Amendment { tangential, ..Amendment::NONE };
+        }
+        let squeeze = over(edge.normal.abs(), evaluated.normal.abs());
+        Amendment { normal: over(edge.normal, evaluated.normal), tangential, squeeze }
+    }
 }
 
 enum Finding {
@@ -131,6 +147,8 @@ pub(super) struct Impulse {
     pub wrench: Wrench,
     /// \[N.s\] of |F_n|.
     pub squeeze: f64,
+    /// \[N\] |F_n| at its beginning or end.
+    pub peak: f64,
 }
 
 /// The sums of an evaluation for the bodies of a block.
@@ -175,12 +193,11 @@ impl Sums<'_> {
     /// The impulse of a contact that began or ended within a step, on both bodies.
     #[cold]
     fn amend(&mut self, receiver: BodyId, giver: Option<BodyId>, touch: &Touch) {
-        let (Touch { excess, reaction, .. }, across) = (touch, touch.overlap.normal);
-        let impulse = across * (reaction.normal * excess.normal)
-            + across.perp() * (reaction.tangential * excess.tangential);
-        let squeeze = reaction.normal.abs() * excess.normal;
-        let on_receiver = Impulse { body: receiver, wrench: touch.on_receiver(impulse), squeeze };
-        let on_giver = giver.map(|body| Impulse { body, wrench: touch.on_giver(impulse), squeeze });
+        let Touch { amendment: Amendment { normal, tangential, squeeze }, .. } = *touch;
+        let impulse = touch.overlap.normal * normal + touch.overlap.normal.perp() * tangential;
+        let peak = touch.reaction.normal.abs();
+        let on_receiver = Impulse { body: receiver, wrench: touch.on_receiver(impulse), squeeze, peak };
+        let on_giver = giver.map(|body| Impulse { body, wrench: touch.on_giver(impulse), squeeze, peak });
         for impulse in [Some(on_receiver), on_giver].into_iter().flatten() {
             let inside = impulse.body.index() - self.start < self.loads.len();
             let impulses = if inside { &mut *self.impulses } else { &mut *self.outgoing_impulses };
@@ -272,9 +289,9 @@ impl Instant<'_> {
 
     /// Sums the contact wrenches of a block's pairs, and lets their springs advance according to `stretch`.
     ///
-    /// The force of an evaluation stands for half a step before it and half a step after it. Where a contact began
-    /// within the step before, or ended within it, the force lasted longer or shorter than that. The difference is
-    /// given as an impulse: else a force that jumps would make the integrator first order.
+    /// The force of an evaluation counts for half a step before it and half a step after it. Where a contact began
+    /// within the step before, or ended within it, it lasted longer or shorter than that. The difference is given as
+    /// an impulse: else a force that jumps would make the integrator first order.
     pub fn evaluate(&self, pairs: &mut Pairs, stretch: Stretch, sums: &mut Sums) {
         let before = self.before;
         let now = before + 1;
@@ -507,30 +524,49 @@ fn touch(
     let normal = normal_force(law, overlap.depth, normal_speed);
     let Memory { spring, before, stretch } = memory;
     let continues = spring.touched_at == before && spring.part == part;
-    let (elongation, excess) = match stretch {
-        Stretch::Hold if continues => (spring.grip.elongation, Excess::NONE),
-        Stretch::Hold => (0.0, Excess::NONE),
-        Stretch::Over(dt) if continues => (spring.grip.stretched(law, normal, slip_speed, dt), Excess::NONE),
-        Stretch::Over(dt) => begun(law, &overlap, velocity, &lately(dt), dt),
-    };
+    let (mut elongation, mut began) = (0.0, None);
+    match stretch {
+        Stretch::Hold if continues => elongation = spring.grip.elongation,
+        Stretch::Hold => {}
+        Stretch::Over(dt) if continues => {
+            elongation = spring.grip.stretched(law, normal, slip_speed, dt);
+        }
+        Stretch::Over(dt) => {
+            let beginning = begun(law, &overlap, velocity, &lately(dt), dt);
+            elongation = beginning.first.elongation + slip_speed * beginning.since;
+            began = Some((beginning, dt));
+        }
+    }
     let reaction = react(law, normal, slip_speed, elongation);
-    Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction, excess }
+    let amendment = began.map_or(Amendment::NONE, |(Beginning { first, since, whole }, dt)| {
+        Amendment::of(&first, &reaction, since, dt, whole)
+    });
+    Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction, amendment }
 }
 
-/// \[m\] Elongation of a contact that began within a step, and how long its forces lasted.
+/// How a contact began within a step.
+struct Beginning {
+    /// Its forces and its spring just after that.
+    first: Reaction,
+    /// \[s\] Time since then.
+    since: f64,
+    /// See [`Amendment::of`].
+    whole: bool,
+}
+
 #[cold]
-fn begun(law: &PairLaw, overlap: &Overlap, velocity: Vec2, lately: &Lately, dt: f64) -> (f64, Excess) {
+fn begun(law: &PairLaw, overlap: &Overlap, velocity: Vec2, lately: &Lately, dt: f64) -> Beginning {
     let (depth, normal_speed) = (overlap.depth, velocity.dot(overlap.normal));
     let touched = if -normal_speed * dt > depth { depth / -normal_speed } else { dt };
-    let (since, excess) = match lately.came {
-        Some(came) if came < touched => (came, Excess { normal: 0.0, tangential: came - 0.5 * dt }),
-        _ => (touched, Excess { normal: touched - 0.5 * dt, tangential: touched - 0.5 * dt }),
+    let (since, whole) = match lately.came {
+        Some(came) if came < touched => (came, false),
+        _ => (touched, true),
     };
     // In the instant in which it begins it may slide, and then stick: the damping forces are there at once.
     let then = velocity - lately.half_kick * (since / (0.5 * dt));
     let normal = normal_force(law, depth + normal_speed * since, then.dot(overlap.normal));
-    let at_first = react(law, normal, then.dot(overlap.normal.perp()), 0.0).elongation;
-    (at_first + velocity.dot(overlap.normal.perp()) * since, excess)
+    let first = react(law, normal, then.dot(overlap.normal.perp()), 0.0);
+    Beginning { first, since, whole }
 }
 
 /// A contact that ended within a step, at its end. `overlap` is what the disks would have now. `left` is the time \[s\]
@@ -548,19 +584,20 @@ fn ended(
     let slip_speed = velocity.dot(overlap.normal.perp());
     let gap = -overlap.depth;
     let parted = (gap >= 0.0 && normal_speed > 0.0).then(|| dt.min(gap / normal_speed));
-    let (since, parts) = match (left, parted) {
+    let (since, whole) = match (left, parted) {
         (Some(left), Some(parted)) => (left.max(parted), parted >= left),
         (Some(left), None) => (left, false),
         (None, Some(parted)) => (parted, true),
         (None, None) => return None,
     };
-    let normal = normal_force(law, overlap.depth + normal_speed * since, normal_speed);
-    let elongation = spring.grip.stretched(law, normal, slip_speed, dt - since);
+    let (Spring { grip, part, .. }, lasted) = (*spring, dt - since);
+    let depth = (overlap.depth + normal_speed * since).max(0.0);
+    let normal = normal_force(law, depth, normal_speed);
+    let elongation = grip.stretched(law, normal, slip_speed, lasted);
     let reaction = react(law, normal, slip_speed, elongation);
-    let tangential = 0.5 * dt - since;
-    let excess = Excess { normal: if parts { tangential } else { 0.0 }, tangential };
-    let part = spring.part;
-    Some(Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction, excess })
+    let evaluated = react(law, grip.normal, grip.slip_speed, grip.elongation);
+    let amendment = Amendment::of(&reaction, &evaluated, lasted, dt, whole);
+    Some(Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction, amendment })
 }
 
 /// Writes the result of the evaluation `now` into the pair's spring, and adds the forces to the sums. Returns whether
@@ -591,7 +628,7 @@ fn settle(
             let grip = Grip { elongation, slip_speed: touch.slip_speed, normal: touch.reaction.normal };
             *spring = Spring { grip, part: touch.part, touched_at: now };
             sums.add(receiver, giver, &touch);
-            if touch.excess != Excess::NONE {
+            if touch.amendment != Amendment::NONE {
                 sums.amend(receiver, giver, &touch);
             }
             true
@@ -721,5 +758,86 @@ impl ContactReport {
             Pair::Face { disk, .. } => scene.body_of(disk),
         });
         receiver.or_else(|| self.bodies.iter().position(|body| !body.squeeze.is_finite()).map(BodyId::from))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::vec2;
+
+    const LAW: PairLaw = PairLaw {
+        normal_stiffness: 2e6,
+        tangential_stiffness: 1e6,
+        normal_damping: 1000.0,
+        tangential_damping: 1000.0,
+        friction: 0.5,
+    };
+    const DT: f64 = 1e-4;
+
+    fn overlap(depth: f64) -> Overlap {
+        Overlap { depth, normal: vec2(0.0, 1.0) }
+    }
+
+    fn lately(came: Option<f64>) -> Lately {
+        Lately { came, half_kick: Vec2::ZERO }
+    }
+
+    #[test]
+    fn a_contact_counts_from_the_time_when_it_began() {
+        // 25 µm deep at 1 m/s: it has lasted a quarter of the step. The tangent points to the left.
+        let Beginning { first, since, whole } =
+            begun(&LAW, &overlap(2.5e-5), vec2(-0.4, -1.0), &lately(None), DT);
+        assert!((since - 0.25 * DT).abs() < 1e-18 && whole);
+        assert!((first.normal - 1000.0).abs() < 1e-9 && (first.tangential + 400.0).abs() < 1e-9);
+        // From 1000 N to 1050 N; half a step of 1050 N counts anyhow.
+        let now = Reaction { normal: 1050.0, ..first };
+        let Amendment { normal, squeeze, .. } = Amendment::of(&first, &now, since, DT, whole);
+        assert!((normal - (1025.0 * 0.25 - 1050.0 * 0.5) * DT).abs() < 1e-15);
+        assert_eq!(squeeze, normal);
+    }
+
+    #[test]
+    fn a_contact_may_slip_in_its_first_instant() {
+        let Beginning { first, .. } = begun(&LAW, &overlap(2.5e-5), vec2(-0.8, -1.0), &lately(None), DT);
+        // From 800 N of damping to the limit of 500 N.
+        assert!((first.elongation - (500.0 - 800.0) / 1e6).abs() < 1e-15);
+        // The others' contacts have pushed it since: at first it was as slow as in the test before.
+        let pushed = Lately { came: None, half_kick: vec2(-0.8, 0.0) };
+        let Beginning { first, .. } = begun(&LAW, &overlap(2.5e-5), vec2(-0.8, -1.0), &pushed, DT);
+        assert_eq!(first.elongation, 0.0);
+    }
+
+    #[test]
+    fn at_a_corner_the_normal_force_goes_on() {
+        let Beginning { first, since, whole } =
+            begun(&LAW, &overlap(3e-3), vec2(0.4, -1.0), &lately(Some(0.1 * DT)), DT);
+        assert!((since - 0.1 * DT).abs() < 1e-18 && !whole);
+        let amendment = Amendment::of(&first, &first, since, DT, whole);
+        assert_eq!((amendment.normal, amendment.squeeze), (0.0, 0.0));
+        assert!((amendment.tangential + 0.4 * DT * first.tangential).abs() < 1e-15);
+        // It came to this part of the wall before it touched it.
+        let beginning = begun(&LAW, &overlap(2.5e-5), vec2(0.4, -1.0), &lately(Some(0.9 * DT)), DT);
+        assert!((beginning.since - 0.25 * DT).abs() < 1e-18 && beginning.whole);
+    }
+
+    #[test]
+    fn a_contact_counts_until_the_time_when_it_ended() {
+        let grip = Grip { elongation: 1e-5, slip_speed: 0.0, normal: -900.0 };
+        let spring = Spring { grip, part: FacePart::Left, touched_at: 1 };
+        let ended = |gap: f64, speed: f64| {
+            ended(&LAW, overlap(-gap), [Vec2::ZERO; 2], vec2(0.0, speed), &spring, None, DT)
+        };
+        // 75 µm away at 1 m/s: it ended three quarters of the step ago, when it pulled with 1000 N.
+        let touch = ended(7.5e-5, 1.0).unwrap();
+        assert!((touch.reaction.normal + 1000.0).abs() < 1e-9);
+        // From −900 N to −1000 N over a quarter of the step; half a step of −900 N has counted.
+        assert!((touch.amendment.normal + (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
+        assert!((touch.amendment.squeeze - (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
+        assert_eq!(touch.reaction.tangential, -1e6 * 1e-5);
+        // Not longer ago than it was seen.
+        assert!((ended(1.0, 1.0).unwrap().amendment.normal - 0.5 * DT * 900.0).abs() < 1e-13);
+        // It comes back: when it ended is not known.
+        assert!(ended(1e-5, -1.0).is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! What the contacts did to a body during a communication step.
 
-use super::contacts::Load;
+use super::contacts::{Impulse, Load};
 use serde::{Deserialize, Serialize};
 
 /// What the contacts did to a body during the last communication step. All of its mechanical steps count, whereas
@@ -52,9 +52,10 @@ impl Tally {
         self.peak_force = if load.squeeze > self.peak_force { load.squeeze } else { self.peak_force };
     }
 
-    /// Adds an impulse \[N.s\] of contacts that began or ended within a step.
-    pub fn add_impulse(&mut self, impulse: f64) {
-        self.impulse += impulse;
+    /// Adds what a contact that began or ended within a step did besides the forces at instants.
+    pub fn amend(&mut self, impulse: &Impulse) {
+        self.impulse += impulse.squeeze;
+        self.peak_force = if impulse.peak > self.peak_force { impulse.peak } else { self.peak_force };
     }
 
     /// Returns the exposure over a communication step of a duration \[s\], 0 for a single instant. `peak_overlap` \[m\]
@@ -63,8 +64,7 @@ impl Tally {
     pub fn exposure(&self, duration: f64, squeeze: f64, peak_overlap: f64) -> Exposure {
         let peak_force = self.peak_force.max(squeeze);
         // Rounding may make (force × duration) / duration one bit larger than the force.
-        let mean_force =
-            if duration > 0.0 { (self.impulse / duration).max(0.0).min(peak_force) } else { squeeze };
+        let mean_force = if duration > 0.0 { (self.impulse / duration).min(peak_force) } else { squeeze };
         Exposure { mean_force, peak_force, peak_overlap }
     }
 }

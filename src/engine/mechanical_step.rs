@@ -321,7 +321,7 @@ fn moved_further(leeway: f64, reach: f64, then: &Pose, now: &Pose) -> bool {
 fn amend(scene: &Scene, bodies: &mut Bodies) {
     for impulse in bodies.impulses {
         let flown = &mut bodies.flown[impulse.body.index() - bodies.start];
-        flown.tally.add_impulse(impulse.squeeze);
+        flown.tally.amend(impulse);
         let gain = per_mass_and_inertia(&scene.bodies[impulse.body.index()], &impulse.wrench);
         flown.twist.velocity += gain.force;
         flown.twist.angular_velocity += gain.torque;

@@ -86,3 +86,53 @@ impl Passing<'_> {
 fn turns(face: &Face) -> impl Iterator<Item = End> {
     ends(face).into_iter().filter(|end| !end.straight)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LawTable, WallSpec, vec2};
+    use super::*;
+
+    /// From (0, 0) straight on to (2, 0), then up.
+    fn scene() -> Scene {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (2.0, 1.0)].map(|(x, y)| vec2(x, y));
+        Scene::new(&[], &[WallSpec { material: 0, corners: corners.to_vec() }], &LawTable::new(1)).unwrap()
+    }
+
+    fn passing(scene: &Scene, centre: Vec2, velocity: Vec2) -> Passing<'_> {
+        Passing { scene, centre, velocity, dt: 0.1 }
+    }
+
+    #[test]
+    fn the_time_since_a_disk_passed_an_end_is_known() {
+        let scene = scene();
+        // 3 cm beyond the first end, at 1 m/s.
+        let gone = passing(&scene, vec2(-0.03, 0.2), vec2(-1.0, 0.0));
+        let first = &scene.faces[0];
+        assert!((gone.since_leaving(first, FacePart::Left).unwrap() - 0.03).abs() < 1e-15);
+        assert!((gone.since_coming(first, FacePart::Start).unwrap() - 0.03).abs() < 1e-15);
+        assert_eq!(gone.since_coming(first, FacePart::Left), None);
+        // And back.
+        let back = passing(&scene, vec2(0.03, 0.2), vec2(1.0, 0.0));
+        assert!((back.since_coming(first, FacePart::Left).unwrap() - 0.03).abs() < 1e-15);
+        assert!((back.since_leaving(first, FacePart::Start).unwrap() - 0.03).abs() < 1e-15);
+        // Longer ago than a step.
+        let slow = passing(&scene, vec2(-0.03, 0.2), vec2(-0.2, 0.0));
+        assert_eq!(slow.since_leaving(first, FacePart::Left), None);
+    }
+
+    #[test]
+    fn a_corner_is_touched_beyond_all_its_faces() {
+        let scene = scene();
+        // 1 cm beyond the one and 4 cm beyond the other, of the corner at (2, 0).
+        let at = passing(&scene, vec2(2.01, -0.04), vec2(1.0, -1.0));
+        assert!((at.since_coming(&scene.faces[1], FacePart::End).unwrap() - 0.01).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_straight_wall_has_no_end_inside() {
+        let scene = scene();
+        let at = passing(&scene, vec2(1.03, 0.2), vec2(1.0, 0.0));
+        assert_eq!(at.since_leaving(&scene.faces[0], FacePart::Left), None);
+        assert_eq!(at.since_coming(&scene.faces[1], FacePart::Left), None);
+    }
+}

@@ -10,6 +10,7 @@ pub mod flight;
 pub mod friction;
 pub mod interfaces;
 pub mod ledger;
+pub mod order;
 pub mod ramp;
 pub mod reference;
 pub mod scenarios;
@@ -57,6 +58,7 @@ pub fn checks() -> Vec<Check> {
     let groups = [
         collision::CHECKS,
         friction::CHECKS,
+        order::CHECKS,
         walls::CHECKS,
         stability::CHECKS,
         exposure::CHECKS,
@@ -88,6 +90,10 @@ pub fn tables() -> Result<String> {
         (
             "the same under a force and torque that grow from zero [m]",
             collision::errors_in_oblique_contact(&collision::Push::RAMP)?,
+        ),
+        (
+            "error of velocities after a damped hit with friction, from apart to apart [m/s]",
+            order::errors_of_hit()?,
         ),
         ("a growing push in a contact, in one step of 0.1 s and in ten [SI]", ramp::pieces_in_contact()?),
         (
