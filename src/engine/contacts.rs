@@ -557,14 +557,17 @@ struct Beginning {
 #[cold]
 fn begun(law: &PairLaw, overlap: &Overlap, velocity: Vec2, lately: &Lately, dt: f64) -> Beginning {
     let (depth, normal_speed) = (overlap.depth, velocity.dot(overlap.normal));
-    let touched = if -normal_speed * dt > depth { depth / -normal_speed } else { dt };
+    // Deeper than it can have come in a step: other contacts turned it, and when it began is not known.
+    let known = -2.0 * normal_speed * dt > depth;
+    let touched = if known { dt.min(depth / -normal_speed) } else { 0.5 * dt };
     let (since, whole) = match lately.came {
-        Some(came) if came < touched => (came, false),
+        Some(came) if came < touched || !known => (came, false),
         _ => (touched, true),
     };
     // In the instant in which it begins it may slide, and then stick: the damping forces are there at once.
     let then = velocity - lately.half_kick * (since / (0.5 * dt));
-    let normal = normal_force(law, depth + normal_speed * since, then.dot(overlap.normal));
+    let depth = if known || !whole { depth + normal_speed * since } else { depth };
+    let normal = normal_force(law, depth, then.dot(overlap.normal));
     let first = react(law, normal, then.dot(overlap.normal.perp()), 0.0);
     Beginning { first, since, whole }
 }

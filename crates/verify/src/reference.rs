@@ -34,7 +34,7 @@ pub(crate) const CHECKS: &[Check] = &[
         5e-6,
         || median(USUAL, 1e-5),
     ),
-    Check::new("the same: order short of 2 from dt = 1e-4 s", "2: second order", "", 0.2, || {
+    Check::new("the same: order short of 2 from dt = 1e-4 s", "2: second order", "", 0.35, || {
         Ok((2.0 - (median(USUAL, 1e-4)? / median(USUAL, 1e-5)?).log10()).max(0.0))
     }),
 ];
