@@ -69,7 +69,8 @@ struct Touch {
     /// \[m\] of the spring, before the slider may give way.
     elongation: f64,
     reaction: Reaction,
-    amendment: Amendment,
+    /// Of a contact that began or ended within the last step.
+    amendment: Option<Amendment>,
 }
 
 /// By how much the impulse of a contact that began or ended within a step differs from that of the evaluation next to
@@ -85,15 +86,13 @@ struct Amendment {
 }
 
 impl Amendment {
-    const NONE: Amendment = Amendment { normal: 0.0, tangential: 0.0, squeeze: 0.0 };
-
     /// For a contact that lasted a time \[s\] within a step, between its `edge` and the evaluation. `whole`: it began
     /// or ended there with all forces; else it passed to another part of a wall, and its normal force went on.
     fn of(edge: &Reaction, evaluated: &Reaction, lasted: f64, dt: f64, whole: bool) -> Amendment {
         let over = |edge: f64, evaluated: f64| 0.5 * ((edge + evaluated) * lasted - evaluated * dt);
         let tangential = over(edge.tangential, evaluated.tangential);
         if !whole {
-            return Amendment { tangential, ..Amendment::NONE };
+            return Amendment { normal: 0.0, tangential, squeeze: 0.0 };
         }
         let squeeze = over(edge.normal.abs(), evaluated.normal.abs());
         Amendment { normal: over(edge.normal, evaluated.normal), tangential, squeeze }
@@ -191,9 +190,12 @@ impl Sums<'_> {
     }
 
     /// The impulse of a contact that began or ended within a step, on both bodies.
+    ///
+    /// By value: a reference would keep every contact in memory instead of in registers.
     #[cold]
-    fn amend(&mut self, receiver: BodyId, giver: Option<BodyId>, touch: &Touch) {
-        let Touch { amendment: Amendment { normal, tangential, squeeze }, .. } = *touch;
+    #[inline(never)]
+    fn amend(&mut self, receiver: BodyId, giver: Option<BodyId>, touch: Touch) {
+        let Some(Amendment { normal, tangential, squeeze }) = touch.amendment else { return };
         let impulse = touch.overlap.normal * normal + touch.overlap.normal.perp() * tangential;
         let peak = touch.reaction.normal.abs();
         let on_receiver = Impulse { body: receiver, wrench: touch.on_receiver(impulse), squeeze, peak };
@@ -322,7 +324,7 @@ impl Instant<'_> {
                 && let Some(ended) = self.ended_face(pair, &face_springs[k], dt)
             {
                 // It touches another part of the same face.
-                sums.amend(self.scene.body_of(pair.disk), None, &ended);
+                sums.amend(self.scene.body_of(pair.disk), None, ended);
             }
             if settle(finding, &mut face_springs[k], now, stretch, self.scene.body_of(pair.disk), None, sums)
             {
@@ -342,7 +344,7 @@ impl Instant<'_> {
             if spring.touched_at == self.before
                 && let Some(ended) = self.ended_disks(&pairs.disks[k], &pairs.disk_details[k], spring, dt)
             {
-                sums.amend(pairs.disks[k].first_body, Some(pairs.disks[k].second_body), &ended);
+                sums.amend(pairs.disks[k].first_body, Some(pairs.disks[k].second_body), ended);
             }
         }
         for k in touched.faces.iter().map(|k| *k as usize) {
@@ -350,7 +352,7 @@ impl Instant<'_> {
             if spring.touched_at == self.before
                 && let Some(ended) = self.ended_face(pair, spring, dt)
             {
-                sums.amend(self.scene.body_of(pair.disk), None, &ended);
+                sums.amend(self.scene.body_of(pair.disk), None, ended);
             }
         }
     }
@@ -532,13 +534,13 @@ fn touch(
             elongation = spring.grip.stretched(law, normal, slip_speed, dt);
         }
         Stretch::Over(dt) => {
-            let beginning = begun(law, &overlap, velocity, &lately(dt), dt);
+            let beginning = begun(law, overlap, velocity, lately(dt), dt);
             elongation = beginning.first.elongation + slip_speed * beginning.since;
             began = Some((beginning, dt));
         }
     }
     let reaction = react(law, normal, slip_speed, elongation);
-    let amendment = began.map_or(Amendment::NONE, |(Beginning { first, since, whole }, dt)| {
+    let amendment = began.map(|(Beginning { first, since, whole }, dt): (Beginning, f64)| {
         Amendment::of(&first, &reaction, since, dt, whole)
     });
     Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction, amendment }
@@ -555,7 +557,8 @@ struct Beginning {
 }
 
 #[cold]
-fn begun(law: &PairLaw, overlap: &Overlap, velocity: Vec2, lately: &Lately, dt: f64) -> Beginning {
+#[inline(never)]
+fn begun(law: &PairLaw, overlap: Overlap, velocity: Vec2, lately: Lately, dt: f64) -> Beginning {
     let (depth, normal_speed) = (overlap.depth, velocity.dot(overlap.normal));
     // Deeper than it can have come in a step: other contacts turned it, and when it began is not known.
     let known = -2.0 * normal_speed * dt > depth;
@@ -599,7 +602,7 @@ fn ended(
     let elongation = grip.stretched(law, normal, slip_speed, lasted);
     let reaction = react(law, normal, slip_speed, elongation);
     let evaluated = react(law, grip.normal, grip.slip_speed, grip.elongation);
-    let amendment = Amendment::of(&reaction, &evaluated, lasted, dt, whole);
+    let amendment = Some(Amendment::of(&reaction, &evaluated, lasted, dt, whole));
     Some(Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction, amendment })
 }
 
@@ -631,8 +634,8 @@ fn settle(
             let grip = Grip { elongation, slip_speed: touch.slip_speed, normal: touch.reaction.normal };
             *spring = Spring { grip, part: touch.part, touched_at: now };
             sums.add(receiver, giver, &touch);
-            if touch.amendment != Amendment::NONE {
-                sums.amend(receiver, giver, &touch);
+            if touch.amendment.is_some() {
+                sums.amend(receiver, giver, touch);
             }
             true
         }
@@ -790,7 +793,7 @@ mod tests {
     fn a_contact_counts_from_the_time_when_it_began() {
         // 25 µm deep at 1 m/s: it has lasted a quarter of the step. The tangent points to the left.
         let Beginning { first, since, whole } =
-            begun(&LAW, &overlap(2.5e-5), vec2(-0.4, -1.0), &lately(None), DT);
+            begun(&LAW, overlap(2.5e-5), vec2(-0.4, -1.0), lately(None), DT);
         assert!((since - 0.25 * DT).abs() < 1e-18 && whole);
         assert!((first.normal - 1000.0).abs() < 1e-9 && (first.tangential + 400.0).abs() < 1e-9);
         // From 1000 N to 1050 N; half a step of 1050 N counts anyhow.
@@ -802,25 +805,25 @@ mod tests {
 
     #[test]
     fn a_contact_may_slip_in_its_first_instant() {
-        let Beginning { first, .. } = begun(&LAW, &overlap(2.5e-5), vec2(-0.8, -1.0), &lately(None), DT);
+        let Beginning { first, .. } = begun(&LAW, overlap(2.5e-5), vec2(-0.8, -1.0), lately(None), DT);
         // From 800 N of damping to the limit of 500 N.
         assert!((first.elongation - (500.0 - 800.0) / 1e6).abs() < 1e-15);
         // The others' contacts have pushed it since: at first it was as slow as in the test before.
         let pushed = Lately { came: None, half_kick: vec2(-0.8, 0.0) };
-        let Beginning { first, .. } = begun(&LAW, &overlap(2.5e-5), vec2(-0.8, -1.0), &pushed, DT);
+        let Beginning { first, .. } = begun(&LAW, overlap(2.5e-5), vec2(-0.8, -1.0), pushed, DT);
         assert_eq!(first.elongation, 0.0);
     }
 
     #[test]
     fn at_a_corner_the_normal_force_goes_on() {
         let Beginning { first, since, whole } =
-            begun(&LAW, &overlap(3e-3), vec2(0.4, -1.0), &lately(Some(0.1 * DT)), DT);
+            begun(&LAW, overlap(3e-3), vec2(0.4, -1.0), lately(Some(0.1 * DT)), DT);
         assert!((since - 0.1 * DT).abs() < 1e-18 && !whole);
         let amendment = Amendment::of(&first, &first, since, DT, whole);
         assert_eq!((amendment.normal, amendment.squeeze), (0.0, 0.0));
         assert!((amendment.tangential + 0.4 * DT * first.tangential).abs() < 1e-15);
         // It came to this part of the wall before it touched it.
-        let beginning = begun(&LAW, &overlap(2.5e-5), vec2(0.4, -1.0), &lately(Some(0.9 * DT)), DT);
+        let beginning = begun(&LAW, overlap(2.5e-5), vec2(0.4, -1.0), lately(Some(0.9 * DT)), DT);
         assert!((beginning.since - 0.25 * DT).abs() < 1e-18 && beginning.whole);
     }
 
@@ -835,11 +838,11 @@ mod tests {
         let touch = ended(7.5e-5, 1.0).unwrap();
         assert!((touch.reaction.normal + 1000.0).abs() < 1e-9);
         // From −900 N to −1000 N over a quarter of the step; half a step of −900 N has counted.
-        assert!((touch.amendment.normal + (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
-        assert!((touch.amendment.squeeze - (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
+        assert!((touch.amendment.unwrap().normal + (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
+        assert!((touch.amendment.unwrap().squeeze - (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
         assert_eq!(touch.reaction.tangential, -1e6 * 1e-5);
         // Not longer ago than it was seen.
-        assert!((ended(1.0, 1.0).unwrap().amendment.normal - 0.5 * DT * 900.0).abs() < 1e-13);
+        assert!((ended(1.0, 1.0).unwrap().amendment.unwrap().normal - 0.5 * DT * 900.0).abs() < 1e-13);
         // It comes back: when it ended is not known.
         assert!(ended(1e-5, -1.0).is_none());
     }
