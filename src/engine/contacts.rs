@@ -233,7 +233,7 @@ pub(super) struct Instant<'a> {
     /// Returns the twist of a body without its last half kick.
     pub unkicked: &'a (dyn Fn(BodyId) -> Twist + Sync),
     /// Number of earlier evaluations.
-    pub before: u64,
+    pub before: u32,
 }
 
 impl Instant<'_> {
@@ -497,7 +497,7 @@ impl Touch {
 struct Memory<'a> {
     spring: &'a Spring,
     /// Number of the previous evaluation.
-    before: u64,
+    before: u32,
     stretch: Stretch,
 }
 
@@ -612,7 +612,7 @@ fn ended(
 fn settle(
     finding: Finding,
     spring: &mut Spring,
-    now: u64,
+    now: u32,
     stretch: Stretch,
     receiver: BodyId,
     giver: Option<BodyId>,

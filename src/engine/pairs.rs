@@ -14,7 +14,7 @@ pub(super) struct Spring {
     /// The part of the face it touched; for two disks it is [`FacePart::Left`] by convention.
     pub part: FacePart,
     /// Number of the last evaluation in which the pair touched. It has a spring only if that was the previous one.
-    pub touched_at: u64,
+    pub touched_at: u32,
 }
 
 impl Spring {
@@ -23,7 +23,7 @@ impl Spring {
 }
 
 /// The number of the evaluation to which the springs of a state belong.
-pub(super) const FIRST_EVALUATION: u64 = 1;
+pub(super) const FIRST_EVALUATION: u32 = 1;
 
 /// Two disks of different bodies that may touch, with the data of a first check side by side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -143,7 +143,7 @@ impl Pairs {
         standing: &[Standing],
         candidates: &Candidates,
         margin: f64,
-        evaluation: u64,
+        evaluation: u32,
     ) {
         self.put_aside();
         let mut old = self.old.disks.iter().copied().peekable();
@@ -214,7 +214,7 @@ impl Pairs {
     }
 
     /// Adds the springs of the pairs that touched in an evaluation to the state.
-    pub fn store(&self, evaluation: u64, state: &mut State) {
+    pub fn store(&self, evaluation: u32, state: &mut State) {
         let touching = |spring: &Spring| spring.touched_at == evaluation;
         let disks = self.disk_details.iter().zip(&self.disk_springs);
         state.disk_springs.extend(disks.filter(|(_, spring)| touching(spring)).map(|(pair, spring)| {
@@ -264,7 +264,7 @@ pub(super) fn spring_at_face<'a>(
     springs: &'a [Spring],
     k: usize,
     part: FacePart,
-    before: u64,
+    before: u32,
 ) -> &'a Spring {
     let on_a_side = matches!(part, FacePart::Left | FacePart::Right);
     if springs[k].touched_at == before || !on_a_side {
@@ -280,7 +280,7 @@ fn came_from<'a>(
     springs: &'a [Spring],
     k: usize,
     part: FacePart,
-    before: u64,
+    before: u32,
 ) -> Option<&'a Spring> {
     let FacePair { disk, face } = faces[k];
     let line = |face: FaceId| scene.faces[face.index()].line;
