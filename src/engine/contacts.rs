@@ -69,8 +69,20 @@ struct Touch {
     /// \[m\] of the spring, before the slider may give way.
     elongation: f64,
     reaction: Reaction,
-    /// Of a contact that began or ended within the last step.
-    amendment: Option<Amendment>,
+}
+
+/// Two touching things, before the law is applied.
+#[derive(Clone, Copy)]
+struct Encounter<'a> {
+    law: &'a PairLaw,
+    overlap: Overlap,
+    part: FacePart,
+    /// \[m\] from the receiver's centre of mass to the contact point.
+    arm: Vec2,
+    /// \[m\] from the other's centre of mass to the contact point.
+    other_arm: Vec2,
+    /// \[m/s\] of the receiver relative to the other at the contact point.
+    velocity: Vec2,
 }
 
 /// By how much the impulse of a contact that began or ended within a step differs from that of the evaluation next to
@@ -190,12 +202,9 @@ impl Sums<'_> {
     }
 
     /// The impulse of a contact that began or ended within a step, on both bodies.
-    ///
-    /// By value: a reference would keep every contact in memory instead of in registers.
     #[cold]
-    #[inline(never)]
-    fn amend(&mut self, receiver: BodyId, giver: Option<BodyId>, touch: Touch) {
-        let Some(Amendment { normal, tangential, squeeze }) = touch.amendment else { return };
+    fn amend(&mut self, receiver: BodyId, giver: Option<BodyId>, (touch, by): (Touch, Amendment)) {
+        let Amendment { normal, tangential, squeeze } = by;
         let impulse = touch.overlap.normal * normal + touch.overlap.normal.perp() * tangential;
         let peak = touch.reaction.normal.abs();
         let on_receiver = Impulse { body: receiver, wrench: touch.on_receiver(impulse), squeeze, peak };
@@ -246,22 +255,62 @@ impl Instant<'_> {
             }
             Meeting::Touching(overlap) => overlap,
         };
+        let encounter = self.encounter(pair, detail, sight, overlap);
+        let began = |dt| self.begun_disks(pair, &encounter, dt);
+        Finding::Touching(touch(&encounter, memory, began))
+    }
+
+    #[inline(always)]
+    fn encounter(
+        &self,
+        pair: &DiskPair,
+        detail: &DiskPairDetail,
+        sight: &Sight,
+        overlap: Overlap,
+    ) -> Encounter<'_> {
         let (i, j) = (&self.standing[pair.first_body.index()], &self.standing[pair.second_body.index()]);
         let arm = sight.arm + overlap.contact_point(detail.first_radius);
         let other_arm = sight.other_arm - overlap.contact_point(detail.second_radius);
         let velocity = i.velocity_at(arm) - j.velocity_at(other_arm);
         let law = self.scene.law_at(detail.law);
-        let lately = |_| {
-            let first = velocity_at(&(self.unkicked)(pair.first_body), arm);
-            let second = velocity_at(&(self.unkicked)(pair.second_body), other_arm);
-            Lately { came: None, half_kick: velocity - (first - second) }
-        };
-        Finding::Touching(touch(law, overlap, FacePart::Left, [arm, other_arm], velocity, memory, lately))
+        Encounter { law, overlap, part: FacePart::Left, arm, other_arm, velocity }
+    }
+
+    /// How a contact of two disks began within the last step, whose duration is `dt` \[s\].
+    #[cold]
+    #[inline(never)]
+    fn begun_disks(&self, pair: &DiskPair, encounter: &Encounter, dt: f64) -> Beginning {
+        let first = velocity_at(&(self.unkicked)(pair.first_body), encounter.arm);
+        let second = velocity_at(&(self.unkicked)(pair.second_body), encounter.other_arm);
+        let half_kick = encounter.velocity - (first - second);
+        begun(encounter, Lately { came: None, half_kick }, dt)
+    }
+
+    /// Amends the motion by a contact of two disks that began within the last step.
+    #[cold]
+    #[inline(never)]
+    fn begin_disks(&self, pair: &DiskPair, detail: &DiskPairDetail, sight: &Sight, dt: f64, sums: &mut Sums) {
+        let Meeting::Touching(overlap) = meet(sight.between, pair.reach) else { return };
+        let encounter = self.encounter(pair, detail, sight, overlap);
+        let began = began(&encounter, &self.begun_disks(pair, &encounter, dt), dt);
+        sums.amend(pair.first_body, Some(pair.second_body), began);
     }
 
     /// A disk and a face; `memory` returns the memory of the part of the face that is touched.
     #[inline]
     fn face<'a>(&self, pair: &FacePair, memory: impl FnOnce(FacePart) -> Memory<'a>) -> Finding {
+        match self.meet_face(pair) {
+            Ok(encounter) => {
+                let began = |dt| self.begun_face(pair, &encounter, dt);
+                Finding::Touching(touch(&encounter, memory(encounter.part), began))
+            }
+            Err(finding) => finding,
+        }
+    }
+
+    /// A disk and a face where they touch.
+    #[inline]
+    fn meet_face(&self, pair: &FacePair) -> Result<Encounter<'_>, Finding> {
         let (disk, face) = (&self.scene.disks[pair.disk.index()], pair.face.index());
         let (wall, standing) = (&self.scene.faces[face], &self.standing[disk.body.index()]);
         let arm = standing.arm(disk.offset);
@@ -269,24 +318,41 @@ impl Instant<'_> {
         let nearest = nearest_on_face(wall, centre);
         let apart = (centre - nearest.0).norm_squared() >= disk.radius * disk.radius;
         if apart || !books_contact(self.scene, face, nearest, centre) {
-            return Finding::Apart;
+            return Err(Finding::Apart);
         }
         let (meeting, part) = meet_face(wall, nearest, centre, disk.radius, standing.position);
         let overlap = match meeting {
-            Meeting::Apart => return Finding::Apart,
-            Meeting::Coincident => return Finding::Coincident { depth: disk.radius, part },
+            Meeting::Apart => return Err(Finding::Apart),
+            Meeting::Coincident => return Err(Finding::Coincident { depth: disk.radius, part }),
             Meeting::Touching(overlap) => overlap,
         };
-        let going = standing.velocity_at(arm);
         let arm = arm + overlap.contact_point(disk.radius);
         let law = self.scene.law(disk.material, wall.material);
         let velocity = standing.velocity_at(arm);
-        let lately = |dt| {
-            let passing = Passing { scene: self.scene, centre, velocity: going, dt };
-            let half_kick = velocity - velocity_at(&(self.unkicked)(disk.body), arm);
-            Lately { came: passing.since_coming(wall, part), half_kick }
-        };
-        Finding::Touching(touch(law, overlap, part, [arm, Vec2::ZERO], velocity, memory(part), lately))
+        Ok(Encounter { law, overlap, part, arm, other_arm: Vec2::ZERO, velocity })
+    }
+
+    /// How a contact of a disk and a face began within the last step, whose duration is `dt` \[s\].
+    #[cold]
+    #[inline(never)]
+    fn begun_face(&self, pair: &FacePair, encounter: &Encounter, dt: f64) -> Beginning {
+        let disk = &self.scene.disks[pair.disk.index()];
+        let standing = &self.standing[disk.body.index()];
+        let arm = standing.arm(disk.offset);
+        let (centre, velocity) = (standing.position + arm, standing.velocity_at(arm));
+        let passing = Passing { scene: self.scene, centre, velocity, dt };
+        let half_kick = encounter.velocity - velocity_at(&(self.unkicked)(disk.body), encounter.arm);
+        let came = passing.since_coming(&self.scene.faces[pair.face.index()], encounter.part);
+        begun(encounter, Lately { came, half_kick }, dt)
+    }
+
+    /// Amends the motion by a contact of a disk and a face that began within the last step.
+    #[cold]
+    #[inline(never)]
+    fn begin_face(&self, pair: &FacePair, dt: f64, sums: &mut Sums) {
+        let Ok(encounter) = self.meet_face(pair) else { return };
+        let began = began(&encounter, &self.begun_face(pair, &encounter, dt), dt);
+        sums.amend(self.scene.body_of(pair.disk), None, began);
     }
 
     /// Sums the contact wrenches of a block's pairs, and lets their springs advance according to `stretch`.
@@ -306,17 +372,24 @@ impl Instant<'_> {
             for (k, sight) in self.find_overlapping(&pairs.disks, start, &mut pairs.overlapping) {
                 let (pair, detail) = (&pairs.disks[*k], &pairs.disk_details[*k]);
                 let spring = &mut pairs.disk_springs[*k];
+                let began = spring.touched_at != before;
                 let finding = self.disks(pair, detail, sight, Memory { spring, before, stretch });
                 if settle(finding, spring, now, stretch, pair.first_body, Some(pair.second_body), sums) {
                     pairs.touching.disks.push(*k as u32);
+                    if let (Stretch::Over(dt), true) = (stretch, began) {
+                        self.begin_disks(pair, detail, sight, dt, sums);
+                    }
                 }
             }
         }
         let Pairs { faces, face_springs, touching, .. } = &mut *pairs;
         for (k, pair) in faces.iter().enumerate() {
+            let mut began = false;
             let memory = |part| {
                 let spring = spring_at_face(self.scene, faces, face_springs, k, part, before);
-                Memory { spring, before, stretch }
+                let memory = Memory { spring, before, stretch };
+                began = !memory.continues(part);
+                memory
             };
             let finding = self.face(pair, memory);
             if let (Stretch::Over(dt), Finding::Touching(touch)) = (stretch, &finding)
@@ -329,6 +402,9 @@ impl Instant<'_> {
             if settle(finding, &mut face_springs[k], now, stretch, self.scene.body_of(pair.disk), None, sums)
             {
                 touching.faces.push(k as u32);
+                if let (Stretch::Over(dt), true) = (stretch, began) {
+                    self.begin_face(pair, dt, sums);
+                }
             }
         }
         if let Stretch::Over(dt) = stretch {
@@ -365,24 +441,19 @@ impl Instant<'_> {
         detail: &DiskPairDetail,
         spring: &Spring,
         dt: f64,
-    ) -> Option<Touch> {
+    ) -> Option<(Touch, Amendment)> {
         let sight = pair.seen(self.standing);
         let distance = sight.between.norm();
         if distance <= COINCIDENT {
             return None;
         }
         let apart = Overlap { depth: pair.reach - distance, normal: unit(sight.between, distance) };
-        let (i, j) = (&self.standing[pair.first_body.index()], &self.standing[pair.second_body.index()]);
-        let arm = sight.arm + apart.contact_point(detail.first_radius);
-        let other_arm = sight.other_arm - apart.contact_point(detail.second_radius);
-        let velocity = i.velocity_at(arm) - j.velocity_at(other_arm);
-        let law = self.scene.law_at(detail.law);
-        ended(law, apart, [arm, other_arm], velocity, spring, None, dt)
+        ended(&self.encounter(pair, detail, &sight, apart), spring, None, dt)
     }
 
     /// The same for a disk and a face.
     #[cold]
-    fn ended_face(&self, pair: &FacePair, spring: &Spring, dt: f64) -> Option<Touch> {
+    fn ended_face(&self, pair: &FacePair, spring: &Spring, dt: f64) -> Option<(Touch, Amendment)> {
         let (disk, face) = (&self.scene.disks[pair.disk.index()], pair.face.index());
         let (wall, standing) = (&self.scene.faces[face], &self.standing[disk.body.index()]);
         let arm = standing.arm(disk.offset);
@@ -392,7 +463,9 @@ impl Instant<'_> {
         let left = passing.since_leaving(wall, spring.part);
         let arm = arm + apart.contact_point(disk.radius);
         let law = self.scene.law(disk.material, wall.material);
-        ended(law, apart, [arm, Vec2::ZERO], standing.velocity_at(arm), spring, left, dt)
+        let (part, velocity) = (spring.part, standing.velocity_at(arm));
+        let encounter = Encounter { law, overlap: apart, part, arm, other_arm: Vec2::ZERO, velocity };
+        ended(&encounter, spring, left, dt)
     }
 
     /// Finds the overlapping pairs among the next [`AT_ONCE`], and their indices. It has no branches, because
@@ -509,41 +582,45 @@ struct Lately {
     half_kick: Vec2,
 }
 
-/// Applies the law to a contact; `velocity` \[m/s\] of the receiver relative to the other at the contact point.
-/// `lately` is asked, with the duration \[s\] of the last step, for a contact that began within it.
-#[inline(always)]
-fn touch(
-    law: &PairLaw,
-    overlap: Overlap,
-    part: FacePart,
-    [arm, other_arm]: [Vec2; 2],
-    velocity: Vec2,
-    memory: Memory,
-    lately: impl FnOnce(f64) -> Lately,
-) -> Touch {
-    let normal_speed = velocity.dot(overlap.normal);
-    let slip_speed = velocity.dot(overlap.normal.perp());
-    let normal = normal_force(law, overlap.depth, normal_speed);
-    let Memory { spring, before, stretch } = memory;
-    let continues = spring.touched_at == before && spring.part == part;
-    let (mut elongation, mut began) = (0.0, None);
-    match stretch {
-        Stretch::Hold if continues => elongation = spring.grip.elongation,
-        Stretch::Hold => {}
-        Stretch::Over(dt) if continues => {
-            elongation = spring.grip.stretched(law, normal, slip_speed, dt);
-        }
-        Stretch::Over(dt) => {
-            let beginning = begun(law, overlap, velocity, lately(dt), dt);
-            elongation = beginning.first.elongation + slip_speed * beginning.since;
-            began = Some((beginning, dt));
-        }
+impl Memory<'_> {
+    /// Whether a contact with this part of the other thing goes on.
+    #[inline(always)]
+    fn continues(&self, part: FacePart) -> bool {
+        self.spring.touched_at == self.before && self.spring.part == part
     }
+}
+
+/// Applies the law to a contact. `begun` is asked, with the duration \[s\] of the last step, how a contact began within
+/// it.
+#[inline(always)]
+fn touch(encounter: &Encounter, memory: Memory, begun: impl FnOnce(f64) -> Beginning) -> Touch {
+    let Encounter { law, overlap, part, .. } = *encounter;
+    let (normal_speed, slip_speed) = encounter.speeds();
+    let normal = normal_force(law, overlap.depth, normal_speed);
+    let grip = &memory.spring.grip;
+    let elongation = match (memory.stretch, memory.continues(part)) {
+        (Stretch::Hold, true) => grip.elongation,
+        (Stretch::Hold, false) => 0.0,
+        (Stretch::Over(dt), true) => grip.stretched(law, normal, slip_speed, dt),
+        (Stretch::Over(dt), false) => begun(dt).elongation(slip_speed),
+    };
     let reaction = react(law, normal, slip_speed, elongation);
-    let amendment = began.map(|(Beginning { first, since, whole }, dt): (Beginning, f64)| {
-        Amendment::of(&first, &reaction, since, dt, whole)
-    });
-    Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction, amendment }
+    encounter.touch(elongation, reaction)
+}
+
+impl Encounter<'_> {
+    /// \[m/s\] along the normal, positive if they separate, and along the tangent.
+    #[inline(always)]
+    fn speeds(&self) -> (f64, f64) {
+        (self.velocity.dot(self.overlap.normal), self.velocity.dot(self.overlap.normal.perp()))
+    }
+
+    #[inline(always)]
+    fn touch(&self, elongation: f64, reaction: Reaction) -> Touch {
+        let (normal_speed, slip_speed) = self.speeds();
+        let Encounter { overlap, part, arm, other_arm, .. } = *self;
+        Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction }
+    }
 }
 
 /// How a contact began within a step.
@@ -556,9 +633,25 @@ struct Beginning {
     whole: bool,
 }
 
-#[cold]
-#[inline(never)]
-fn begun(law: &PairLaw, overlap: Overlap, velocity: Vec2, lately: Lately, dt: f64) -> Beginning {
+impl Beginning {
+    /// \[m\] of the spring now, before the slider may give way; `slip_speed` \[m/s\] is that of now.
+    fn elongation(&self, slip_speed: f64) -> f64 {
+        self.first.elongation + slip_speed * self.since
+    }
+}
+
+/// A contact that began within a step, and by how much its impulse differs from that of half a step.
+fn began(encounter: &Encounter, beginning: &Beginning, dt: f64) -> (Touch, Amendment) {
+    let (normal_speed, slip_speed) = encounter.speeds();
+    let normal = normal_force(encounter.law, encounter.overlap.depth, normal_speed);
+    let elongation = beginning.elongation(slip_speed);
+    let reaction = react(encounter.law, normal, slip_speed, elongation);
+    let Beginning { first, since, whole } = beginning;
+    (encounter.touch(elongation, reaction), Amendment::of(first, &reaction, *since, dt, *whole))
+}
+
+fn begun(encounter: &Encounter, lately: Lately, dt: f64) -> Beginning {
+    let Encounter { law, overlap, velocity, .. } = *encounter;
     let (depth, normal_speed) = (overlap.depth, velocity.dot(overlap.normal));
     // Deeper than it can have come in a step: other contacts turned it, and when it began is not known.
     let known = -2.0 * normal_speed * dt > depth;
@@ -577,17 +670,9 @@ fn begun(law: &PairLaw, overlap: Overlap, velocity: Vec2, lately: Lately, dt: f6
 
 /// A contact that ended within a step, at its end. `overlap` is what the disks would have now. `left` is the time \[s\]
 /// since the receiver left this part of a wall, if it did so within the step.
-fn ended(
-    law: &PairLaw,
-    overlap: Overlap,
-    [arm, other_arm]: [Vec2; 2],
-    velocity: Vec2,
-    spring: &Spring,
-    left: Option<f64>,
-    dt: f64,
-) -> Option<Touch> {
-    let normal_speed = velocity.dot(overlap.normal);
-    let slip_speed = velocity.dot(overlap.normal.perp());
+fn ended(encounter: &Encounter, spring: &Spring, left: Option<f64>, dt: f64) -> Option<(Touch, Amendment)> {
+    let Encounter { law, overlap, .. } = *encounter;
+    let (normal_speed, slip_speed) = encounter.speeds();
     let gap = -overlap.depth;
     let parted = (gap >= 0.0 && normal_speed > 0.0).then(|| dt.min(gap / normal_speed));
     let (since, whole) = match (left, parted) {
@@ -596,14 +681,13 @@ fn ended(
         (None, Some(parted)) => (parted, true),
         (None, None) => return None,
     };
-    let (Spring { grip, part, .. }, lasted) = (*spring, dt - since);
+    let (grip, lasted) = (spring.grip, dt - since);
     let depth = (overlap.depth + normal_speed * since).max(0.0);
     let normal = normal_force(law, depth, normal_speed);
     let elongation = grip.stretched(law, normal, slip_speed, lasted);
     let reaction = react(law, normal, slip_speed, elongation);
     let evaluated = react(law, grip.normal, grip.slip_speed, grip.elongation);
-    let amendment = Some(Amendment::of(&reaction, &evaluated, lasted, dt, whole));
-    Some(Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction, amendment })
+    Some((encounter.touch(elongation, reaction), Amendment::of(&reaction, &evaluated, lasted, dt, whole)))
 }
 
 /// Writes the result of the evaluation `now` into the pair's spring, and adds the forces to the sums. Returns whether
@@ -634,9 +718,6 @@ fn settle(
             let grip = Grip { elongation, slip_speed: touch.slip_speed, normal: touch.reaction.normal };
             *spring = Spring { grip, part: touch.part, touched_at: now };
             sums.add(receiver, giver, &touch);
-            if touch.amendment.is_some() {
-                sums.amend(receiver, giver, touch);
-            }
             true
         }
     }
@@ -772,7 +853,7 @@ mod tests {
     use super::*;
     use crate::engine::vec2;
 
-    const LAW: PairLaw = PairLaw {
+    static LAW: PairLaw = PairLaw {
         normal_stiffness: 2e6,
         tangential_stiffness: 1e6,
         normal_damping: 1000.0,
@@ -781,8 +862,11 @@ mod tests {
     };
     const DT: f64 = 1e-4;
 
-    fn overlap(depth: f64) -> Overlap {
-        Overlap { depth, normal: vec2(0.0, 1.0) }
+    /// The other is below.
+    fn encounter(depth: f64, velocity: Vec2) -> Encounter<'static> {
+        let overlap = Overlap { depth, normal: vec2(0.0, 1.0) };
+        let (arm, other_arm) = (Vec2::ZERO, Vec2::ZERO);
+        Encounter { law: &LAW, overlap, part: FacePart::Left, arm, other_arm, velocity }
     }
 
     fn lately(came: Option<f64>) -> Lately {
@@ -792,8 +876,7 @@ mod tests {
     #[test]
     fn a_contact_counts_from_the_time_when_it_began() {
         // 25 µm deep at 1 m/s: it has lasted a quarter of the step. The tangent points to the left.
-        let Beginning { first, since, whole } =
-            begun(&LAW, overlap(2.5e-5), vec2(-0.4, -1.0), lately(None), DT);
+        let Beginning { first, since, whole } = begun(&encounter(2.5e-5, vec2(-0.4, -1.0)), lately(None), DT);
         assert!((since - 0.25 * DT).abs() < 1e-18 && whole);
         assert!((first.normal - 1000.0).abs() < 1e-9 && (first.tangential + 400.0).abs() < 1e-9);
         // From 1000 N to 1050 N; half a step of 1050 N counts anyhow.
@@ -805,25 +888,25 @@ mod tests {
 
     #[test]
     fn a_contact_may_slip_in_its_first_instant() {
-        let Beginning { first, .. } = begun(&LAW, overlap(2.5e-5), vec2(-0.8, -1.0), lately(None), DT);
+        let Beginning { first, .. } = begun(&encounter(2.5e-5, vec2(-0.8, -1.0)), lately(None), DT);
         // From 800 N of damping to the limit of 500 N.
         assert!((first.elongation - (500.0 - 800.0) / 1e6).abs() < 1e-15);
         // The others' contacts have pushed it since: at first it was as slow as in the test before.
         let pushed = Lately { came: None, half_kick: vec2(-0.8, 0.0) };
-        let Beginning { first, .. } = begun(&LAW, overlap(2.5e-5), vec2(-0.8, -1.0), pushed, DT);
+        let Beginning { first, .. } = begun(&encounter(2.5e-5, vec2(-0.8, -1.0)), pushed, DT);
         assert_eq!(first.elongation, 0.0);
     }
 
     #[test]
     fn at_a_corner_the_normal_force_goes_on() {
         let Beginning { first, since, whole } =
-            begun(&LAW, overlap(3e-3), vec2(0.4, -1.0), lately(Some(0.1 * DT)), DT);
+            begun(&encounter(3e-3, vec2(0.4, -1.0)), lately(Some(0.1 * DT)), DT);
         assert!((since - 0.1 * DT).abs() < 1e-18 && !whole);
         let amendment = Amendment::of(&first, &first, since, DT, whole);
         assert_eq!((amendment.normal, amendment.squeeze), (0.0, 0.0));
         assert!((amendment.tangential + 0.4 * DT * first.tangential).abs() < 1e-15);
         // It came to this part of the wall before it touched it.
-        let beginning = begun(&LAW, overlap(2.5e-5), vec2(0.4, -1.0), lately(Some(0.9 * DT)), DT);
+        let beginning = begun(&encounter(2.5e-5, vec2(0.4, -1.0)), lately(Some(0.9 * DT)), DT);
         assert!((beginning.since - 0.25 * DT).abs() < 1e-18 && beginning.whole);
     }
 
@@ -831,18 +914,16 @@ mod tests {
     fn a_contact_counts_until_the_time_when_it_ended() {
         let grip = Grip { elongation: 1e-5, slip_speed: 0.0, normal: -900.0 };
         let spring = Spring { grip, part: FacePart::Left, touched_at: 1 };
-        let ended = |gap: f64, speed: f64| {
-            ended(&LAW, overlap(-gap), [Vec2::ZERO; 2], vec2(0.0, speed), &spring, None, DT)
-        };
+        let ended = |gap: f64, speed: f64| ended(&encounter(-gap, vec2(0.0, speed)), &spring, None, DT);
         // 75 µm away at 1 m/s: it ended three quarters of the step ago, when it pulled with 1000 N.
-        let touch = ended(7.5e-5, 1.0).unwrap();
+        let (touch, amendment) = ended(7.5e-5, 1.0).unwrap();
         assert!((touch.reaction.normal + 1000.0).abs() < 1e-9);
         // From −900 N to −1000 N over a quarter of the step; half a step of −900 N has counted.
-        assert!((touch.amendment.unwrap().normal + (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
-        assert!((touch.amendment.unwrap().squeeze - (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
+        assert!((amendment.normal + (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
+        assert!((amendment.squeeze - (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
         assert_eq!(touch.reaction.tangential, -1e6 * 1e-5);
         // Not longer ago than it was seen.
-        assert!((ended(1.0, 1.0).unwrap().amendment.unwrap().normal - 0.5 * DT * 900.0).abs() < 1e-13);
+        assert!((ended(1.0, 1.0).unwrap().1.normal - 0.5 * DT * 900.0).abs() < 1e-13);
         // It comes back: when it ended is not known.
         assert!(ended(1e-5, -1.0).is_none());
     }
