@@ -8,10 +8,12 @@
 
 #[cfg(test)]
 mod balls;
+mod begin_and_end;
 mod blocks;
 mod circle;
 pub mod contact_law;
 mod contacts;
+mod encounter;
 mod exposure;
 mod face;
 mod face_grid;
@@ -22,6 +24,7 @@ mod neighbours;
 mod overlap;
 mod pairs;
 mod passing;
+mod report;
 mod scene;
 mod shortlist;
 mod springs;
@@ -31,7 +34,7 @@ mod threads;
 mod world;
 
 pub use contact_law::Regime;
-pub use contacts::{BodyContacts, Contact, ContactReport, Pair, Work};
+pub use contacts::Work;
 pub use exposure::Exposure;
 pub use face::Face;
 pub use free_flight::{BodyFlight, FreeFlight};
@@ -39,6 +42,7 @@ pub use ids::{BodyId, CornerId, DiskId, FaceId, LineId, WallId};
 pub use lemons_plane::{Pose, Rotation, Twist, Vec2, vec2};
 pub use neighbours::Crowded;
 pub use overlap::{Meeting, Overlap};
+pub use report::{BodyContacts, Contact, ContactReport, Pair};
 pub use scene::{
     Body, BodySpec, Corner, Disk, DiskSpec, LawTable, PairLaw, Scene, SceneError, WallSpec, shown_orientation,
 };

@@ -4,10 +4,12 @@
 //! order of every sum, and with it every bit of the results, is the same for any number of threads.
 
 use super::circle::Circle;
-use super::contacts::{ContactReport, Crossing, Impulse, Instant, Load, Stretch, Sums, deepen};
+use super::contacts::{Crossing, Impulse, Load, Stretch, Sums, deepen};
+use super::encounter::Instant;
 use super::exposure::Tally;
 use super::neighbours::{CellGrid, Crowded, Near, Room, list};
 use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
+use super::report::ContactReport;
 use super::standing::Standing;
 use super::{BodyId, Pose, Scene, State, Threads, Twist, Work};
 
@@ -242,21 +244,29 @@ impl Block {
             loads[body.index() - start].add(&load);
             deepen(&mut deepest[body.index() - start], depth);
         }
-        self.impulses.append(&mut self.incoming_impulses);
+        if !self.incoming_impulses.is_empty() {
+            self.impulses.append(&mut self.incoming_impulses);
+        }
     }
 }
 
-/// Passes forces on bodies of later blocks on, block by block, so that each receives them in order.
+/// Passes forces and impulses on bodies of later blocks on, block by block, so that each receives them in order.
 #[inline(always)]
 fn hand_over(blocks: &mut [Block], k: usize) {
-    if blocks[k].outgoing.is_empty() && blocks[k].outgoing_impulses.is_empty() {
-        return;
+    if !blocks[k].outgoing.is_empty() {
+        let mut outgoing = std::mem::take(&mut blocks[k].outgoing);
+        for crossing in outgoing.drain(..) {
+            blocks[crossing.body.index() / BLOCK].incoming.push(crossing);
+        }
+        blocks[k].outgoing = outgoing;
     }
-    let mut outgoing = std::mem::take(&mut blocks[k].outgoing);
-    for crossing in outgoing.drain(..) {
-        blocks[crossing.body.index() / BLOCK].incoming.push(crossing);
+    if !blocks[k].outgoing_impulses.is_empty() {
+        hand_over_impulses(blocks, k);
     }
-    blocks[k].outgoing = outgoing;
+}
+
+#[cold]
+fn hand_over_impulses(blocks: &mut [Block], k: usize) {
     let mut outgoing = std::mem::take(&mut blocks[k].outgoing_impulses);
     for impulse in outgoing.drain(..) {
         blocks[impulse.body.index() / BLOCK].incoming_impulses.push(impulse);

@@ -103,28 +103,35 @@ pub(super) struct Pairs {
     pub disk_springs: Vec<Spring>,
     pub faces: Vec<FacePair>,
     pub face_springs: Vec<Spring>,
-    /// Indices of the pairs that touched in the last evaluation, ascending.
+    /// The pairs that touched in the last evaluation.
     pub touching: Touching,
-    /// The same of the evaluation before; scratch space.
-    pub touched: Touching,
     /// Among some disk pairs, those that overlap at the present instant, and their indices; scratch space.
     pub overlapping: Vec<(usize, Sight)>,
     /// The previous list; scratch space.
     old: Old,
 }
 
-/// Indices of touching pairs, ascending.
+/// Which pairs touch: one bit for each, [`AT_ONCE`] in a word.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Touching {
     pub disks: Vec<u32>,
     pub faces: Vec<u32>,
 }
 
+/// Number of pairs that are processed together, so that intermediate results stay in the nearest cache.
+pub(super) const AT_ONCE: usize = u32::BITS as usize;
+
 impl Touching {
-    pub fn clear(&mut self) {
+    fn clear(&mut self) {
         self.disks.clear();
         self.faces.clear();
     }
+}
+
+/// Writes the bit of pair `k`, which follows those that are there.
+fn mark(touching: &mut Vec<u32>, k: usize, touches: bool) {
+    touching.resize(k / AT_ONCE + 1, 0);
+    touching[k / AT_ONCE] |= u32::from(touches) << (k % AT_ONCE);
 }
 
 /// Springs and their pairs.
@@ -156,9 +163,7 @@ impl Pairs {
             let touched = spring.touched_at == evaluation;
             if between.norm_squared() <= reach * reach || touched {
                 push_disks(&mut self.disks, &mut self.disk_details, scene, first, second);
-                if touched {
-                    self.touching.disks.push(self.disk_springs.len() as u32);
-                }
+                mark(&mut self.touching.disks, self.disk_springs.len(), touched);
                 self.disk_springs.push(spring);
             }
         }
@@ -169,9 +174,7 @@ impl Pairs {
             let spring = kept(&mut old, (disk, face));
             let touched = spring.touched_at == evaluation;
             if circle.nears_face(&scene.faces, face, margin) || touched {
-                if touched {
-                    self.touching.faces.push(self.face_springs.len() as u32);
-                }
+                mark(&mut self.touching.faces, self.face_springs.len(), touched);
                 self.face_springs.push(spring);
                 self.faces.push(FacePair { disk, face });
             }

@@ -2,10 +2,11 @@
 
 use super::blocks::Blocks;
 use super::circle::Circle;
-use super::contacts::{ContactReport, Stretch};
+use super::contacts::Stretch;
 use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::neighbours::{CellGrid, Crowded, Near, SKIN};
+use super::report::ContactReport;
 use super::shortlist::{Activity, Shortlist};
 use super::{BodyId, Exposure, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
 use thiserror::Error;
