@@ -197,7 +197,8 @@ mod tests {
     #[test]
     fn a_contact_counts_from_the_time_when_it_began() {
         // 25 µm deep at 1 m/s: it has lasted a quarter of the step. The tangent points to the left.
-        let Beginning { first, since, whole } = beginning(&encounter(2.5e-5, vec2(-0.4, -1.0)), lately(None), DT);
+        let Beginning { first, since, whole } =
+            beginning(&encounter(2.5e-5, vec2(-0.4, -1.0)), lately(None), DT);
         assert!((since - 0.25 * DT).abs() < 1e-18 && whole);
         assert!((first.normal - 1000.0).abs() < 1e-9 && (first.tangential + 400.0).abs() < 1e-9);
         // From 1000 N to 1050 N; half a step of 1050 N counts anyhow.
