@@ -127,6 +127,20 @@ if has win64; then
     (cd / && "$wine" "$work/lemons.exe" run "Z:${work//\//\\}\\Windows ä\\push_fmi2.fmu" \
         -o "Z:${work//\//\\}\\Windows ä\\drive letter.csv" >/dev/null)
     cmp "$work/Linux ä/push2.csv" "$work/Windows ä/drive letter.csv"
+    # An importer that knows nothing of the project, and names the resources as on Windows: drive, percent signs.
+    unpacked=$work/"Jürgen 試"/unpacked
+    python3 -m zipfile -e "$dist/push_fmi2.fmu" "$unpacked"
+    cc -O2 -o "$work/importer" packaging/importer.c -ldl
+    x86_64-w64-mingw32-gcc -O2 -o "$work/importer.exe" packaging/importer.c
+    guid=$(sed -n 's/.*guid="\([^"]*\)".*/\1/p' "$unpacked/modelDescription.xml" | head -n 1)
+    uri=$(python3 -c 'import sys, urllib.parse; print(urllib.parse.quote(sys.argv[1]))' "$unpacked/resources")
+    # A force on the first person; x and y of everybody, after each of 40 steps.
+    run=("$guid" 40 0.05 9 1000 12 13 32 33 52 53 72 73 92 93)
+    "$work/importer" "$unpacked/binaries/linux64/CrowdMechanics.so" "file://$uri" "${run[@]}" >"$work/importer.linux"
+    "$wine" "$work/importer.exe" "Z:${unpacked//\//\\}\\binaries\\win64\\CrowdMechanics.dll" "file:///Z:$uri" "${run[@]}" |
+        tr -d '\r' >"$work/importer.windows"
+    cmp "$work/importer.linux" "$work/importer.windows"
+    (($(wc -w <"$work/importer.linux") == 400)) || fail "the importer got no results"
     # Closed forms, the ledger, golden bits.
     (cd "$work" && "$wine" "$work/lemons.exe" verify >"$work/verify.txt") || fail "$(grep -v ' ok' "$work/verify.txt")"
     tail -n 1 "$work/verify.txt" >&2
