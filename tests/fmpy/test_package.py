@@ -492,7 +492,7 @@ def test_types():
     assert done.returncode == 0, done.stdout
 
 
-def test_the_manual_runs(push_fmu, tmp_path):
+def test_the_manual_runs(lemons, push_fmu, tmp_path):
     """All Python of python/README.md as one script, beside push.fmu and the Trials."""
     text = (REPOSITORY / "python" / "README.md").read_text()
     blocks = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
@@ -501,7 +501,8 @@ def test_the_manual_runs(push_fmu, tmp_path):
     (tmp_path / "push.fmu").symlink_to(push_fmu)
     (tmp_path / "resources").symlink_to(REPOSITORY / "resources")
     command = [sys.executable, "manual.py"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env={**os.environ, "TMPDIR": str(tmp_path)})
+    environment = {**os.environ, "TMPDIR": str(tmp_path), "LEMONS": str(lemons), "XDG_STATE_HOME": str(tmp_path)}
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count(",ok,") == 9
     assert (tmp_path / "results" / "table.parquet").is_file()
