@@ -58,7 +58,7 @@ for platform; do
         python3 packaging/symbols.py "$dist/$platform/$file"
     done
     for file in $(program "$platform"); do
-        at_most 20 "$dist/$platform/$file"
+        at_most 25 "$dist/$platform/$file"
         python3 packaging/symbols.py "$dist/$platform/$file"
     done
     # Nothing tells on which machine it was made.
