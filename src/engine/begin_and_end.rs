@@ -9,7 +9,7 @@ use super::contact_law::{Reaction, normal_force, react};
 use super::encounter::{Encounter, Instant, Touch};
 use super::overlap::{COINCIDENT, Overlap, overlap_with_part, unit};
 use super::pairs::{DiskPair, DiskPairDetail, FacePair, Spring};
-use super::passing::Passing;
+use super::passing::{Passed, Passing};
 use super::standing::velocity_at;
 
 /// By how much the impulse of a contact that began or ended within a step differs from that of the evaluation next to
@@ -38,8 +38,8 @@ struct Beginning {
 
 /// What happened to a contact within the last step.
 struct Lately {
-    /// \[s\] Time since the receiver came to this part of a wall, if it did so.
-    came: Option<f64>,
+    /// When the receiver came to this part of a wall, if it did so.
+    came: Option<Passed>,
     /// \[m/s\] What the other contacts added to the relative velocity in the last half step.
     half_kick: Vec2,
 }
@@ -62,7 +62,7 @@ impl Instant<'_> {
         let body = self.scene.body_of(pair.disk);
         let half_kick = encounter.velocity - velocity_at(&(self.unkicked)(body), encounter.arm);
         let face = &self.scene.faces[pair.face.index()];
-        let came = self.passing(pair, dt).since_coming(face, encounter.part);
+        let came = self.passing(pair, dt).coming(face, encounter.part);
         began(encounter, Lately { came, half_kick }, dt)
     }
 
@@ -92,7 +92,7 @@ impl Instant<'_> {
         let (disk, wall) = (&self.scene.disks[pair.disk.index()], &self.scene.faces[pair.face.index()]);
         let passing = self.passing(pair, dt);
         let apart = overlap_with_part(wall, spring.part, passing.centre, disk.radius)?;
-        let left = passing.since_leaving(wall, spring.part);
+        let left = passing.leaving(wall, spring.part);
         ended(&self.face_encounter(pair, apart, spring.part), spring, left, dt)
     }
 
@@ -107,7 +107,7 @@ impl Instant<'_> {
 
 impl Amendment {
     /// For a contact that lasted a time \[s\] within a step, between its `edge` and the evaluation. `whole`: it began
-    /// or ended there with all forces; else it passed to another part of a wall, and its normal force went on.
+    /// or ended there with all forces; else the disk passed around a corner, and its normal force went on.
     fn of(edge: &Reaction, evaluated: &Reaction, lasted: f64, dt: f64, whole: bool) -> Amendment {
         let over = |edge: f64, evaluated: f64| 0.5 * ((edge + evaluated) * lasted - evaluated * dt);
         let (tangential, peak) = (over(edge.tangential, evaluated.tangential), edge.normal.abs());
@@ -134,28 +134,31 @@ fn beginning(encounter: &Encounter, lately: Lately, dt: f64) -> Beginning {
     // Deeper than it can have come in a step: other contacts turned it, and when it began is not known.
     let known = -2.0 * normal_speed * dt > depth;
     let touched = if known { dt.min(depth / -normal_speed) } else { 0.5 * dt };
-    let (since, whole) = match lately.came {
-        Some(came) if came < touched || !known => (came, false),
-        _ => (touched, true),
-    };
+    let came = lately.came.filter(|came| came.since < touched || !known);
+    let (since, whole) = came.map_or((touched, true), |came| (came.since, !came.around));
     // In the instant in which it begins it may slide, and then stick: the damping forces are there at once.
     let then = velocity - lately.half_kick * (since / (0.5 * dt));
-    let depth = if known || !whole { depth + normal_speed * since } else { depth };
+    let depth = if known || came.is_some() { depth + normal_speed * since } else { depth };
     let normal = normal_force(law, depth, then.dot(overlap.normal));
     let first = react(law, normal, then.dot(overlap.normal.perp()), 0.0);
     Beginning { first, since, whole }
 }
 
-/// A contact that ended within a step, at its end. `encounter` is what the two would have now. `left` is the time \[s\]
-/// since the receiver left this part of a wall, if it did so within the step.
-fn ended(encounter: &Encounter, spring: &Spring, left: Option<f64>, dt: f64) -> Option<(Touch, Amendment)> {
+/// A contact that ended within a step, at its end. `encounter` is what the two would have now. `left` says when
+/// the receiver left this part of a wall, if it did so within the step.
+fn ended(
+    encounter: &Encounter,
+    spring: &Spring,
+    left: Option<Passed>,
+    dt: f64,
+) -> Option<(Touch, Amendment)> {
     let Encounter { law, overlap, .. } = *encounter;
     let (normal_speed, slip_speed) = encounter.speeds();
     let gap = -overlap.depth;
     let parted = (gap >= 0.0 && normal_speed > 0.0).then(|| dt.min(gap / normal_speed));
     let (since, whole) = match (left, parted) {
-        (Some(left), Some(parted)) => (left.max(parted), parted >= left),
-        (Some(left), None) => (left, false),
+        (Some(left), Some(parted)) => (left.since.max(parted), parted >= left.since || !left.around),
+        (Some(left), None) => (left.since, !left.around),
         (None, Some(parted)) => (parted, true),
         (None, None) => return None,
     };
@@ -190,8 +193,9 @@ mod tests {
         Encounter { law: &LAW, overlap, part: FacePart::Left, arm, other_arm, velocity }
     }
 
+    /// It came around a corner some time \[s\] ago.
     fn lately(came: Option<f64>) -> Lately {
-        Lately { came, half_kick: Vec2::ZERO }
+        Lately { came: came.map(|since| Passed { since, around: true }), half_kick: Vec2::ZERO }
     }
 
     #[test]
@@ -227,6 +231,10 @@ mod tests {
         let amendment = Amendment::of(&first, &first, since, DT, whole);
         assert_eq!((amendment.normal, amendment.squeeze), (0.0, 0.0));
         assert!((amendment.tangential + 0.4 * DT * first.tangential).abs() < 1e-15);
+        // Inside of a corner it begins with all its force.
+        let came = Some(Passed { since: 0.1 * DT, around: false });
+        let inside = beginning(&encounter(3e-3, vec2(0.4, -1.0)), Lately { came, half_kick: Vec2::ZERO }, DT);
+        assert!(inside.whole && inside.first.normal == first.normal);
         // It came to this part of the wall before it touched it.
         let before = beginning(&encounter(2.5e-5, vec2(0.4, -1.0)), lately(Some(0.9 * DT)), DT);
         assert!((before.since - 0.25 * DT).abs() < 1e-18 && before.whole);

@@ -167,9 +167,8 @@ impl Blocks {
         then: impl Fn(usize, Bodies) -> f64 + Send + Sync,
     ) -> f64 {
         let before = self.evaluation;
-        // 32 bits, so that a spring has 32 bytes: 4e9 evaluations, four times what a communication step may have by
-        // default. Never 0, which is the number of a pair that has not touched.
-        self.evaluation = self.evaluation.checked_add(1).unwrap_or(FIRST_EVALUATION);
+        // 32 bits, so that a spring has 32 bytes. A communication step has fewer mechanical steps (`MOST_STEPS`).
+        self.evaluation += 1;
         let Blocks { blocks, standing, flown, deepest, loads, .. } = self;
         if threads.count() == 1 {
             for k in 0..blocks.len() {

@@ -14,7 +14,7 @@ pub(super) struct Instant<'a> {
     pub standing: &'a [Standing],
     /// Returns the twist of a body without its last half kick.
     pub unkicked: &'a (dyn Fn(BodyId) -> Twist + Sync),
-    /// Number of earlier evaluations.
+    /// The number of the previous evaluation.
     pub before: u32,
 }
 

@@ -181,6 +181,19 @@ impl Pairs {
         }
     }
 
+    /// Whether the bits are those of the springs that touched in an evaluation.
+    pub fn marked(&self, evaluation: u32) -> bool {
+        let marked = |bits: &[u32], springs: &[Spring]| {
+            let of_springs = springs.chunks(AT_ONCE).map(|some| {
+                some.iter()
+                    .enumerate()
+                    .fold(0, |word, (k, spring)| word | u32::from(spring.touched_at == evaluation) << k)
+            });
+            of_springs.eq(bits.iter().copied())
+        };
+        marked(&self.touching.disks, &self.disk_springs) && marked(&self.touching.faces, &self.face_springs)
+    }
+
     /// Empties the list, but keeps the springs and their pairs.
     fn put_aside(&mut self) {
         let disks = self.disk_details.iter().map(|pair| (pair.first, pair.second));

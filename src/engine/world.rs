@@ -12,7 +12,7 @@ use super::{BodyId, Exposure, Scene, Shortlisting, State, Threads, ThreadsError,
 use thiserror::Error;
 
 /// Largest number of mechanical steps in one communication step; more would take for ever.
-const MOST_STEPS: f64 = 1e12;
+const MOST_STEPS: f64 = 4e9;
 
 /// See [`World::share_from`]. A step with this amount of work takes about 20 µs; sharing it costs a fraction of that.
 const SHARE_FROM: usize = 1800;

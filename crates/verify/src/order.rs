@@ -36,6 +36,8 @@ pub(crate) const CHECKS: &[Check] = &[
         1e-6,
         || error(Moment::Parted, BOTH, 1e-5),
     ),
+    Check::new("two disks meet and stick: order short of 2", "two damped oscillators", "", 0.1, sticking),
+    Check::new("a disk runs round inside a polygon: order short of 2", "steps of 1 µs", "", 0.3, inside),
 ];
 
 /// Damping, and friction so weak that it slides all the time.
@@ -144,4 +146,76 @@ pub fn errors_of_hit() -> Result<Vec<(f64, f64)>> {
 fn shortfall(moment: Moment, law: PairLaw) -> Result<f64> {
     let errors = errors(moment, law)?;
     Ok((2.0 - (errors[0].1 / errors[3].1).log2() / 3.0).max(0.0))
+}
+
+/// Two disks that do not turn meet obliquely and stick: along the normal and along the tangent, the relative motion is
+/// that of a damped oscillator.
+fn sticking() -> Result<f64> {
+    let law = PairLaw { friction: 1e6, ..BOTH };
+    let body = BodySpec { inertia: 1e12, ..disk(MASS, RADIUS) };
+    let speed = |stiffness: f64, damping: f64, first: f64, time: f64| {
+        let (decay, squared) = (damping / MASS, 2.0 * stiffness / MASS);
+        let pulsation = (squared - decay * decay).sqrt();
+        let (sin, cos) = (pulsation * time).sin_cos();
+        first * (-decay * time).exp() * (cos - decay / pulsation * sin)
+    };
+    let error = |mechanical_step: f64| -> Result<f64> {
+        let mut errors = Vec::new();
+        for k in 0..TIMES {
+            let begins = BEGINS + mechanical_step * (f64::from(k) + 0.5) / f64::from(TIMES);
+            let [along, towards] = START;
+            let motions = [
+                (at(0.0, 0.0), moving(0.0, 0.0)),
+                (at(-along * begins, 2.0 * RADIUS + towards * begins), moving(along, -towards)),
+            ];
+            let mut world = world(&[body.clone(), body.clone()], &[], law, &motions, mechanical_step);
+            world.shortlisting = Shortlisting::Off;
+            world.advance(Moment::Lasting.time())?;
+            ensure!(world.work().sliding == 0, "it slid");
+            let twists = &world.state().twists;
+            let velocity = twists[1].velocity - twists[0].velocity;
+            let contact = world.contacts().contacts.first().copied();
+            let normal = contact.map_or(vec2(0.0, -1.0), |contact| contact.normal) * -1.0;
+            let lasted = Moment::Lasting.time() - begins;
+            let exact = [
+                speed(law.normal_stiffness, law.normal_damping, towards, lasted),
+                speed(law.tangential_stiffness, law.tangential_damping, along, lasted),
+            ];
+            errors.extend(
+                [-velocity.dot(normal) - exact[0], velocity.dot(-normal.perp()) - exact[1]].map(f64::abs),
+            );
+        }
+        Ok(largest(errors))
+    };
+    let errors = [error(8e-5)?, error(1e-5)?];
+    println!("{errors:?}");
+    Ok((2.0 - (errors[0] / errors[1]).log2() / 3.0).max(0.0))
+}
+
+/// A disk is pressed outwards while it runs along the inner side of a polygon. At each of its obtuse corners, the force of
+/// one face ends and that of another begins, both at once with all their strength.
+fn inside() -> Result<f64> {
+    let sides = 36;
+    let corner = |k: u32| {
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(k) / f64::from(sides));
+        (cos, sin)
+    };
+    let corners: Vec<(f64, f64)> = (0..=sides).map(|k| corner(k % sides)).collect();
+    let end = |mechanical_step: f64| -> Result<Vec2> {
+        let motion = (at(0.0, -0.7955), moving(3.0, 0.0));
+        let mut world = world(&[disk(MASS, RADIUS)], &[wall(&corners)], BOTH, &[motion], mechanical_step);
+        world.advance(0.25)?;
+        Ok(world.state().poses[0].position)
+    };
+    let exact = end(1e-6)?;
+    let error = |step: f64| -> Result<f64> { Ok((end(step)? - exact).norm()) };
+    // The corners are met anywhere within a step: means over several steps.
+    let mean = |step: f64| -> Result<f64> {
+        let errors =
+            (0..8).map(|k| error(step * (1.0 - 0.02 * f64::from(k)))).collect::<Result<Vec<f64>>>()?;
+        Ok(errors.iter().sum::<f64>() / 8.0)
+    };
+    let errors = [mean(8e-5)?, mean(1e-5)?];
+    println!("{errors:?}");
+    Ok((2.0 - (errors[0] / errors[1]).log2() / 3.0).max(0.0))
 }
