@@ -15,6 +15,9 @@ pub enum Error {
     /// A crowd does not advance.
     #[error(transparent)]
     Advance(#[from] AdvanceError),
+    /// A scene cannot be made.
+    #[error(transparent)]
+    Scene(#[from] lemons_verify::Error),
     /// Threads cannot be started.
     #[error(transparent)]
     Threads(#[from] ThreadsError),

@@ -4,6 +4,7 @@
 //! measured in processor time of the thread, which other load on the machine hardly changes: the median of several
 //! runs.
 
+pub mod accuracy;
 mod error;
 pub mod fmu;
 

@@ -3,9 +3,9 @@
 
 use crate::error::{Result, ensure};
 use crate::{Check, largest};
-use crowd_mechanics::engine::Wrench;
+use crowd_mechanics::engine::{World, Wrench};
 use crowd_mechanics::setup::{self, Setup};
-use lemons_plane::vec2;
+use lemons_plane::{Pose, Twist, vec2};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -44,36 +44,72 @@ static USUAL: &str = include_str!("../../../tests/reference/usual.json");
 
 /// A case of these files; its format is described in reference.py.
 #[derive(Deserialize)]
-struct Case {
-    name: String,
+pub struct Case {
+    /// What meets.
+    pub name: String,
     files: BTreeMap<String, String>,
-    times: Vec<f64>,
+    /// \[s\] ends of the stages; the first begins at 0.
+    pub times: Vec<f64>,
     drive: Vec<Vec<[f64; 3]>>,
     states: Vec<Vec<[f64; 6]>>,
 }
 
+impl Case {
+    /// Returns the world at its start.
+    ///
+    /// # Errors
+    /// Its files cannot be read.
+    pub fn world(&self, mechanical_step: f64) -> Result<World> {
+        let directory = tempfile::tempdir()?;
+        for (name, text) in &self.files {
+            let path = directory.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap_or(directory.path()))?;
+            std::fs::write(path, text)?;
+        }
+        let (trial, _) = setup::read(directory.path())?;
+        let mut world = Setup::of(&trial).world()?;
+        world.mechanical_step = mechanical_step;
+        Ok(world)
+    }
+
+    /// Returns the drive of a stage, which is constant.
+    pub fn drive(&self, stage: usize) -> Vec<Wrench> {
+        self.drive[stage].iter().map(|[x, y, m]| Wrench { force: vec2(*x, *y), torque: *m }).collect()
+    }
+
+    /// Returns poses and twists at the end of a stage, by the independent integrator.
+    pub fn solution(&self, stage: usize) -> Vec<(Pose, Twist)> {
+        let states = self.states[stage].iter();
+        let motions = states.map(|[x, y, theta, vx, vy, omega]| {
+            let pose = Pose { position: vec2(*x, *y), orientation: *theta };
+            (pose, Twist { velocity: vec2(*vx, *vy), angular_velocity: *omega })
+        });
+        motions.collect()
+    }
+}
+
+/// Returns the cases with the materials of the default Trial.
+///
+/// # Errors
+/// Their file is damaged.
+pub fn usual() -> Result<Vec<Case>> {
+    Ok(serde_json::from_str(USUAL)?)
+}
+
 /// Returns the largest differences of poses \[m, rad\] and velocities \[m/s, rad/s\] in a case.
 fn differences(case: &Case, mechanical_step: f64) -> Result<(f64, f64)> {
-    let directory = tempfile::tempdir()?;
-    for (name, text) in &case.files {
-        let path = directory.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap_or(directory.path()))?;
-        std::fs::write(path, text)?;
-    }
-    let (trial, _) = setup::read(directory.path())?;
-    let mut world = Setup::of(&trial).world()?;
-    world.mechanical_step = mechanical_step;
+    let mut world = case.world(mechanical_step)?;
     let (mut time, mut worst) = (0.0, (0.0, 0.0));
-    for ((&end, drive), states) in case.times.iter().zip(&case.drive).zip(&case.states) {
-        world.drive = drive.iter().map(|[x, y, m]| Wrench { force: vec2(*x, *y), torque: *m }).collect();
+    for (stage, &end) in case.times.iter().enumerate() {
+        world.drive = case.drive(stage);
         world.advance(end - time)?;
         time = end;
         let motions = world.state().poses.iter().zip(&world.state().twists);
-        for ((pose, twist), [x, y, theta, vx, vy, omega]) in motions.zip(states) {
-            let place = (pose.position - vec2(*x, *y)).norm();
-            let velocity = (twist.velocity - vec2(*vx, *vy)).norm();
-            worst.0 = largest([worst.0, place, (pose.orientation - theta).abs()]);
-            worst.1 = largest([worst.1, velocity, (twist.angular_velocity - omega).abs()]);
+        for ((pose, twist), (known, moving)) in motions.zip(case.solution(stage)) {
+            let turned = (pose.orientation - known.orientation).abs();
+            let spin = (twist.angular_velocity - moving.angular_velocity).abs();
+            worst.0 = largest([worst.0, (pose.position - known.position).norm(), turned]);
+            worst.1 = largest([worst.1, (twist.velocity - moving.velocity).norm(), spin]);
         }
     }
     Ok(worst)
