@@ -2,9 +2,11 @@
 
 mod advice;
 mod plausible;
+mod steps;
 mod within;
 mod world;
 
+pub use steps::{FINEST_ACCURACY, Steps};
 pub use world::{WorldError, dynamics_of, interactions_of};
 
 use lemons_trial::{FileNames, Problems, Trial};

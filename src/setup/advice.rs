@@ -1,29 +1,12 @@
 //! Warnings about the mechanics of a Trial without errors.
 
 use super::plausible::Doubt;
+use super::steps::{Fastest, rounded_down};
 use super::{Setup, WorldError};
 use crate::engine::{ContactReport, DiskId, Pair, Scene};
 use lemons_trial::{Places, Problem, Severity, quoted};
 use std::collections::HashSet;
-use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
-
-/// A mechanical step longer than this fraction of the shortest contact period causes a warning. Up to it, without
-/// damping, bodies separate at most 1 % faster than they met.
-const LONGEST_SHARE: f64 = 1.0 / 20.0;
-
-/// Assumed number of simultaneous contacts of a body in a dense crowd. All of them act on the same motion of it.
-const CONTACTS_AT_ONCE: f64 = 8.0;
-
-/// \[1/s\] Largest allowed growth rate of the slip of a sticking contact with almost no damping.
-const FASTEST_GROWTH: f64 = 0.5;
-
-/// The proposed step, as a fraction of the shortest contact period.
-const PROPOSED_SHARE: f64 = 1.0 / 50.0;
-
-/// Largest proposed step, as a fraction of the shortest time in which the damping of a contact slows a motion to 1/e. A
-/// step of that whole time would make one contact unstable.
-const PROPOSED_DAMPING_SHARE: f64 = 1.0 / 10.0;
 
 /// Largest distance that a disk moves in a proposed step, as a fraction of its radius.
 const PROPOSED_SHARE_OF_RADIUS: f64 = 1.0 / 10.0;
@@ -107,9 +90,9 @@ impl Setup<'_> {
 
     fn coarse_step(&self, scene: &Scene, file: &Path) -> Option<Problem> {
         let step = self.parameters.time_step_mechanical;
-        let contacts = self.fastest_contacts(scene)?;
-        let Fastest { pair, rates, materials } = &contacts.least_allowed;
-        if step <= rates.longest_step() {
+        let steps = self.steps_in(scene)?;
+        let Fastest { pair, rates, materials } = &steps.least_allowed;
+        if step <= steps.longest() {
             return None;
         }
         let verdict = if step < rates.unstable_from(1.0) {
@@ -122,7 +105,7 @@ impl Setup<'_> {
             let message = format!("{verdict}: {}", self.absurd_damping(scene, *materials, ratio));
             return Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message));
         }
-        let Some(proposed) = contacts.proposed_step() else {
+        let Some(proposed) = steps.proposed() else {
             let message = format!(
                 "no step resolves the contact of {pair}: are mass, moment of inertia and materials right?"
             );
@@ -155,96 +138,6 @@ impl Setup<'_> {
              critical damping of {:.1e} kg/s, from which on nothing bounces back: is it right?",
             damping / ratio
         )
-    }
-
-    /// \[s\] A mechanical step that resolves every contact that these agents and walls can have. `None` if nothing can
-    /// touch, or if there is no such step.
-    ///
-    /// A contact acts like a spring on an effective mass m\\*: 1/m\\* = Σ (1/m + R²/I) over the bodies in contact (walls
-    /// do not move), where R is the distance from the centre of mass to the rim. The step is the least of three times: a
-    /// fiftieth of the shortest period 2π √(m\\*/k), where k is the stiffer of the two springs; a tenth of the shortest
-    /// damping time m\\*/γ; and the step up to which a sticking contact gains almost no energy. It is rounded down to 1,
-    /// 2 or 5 times a power of ten.
-    pub fn proposed_step(&self) -> Option<f64> {
-        self.fastest_contacts(&self.scene().ok()?)?.proposed_step()
-    }
-
-    /// Returns `None` if nothing can touch.
-    fn fastest_contacts(&self, scene: &Scene) -> Option<FastestContacts> {
-        let materials = self.material_places().len();
-        // The two lightest agents of each material, because a contact may be between two agents of the same material.
-        let mut lightest: Vec<[Option<(f64, usize)>; 2]> = vec![[None; 2]; materials];
-        for (b, body) in scene.bodies.iter().enumerate() {
-            // Acceleration of a point at the body's rim per unit of force there.
-            let lightness = 1.0 / body.mass + body.bounding_radius * body.bounding_radius / body.inertia;
-            let mut carried: Vec<usize> = body.disks.clone().map(|disk| scene.disks[disk].material).collect();
-            carried.sort_unstable();
-            carried.dedup();
-            for material in carried {
-                let [first, second] = &mut lightest[material];
-                if first.is_none_or(|(other, _)| lightness > other) {
-                    *second = first.replace((lightness, b));
-                } else if second.is_none_or(|(other, _)| lightness > other) {
-                    *second = Some((lightness, b));
-                }
-            }
-        }
-        // One wall for each material.
-        let mut walls: Vec<Option<usize>> = vec![None; materials];
-        for (wall, faces) in scene.wall_faces.iter().enumerate() {
-            walls[scene.faces[faces.start].material].get_or_insert(wall);
-        }
-        let id = |b: usize| quoted(&self.agents[b].id);
-        let mut fastest: Option<FastestContacts> = None;
-        let mut consider = |first: usize, second: usize, lightness: f64, whose: &dyn Fn() -> String| {
-            let law = scene.law(first, second);
-            let rates = Rates {
-                stiffness: law.normal_stiffness.max(law.tangential_stiffness) * lightness,
-                damping: law.normal_damping.max(law.tangential_damping) * lightness,
-                tangential_stiffness: law.tangential_stiffness * lightness,
-                tangential_damping: law.tangential_damping * lightness,
-            };
-            match &mut fastest {
-                None => {
-                    let least_allowed = Fastest { pair: whose(), rates, materials: (first, second) };
-                    fastest = Some(FastestContacts {
-                        stiffness: rates.stiffness,
-                        damping: rates.damping,
-                        to_stick: rates.longest_to_stick(),
-                        least_allowed,
-                    });
-                }
-                Some(fastest) => {
-                    fastest.stiffness = fastest.stiffness.max(rates.stiffness);
-                    fastest.damping = fastest.damping.max(rates.damping);
-                    fastest.to_stick = fastest.to_stick.min(rates.longest_to_stick());
-                    if rates.longest_step() < fastest.least_allowed.rates.longest_step() {
-                        let materials = (first, second);
-                        fastest.least_allowed = Fastest { pair: whose(), rates, materials };
-                    }
-                }
-            }
-        };
-        for first in 0..materials {
-            let Some((lightness, a)) = lightest[first][0] else { continue };
-            for (second, others) in lightest.iter().enumerate().skip(first) {
-                let pairs = lightest[first].iter().flatten().flat_map(|one| {
-                    others.iter().flatten().filter(|other| other.1 != one.1).map(move |other| (one, other))
-                });
-                let sum = |pair: &(&(f64, usize), &(f64, usize))| pair.0.0 + pair.1.0;
-                if let Some(pair) = pairs.max_by(|a, b| sum(a).total_cmp(&sum(b))) {
-                    let whose = || format!("agents {} and {}", id(pair.0.1), id(pair.1.1));
-                    consider(first, second, sum(&pair), &whose);
-                }
-            }
-            for (material, wall) in walls.iter().enumerate() {
-                let Some(wall) = wall else { continue };
-                consider(first, material, lightness, &|| {
-                    format!("agent {} and wall {}", id(a), quoted(&self.geometry.walls[*wall].id))
-                });
-            }
-        }
-        fastest
     }
 
     /// Finds disks that may be on the far side of a wall or of a person before a contact is detected.
@@ -280,88 +173,9 @@ impl Setup<'_> {
         let (moved, speed) = (share * radius, share * radius / step);
         let message = format!(
             "a disk of agent {id} may move {moved:.2e} m in it, further than its radius {radius:?} m, and step over a \
-             wall{others}: by Velocity and Fp the agent comes to {speed:.2e} m/s; {cure}"
+             wall or somebody{others}: by Velocity and Fp the agent comes to {speed:.2e} m/s; {cure}"
         );
         Some(warning(file, Some(("Times", "TimeStepMechanical", step)), message))
-    }
-}
-
-/// The stiffness and damping of a contact, divided by the effective mass of the touching points.
-#[derive(Debug, Clone, Copy)]
-struct Rates {
-    /// \[1/s²\] k/m\*
-    stiffness: f64,
-    /// \[1/s\] γ/m\*
-    damping: f64,
-    /// \[1/s²\]
-    tangential_stiffness: f64,
-    /// \[1/s\]
-    tangential_damping: f64,
-}
-
-impl Rates {
-    /// \[s\] Period of the contact.
-    fn period(&self) -> f64 {
-        TAU / self.stiffness.sqrt()
-    }
-
-    /// \[1/s\] Critical γ/m\*, above which nothing bounces back: 2 √(k/m\*).
-    fn critical_damping(&self) -> f64 {
-        2.0 * self.stiffness.sqrt()
-    }
-
-    /// \[s\] Step from which the integration gains energy if a body has this many such contacts.
-    ///
-    /// Velocity Verlet with the force from x and the predicted velocity at the same instant has the characteristic
-    /// polynomial z³ + (κ + 3g/2 − 2) z² + (1 − 2g) z + g/2 for κ = (k/m\*) dt², g = (γ/m\*) dt. All its roots are
-    /// inside the unit circle exactly if κ/4 + g < 1. With n contacts of a body, κ and g are up to n times as large.
-    fn unstable_from(&self, contacts: f64) -> f64 {
-        let (damping, stiffness) = (contacts * self.damping, contacts * self.stiffness);
-        2.0 / (damping + (damping * damping + stiffness).sqrt())
-    }
-
-    /// \[s\] Longest step at which the slip of a sticking contact grows no faster than allowed.
-    ///
-    /// A tangential spring is integrated by the trapezoidal rule for the predicted slip:
-    /// 4z (z − 1)² + (3z − 1) (κ (z + 1) + 2g (z − 1)) = 0. For small κ and g its complex roots grow by κ²/8 − g/2 in
-    /// a step.
-    fn longest_to_stick(&self) -> f64 {
-        let squared = self.tangential_stiffness * self.tangential_stiffness;
-        (8.0 * (FASTEST_GROWTH + 0.5 * self.tangential_damping) / squared).cbrt()
-    }
-
-    /// \[s\] Longest step without a warning.
-    fn longest_step(&self) -> f64 {
-        let stable = self.unstable_from(CONTACTS_AT_ONCE).min(self.longest_to_stick());
-        stable.min(LONGEST_SHARE * self.period())
-    }
-}
-
-/// A contact and its owners.
-struct Fastest {
-    pair: String,
-    rates: Rates,
-    /// Indices of both materials in the table of laws.
-    materials: (usize, usize),
-}
-
-/// The contacts that a mechanical step must resolve.
-struct FastestContacts {
-    /// \[1/s²\] k/m\* of the stiffest contact.
-    stiffness: f64,
-    /// \[1/s\] γ/m\* of the most strongly damped contact.
-    damping: f64,
-    /// \[s\] The shortest [`Rates::longest_to_stick`].
-    to_stick: f64,
-    /// The contact with the shortest allowed step.
-    least_allowed: Fastest,
-}
-
-impl FastestContacts {
-    /// See [`Setup::proposed_step`].
-    fn proposed_step(&self) -> Option<f64> {
-        let period = TAU / self.stiffness.sqrt();
-        rounded_down((PROPOSED_SHARE * period).min(PROPOSED_DAMPING_SHARE / self.damping).min(self.to_stick))
     }
 }
 
@@ -389,14 +203,6 @@ impl Deepest {
             format!("{count} {pairs} of {what} overlap at the start, the deepest by {depth:.3} mm ({whose})")
         })
     }
-}
-
-/// Rounds down to 1, 2 or 5 times a power of ten; `None` if the result is not a normal number.
-fn rounded_down(value: f64) -> Option<f64> {
-    let power = value.log10().floor();
-    // Parsed from text, so that it is the double nearest to the decimal number.
-    let rounded = [5, 2, 1].map(|lead| format!("{lead}e{power}").parse().unwrap_or(f64::NAN));
-    rounded.into_iter().find(|rounded| *rounded <= value).filter(|rounded| rounded.is_normal())
 }
 
 fn warning(file: &Path, subject: Option<(&str, &str, f64)>, message: String) -> Problem {
@@ -485,22 +291,9 @@ mod tests {
         assert_eq!(said.len(), 1);
         assert!(said[0].contains("<Times> TimeStepMechanical=\"0.002\": is long for"), "{said:?}");
         // k_n = 4.99e6 N/m; 1/63 kg + (0.2225 m)²/1.02 kg.m2: a period of 11 ms.
-        assert!(said[0].contains("at most 2e-4 s"), "{said:?}");
+        assert!(said[0].contains("at most 1e-4 s"), "{said:?}");
         trial.parameters.time_step_mechanical = 2e-4;
         assert_eq!(super::tests::said(&trial), [""; 0]);
-    }
-
-    #[test]
-    fn the_proposed_step_resolves_springs_and_dampers() {
-        let mut trial = push();
-        // As warned of above.
-        assert_eq!(Setup::of(&trial).proposed_step(), Some(2e-4));
-        // 1/m* of agent 1 and a wall is 0.0644/kg: with 1e6 kg/s a time of 15.5 µs, a tenth of it 1.55 µs.
-        trial.materials.binary[2].gamma_tangential = 1e6;
-        assert_eq!(Setup::of(&trial).proposed_step(), Some(1e-6));
-        trial.geometry.walls.clear();
-        trial.agents.truncate(1);
-        assert_eq!(Setup::of(&trial).proposed_step(), None);
     }
 
     #[test]
@@ -591,13 +384,5 @@ mod tests {
         trial.dynamics[1].omega = 1e4;
         trial.dynamics[2].omega = 1e4;
         assert!(said(&trial).join("\n").contains("(2 agents may)"), "{:?}", said(&trial));
-    }
-
-    #[test]
-    fn rounding_goes_down() {
-        assert_eq!(rounded_down(0.000_73), Some(0.000_5));
-        assert_eq!(rounded_down(0.3), Some(0.2));
-        assert_eq!(rounded_down(1.9), Some(1.0));
-        assert_eq!([0.0, 1e-320, f64::NAN, f64::INFINITY].map(rounded_down), [None; 4]);
     }
 }

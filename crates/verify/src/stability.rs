@@ -7,6 +7,7 @@ use crate::{Check, largest};
 use crowd_mechanics::engine::*;
 use crowd_mechanics::setup::Setup;
 use lemons_trial::{Agent, AgentDynamics, Shape, Trial};
+use std::f64::consts::PI;
 
 pub(crate) const CHECKS: &[Check] = &[
     Check::new("longest stable step of a damped contact", "root of the step's polynomial", "", 1e-2, || {
@@ -33,6 +34,13 @@ pub(crate) const CHECKS: &[Check] = &[
         "",
         0.0,
         unsaid,
+    ),
+    Check::new(
+        "head-on hits of m, k, γ at the steps for 1 mm, 0.1 mm, 1 µm: error of a place after 1 s, in these",
+        "damped oscillator",
+        "",
+        1.0,
+        hits_as_accurate_as_wished,
     ),
     Check::new(
         "a pressed crowd at the longest steps that check lets pass: kinetic energy",
@@ -170,6 +178,55 @@ fn sweep() -> Result<f64> {
         passed > 300 && unstable > 100,
         "more than 300 cases pass, and more than 100 of those warned of are unstable: {passed} and {unstable}"
     );
+    Ok(worst)
+}
+
+/// \[m\] Place of the bouncing disk a time \[s\] after it has touched the wall at 0.21 m with 1 m/s.
+fn place_after_hit(mass: f64, law: &PairLaw, time: f64) -> f64 {
+    let (decay, stiffness) = (law.normal_damping / (2.0 * mass), law.normal_stiffness / mass);
+    let touching = 0.01;
+    let discriminant = stiffness - decay * decay;
+    if discriminant < 0.0 {
+        // h = (e^(−a t) − e^(−b t)) / (b − a); a b = k/m, without a difference of nearly equal numbers.
+        let b = decay + (-discriminant).sqrt();
+        let a = stiffness / b;
+        return touching + ((-a * time).exp() - (-b * time).exp()) / (b - a);
+    }
+    let pulsation = discriminant.sqrt();
+    let parted = PI / pulsation;
+    if time < parted {
+        touching + (-decay * time).exp() * (pulsation * time).sin() / pulsation
+    } else {
+        touching - (-decay * parted).exp() * (time - parted)
+    }
+}
+
+/// Returns the largest error, divided by the accuracy that its step was chosen for.
+fn hits_as_accurate_as_wished() -> Result<f64> {
+    let (_directory, trial) = open("push_agent_wall")?;
+    let mut worst = 0.0f64;
+    for mass in [1.0, 20.0, 80.0, 1000.0] {
+        for hardness in [0.01, 1.0, 100.0] {
+            for damping in [0.0, 1e2, 1e3, 1e4, 1e5] {
+                for accuracy in [1e-3, 1e-4, 1e-6] {
+                    let mut case = bouncing(&trial, mass, hardness, [damping, damping], 1e-5);
+                    case.dynamics[0].velocity = vec2(1.0, 0.0);
+                    case.dynamics[0].omega = 0.0;
+                    // 12.345 678 mm from the wall, so that it touches at any time within a step.
+                    let gap = 0.012_345_678;
+                    case.dynamics[0].position.x = 0.01 - gap;
+                    let step = Setup::of(&case).steps().and_then(|steps| steps.accurate_to(accuracy));
+                    case.parameters.time_step_mechanical =
+                        step.ok_or_else(|| Error::Premise("there is a step".to_owned()))?;
+                    let mut world = Setup::of(&case).world()?;
+                    let law = *world.scene().law(0, 1);
+                    world.advance(gap + 1.0)?;
+                    let exact = place_after_hit(mass, &law, 1.0);
+                    worst = worst.max((world.state().poses[0].position.x - exact).abs() / accuracy);
+                }
+            }
+        }
+    }
     Ok(worst)
 }
 
