@@ -37,7 +37,7 @@ fn load(criterion: &mut Criterion) {
         bencher.iter_batched_ref(
             instantiate,
             |slave| {
-                slave.setup_experiment(0.0, None).expect("once");
+                slave.setup_experiment(0.0, None, None).expect("once");
                 slave.enter_initialization().expect("once");
                 slave.exit_initialization().expect("a good Trial");
             },

@@ -9,8 +9,7 @@ pub use saved::Saved;
 
 use crate::engine::{AdvanceError, BodyId, Pair, ThreadsError, World, Wrench, step_count};
 use crate::resources::{Resources, ResourcesError};
-use crate::setup::Setup;
-use crate::setup::{WorldError, dynamics_of, interactions_of};
+use crate::setup::{FINEST_ACCURACY, Setup, WorldError, dynamics_of, interactions_of};
 use crate::variables::{
     AgentQuantity, MOST_MECHANICAL_STEPS, Quantity, Variable, domain, guid, in_documents, in_documents_mut,
     is_input, table,
@@ -84,6 +83,8 @@ pub struct CrowdModel {
     output_directory: String,
     /// Rates of the inputs over the next step, by agent; missing ones are constant.
     rates: BTreeMap<usize, Wrench>,
+    /// \[m\] of the importer's experiment: chooses the mechanical step, unless that was set.
+    tolerance: Option<f64>,
     /// Made when initialization ends, or earlier if a computed output is read.
     world: Option<World>,
     /// Warnings that were not yet returned.
@@ -98,7 +99,7 @@ impl Model for CrowdModel {
     type Error = ModelError;
 
     const INTERPOLATES_INPUTS: bool = true;
-    const STATE_VERSION: u32 = 5;
+    const STATE_VERSION: u32 = 6;
 
     fn load(location: Location<'_>) -> Result<CrowdModel, ModelError> {
         let resources = Resources::at(location)?;
@@ -115,6 +116,7 @@ impl Model for CrowdModel {
             intermediate_steps: 0,
             output_directory: String::new(),
             rates: BTreeMap::new(),
+            tolerance: None,
             world: None,
             warnings,
             said_coincident: None,
@@ -156,6 +158,9 @@ impl Model for CrowdModel {
     fn set_real(&mut self, quantity: Quantity, value: f64, phase: Phase) {
         if quantity == Quantity::MostMechanicalSteps {
             self.most_steps = value;
+            if self.chooses_step() {
+                self.world = None;
+            }
             return;
         }
         match self.world.as_mut().and_then(|world| drive_mut(world, quantity)) {
@@ -219,8 +224,19 @@ impl Model for CrowdModel {
         }
     }
 
+    fn set_tolerance(&mut self, tolerance: Option<f64>) {
+        if self.chooses_step() {
+            self.trial.parameters.time_step_mechanical = self.packed.parameters.time_step_mechanical;
+        }
+        self.tolerance = tolerance;
+        self.world = None;
+    }
+
     fn initialize(&mut self) -> Result<(), ModelError> {
         self.make_world()?;
+        if self.chooses_step() {
+            self.warnings.extend(self.warning_of_step());
+        }
         make_directory(&self.output_directory)?;
         if self.settings.keys().any(|&quantity| !is_input(quantity)) {
             let advice = Setup::of(&self.trial).advice_as_edited();
@@ -247,6 +263,7 @@ impl Model for CrowdModel {
         self.intermediate_steps = 0;
         self.output_directory.clear();
         self.rates.clear();
+        self.tolerance = None;
         self.world = None;
         self.said_coincident = None;
         Ok(())
@@ -281,11 +298,53 @@ impl CrowdModel {
 
     fn make_world(&mut self) -> Result<&mut World, ModelError> {
         if self.world.is_none() {
+            self.choose_step();
             let mut world = Setup::of(&self.trial).world()?;
             give_threads(&mut world, self.threads, None)?;
             self.world = Some(world);
         }
         Ok(self.world.as_mut().expect("made above"))
+    }
+
+    /// Whether the importer's tolerance chooses the mechanical step.
+    fn chooses_step(&self) -> bool {
+        self.tolerance.is_some() && !self.settings.contains_key(&Quantity::TimeStepMechanical)
+    }
+
+    /// Gives the documents the mechanical step that is used.
+    fn choose_step(&mut self) {
+        if let Some(tolerance) = self.tolerance.filter(|_| self.chooses_step()) {
+            self.trial.parameters.time_step_mechanical = self.packed.parameters.time_step_mechanical;
+            if let Ok(step) = by_tolerance(&self.trial, tolerance, self.most_steps) {
+                self.trial.parameters.time_step_mechanical = step;
+            }
+        }
+    }
+
+    /// Says why the tolerance is not kept to.
+    fn warning_of_step(&self) -> Option<String> {
+        let tolerance = self.tolerance?;
+        let step = self.trial.parameters.time_step_mechanical;
+        match by_tolerance(&self.trial, tolerance, self.most_steps) {
+            Err(None) => None,
+            Err(Some(why)) => Some(format!(
+                "the tolerance {tolerance:e} chooses no mechanical step: {why}; TimeStepMechanical stays {step:?} s"
+            )),
+            Ok(_) if tolerance < FINEST_ACCURACY => Some(format!(
+                "the tolerance {tolerance:e} is taken as {FINEST_ACCURACY:e}: poses are not known to be more accurate \
+                 than {FINEST_ACCURACY:e} m at any mechanical step"
+            )),
+            Ok(step) => {
+                let error = Setup::of(&self.trial).steps()?.error(step);
+                (error > tolerance * (1.0 + 1e-9)).then(|| {
+                    format!(
+                        "the tolerance {tolerance:e} needs more than MostMechanicalSteps = {} mechanical steps in a \
+                         TimeStep of {:?} s: TimeStepMechanical is {step:?} s, which is accurate to about {error:.1e} m",
+                        self.most_steps, self.trial.parameters.time_step
+                    )
+                })
+            }
+        }
     }
 
     /// Checks that a communication step \[s\] has no more mechanical steps than allowed.
@@ -383,6 +442,9 @@ impl CrowdModel {
     /// Returns a Real of the documents, or one for which a world must be made first; 0 otherwise.
     #[cold]
     fn without_world(&mut self, quantity: Quantity) -> Result<f64, ModelError> {
+        if quantity == Quantity::TimeStepMechanical && self.world.is_none() {
+            self.choose_step();
+        }
         if let Some(value) = in_documents(&self.trial, quantity) {
             return Ok(value);
         }
@@ -509,6 +571,21 @@ fn make_directory(name: &str) -> Result<(), WriteError> {
     } else {
         std::fs::create_dir_all(directory).map_err(WriteError::at(directory))
     }
+}
+
+/// \[s\] The mechanical step for a tolerance \[m\]: see docs/step.md. A TimeStep takes no more than `most` of them.
+///
+/// # Errors
+/// Why there is none; nothing if nothing can touch, since any step is exact then.
+fn by_tolerance(trial: &Trial, tolerance: f64, most: f64) -> Result<f64, Option<&'static str>> {
+    let steps = Setup::of(trial).steps().ok_or(None)?;
+    let step = steps.accurate_to(tolerance.max(FINEST_ACCURACY));
+    let step = step.ok_or(Some("no step resolves the contacts of this scene"))?;
+    let shortest = trial.parameters.time_step / most;
+    if shortest > steps.longest() {
+        return Err(Some("MostMechanicalSteps allows no stable step"));
+    }
+    Ok(step.max(shortest))
 }
 
 /// A packed Trial with an instance's settings.

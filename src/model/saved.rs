@@ -1,9 +1,9 @@
 //! The crowd's part of FMI's "FMU state": saving and restoring.
 
-use super::{CrowdModel, ModelError, Settings, edited, give_threads, make_directory};
+use super::{CrowdModel, ModelError, Settings, by_tolerance, edited, give_threads, make_directory};
 use crate::engine::{Exposure, State, World, Wrench};
 use crate::setup::Setup;
-use crate::variables::{domain, guid, table};
+use crate::variables::{Quantity, domain, guid, table};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,6 +19,7 @@ pub struct Saved {
     intermediate_steps: i32,
     output_directory: String,
     rates: BTreeMap<usize, Wrench>,
+    tolerance: Option<f64>,
     running: Option<Running>,
 }
 
@@ -42,6 +43,7 @@ impl CrowdModel {
             intermediate_steps: self.intermediate_steps,
             output_directory: self.output_directory.clone(),
             rates: self.rates.clone(),
+            tolerance: self.tolerance,
             running: self.world.as_ref().map(|world| Running {
                 drive: world.drive.clone(),
                 state: world.state().clone(),
@@ -79,7 +81,16 @@ impl CrowdModel {
         if !(saved.most_steps > 0.0 && saved.most_steps.is_finite()) {
             return Err(ModelError::Saved("a MostMechanicalSteps that cannot be set"));
         }
-        let trial = edited(&packed, &saved.settings);
+        if saved.tolerance.is_some_and(|tolerance| !(tolerance > 0.0 && tolerance.is_finite())) {
+            return Err(ModelError::Saved("a tolerance that is not possible"));
+        }
+        let mut trial = edited(&packed, &saved.settings);
+        if let Some(tolerance) = saved.tolerance
+            && !saved.settings.contains_key(&Quantity::TimeStepMechanical)
+            && let Ok(step) = by_tolerance(&trial, tolerance, saved.most_steps)
+        {
+            trial.parameters.time_step_mechanical = step;
+        }
         let world = match &saved.running {
             None => None,
             Some(running) => {
@@ -104,6 +115,7 @@ impl CrowdModel {
         self.intermediate_steps = saved.intermediate_steps;
         self.output_directory.clone_from(&saved.output_directory);
         self.rates.clone_from(&saved.rates);
+        self.tolerance = saved.tolerance;
         Ok(())
     }
 }

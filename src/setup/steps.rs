@@ -296,7 +296,7 @@ mod tests {
         let damped = Setup::of(&trial).steps().unwrap();
         // γ/m* = 2e6 kg/s × 0.0644/kg; eight contacts: unstable from κ/4 + g = 1 on.
         let limit = 1.0 / (8.0 * 2e6 * 0.0644);
-        assert!((damped.stable() / limit - 1.0).abs() < 2e-3, "{} {limit}", damped.stable());
+        assert!((damped.stable() / limit - 1.0).abs() < 1e-2, "{} {limit}", damped.stable());
         assert!(damped.accurate_to(1e-4) < before.accurate_to(1e-4));
         // A light body is as bad.
         let mut trial = push();

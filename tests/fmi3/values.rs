@@ -28,7 +28,7 @@ fn get(crowd: &mut Slave<CrowdModel>, quantity: Quantity) -> f64 {
 fn arrays_have_the_bits_of_scalars() {
     let instance = Instance::new();
     let mut crowd = scalars();
-    crowd.setup_experiment(0.0, None).unwrap();
+    crowd.setup_experiment(0.0, None, None).unwrap();
     crowd.enter_initialization().unwrap();
     instance.enter_initialization();
     instance.push();

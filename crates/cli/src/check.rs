@@ -7,10 +7,15 @@ use crate::tell;
 use crate::words;
 use anyhow::{Context, Result};
 use crowd_mechanics::pack::DRIVE_FILE;
+use crowd_mechanics::setup::Setup;
 use lemons_master::Given;
 use lemons_trial::Problems;
+use lemons_trial::Trial;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+
+/// \[m\] For which `check` names a step.
+const USUAL_ACCURACY: f64 = 1e-4;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -72,6 +77,9 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     say_errors(&mut out, path, errors)?;
                     continue;
                 }
+                if let Some(about) = about_step(&trial) {
+                    writeln!(out, "note: {}: {about}", path.join("Parameters.xml").display())?;
+                }
                 writeln!(
                     out,
                     "{}: {}, {}, TimeStep {:?} s, TimeStepMechanical {:?} s: {}",
@@ -100,6 +108,35 @@ pub fn check(arguments: &Arguments) -> Result<()> {
 fn say_errors(out: &mut impl Write, path: &Path, errors: usize) -> io::Result<()> {
     let noun = if errors == 1 { "error" } else { "errors" };
     writeln!(out, "{}: {errors} {noun}", path.display())
+}
+
+/// Up to which mechanical step a Trial is stable, and how accurate its own and another one are. `None` if nothing can
+/// touch, since any step is exact then.
+fn about_step(trial: &Trial) -> Option<String> {
+    let steps = Setup::of(trial).steps()?;
+    let own = trial.parameters.time_step_mechanical;
+    let stable = steps.stable();
+    let told = if own < stable {
+        format!(
+            "TimeStepMechanical {own:e} s: stable (up to {stable:.1e} s), about {} per collision",
+            length(steps.error(own))
+        )
+    } else {
+        format!("TimeStepMechanical {own:e} s: not stable (up to {stable:.1e} s)")
+    };
+    let usual = steps.accurate_to(USUAL_ACCURACY);
+    let usual = usual.map(|step| format!("; {} at {step:e} s", length(USUAL_ACCURACY))).unwrap_or_default();
+    Some(format!("{told}{usual}"))
+}
+
+/// A length \[m\] in its usual unit.
+fn length(metres: f64) -> String {
+    let (unit, factor) = [("m", 1.0), ("mm", 1e3), ("µm", 1e6)]
+        .into_iter()
+        .find(|(_, factor)| metres * factor >= 0.1)
+        .unwrap_or(("nm", 1e9));
+    let number = format!("{:.1e}", metres * factor).parse().unwrap_or(metres * factor);
+    format!("{number} {unit}")
 }
 
 fn counted(count: usize, what: &str) -> String {

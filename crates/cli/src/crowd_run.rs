@@ -1,5 +1,6 @@
 //! A crowd among the components of a run: its trajectories and extremes, from the outputs of its FMU.
 
+use crate::compared::{Follower, Seen};
 use crate::recording::Recording;
 use crate::results::{self, Column, Content, FrameWriter, Kind, Place, Started, told};
 use anyhow::{Context, Result, bail};
@@ -36,6 +37,8 @@ pub struct Recorded {
     pub lines: Vec<String>,
     /// If it was to be kept in memory.
     pub run: Option<Run>,
+    /// Of the poses of each crowd, if they were followed.
+    pub poses: Vec<Seen>,
     /// Whether each file is in its place.
     pub placed: Result<()>,
 }
@@ -58,6 +61,7 @@ pub struct Crowd {
     peak_passed: bool,
     /// At the last look.
     moves: bool,
+    follower: Follower,
 }
 
 /// \[m/s\] Who is not faster stands,
@@ -179,7 +183,9 @@ impl Crowd {
             }
             Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
         };
+        let follower = recording.poses.follower(trial.as_ref(), agents);
         Ok(Crowd {
+            follower,
             motions: select(&columns::MOTION)?,
             contacts: select(&columns::CONTACTS)?,
             squeezes: select(&[columns::SQUEEZE])?,
@@ -207,6 +213,7 @@ impl Crowd {
         instance.get_real(&self.motions, &mut motions)?;
         instance.get_real(&self.squeezes, &mut squeezes)?;
         let (motions, _) = motions.as_chunks::<6>();
+        self.follower.see(time, motions);
         self.moves = motions.iter().any(|[_, _, vx, vy, _, turn]| moves(vx.hypot(*vy), *turn));
         let mut steps = vec![0.0; self.steps.len()];
         if self.steps.is_empty() {
@@ -269,6 +276,7 @@ impl Crowd {
                 line
             }
         };
+        let poses = self.follower.finish(&self.ids).into_iter().collect();
         let mut lines = Vec::new();
         if self.steps.is_empty() {
             lines.push(squeeze("greatest squeeze", mean_squeeze, "communication point"));
@@ -286,11 +294,11 @@ impl Crowd {
                 let line = format!("trajectories       {}", started.said(&path));
                 let placed = results::place(writer.finish(), &path);
                 lines.extend(placed.is_ok().then_some(line));
-                Recorded { lines, run: None, placed }
+                Recorded { lines, run: None, poses, placed }
             }
             Rows::Memory(recorder) => match recorder.finish(Path::new(""), self.ids) {
-                Ok(run) => Recorded { lines, run: Some(run), placed: Ok(()) },
-                Err(error) => Recorded { lines, run: None, placed: Err(error.into()) },
+                Ok(run) => Recorded { lines, run: Some(run), poses, placed: Ok(()) },
+                Err(error) => Recorded { lines, run: None, poses, placed: Err(error.into()) },
             },
         }
     }

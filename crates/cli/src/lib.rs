@@ -12,6 +12,7 @@ mod tell;
 mod bench;
 mod binary;
 mod check;
+mod compared;
 mod connect;
 mod crowd_run;
 mod decide;

@@ -1,5 +1,6 @@
 //! How a run is recorded.
 
+use crate::compared::Poses;
 use crate::results::Extent;
 use anyhow::{Context, Result};
 use lemons_master::{CrowdRecord, Saved};
@@ -10,6 +11,8 @@ pub struct Recording<'a> {
     pub about: Vec<(&'static str, String)>,
     /// The run that this one goes on from.
     pub before: Option<&'a Saved>,
+    /// What is done with the poses.
+    pub poses: Poses,
 }
 
 impl<'a> Recording<'a> {

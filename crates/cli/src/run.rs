@@ -1,9 +1,11 @@
 //! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
+mod halved;
 mod rest;
 mod series;
 mod underway;
 
+use crate::compared::{Poses, Seen};
 use crate::crowd_run::Point;
 use crate::error::{Misused, and_then, said};
 use crate::files::{self, Force};
@@ -16,6 +18,7 @@ use crate::watch::{Places, Recorded, Records, Watch};
 use crate::words::{refused, warned};
 use anyhow::{Context, Error, Result, bail};
 use clap::ValueEnum;
+use halved::{Chosen, run_for, steps_of};
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_files::Staged;
 use lemons_master::{
@@ -68,6 +71,11 @@ pub struct Arguments {
     /// on the number. In an SSP, use --set NAME.Threads=N
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(i32).range(1..))]
     threads: Option<i32>,
+    /// Choose the mechanical step for this accuracy, in metres, and run twice: with this step and with half
+    /// of it. The results are those of the second run. The summary says by how much a point of a body
+    /// differs at most between both, and whether the accuracy was met (docs/step.md)
+    #[arg(long, value_name = "METRES", value_parser = length, conflicts_with = "resume")]
+    accuracy: Option<f64>,
     /// File for the trajectories; - is standard output. Several crowds go to FILE_NAME.csv, with the name
     /// of each component. Default: trajectories.csv
     #[arg(short, long, value_name = "FILE")]
@@ -100,6 +108,8 @@ pub struct Job {
     pub state: Option<PathBuf>,
     /// Whether it ends when all have come to rest.
     pub until_still: bool,
+    /// What is done with the poses.
+    pub poses: Poses,
 }
 
 impl Arguments {
@@ -117,7 +127,7 @@ impl Arguments {
             saves: self.state.is_some(),
             ..Settings::of(&self.input)
         };
-        Ok(Job { settings, places, state: self.state.clone(), until_still: false })
+        Ok(Job { settings, places, state: self.state.clone(), until_still: false, poses: Poses::Ignore })
     }
 }
 
@@ -164,8 +174,22 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a positive number of metres, for example 1e-4".into()),
+    }
+}
+
 /// What came of a run.
 pub struct Ended {
+    /// If poses are followed: those of each crowd, and the mechanical steps \[s\].
+    poses: Vec<Seen>,
+    chosen: Chosen,
+    /// \[s\] the communication step
+    step: f64,
+    /// Lines of the summary: how two runs differ.
+    compared: Vec<String>,
     /// \[s\] simulated now.
     simulated: f64,
     wall: Duration,
@@ -182,7 +206,11 @@ pub struct Ended {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let mut ended = simulate(arguments.job()?, &Interrupt::watch())?;
+    let (job, interrupt) = (arguments.job()?, Interrupt::watch());
+    let mut ended = match arguments.accuracy {
+        Some(accuracy) => run_for(accuracy, job, &interrupt)?,
+        None => simulate(job, &interrupt)?,
+    };
     let told = ended.tell();
     // What was computed is told nevertheless.
     ended.complete()?;
@@ -192,7 +220,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(_) => "it is not saved: no state can be taken in the middle of a step".into(),
         None => "it is not saved (--state)".into(),
     };
-    Err(Interrupted(format!("stopped at t = {time:?} s; {go_on}")).into())
+    Err(interrupted(format!("stopped at t = {time:?} s; {go_on}")))
+}
+
+fn interrupted(why: String) -> Error {
+    Interrupted(why).into()
 }
 
 /// How often it is looked whether Ctrl-C was pressed.
@@ -233,13 +265,17 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
 }
 
 fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<Ended> {
-    let Job { settings, places, state, until_still } = job;
+    let Job { settings, places, state, until_still, poses } = job;
     let prepared = Prepared::of(&settings).map_err(refused)?;
     let Prepared { mut system, trials, pushes, progress, before, coupled, warnings } = prepared;
     for warning in &warnings {
         note!("{}", warned(warning));
     }
     let first = system.time();
+    let chosen = match &poses {
+        Poses::Ignore => Chosen::new(),
+        Poses::Keep | Poses::Compare(..) => steps_of(&system, coupled)?,
+    };
     let left = series::claim(&system, &trials, &progress)?;
     let by = writers(before.as_ref().map_or("", |before| &before.lemons), &BUILD.whole());
     let about = vec![
@@ -247,7 +283,7 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
         ("communication_step", format!("{:?}", progress.clock.step)),
         ("every", progress.every.to_string()),
     ];
-    let recording = Recording { about, before: before.as_ref() };
+    let recording = Recording { about, before: before.as_ref(), poses };
     let watch = Watch::create(&system, trials, places, recording)?;
     let file = state.map(|path| Ok::<_, anyhow::Error>((files::stage(&path)?, path))).transpose()?;
     let coupling = coupled.then(|| described(&system, progress.clock.step));
@@ -275,7 +311,7 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
     let Underway { started, coupling, watch, file, .. } = shared.take().context("the run was given up")?;
     let wall = started.elapsed();
     let records = watch.records(&system);
-    let Recorded { lines: seen, run: recorded, placed } = watch.finish();
+    let Recorded { lines: seen, run: recorded, poses, placed } = watch.finish();
     let saved = file.map(|(file, path)| stepping.save(&system, file, &path, records)).transpose();
     // States are given back while their FMUs are there.
     drop(stepping.kept.take());
@@ -289,6 +325,10 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
     }
     let (saved, kept) = saved.map_or_else(|error| (None, Err(error)), |saved| (saved, Ok(())));
     Ok(Ended {
+        poses,
+        chosen,
+        step: clock.step,
+        compared: Vec::new(),
         simulated: system.time() - first,
         wall,
         stopped: (system.time() < clock.until
@@ -347,6 +387,7 @@ impl Ended {
         say!("simulated time     {:>10.3} s", self.simulated)?;
         say!("wall time          {seconds:>10.3} s")?;
         say!("real-time factor   {:>10.2}", self.simulated / seconds)?;
+        self.compared.iter().try_for_each(|line| say!("{line}"))?;
         Ok(self.seen.iter().chain(&self.saved).try_for_each(|line| say!("{line}"))?)
     }
 }

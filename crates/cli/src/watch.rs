@@ -104,10 +104,11 @@ impl Watch {
 
     /// Puts each file in its place, also when that of another cannot be taken.
     pub fn finish(self) -> Recorded {
-        let mut all = Recorded { lines: Vec::new(), run: None, placed: Ok(()) };
+        let mut all = Recorded { lines: Vec::new(), run: None, poses: Vec::new(), placed: Ok(()) };
         for (name, crowd) in self.crowds {
             all.lines.extend(name.map(|name| format!("crowd              {name}")));
-            let Recorded { lines, run, placed } = crowd.finish();
+            let Recorded { lines, run, poses, placed } = crowd.finish();
+            all.poses.extend(poses);
             all.lines.extend(lines);
             all.run = all.run.or(run);
             all.placed = and_then(all.placed, placed);

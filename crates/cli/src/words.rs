@@ -16,6 +16,7 @@ pub fn refused(error: PrepareError) -> anyhow::Error {
             Misused(format!("--set {name}={value} with --resume: {FIXED}")).into()
         }
         E::Threads(threads) => Misused(format!("--threads {threads} with --resume: {FIXED}")).into(),
+        E::Tolerance(tolerance) => Misused(format!("--accuracy {tolerance:?} with --resume: {FIXED}")).into(),
         E::ThreadsOfCoupled(threads) => {
             anyhow!("--threads is for a Trial or an FMU: in an SSP, --set NAME.Threads={threads}")
         }

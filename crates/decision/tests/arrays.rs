@@ -293,7 +293,7 @@ fn arrays_have_the_bits_of_scalars() {
     let table = lemons_decision::decision::table(&plan());
     let mut scalars = v2::Slave::new(decision, &v2::guid(&table).to_string()).unwrap();
     let place = |name: String| table.iter().position(|row| row.name == name).unwrap() as u32;
-    scalars.setup_experiment(0.0, None).unwrap();
+    scalars.setup_experiment(0.0, None, None).unwrap();
     scalars.enter_initialization().unwrap();
     scalars.exit_initialization().unwrap();
     for k in 0..40 {

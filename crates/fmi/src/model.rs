@@ -92,6 +92,10 @@ pub trait Model: Sized + Send {
     /// [`Model::INTERPOLATES_INPUTS`].
     fn set_rate(&mut self, _input: Self::Quantity, _rate: f64) {}
 
+    /// Takes the tolerance of the experiment, a positive and finite number, or none if the importer defines none. Called
+    /// before initialization begins. A model that has no use for it ignores it.
+    fn set_tolerance(&mut self, _tolerance: Option<f64>) {}
+
     /// Ends initialization: the model is built from the values that were set.
     ///
     /// # Errors

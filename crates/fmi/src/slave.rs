@@ -48,6 +48,8 @@ pub enum SlaveError<E> {
     StartTime(f64),
     #[error("stop time {stop:?} s: must be finite and not before the start time {start:?} s")]
     StopTime { start: f64, stop: f64 },
+    #[error("a tolerance of {0:?}: must be positive and finite, or not defined")]
+    Tolerance(f64),
     #[error("a communication step of {0:?} s: must be positive and finite, and end at a finite time")]
     StepSize(f64),
     #[error("the communication point {given:?} s is not the slave's time {expected:?} s")]
@@ -158,17 +160,30 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
         }
     }
 
-    /// `fmi2SetupExperiment`: start time and, if given, stop time of the simulation \[s\].
+    /// `fmi2SetupExperiment`: start time and, if given, stop time of the simulation \[s\], and tolerance.
     ///
     /// # Errors
-    /// Wrong phase; times that are not finite or are in the wrong order.
-    pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Answer<M, ()> {
+    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not positive and finite.
+    pub fn setup_experiment(
+        &mut self,
+        start: f64,
+        stop: Option<f64>,
+        tolerance: Option<f64>,
+    ) -> Answer<M, ()> {
         self.check(Function::SetupExperiment)?;
-        self.set_times(start, stop)
+        self.set_experiment(start, stop, tolerance)
     }
 
-    /// Sets start time and, if given, stop time \[s\].
-    pub(crate) fn set_times(&mut self, start: f64, stop: Option<f64>) -> Answer<M, ()> {
+    /// Sets start time and, if given, stop time \[s\] and tolerance.
+    pub(crate) fn set_experiment(
+        &mut self,
+        start: f64,
+        stop: Option<f64>,
+        tolerance: Option<f64>,
+    ) -> Answer<M, ()> {
+        if let Some(tolerance) = tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
+            return Err(SlaveError::Tolerance(tolerance));
+        }
         if !start.is_finite() {
             return Err(SlaveError::StartTime(start));
         }
@@ -176,6 +191,7 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
             return Err(SlaveError::StopTime { start, stop });
         }
         (self.experiment, self.time) = (Some(Experiment { start, stop }), start);
+        self.model.set_tolerance(tolerance);
         Ok(())
     }
 

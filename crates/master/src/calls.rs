@@ -267,12 +267,12 @@ impl Calls {
         Answer { code: unsafe { function(self.component.as_ptr()) }, call }
     }
 
-    /// At a start time \[s\], without tolerance and stop time.
+    /// At a start time \[s\], with a tolerance if there is one, without stop time.
     ///
     /// # Errors
     /// The FMU lacks a function.
-    pub(crate) fn enter_initialization(&self, start: f64) -> Answer {
-        either!(self, functions => functions.enter_initialization(self, start))
+    pub(crate) fn enter_initialization(&self, start: f64, tolerance: Option<f64>) -> Answer {
+        either!(self, functions => functions.enter_initialization(self, start, tolerance))
     }
 
     pub(crate) fn exit_initialization(&self) -> Answer {

@@ -119,17 +119,18 @@ impl Instance {
     /// # Errors
     /// The FMU refuses the call.
     pub fn initialize(&self) -> Result<()> {
-        self.enter_initialization(0.0)?;
+        self.enter_initialization(0.0, None)?;
         self.exit_initialization()
     }
 
-    /// `fmi2SetupExperiment` at a time \[s\] and `fmi2EnterInitializationMode`, or `fmi3EnterInitializationMode`; then
+    /// `fmi2SetupExperiment` at a time \[s\], with a tolerance (this one, or that of the FMU's own DefaultExperiment, if there is one), and `fmi2EnterInitializationMode`, or `fmi3EnterInitializationMode`; then
     /// elements of arrays are set that were set before.
     ///
     /// # Errors
     /// The FMU refuses the call.
-    pub fn enter_initialization(&self, start: f64) -> Result<()> {
-        self.done(self.calls.enter_initialization(start))?;
+    pub fn enter_initialization(&self, start: f64, tolerance: Option<f64>) -> Result<()> {
+        let tolerance = tolerance.or(self.description.tolerance);
+        self.done(self.calls.enter_initialization(start, tolerance))?;
         self.initialized.set(true);
         let later = std::mem::take(&mut *self.later.borrow_mut());
         later.into_iter().try_for_each(|set| set(self))

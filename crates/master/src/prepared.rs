@@ -110,6 +110,9 @@ pub enum PrepareError {
     /// The saved run contains the number of threads.
     #[error("{0} threads: the saved run contains its parameters, and they cannot be changed")]
     Threads(i32),
+    /// The saved run contains the tolerance, or what was chosen by it.
+    #[error("a tolerance of {0:?}: the saved run contains its mechanical step, which cannot be changed")]
+    Tolerance(f64),
     /// In an SSP the number of threads is a parameter of each component.
     #[error("a number of threads is for a Trial or an FMU: in an SSP, set NAME.Threads={0}")]
     ThreadsOfCoupled(i32),
@@ -214,7 +217,7 @@ impl Prepared {
             return Err(PrepareError::Nothing { first, until, resumed: before.is_some() });
         }
 
-        system.initialize(start)?;
+        system.initialize(start, settings.tolerance)?;
         if let (Some(before), Some(states)) = (&before, &states) {
             system.restore(before.time, states).place(of_saved)?;
         }
@@ -383,6 +386,9 @@ fn read_saved(path: &Path) -> Result<(Saved, Vec<Vec<u8>>), PrepareError> {
 
 /// That nothing is set that a saved run contains.
 fn check_resumed(settings: &Settings) -> Result<(), PrepareError> {
+    if let (Some(_), Some(tolerance)) = (&settings.resume, settings.tolerance) {
+        return Err(PrepareError::Tolerance(tolerance));
+    }
     match (&settings.resume, settings.parameters.first(), settings.threads) {
         (None, ..) | (Some(_), None, None) => Ok(()),
         (Some(_), Some((name, value)), _) => {

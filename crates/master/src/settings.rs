@@ -15,6 +15,10 @@ pub struct Settings {
     pub parameters: Vec<(String, String)>,
     /// The number of threads of the crowd; not for an SSP, where it is a parameter of each component.
     pub threads: Option<i32>,
+    /// The tolerance of the experiment, positive and finite: each FMU gets it, and makes of it what it can. A crowd takes it
+    /// as the accuracy \[m\] for which it chooses its mechanical step. Default: that of an FMU's own DefaultExperiment,
+    /// else none.
+    pub tolerance: Option<f64>,
     /// \[s\] The communication step, finite and greater than 0. Default: the Trial's TimeStep; of several components, the smallest.
     pub step: Option<f64>,
     /// \[s\] The end of the run, finite and after its start. Default: that of the saved run, the stop time of the SSP, or 5 s.
@@ -41,6 +45,7 @@ impl Settings {
             input: input.into(),
             parameters: Vec::new(),
             threads: None,
+            tolerance: None,
             step: None,
             until: None,
             every: None,

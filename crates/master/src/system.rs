@@ -168,13 +168,14 @@ impl System {
         self.time
     }
 
-    /// Initializes all components at a time \[s\]; see the module for the first values.
+    /// Initializes all components at a time \[s\]; see the module for the first values. They get this tolerance, or that
+    /// of their own DefaultExperiment, or none.
     ///
     /// # Errors
     /// A component refuses it.
-    pub fn initialize(&mut self, start: f64) -> Result<()> {
+    pub fn initialize(&mut self, start: f64, tolerance: Option<f64>) -> Result<()> {
         self.time = start;
-        self.each(|system, c| system.components[c].instance.enter_initialization(start))?;
+        self.each(|system, c| system.components[c].instance.enter_initialization(start, tolerance))?;
         for _ in 0..self.components.len() {
             let mut news = false;
             self.each(|system, c| {

@@ -53,6 +53,8 @@ pub struct Interface {
     pub stop: Option<f64>,
     /// \[s\] `DefaultExperiment`
     pub step: Option<f64>,
+    /// `DefaultExperiment`; a number that is no tolerance is left out.
+    pub tolerance: Option<f64>,
 }
 
 /// `<CoSimulation>`
@@ -186,6 +188,8 @@ impl Interface {
             interface.start = experiment.number("startTime")?;
             interface.stop = experiment.number("stopTime")?;
             interface.step = experiment.number("stepSize")?;
+            let tolerance = experiment.number("tolerance")?;
+            interface.tolerance = tolerance.filter(|tolerance| *tolerance > 0.0 && tolerance.is_finite());
         }
         for unit in root.child("UnitDefinitions").into_iter().flat_map(|units| units.children("Unit")) {
             if let Some(unit) = crate::read::read_unit(unit)? {

@@ -2,6 +2,7 @@
 
 use super::look::positive;
 use super::moment::Footage;
+use crate::compared::Poses;
 use crate::error::Misused;
 use crate::export::{expect_table, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
@@ -157,7 +158,8 @@ impl Source {
             ..Settings::of(&self.path)
         };
         let places = Places::Memory(wanted);
-        let job = Job { settings, places, state: None, until_still: until == End::Still };
+        let job =
+            Job { settings, places, state: None, until_still: until == End::Still, poses: Poses::Ignore };
         let mut ended = simulate(job, interrupt)?;
         ended.complete()?;
         if ended.stopped.is_some() {

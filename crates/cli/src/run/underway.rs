@@ -74,6 +74,10 @@ impl Underway {
         };
         let (saved, kept) = saved.map_or_else(|error| (None, Err(error)), |saved| (saved, Ok(())));
         Ok(Ended {
+            poses: Vec::new(),
+            chosen: Vec::new(),
+            step: 0.0,
+            compared: Vec::new(),
             simulated: self.time - self.first,
             wall,
             stopped: Some(self.time),

@@ -115,14 +115,16 @@ pub unsafe fn set_debug_logging<M: Model>(
 /// `fmi2SetupExperiment`
 pub unsafe fn setup_experiment<M: Model>(
     instance: *mut c_void,
-    _tolerance_defined: c_int,
-    _tolerance: f64,
+    tolerance_defined: c_int,
+    tolerance: f64,
     start_time: f64,
     stop_time_defined: c_int,
     stop_time: f64,
 ) -> Status {
     call::<M>(instance, "fmi2SetupExperiment", |component| {
-        Ok(component.slave.setup_experiment(start_time, (stop_time_defined != 0).then_some(stop_time))?)
+        let stop = (stop_time_defined != 0).then_some(stop_time);
+        let tolerance = (tolerance_defined != 0).then_some(tolerance);
+        Ok(component.slave.setup_experiment(start_time, stop, tolerance)?)
     })
 }
 

@@ -179,14 +179,16 @@ pub unsafe fn set_debug_logging<M: ArrayModel>(
 /// `fmi3EnterInitializationMode`
 pub unsafe fn enter_initialization_mode<M: ArrayModel>(
     instance: *mut c_void,
-    _tolerance_defined: bool,
-    _tolerance: f64,
+    tolerance_defined: bool,
+    tolerance: f64,
     start_time: f64,
     stop_time_defined: bool,
     stop_time: f64,
 ) -> Status {
     call::<M>(instance, "fmi3EnterInitializationMode", |component| {
-        Ok(component.slave.begin(start_time, stop_time_defined.then_some(stop_time))?)
+        let (stop, tolerance) =
+            (stop_time_defined.then_some(stop_time), tolerance_defined.then_some(tolerance));
+        Ok(component.slave.begin(start_time, stop, tolerance)?)
     })
 }
 

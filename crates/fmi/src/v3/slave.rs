@@ -94,13 +94,13 @@ impl<M: ArrayModel> Slave<M> {
         Ok(())
     }
 
-    /// `fmi3EnterInitializationMode`: start time and, if given, stop time of the simulation \[s\].
+    /// `fmi3EnterInitializationMode`: start time and, if given, stop time of the simulation \[s\], and tolerance.
     ///
     /// # Errors
-    /// Wrong phase; times that are not finite or are in the wrong order.
-    pub fn begin(&mut self, start: f64, stop: Option<f64>) -> Answer<M, ()> {
+    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not positive and finite.
+    pub fn begin(&mut self, start: f64, stop: Option<f64>, tolerance: Option<f64>) -> Answer<M, ()> {
         self.check(Function::EnterInitializationMode)?;
-        self.set_times(start, stop)?;
+        self.set_experiment(start, stop, tolerance)?;
         self.enter_initialization()
     }
 

@@ -137,10 +137,11 @@ impl Functions {
         (component, call)
     }
 
-    pub(super) fn enter_initialization(&self, calls: &Calls, start: f64) -> Answer {
+    pub(super) fn enter_initialization(&self, calls: &Calls, start: f64, tolerance: Option<f64>) -> Answer {
         let (function, call) = self.setup_experiment;
+        let (defined, tolerance) = (if tolerance.is_some() { TRUE } else { FALSE }, tolerance.unwrap_or(0.0));
         // SAFETY: an instance of this library.
-        let code = unsafe { function(calls.component.as_ptr(), FALSE, 0.0, start, FALSE, 0.0) };
+        let code = unsafe { function(calls.component.as_ptr(), defined, tolerance, start, FALSE, 0.0) };
         let answer = Answer { code, call };
         match answer.status() {
             Some(Status::Ok | Status::Warning) => calls.plain(self.begin_initialization),

@@ -174,10 +174,12 @@ impl Functions {
         (component, call)
     }
 
-    pub(super) fn enter_initialization(&self, calls: &Calls, start: f64) -> Answer {
+    pub(super) fn enter_initialization(&self, calls: &Calls, start: f64, tolerance: Option<f64>) -> Answer {
         let (function, call) = self.begin_initialization;
+        let (defined, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         // SAFETY: an instance of this library.
-        Answer { code: unsafe { function(calls.component.as_ptr(), false, 0.0, start, false, 0.0) }, call }
+        let code = unsafe { function(calls.component.as_ptr(), defined, tolerance, start, false, 0.0) };
+        Answer { code, call }
     }
 
     pub(super) fn get_real(

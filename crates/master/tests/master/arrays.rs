@@ -183,7 +183,7 @@ fn arrays_are_coupled_by_ssp_2() {
         assemble(&path, Algorithm::GaussSeidel, &[]).map(|assembled| assembled.system)
     };
     let mut system: System = assembled(&structure).unwrap_or_else(|error| panic!("{}", error.whole()));
-    system.initialize(0.0).unwrap();
+    system.initialize(0.0, None).unwrap();
     for _ in 0..3 {
         system.step_to(system.time() + 0.5).unwrap();
     }

@@ -74,7 +74,7 @@ fn by_hand(fmu: &Fmu, algorithm: Algorithm) -> Seen {
     set_real(&b, "agent[0].Velocity.x", 1.0);
     let to_a = |squeeze: f64| 0.5 * squeeze + 100.0;
     for instance in [&a, &b] {
-        instance.enter_initialization(0.0).unwrap();
+        instance.enter_initialization(0.0, None).unwrap();
     }
     // Squeezes do not depend on inputs: one exchange is all.
     set_real(&a, INPUT, to_a(real(&b, FORCE)));
@@ -107,7 +107,7 @@ fn by_hand(fmu: &Fmu, algorithm: Algorithm) -> Seen {
 
 fn coupled(path: &Path, algorithm: Algorithm) -> Seen {
     let mut system = assemble(path, algorithm, &[]).unwrap().system;
-    system.initialize(0.0).unwrap();
+    system.initialize(0.0, None).unwrap();
     let seen = (1..=STEPS).map(|k| {
         system.step_to(f64::from(k) * STEP).unwrap();
         let components = system.components();
@@ -184,7 +184,7 @@ fn every_type_arrives_and_the_algorithms_count_as_they_should() {
     for algorithm in [Algorithm::Jacobi, Algorithm::GaussSeidel] {
         let mut system = assemble(&path, algorithm, &[]).unwrap().system;
         assert_eq!(system.connections(), 8);
-        system.initialize(0.0).unwrap();
+        system.initialize(0.0, None).unwrap();
         for k in 1..=6 {
             system.step_to(0.1 * f64::from(k)).unwrap();
             // Each output is the other's plus one: of the step before, or of this one for b in Gauss-Seidel.
@@ -254,7 +254,7 @@ fn units_are_converted_on_the_way_and_parameters_on_theirs() {
         assert_eq!(assembled.ignored.len(), 1);
         assert!(assembled.ignored[0].contains("\"Nobody\""), "{:?}", assembled.ignored);
         let mut system = assembled.system;
-        system.initialize(0.0).unwrap();
+        system.initialize(0.0, None).unwrap();
         system.step_to(0.1).unwrap();
         let [a, b] = [0, 1].map(|c| &system.components()[c].instance);
         assert_eq!(real(a, "real.out"), 1.0);
@@ -274,7 +274,7 @@ fn first_values_pass_through_initialization() {
         endElement="b" endConnector="agent[0].Fp.x" suppressUnitConversion="true"/>"#;
     let path = write_ssp(at, &structure(connectors, ["", ""], connection, ""));
     let mut system: System = assemble(&path, Algorithm::Jacobi, &[]).unwrap().system;
-    system.initialize(0.0).unwrap();
+    system.initialize(0.0, None).unwrap();
     let [a, b] = [0, 1].map(|c| &system.components()[c].instance);
     assert_eq!(real(a, "agent[1].Position.x"), 0.279);
     assert_eq!(real(b, "agent[0].Fp.x"), 0.279, "before any step");

@@ -1,0 +1,123 @@
+//! `lemons run --accuracy`: two runs, with a mechanical step for the accuracy and with half of it.
+
+use super::{Ended, Job, interrupted, simulate};
+use crate::compared::{Difference, Poses, Seen};
+use crate::error::Misused;
+use crate::interrupt::Interrupt;
+use crate::watch::Places;
+use anyhow::{Result, bail};
+use lemons_master::{Settings, System};
+use lemons_record::Wanted;
+
+/// The parameter that is chosen.
+const STEP: &str = "TimeStepMechanical";
+
+/// Mechanical steps \[s\] of a run, by the name of the parameter.
+pub type Chosen = Vec<(String, f64)>;
+
+/// Runs for an accuracy \[m\]: the results are those of the finer run.
+pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> {
+    let named = |name: &str, what: &str| name == what || name.ends_with(&format!(".{what}"));
+    if let Some((name, value)) = job.settings.parameters.iter().find(|(name, _)| named(name, STEP)) {
+        bail!(Misused(format!("--set {name}={value}: --accuracy chooses the mechanical step")));
+    }
+    let mut parameters = job.settings.parameters.clone();
+    // XML is written by the finer run only.
+    parameters.retain(|(name, _)| !named(name, "OutputDirectory"));
+    let settings = Settings { parameters, tolerance: Some(accuracy), saves: false, ..job.settings.clone() };
+    let places = Places::Memory(Wanted::Around(Vec::new()));
+    let first = Job { settings, places, state: None, poses: Poses::Keep, ..job };
+    let coarse = simulate(first, interrupt)?;
+    if let Some(time) = coarse.stopped {
+        return Err(interrupted(format!(
+            "stopped at t = {time:?} s of the first of two runs; nothing is written"
+        )));
+    }
+    let Ended { poses, chosen, step, .. } = coarse;
+    let kept = poses.into_iter().filter_map(|seen| match seen {
+        Seen::Kept(kept) => Some(kept),
+        Seen::Compared(_) => None,
+    });
+    let poses = Poses::Compare(kept.collect(), accuracy);
+    let mut settings = Settings { tolerance: Some(accuracy), ..job.settings };
+    let halves: Chosen = chosen.iter().map(|(name, longest)| (name.clone(), half(step, *longest))).collect();
+    settings.parameters.extend(halves.iter().map(|(name, half)| (name.clone(), format!("{half:?}"))));
+    let mut ended = simulate(
+        Job { settings, places: job.places, state: job.state, poses, until_still: job.until_still },
+        interrupt,
+    )?;
+    let differences: Vec<Difference> = std::mem::take(&mut ended.poses)
+        .into_iter()
+        .filter_map(|seen| match seen {
+            Seen::Compared(difference) => Some(difference),
+            Seen::Kept(_) => None,
+        })
+        .collect();
+    ended.compared = report(accuracy, &chosen, &halves, &differences);
+    Ok(ended)
+}
+
+/// \[s\] Half of the step that is really used: a communication step \[s\] has a whole number of them.
+fn half(communication: f64, longest: f64) -> f64 {
+    0.5 * communication / (communication / longest - 1e-9).ceil().max(1.0)
+}
+
+/// The mechanical steps that an initialized system uses.
+///
+/// # Errors
+/// It has none, or the FMU refuses to tell.
+pub fn steps_of(system: &System, coupled: bool) -> Result<Chosen> {
+    let mut chosen = Chosen::new();
+    for component in system.components() {
+        if component.fmu.description.single(STEP).is_some() {
+            let name = if coupled { format!("{}.{STEP}", component.name) } else { STEP.to_owned() };
+            chosen.push((name, component.instance.real(STEP)?));
+        }
+    }
+    if chosen.is_empty() {
+        bail!("--accuracy: nothing here has a parameter {STEP}, so no mechanical step can be chosen");
+    }
+    Ok(chosen)
+}
+
+fn report(accuracy: f64, chosen: &Chosen, halves: &Chosen, differences: &[Difference]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for ((name, step), (_, half)) in chosen.iter().zip(halves) {
+        let of = name.strip_suffix(&format!(".{STEP}")).map(|name| format!(" of {name}")).unwrap_or_default();
+        lines.push(format!(
+            "mechanical steps   {step:>10} s and {half:e} s{of}: the results are of the second run"
+        ));
+    }
+    let millimetres = |length: f64| format!("{:.3e} mm", 1e3 * length);
+    let wished = millimetres(accuracy);
+    for Difference { largest, at: (agent, time), first, with_shapes } in differences {
+        let what = if *with_shapes { "a point" } else { "the position" };
+        lines.push(match *largest > 0.0 {
+            true => format!(
+                "they differ by     {:>10}   at most ({what} of agent {agent}, t = {time:.3} s)",
+                millimetres(*largest)
+            ),
+            false => "they differ by nothing at any communication point".to_owned(),
+        });
+        lines.push(match first {
+            None => format!("accuracy           {wished:>10}   is met"),
+            Some((agent, time)) => {
+                format!("accuracy           {wished:>10}   is not met: agent {agent} is further apart from t = {time:.3} s on")
+            }
+        });
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_is_half_of_the_step_that_is_used() {
+        // 0.05 s takes 1021 steps of at most 4.9e-5 s.
+        assert!((half(0.05, 4.9e-5) - 0.05 / 2042.0).abs() < 1e-18);
+        assert!((half(0.05, 5e-5) - 2.5e-5).abs() < 1e-18);
+        assert_eq!(half(1e-5, 4.9e-5), 5e-6);
+    }
+}
