@@ -20,7 +20,7 @@ const CONTACTS_AT_ONCE: f64 = 8.0;
 const FASTEST_GROWTH: f64 = 0.5;
 
 /// \[m\] Error of a pose about a second after collisions at about 1 m/s, divided by (Ω dt / 2π)². Nine of ten people are
-/// more accurate: measured by `crates/bench/examples/accuracy.rs`, which docs/step.md explains.
+/// more accurate: measured by `crates/bench/examples/steps.rs`, which docs/step.md explains.
 const ERROR: f64 = 5.0;
 
 /// \[m\] Accuracy of the proposed step.

@@ -17,6 +17,7 @@ mod queries;
 mod states;
 mod stepping;
 mod threads;
+mod tolerance;
 mod trials;
 mod unloading;
 mod uris;

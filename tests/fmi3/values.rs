@@ -174,3 +174,31 @@ fn outputs_depend_on_nothing_at_a_communication_point() {
     let message = instance.refused(unsafe { number(instance.raw, 99, &mut count) });
     assert!(message.contains("99"), "{message}");
 }
+
+/// As `fmi2SetupExperiment` does: tests/fmi2/tolerance.rs has more.
+#[test]
+fn a_tolerance_chooses_the_mechanical_step() {
+    let enter = |instance: &Instance, tolerance: f64| unsafe {
+        (instance.c.fmi3EnterInitializationMode)(instance.raw, true, tolerance, 0.0, false, 0.0)
+    };
+    let instance = Instance::new();
+    for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let message = instance.refused(enter(&instance, tolerance));
+        assert!(message.contains("tolerance") && message.contains("positive and finite"), "{message}");
+    }
+    instance.must(enter(&instance, 1e-4));
+    // As in FMI 2.0.
+    assert_eq!(instance.get("TimeStepMechanical", 1), [4.9e-5]);
+    instance.must(unsafe { (instance.c.fmi3ExitInitializationMode)(instance.raw) });
+    instance.push();
+    instance.steps(0, 2);
+    assert_eq!(instance.get("TimeStepMechanical", 1), [4.9e-5]);
+    let other = Instance::new();
+    other.set("TimeStepMechanical", &[4.9e-5]);
+    other.must(enter(&other, 1e-6));
+    other.must(unsafe { (other.c.fmi3ExitInitializationMode)(other.raw) });
+    other.push();
+    other.steps(0, 2);
+    assert_eq!(other.get("TimeStepMechanical", 1), [4.9e-5], "what is set wins");
+    assert_eq!(instance.motion(), other.motion());
+}

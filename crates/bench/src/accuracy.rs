@@ -42,7 +42,7 @@ struct Motion {
 
 /// A kind of scene: motions that are looked at together.
 pub struct Scene {
-    /// What happens.
+    /// What it is called in docs/step.md.
     pub name: &'static str,
     /// \[s\] ends of the stages, over which drives are constant.
     times: Vec<f64>,
@@ -166,7 +166,7 @@ fn push() -> Result<Scene> {
         ids.iter().map(of).map(|[x, y, torque]| Wrench { force: vec2(x, y), torque }).collect()
     };
     let motions = vec![Motion { start, drive: Drive::Rule(Box::new(rule)), known: None }];
-    Ok(Scene { name: "a push through a row of five", times: twentieths(2.0), motions })
+    Ok(Scene { name: "push", times: twentieths(2.0), motions })
 }
 
 /// Random cases of four to six, with the default materials.
@@ -183,10 +183,10 @@ fn collisions() -> Result<Scene> {
         })
     });
     let motions = motions.collect::<Result<Vec<_>>>()?;
-    Ok(Scene { name: "random collisions of four to six", times, motions })
+    Ok(Scene { name: "collisions", times, motions })
 }
 
-/// A hundred people who stand in six rows of a square metre each; those at the left are pushed.
+/// A hundred people who stand at six per square metre; those at the left are pushed.
 fn dense() -> Result<Scene> {
     let start = crowd(100, vec2(0.32, 0.521), 0.5, 0.0);
     let rule = |time: f64, world: &World| {
@@ -199,7 +199,7 @@ fn dense() -> Result<Scene> {
         world.state().poses.iter().map(of).collect()
     };
     let motions = vec![Motion { start, drive: Drive::Rule(Box::new(rule)), known: None }];
-    Ok(Scene { name: "a dense standing crowd that is pushed", times: twentieths(1.0), motions })
+    Ok(Scene { name: "dense crowd", times: twentieths(1.0), motions })
 }
 
 /// The thirty people of the Trial who have come to the door.
@@ -223,7 +223,7 @@ fn door() -> Result<Scene> {
         start.advance(0.05)?;
     }
     let motions = vec![Motion { start, drive: Drive::Rule(Box::new(rule)), known: None }];
-    Ok(Scene { name: "thirty who press through a door", times: twentieths(1.0), motions })
+    Ok(Scene { name: "door", times: twentieths(1.0), motions })
 }
 
 /// One person per 2 m², each walking somewhere.
@@ -231,5 +231,5 @@ fn walkers() -> Result<Scene> {
     let start = sparse(100)?;
     let drive = Drive::Stages(vec![start.drive.clone(); 20]);
     let motions = vec![Motion { start, drive, known: None }];
-    Ok(Scene { name: "sparse walkers", times: twentieths(1.0), motions })
+    Ok(Scene { name: "walkers", times: twentieths(1.0), motions })
 }

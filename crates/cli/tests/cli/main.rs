@@ -2,6 +2,7 @@
 //!
 //! One program for all of them: linking takes longer than compiling.
 
+mod accuracy;
 mod checks;
 mod command;
 mod common;
