@@ -264,7 +264,7 @@ mod tests {
     #[test]
     fn the_proposed_step_resolves_springs_and_dampers() {
         let mut trial = push();
-        // The shortest period is 11.1 ms: 1/71 of it is 1.6e-4 s.
+        // The shortest period is 10.9 ms: 1/71 of it is 1.6e-4 s.
         assert_eq!(Setup::of(&trial).proposed_step(), Some(1e-4));
         // 1/m* of agent 1 and a wall is 0.0644/kg: with 1e6 kg/s a time of 15.5 µs.
         trial.materials.binary[2].gamma_tangential = 1e6;

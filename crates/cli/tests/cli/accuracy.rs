@@ -34,7 +34,7 @@ fn two_runs_for_an_accuracy_are_compared_and_the_finer_one_is_written() {
     let steps = line(&said, "mechanical steps");
     let (coarse, rest) = steps.split_once(" s and ").unwrap();
     let half = rest.split_once(' ').unwrap().0;
-    // 1/71 of the shortest period, 11.1 ms.
+    // 1/71 of the shortest period, 10.9 ms.
     assert_eq!(coarse, "0.00015");
     // The tables of both steps by themselves.
     for (step, name) in [(coarse, "coarse.csv"), (half, "fine.csv")] {
@@ -149,10 +149,10 @@ fn check_tells_stable_from_accurate() {
             .find(|line| line.contains("Parameters.xml: TimeStepMechanical") && line.starts_with("note"));
         note.unwrap_or_else(|| panic!("{said}")).to_owned()
     };
-    // T = 11.1 ms: 5 m (2e-6/T)² = 0.16 µm. Eight contacts of agent 1 on concrete: 1/m* = 0.0644/kg, k = 5.0e6 N/m,
+    // T = 10.9 ms: 5 m (2e-6/T)² = 0.16 µm. Eight contacts of agent 1 on concrete: 1/m* = 0.0644/kg, k = 5.0e6 N/m,
     // γ = 1230 kg/s, κ/4 + g = 1 at 8.5e-4 s.
     let told = note(at);
-    let words = ["TimeStepMechanical 2e-6 s: stable (up to 8.5e-4 s), about 0.16 µm", "0.1 mm at 4.9e-5 s"];
+    let words = ["TimeStepMechanical 2e-6 s: stable (up to 8.5e-4 s), about 0.16 µm", "0.1 mm at 4.8e-5 s"];
     assert!(words.iter().all(|word| told.contains(word)), "{told}");
     let parameters = at.join("T/Parameters.xml");
     let text = fs::read_to_string(&parameters).unwrap();
