@@ -51,11 +51,6 @@ def test_fmpy(fmu, row):
     )
 
 
-def test_fmpy_is_told_what_is_no_tolerance(fmu):
-    with pytest.raises(Exception, match="fmi[23](SetupExperiment|EnterInitializationMode)"):
-        simulated(fmu, -1.0)
-
-
 @pytest.mark.parametrize("package, tool", [("ecospy", "ecos"), ("libcosimpy", "libcosim")])
 def test_others(push_fmu, row, package, tool):
     if tool == "libcosim" and sys.version_info < (3, 11):

@@ -57,9 +57,11 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
     Ok(ended)
 }
 
-/// \[s\] Half of the step that is really used: a communication step \[s\] has a whole number of them.
+/// \[s\] Half of a step. A communication step \[s\] has a whole number of them: where there are few, half of the step that
+/// is really used.
 fn half(communication: f64, longest: f64) -> f64 {
-    0.5 * communication / (communication / longest - 1e-9).ceil().max(1.0)
+    let steps = (communication / longest - 1e-9).ceil().max(1.0);
+    if steps > 10.0 { 0.5 * longest } else { 0.5 * communication / steps }
 }
 
 /// The mechanical steps that an initialized system uses.
@@ -83,6 +85,7 @@ pub fn steps_of(system: &System, coupled: bool) -> Result<Chosen> {
 fn report(accuracy: f64, chosen: &Chosen, halves: &Chosen, differences: &[Difference]) -> Vec<String> {
     let mut lines = Vec::new();
     for ((name, step), (_, half)) in chosen.iter().zip(halves) {
+        let step = format!("{step:e}");
         let of = name.strip_suffix(&format!(".{STEP}")).map(|name| format!(" of {name}")).unwrap_or_default();
         lines.push(format!(
             "mechanical steps   {step:>10} s and {half:e} s{of}: the results are of the second run"
@@ -115,9 +118,9 @@ mod tests {
 
     #[test]
     fn half_is_half_of_the_step_that_is_used() {
-        // 0.05 s takes 1021 steps of at most 4.9e-5 s.
-        assert!((half(0.05, 4.9e-5) - 0.05 / 2042.0).abs() < 1e-18);
-        assert!((half(0.05, 5e-5) - 2.5e-5).abs() < 1e-18);
-        assert_eq!(half(1e-5, 4.9e-5), 5e-6);
+        assert_eq!(half(0.05, 4.8e-5), 2.4e-5);
+        // A communication step of 1e-4 s takes three steps of at most 4.8e-5 s, and then six.
+        assert!((half(1e-4, 4.8e-5) - 1e-4 / 6.0).abs() < 1e-18);
+        assert_eq!(half(1e-5, 4.8e-5), 5e-6);
     }
 }

@@ -35,7 +35,7 @@ fn two_runs_for_an_accuracy_are_compared_and_the_finer_one_is_written() {
     let (coarse, rest) = steps.split_once(" s and ").unwrap();
     let half = rest.split_once(' ').unwrap().0;
     // 1/71 of the shortest period, 10.9 ms.
-    assert_eq!(coarse, "0.00015");
+    assert_eq!(coarse, "1.5e-4");
     // The tables of both steps by themselves.
     for (step, name) in [(coarse, "coarse.csv"), (half, "fine.csv")] {
         let set = format!("TimeStepMechanical={step}");
@@ -108,7 +108,7 @@ fn coupled_crowds_are_run_for_an_accuracy_too() {
     done(at, &["connect", "controller.fmu", "one.fmu", "-o", "c.ssp"]);
     let said = out(&done(at, &["run", "c.ssp", "--until", "0.2", "--accuracy", "1e-3", "-o", "c.csv"]));
     let steps = line(&said, "mechanical steps");
-    assert!(steps.contains("of one") && steps.starts_with("0.00015 s and "), "{said}");
+    assert!(steps.contains("of one") && steps.starts_with("1.5e-4 s and 7.5e-5 s"), "{said}");
     assert!(said.contains("is met"), "{said}");
     // Alone, the controller has no mechanical step.
     let refused =
@@ -149,15 +149,15 @@ fn check_tells_stable_from_accurate() {
             .find(|line| line.contains("Parameters.xml: TimeStepMechanical") && line.starts_with("note"));
         note.unwrap_or_else(|| panic!("{said}")).to_owned()
     };
-    // T = 10.9 ms: 5 m (2e-6/T)² = 0.16 µm. Eight contacts of agent 1 on concrete: 1/m* = 0.0644/kg, k = 5.0e6 N/m,
-    // γ = 1230 kg/s, κ/4 + g = 1 at 8.5e-4 s.
+    // T = 10.9 ms: 5 m (2e-6/T)² = 0.17 µm. Eight contacts of agent 1 on concrete: 1/m* = 0.0644/kg, k = 5.0e6 N/m,
+    // γ = 1230 kg/s, κ/4 + g = 1 at 8.4e-4 s.
     let told = note(at);
-    let words = ["TimeStepMechanical 2e-6 s: stable (up to 8.5e-4 s), about 0.16 µm", "0.1 mm at 4.8e-5 s"];
+    let words = ["TimeStepMechanical 2e-6 s: stable (up to 8.4e-4 s), about 0.17 µm", "0.1 mm at 4.8e-5 s"];
     assert!(words.iter().all(|word| told.contains(word)), "{told}");
     let parameters = at.join("T/Parameters.xml");
     let text = fs::read_to_string(&parameters).unwrap();
     fs::write(&parameters, text.replace("2e-6", "2e-4")).unwrap();
-    assert!(note(at).contains("2e-4 s: stable (up to 8.5e-4 s), about 1.6 mm"), "{}", note(at));
+    assert!(note(at).contains("2e-4 s: stable (up to 8.4e-4 s), about 1.7 mm"), "{}", note(at));
     fs::write(&parameters, text.replace("2e-6", "1e-3")).unwrap();
-    assert!(note(at).contains("1e-3 s: not stable (up to 8.5e-4 s)"), "{}", note(at));
+    assert!(note(at).contains("1e-3 s: not stable (up to 8.4e-4 s)"), "{}", note(at));
 }
