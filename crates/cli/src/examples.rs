@@ -35,6 +35,7 @@ lemons decide resources/Trial_door --fmi 3 -o decision3.fmu",
         "run",
         "\
 lemons run resources/Trial_push
+lemons run Trial_box --until 2 --accuracy 1e-4
 lemons run push.fmu --until 2 --set TimeStepMechanical=1e-5 -o push.csv
 lemons run Trial_box --until 600 --format parquet --state box.run
 lemons run Trial_box --until 900 --format parquet --resume box.run
