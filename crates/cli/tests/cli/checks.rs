@@ -73,7 +73,8 @@ fn a_zip_of_a_trial_serves_wherever_a_trial_does() {
     fs::write(at.join("wishes.toml"), "waypoints = [{ x = 6.0, y = 2.5 }]\n").unwrap();
     let of = |arguments: &[&str]| out(&done(at, arguments));
     let check = of(&["check", "box.zip"]);
-    assert!(check.starts_with("box.zip: 5 agents"), "{check}");
+    assert!(check.starts_with("note: box.zip/Parameters.xml: TimeStepMechanical"), "{check}");
+    assert!(check.contains("\nbox.zip: 5 agents"), "{check}");
     assert_eq!(of(&["describe", "box.zip"]), of(&["describe", "box"]));
     for (from, to) in [("box.zip", "a"), ("box", "b")] {
         done(at, &["run", from, "--until", "0.2", "-o", &format!("{to}.csv")]);
@@ -101,8 +102,9 @@ fn a_zip_of_a_trial_serves_wherever_a_trial_does() {
     let output = lemons(at, &["check", "README.md", "box.zip"]);
     assert_code(&output, 3);
     assert!(
-        out(&output)
-            .starts_with("README.md: is a text file, not a Trial directory or a zip of one\nbox.zip: 5"),
+        out(&output).starts_with(
+            "README.md: is a text file, not a Trial directory or a zip of one\nnote: box.zip/Parameters"
+        ),
         "{}",
         out(&output)
     );
