@@ -180,11 +180,13 @@ impl<M: Model> Importer<M> {
         self.answered_arrays(status, count, nulls, 1)
     }
 
+    /// A tolerance of 0 is not defined.
     pub(crate) fn setup_experiment(&self, tolerance: f64, start: f64, stop: Option<f64>) -> Status {
         // SAFETY: an instance.
         self.answered(unsafe {
             let (defined, stop) = (stop.is_some().into(), stop.unwrap_or(f64::NAN));
-            (self.c.fmi2SetupExperiment)(self.raw, 1, tolerance, start, defined, stop)
+            let with_tolerance = (tolerance != 0.0).into();
+            (self.c.fmi2SetupExperiment)(self.raw, with_tolerance, tolerance, start, defined, stop)
         })
     }
 

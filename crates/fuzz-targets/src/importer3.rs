@@ -218,11 +218,12 @@ impl<M: ArrayModel> Importer3<M> {
         })
     }
 
+    /// A tolerance of 0 is not defined.
     pub(crate) fn enter_initialization(&self, tolerance: f64, start: f64, stop: Option<f64>) -> Status {
         let (defined, stop) = (stop.is_some(), stop.unwrap_or(f64::NAN));
         // SAFETY: an instance.
         self.answered(unsafe {
-            (self.c.fmi3EnterInitializationMode)(self.raw, true, tolerance, start, defined, stop)
+            (self.c.fmi3EnterInitializationMode)(self.raw, tolerance != 0.0, tolerance, start, defined, stop)
         })
     }
 
