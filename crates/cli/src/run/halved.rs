@@ -95,12 +95,11 @@ fn report(accuracy: f64, chosen: &Chosen, halves: &Chosen, differences: &[Differ
     let wished = millimetres(accuracy);
     for Difference { largest, at: (agent, time), first, with_shapes } in differences {
         let what = if *with_shapes { "a point" } else { "the position" };
-        lines.push(match *largest > 0.0 {
-            true => format!(
-                "they differ by     {:>10}   at most ({what} of agent {agent}, t = {time:.3} s)",
-                millimetres(*largest)
-            ),
-            false => "they differ by nothing at any communication point".to_owned(),
+        lines.push(if *largest > 0.0 {
+            let largest = millimetres(*largest);
+            format!("they differ by     {largest:>10}   at most ({what} of agent {agent}, t = {time:.3} s)")
+        } else {
+            "they differ by nothing at any communication point".to_owned()
         });
         lines.push(match first {
             None => format!("accuracy           {wished:>10}   is met"),
