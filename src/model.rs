@@ -238,7 +238,7 @@ impl Model for CrowdModel {
             self.warnings.extend(self.warning_of_step());
         }
         make_directory(&self.output_directory)?;
-        if self.settings.keys().any(|&quantity| !is_input(quantity)) {
+        if self.chooses_step() || self.settings.keys().any(|&quantity| !is_input(quantity)) {
             let advice = Setup::of(&self.trial).advice_as_edited();
             self.warnings.extend(advice.iter().map(Problem::without_severity));
         }

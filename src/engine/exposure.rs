@@ -12,8 +12,8 @@ pub struct Exposure {
     /// \[N\] time average of the sum of |F_n| over the contacts: their impulse over the duration of the step. It is of
     /// second order in the mechanical step, also where contacts begin and end within one.
     pub mean_force: f64,
-    /// \[N\] largest sum of |F_n| over the contacts at the evaluations, or |F_n| of one contact when it began or ended, if
-    /// that is larger.
+    /// \[N\] largest sum of |F_n| over the contacts at the evaluations; or |F_n| of one contact when it began or ended,
+    /// if that is larger.
     pub peak_force: f64,
     /// \[m\] deepest overlap of a contact.
     pub peak_overlap: f64,
@@ -64,7 +64,7 @@ impl Tally {
     /// be slightly larger than the earlier ones.
     pub fn exposure(&self, duration: f64, squeeze: f64, peak_overlap: f64) -> Exposure {
         let peak_force = self.peak_force.max(squeeze);
-        // Rounding may make (force × duration) / duration one bit larger than the force, and a sum that is zero negative.
+        // Rounding may make (force × duration) / duration one bit larger than the force, and a sum of zero negative.
         let mean_force =
             if duration > 0.0 { (self.impulse / duration).max(0.0).min(peak_force) } else { squeeze };
         Exposure { mean_force, peak_force, peak_overlap }

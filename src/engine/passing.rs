@@ -10,8 +10,8 @@ use super::{CornerId, Face, FacePart, Scene, Vec2};
 pub(super) struct Passed {
     /// \[s\] Time since then.
     pub since: f64,
-    /// Whether the wall's normal force went on: the disk passed around a corner. Inside of a corner, each face takes its
-    /// whole force with it.
+    /// Whether the wall's normal force went on: the disk passed around a corner. Inside of a corner, the
+    /// force of a face begins and ends as a whole.
     pub around: bool,
 }
 

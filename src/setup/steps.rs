@@ -19,8 +19,9 @@ const CONTACTS_AT_ONCE: f64 = 8.0;
 /// \[1/s\] Largest allowed growth rate of the slip of a sticking contact with almost no damping.
 const FASTEST_GROWTH: f64 = 0.5;
 
-/// \[m\] Error of a pose about a second after collisions at about 1 m/s, divided by (Ω dt / 2π)². Nine of ten people are
-/// more accurate: measured by `crates/bench/examples/steps.rs`, which docs/step.md explains.
+/// \[m\] Error of a pose about a second after collisions at about 1 m/s, divided by (Ω dt / 2π)². Nine of ten people
+/// are about as accurate or more, but not where they are pressed together. It was measured by
+/// `crates/bench/examples/steps.rs` (docs/step.md).
 const ERROR: f64 = 5.0;
 
 /// \[m\] Accuracy of the proposed step.
@@ -54,8 +55,8 @@ impl Steps {
         self.least_allowed.rates.longest_step()
     }
 
-    /// \[m\] Returns the error of a pose that a step \[s\] has about a second after collisions at about 1 m/s. Where people
-    /// are pressed together, errors grow from one collision to the next.
+    /// \[m\] Returns the error of a pose that a step \[s\] has about a second after collisions at about 1 m/s. Where
+    /// people are pressed together, errors grow from one collision to the next.
     pub fn error(&self, step: f64) -> f64 {
         let turn = step * self.pace / TAU;
         ERROR * turn * turn

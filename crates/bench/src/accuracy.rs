@@ -24,12 +24,15 @@ const EXACT: f64 = 1e-7;
 /// \[s\] The steps that are measured.
 pub const STEPS: [f64; 9] = [2e-7, 1e-6, 2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4];
 
+/// Wrenches of all people at a time \[s\].
+type Rule = Box<dyn Fn(f64, &World) -> Vec<Wrench>>;
+
 /// What drives a scene over a stage.
 enum Drive {
     /// These wrenches of each stage.
     Stages(Vec<Vec<Wrench>>),
     /// A function of the time \[s\] at the beginning of the stage, and of the poses there.
-    Rule(Box<dyn Fn(f64, &World) -> Vec<Wrench>>),
+    Rule(Rule),
 }
 
 /// A motion from its start.

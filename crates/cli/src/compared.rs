@@ -20,7 +20,7 @@ type Places = Vec<[f64; 3]>;
 
 /// Poses of a crowd at each communication point.
 #[derive(Default)]
-pub struct Kept(Vec<(f64, Places)>);
+pub struct Kept(Vec<Places>);
 
 /// Where two runs of a crowd differ.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +50,7 @@ pub enum Follower {
 
 /// Compares the poses of a crowd with those of another run.
 pub struct Comparer {
-    others: std::vec::IntoIter<(f64, Places)>,
+    others: std::vec::IntoIter<Places>,
     /// \[m\] from the centre of mass to the rim, by agent; 0 if it is not known.
     rims: Vec<f64>,
     wished: f64,
@@ -90,7 +90,7 @@ impl Follower {
         let poses = motions.iter().map(|&[x, y, _, _, orientation, _]| [x, y, orientation]);
         match self {
             Follower::Nobody => {}
-            Follower::Keeper(kept) => kept.0.push((time, poses.collect())),
+            Follower::Keeper(kept) => kept.0.push(poses.collect()),
             Follower::Comparer(comparer) => comparer.compare(time, poses),
         }
     }
@@ -116,7 +116,7 @@ impl Follower {
 
 impl Comparer {
     fn compare(&mut self, time: f64, poses: impl Iterator<Item = [f64; 3]>) {
-        let Some((_, others)) = self.others.next() else { return };
+        let Some(others) = self.others.next() else { return };
         for (agent, ([x, y, turn], [ox, oy, other])) in poses.zip(others).enumerate() {
             let rim = self.rims.get(agent).copied().unwrap_or(0.0);
             let apart = vec2(x - ox, y - oy).norm() + rim * (turn - other).abs();

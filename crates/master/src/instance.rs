@@ -123,8 +123,9 @@ impl Instance {
         self.exit_initialization()
     }
 
-    /// `fmi2SetupExperiment` at a time \[s\], with a tolerance (this one, or that of the FMU's own DefaultExperiment, if there is one), and `fmi2EnterInitializationMode`, or `fmi3EnterInitializationMode`; then
-    /// elements of arrays are set that were set before.
+    /// `fmi2SetupExperiment` at a time \[s\] and `fmi2EnterInitializationMode`, or `fmi3EnterInitializationMode`; then
+    /// elements of arrays are set that were set before. The tolerance is this one, else that of the FMU's own
+    /// DefaultExperiment, if there is one.
     ///
     /// # Errors
     /// The FMU refuses the call.

@@ -131,7 +131,7 @@ pub fn error(moment: Moment, law: PairLaw, mechanical_step: f64) -> Result<f64> 
         let mut world = world(&[body], &walls, law, &[motion], mechanical_step);
         world.shortlisting = Shortlisting::Off;
         world.advance(moment.time())?;
-        let Work { sliding, contacts, .. } = world.work();
+        let (sliding, contacts) = (world.work().sliding, world.work().contacts);
         let exact = if law == STICKING {
             ensure!(sliding == 0, "it slid");
             stuck(&law, moment.time() - begins)
@@ -171,8 +171,8 @@ fn shortfall(moment: Moment, law: PairLaw) -> Result<f64> {
     Ok((2.0 - (errors[0].1 / errors[3].1).log2() / 3.0).max(0.0))
 }
 
-/// A disk is pressed outwards while it runs along the inner side of a polygon. At each of its obtuse corners, the force of
-/// one face ends and that of another begins, both at once with all their strength.
+/// A disk is pressed outwards while it runs along the inner side of a polygon. At each obtuse corner, the force of one
+/// face ends and that of another begins, both at once with all their strength.
 fn inside() -> Result<f64> {
     let sides = 36;
     let corner = |k: u32| {

@@ -25,7 +25,7 @@ pub(crate) const CHECKS: &[Check] = &[
         "the same: 1/fall of the median from dt = 1.6e-5 s",
         "1/256: second order",
         "",
-        1.0 / 64.0,
+        1.0 / 128.0,
         fall,
     ),
     Check::new(
@@ -35,7 +35,7 @@ pub(crate) const CHECKS: &[Check] = &[
         5e-6,
         || median(USUAL, 1e-5),
     ),
-    Check::new("the same: order short of 2 from dt = 1e-4 s", "2: second order", "", 0.35, || {
+    Check::new("the same: order short of 2 from dt = 1e-4 s", "2: second order", "", 0.3, || {
         Ok((2.0 - (median(USUAL, 1e-4)? / median(USUAL, 1e-5)?).log10()).max(0.0))
     }),
     Check::new(
