@@ -1,6 +1,6 @@
 """Puts the command of each platform into an archive, with the libraries of all platforms and the licences.
 
-    archives.py DIST
+    archives.py DIST PLATFORM…
 
 writes DIST/lemons-VERSION-PLATFORM.tar.gz, for Windows .zip. The same files give the same bytes.
 """
@@ -19,10 +19,10 @@ ROOT = Path(__file__).resolve().parent.parent
 PROGRAMS = {"linux64": "lemons", "aarch64-linux": "lemons", "win64": "lemons.exe"}
 
 
-def content(dist: Path, platform: str) -> dict[str, Path]:
+def content(dist: Path, platform: str, platforms: list[str]) -> dict[str, Path]:
     """The files of an archive: the command, and beside it a directory with the libraries for each platform."""
     files = {PROGRAMS[platform]: dist / platform / PROGRAMS[platform]}
-    for directory in sorted(path for path in dist.iterdir() if path.is_dir()):
+    for directory in (dist / each for each in sorted(platforms)):
         for path in sorted(directory.iterdir()):
             if path.stem != "lemons":
                 files[f"{directory.name}/{path.name}"] = path
@@ -57,13 +57,13 @@ def write_zip(to: Path, top: str, files: dict[str, Path], epoch: int) -> None:
 
 
 def main() -> None:
-    dist, epoch = Path(sys.argv[1]), int(os.environ["SOURCE_DATE_EPOCH"])
+    dist, platforms, epoch = Path(sys.argv[1]), sys.argv[2:], int(os.environ["SOURCE_DATE_EPOCH"])
     version = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
     for platform in PROGRAMS:
-        if (dist / platform).is_dir():
+        if platform in platforms:
             top = f"lemons-{version}-{platform}"
             write, end = (write_zip, "zip") if platform == "win64" else (write_tar, "tar.gz")
-            write(dist / f"{top}.{end}", top, content(dist, platform), epoch)
+            write(dist / f"{top}.{end}", top, content(dist, platform, platforms), epoch)
             print(f"{top}.{end}: {(dist / f'{top}.{end}').stat().st_size / 1e6:.1f} MB")
 
 

@@ -20,7 +20,7 @@ want git git
 want objdump binutils
 want python3 python3
 python3 -c 'import ensurepip, venv' 2>/dev/null || packages+=(python3-venv)
-want x86_64-w64-mingw32-gcc gcc-mingw-w64-x86-64
+! has win64 || want x86_64-w64-mingw32-gcc gcc-mingw-w64-x86-64
 want cc build-essential
 ! has win64 || [[ -x /usr/lib/wine/wine64 ]] || packages+=(wine64)
 ! has aarch64-linux || want qemu-aarch64 qemu-user libc6-arm64-cross
@@ -141,6 +141,7 @@ if has win64; then
         tr -d '\r' >"$work/importer.windows"
     cmp "$work/importer.linux" "$work/importer.windows"
     (($(wc -w <"$work/importer.linux") == 400)) || fail "the importer got no results"
+    (($(cut -d ' ' -f 9 "$work/importer.linux" | sort -u | wc -l) > 10)) || fail "the push did not reach the last person"
     # Closed forms, the ledger, golden bits.
     (cd "$work" && "$wine" "$work/lemons.exe" verify >"$work/verify.txt") || fail "$(grep -v ' ok' "$work/verify.txt")"
     tail -n 1 "$work/verify.txt" >&2
@@ -151,6 +152,21 @@ python3 -m venv "$work/venv"
 "$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
     "$dist"/lemons_fmu-"$version"-*manylinux_2_17_x86_64*.whl
 (cd "$work" && env -u LEMONS PATH="$work/venv/bin:/usr/bin:/bin" "$work/venv/bin/python" "$root/packaging/wheel_test.py" "$root" "$@")
+
+# pip takes the wheels of other systems apart as it would there; what is in them runs under wine and qemu.
+other() {
+    local to=$work/wheel\ of\ $1
+    "$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --only-binary :all: \
+        --platform "$2" --target "$to" "$dist"/lemons_fmu-"$version"-*"$2"*.whl
+    (cd "$work" && "${@:3}" "$to/lemons_command/$(program "$1")" pack "$root/resources/Trial_push" --force -o "$1.fmu")
+    "$lemons" info "$work/$1.fmu" --only "no such" | grep -q "\b$1\b" || fail "the wheel for $1 packs no library for it"
+}
+! has aarch64-linux || other aarch64-linux manylinux_2_17_aarch64 qemu-aarch64 -L /usr/aarch64-linux-gnu
+if has win64; then
+    mkdir -p "$work/wheel of win64/lemons_command"
+    cp "$work/bcryptprimitives.dll" "$work/wheel of win64/lemons_command"
+    other win64 win_amd64 "$wine"
+fi
 
 note "the same bytes again"
 if git diff --quiet HEAD; then

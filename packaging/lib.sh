@@ -1,6 +1,6 @@
 # For the scripts of this directory: where things are, and how a platform is compiled for. Sourced, not run.
 #
-# A platform has FMI's name. Needed are python3 with venv (zig's linker and cargo-zigbuild come from PyPI), and one of
+# A platform has FMI's name. Needed are python3 >= 3.11 with venv (zig's linker and cargo-zigbuild come from PyPI), and one of
 # - rustup, which has the targets or can get them (and mingw-w64 for win64);
 # - Debian's packages in `debian_packages`: the standard library is then built from its source.
 # PACKAGING_WITH=rustup or PACKAGING_WITH=debian decides which. The target directory is not the one of other builds.
@@ -13,7 +13,7 @@ dist=${DIST:-$root/dist}
 directory=${PACKAGING_TARGET_DIR:-$root/target/packaging}
 version=$(sed -n '/^\[workspace.package\]/,/^$/s/^version = "\(.*\)"/\1/p' Cargo.toml)
 # What has a time has that of the commit.
-: "${SOURCE_DATE_EPOCH:=$(git log -1 --format=%ct)}"
+[[ -n ${SOURCE_DATE_EPOCH:-} ]] || SOURCE_DATE_EPOCH=$(git log -1 --format=%ct 2>/dev/null) || SOURCE_DATE_EPOCH=
 export SOURCE_DATE_EPOCH
 export LC_ALL=C.UTF-8 TZ=UTC CARGO_INCREMENTAL=0
 
@@ -91,6 +91,7 @@ have_debian() {
 
 # One compiler for all platforms that are named: sets `with`.
 choose_compiler() {
+    [[ $SOURCE_DATE_EPOCH =~ ^[0-9]+$ ]] || fail "git tells no time of the commit: set SOURCE_DATE_EPOCH"
     case ${PACKAGING_WITH:-any} in
         rustup | any) if have_rustup "$@"; then with=rustup; fi ;;&
         debian | any) if [[ -z ${with:-} ]] && have_debian; then with=debian; fi ;;

@@ -37,7 +37,7 @@ for fmi in 2 3; do
 done
 
 rm -f "$dist"/*.whl "$dist"/*.tar.gz "$dist"/*.zip
-python3 packaging/wheels.py "$dist"
-python3 packaging/archives.py "$dist"
+python3 packaging/wheels.py "$dist" "$@"
+python3 packaging/archives.py "$dist" "$@"
 cd "$dist"
 find . -maxdepth 1 -type f ! -name SHA256SUMS -printf '%P\n' | sort | xargs sha256sum >SHA256SUMS

@@ -1,8 +1,8 @@
 """Puts what is built for a platform and the Python package into a wheel, for each platform that has a command.
 
-    wheels.py DIST
+    wheels.py DIST PLATFORM…
 
-reads DIST/PLATFORM/ (build.sh), DIST/THIRD-PARTY.txt and DIST/sbom.cdx.json (licences.py) and writes
+reads DIST/PLATFORM/ of these platforms (build.sh), DIST/THIRD-PARTY.txt and DIST/sbom.cdx.json (licences.py) and writes
 DIST/lemons_fmu-VERSION-py3-none-TAG.whl. A wheel holds the packages of python/src, the command, and the libraries of all
 platforms, which `lemons pack` puts into FMUs. The same files give the same bytes. The format: PyPA's "Binary distribution
 format".
@@ -50,14 +50,14 @@ def metadata(project: dict) -> str:
     return "\n".join(lines) + "\nDescription-Content-Type: text/markdown\n\n" + readme
 
 
-def content(dist: Path, platform: str, project: dict) -> dict[str, tuple[bytes, bool]]:
+def content(dist: Path, platform: str, platforms: list[str], project: dict) -> dict[str, tuple[bytes, bool]]:
     """The files of a wheel, by name, and whether each can be executed."""
     files: dict[str, tuple[bytes, bool]] = {}
     source = ROOT / "python" / "src"
     for path in sorted(source.rglob("*")):
         if path.suffix == ".py" or path.name == "py.typed":
             files[path.relative_to(source).as_posix()] = (path.read_bytes(), False)
-    for directory in sorted(path for path in dist.iterdir() if path.is_dir()):
+    for directory in (dist / each for each in sorted(platforms)):
         for path in sorted(directory.iterdir()):
             is_command = path.stem == "lemons"
             if is_command and directory.name == platform:
@@ -95,14 +95,13 @@ def write(path: Path, files: dict[str, tuple[bytes, bool]]) -> None:
 
 
 def main() -> None:
-    dist = Path(sys.argv[1])
+    dist, platforms = Path(sys.argv[1]), sys.argv[2:]
     project = tomllib.loads((ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     for platform, tags in TAGS.items():
-        if not (dist / platform).is_dir():
-            print(f"wheels.py: no wheel for {platform}: it is not built")
+        if platform not in platforms:
             continue
         path = dist / f"lemons_fmu-{project['version']}-py3-none-{'.'.join(tags)}.whl"
-        write(path, content(dist, platform, project))
+        write(path, content(dist, platform, platforms, project))
         print(f"{path.name}: {path.stat().st_size / 1e6:.1f} MB")
 
 

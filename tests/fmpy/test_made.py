@@ -108,7 +108,10 @@ def test_a_run_shows_how_far_it_is(push_fmu, capsys):
         ("Parameters.xml", "<Parameters/>", "there is no <Directories>"),
         ("static/Agents.xml", "<Agents", "unclosed token"),
         ("static/Agents.xml", "<!DOCTYPE a><Agents/>", "contains a document type"),
-        ("dynamic/AgentDynamics.xml", "<Agents/>", "is missing for an agent"),
+        ("dynamic/AgentDynamics.xml", "<Agents/>", "AgentDynamics.xml: there is no agent '"),
+        ("static/Agents.xml", "<Agents><Agent Id='0'/><Agent Id='0'/></Agents>", "Agents.xml: duplicate Id '0'"),
+        ("static/Agents.xml", "<Agents><Agent/></Agents>", "Agents.xml: <Agent> number 1: Id is missing"),
+        ("static/Agents.xml", "<A\0gents/>", "is not a text in UTF-8"),
     ],
 )
 def test_a_broken_trial_is_an_error_that_names_it(tmp_path, file, text, said):
@@ -117,6 +120,48 @@ def test_a_broken_trial_is_an_error_that_names_it(tmp_path, file, text, said):
     with pytest.raises(ValueError, match=said) as error:
         Trial(trial)
     assert str(tmp_path) in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "file, old, new, said",
+    [
+        ("static/Agents.xml", ' Mass="', ' Mass="x', r"agent '0': <Agent>: Mass='x[\d.]+' is not a finite number"),
+        ("static/Agents.xml", ' Mass="', ' Maß="', "agent '0': <Agent>: Mass is missing"),
+        ("static/Agents.xml", ' Radius="', ' Radius="nan" Was="', "agent '0': <Shape>: Radius='nan' is not a finite number"),
+        ("dynamic/AgentDynamics.xml", ' Position="', ' Position="1;2" Was="', "<Kinematics>: Position='1;2' is not two numbers"),
+        ("dynamic/AgentDynamics.xml", "<Kinematics", "<Cinematics", "agent '0': has 0 elements <Kinematics>, not one"),
+    ],
+)
+def test_a_wrong_value_is_named_with_its_file_agent_and_attribute(tmp_path, file, old, new, said):
+    trial = Trial(TRIAL_PUSH).save(tmp_path / "trial")
+    path = trial.directory / file
+    path.write_text(path.read_text().replace(old, new, 1))
+    with pytest.raises(ValueError, match=said) as error:
+        Trial(trial)
+    assert str(path) in str(error.value)
+
+
+def test_a_saved_trial_replaces_all_of_another_one(tmp_path):
+    made = make(number=2)
+    other = Trial(TRIAL_PUSH).save(tmp_path / "other")
+    assert (other.directory / "drive.csv").exists()
+    with pytest.raises(FileExistsError):
+        made.save(tmp_path / "other")
+    saved = made.save(tmp_path / "other", force=True)
+    assert len(saved) == 2 and not (saved.directory / "drive.csv").exists()
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.tex").write_text("x")
+    with pytest.raises(FileExistsError, match="is no Trial"):
+        made.save(tmp_path / "mine", force=True)
+    assert sorted(path.name for path in tmp_path.iterdir() if path.name.startswith(".")) == []
+
+
+def test_numbers_of_numpy_are_numbers(tmp_path):
+    assert len(make(number=np.int64(3), seed=np.uint8(2), allow_overlap=np.False_)) == 3
+    # What nobody sees is not remembered.
+    assert not (tmp_path / "state").exists()
+    with pytest.raises(TypeError, match="give a list"):
+        pack(TRIAL_PUSH, tmp_path / "x.fmu", platforms="linux64")
 
 
 def test_a_missing_command_is_said(monkeypatch, tmp_path):

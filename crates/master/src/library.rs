@@ -29,7 +29,7 @@ pub enum LibraryError {
 }
 
 /// The file format and the processors of FMI's platforms.
-const PLATFORMS: [(&str, BinaryFormat, &[Architecture]); 9] = {
+const PLATFORMS: [(&str, BinaryFormat, &[Architecture]); 12] = {
     use Architecture::{Aarch64, I386, X86_64};
     use BinaryFormat::{Elf, MachO, Pe};
     [
@@ -37,14 +37,20 @@ const PLATFORMS: [(&str, BinaryFormat, &[Architecture]); 9] = {
         ("linux32", Elf, &[I386]),
         ("aarch64-linux", Elf, &[Aarch64]),
         ("x86_64-linux", Elf, &[X86_64]),
+        ("x86-linux", Elf, &[I386]),
         ("win64", Pe, &[X86_64]),
         ("win32", Pe, &[I386]),
+        ("x86_64-windows", Pe, &[X86_64]),
+        ("x86-windows", Pe, &[I386]),
         // FMI 2.0 names no other platform for Macs.
         ("darwin64", MachO, &[X86_64, Aarch64]),
         ("aarch64-darwin", MachO, &[Aarch64]),
         ("x86_64-darwin", MachO, &[X86_64]),
     ]
 };
+
+/// How many libraries a Mac's file may hold; real ones have two or three.
+const MOST_ARCHES: usize = 8;
 
 /// A library; a Mac's file may hold several.
 struct Part {
@@ -75,10 +81,12 @@ pub fn check_library(path: &Path, platform: &str) -> Result<(), LibraryError> {
 fn parts<'data>(data: impl ReadRef<'data>) -> object::Result<Vec<Part>> {
     match FileKind::parse(data)? {
         FileKind::MachOFat32 => {
-            MachOFatFile32::parse(data)?.arches().iter().map(|arch| part(arch.data(data)?)).collect()
+            let file = MachOFatFile32::parse(data)?;
+            file.arches().iter().take(MOST_ARCHES).map(|arch| part(arch.data(data)?)).collect()
         }
         FileKind::MachOFat64 => {
-            MachOFatFile64::parse(data)?.arches().iter().map(|arch| part(arch.data(data)?)).collect()
+            let file = MachOFatFile64::parse(data)?;
+            file.arches().iter().take(MOST_ARCHES).map(|arch| part(arch.data(data)?)).collect()
         }
         FileKind::Elf32 => Ok(vec![elf::<FileHeader32<Endianness>>(data)?]),
         FileKind::Elf64 => Ok(vec![elf::<FileHeader64<Endianness>>(data)?]),
@@ -126,7 +134,7 @@ fn elf<'data, Header: FileHeader<Endian = Endianness>>(data: impl ReadRef<'data>
 }
 
 /// \[byte\] The largest table of versions that is looked at; those of real libraries have some hundred bytes.
-const LARGEST_VERSIONS: u64 = 100_000;
+const LARGEST_VERSIONS: u64 = 10_000;
 
 /// The glibc that a library needs (2.17: `[2, 17]`), by the versions of the functions that it uses; `None` if it needs
 /// none, or is no library of Linux.
@@ -154,6 +162,9 @@ pub enum GlibcError {
     /// A table that no real library has.
     #[error("is broken: its table of versions has {0} bytes")]
     TooLarge(u64),
+    /// A library has one table of versions.
+    #[error("is broken: it has several tables of versions")]
+    Several,
 }
 
 fn glibc_of<'data, Header: FileHeader<Endian = Endianness>>(
@@ -162,19 +173,23 @@ fn glibc_of<'data, Header: FileHeader<Endian = Endianness>>(
     let header = Header::parse(data)?;
     let endian = header.endian()?;
     let sections = header.sections(endian, data)?;
+    let mut tables = sections.iter().filter(|section| section.sh_type(endian) == SHT_GNU_VERNEED);
+    let Some(table) = tables.next() else { return Ok(None) };
+    // Each of thousands of tables would be kept in memory.
+    if tables.next().is_some() {
+        return Err(GlibcError::Several);
+    }
+    let size = table.sh_size(endian).into();
+    // Entries that lie within each other take a time that grows as the square of this.
+    if size > LARGEST_VERSIONS {
+        return Err(GlibcError::TooLarge(size));
+    }
+    let Some((needs, strings)) = table.gnu_verneed(endian, data)? else { return Ok(None) };
+    let strings = sections.strings(endian, data, strings)?;
     let mut newest = None;
-    for section in sections.iter().filter(|section| section.sh_type(endian) == SHT_GNU_VERNEED) {
-        let size = section.sh_size(endian).into();
-        // Tables that lie within each other take a time that grows as the square of this.
-        if size > LARGEST_VERSIONS {
-            return Err(GlibcError::TooLarge(size));
-        }
-        let Some((needs, strings)) = section.gnu_verneed(endian, data)? else { continue };
-        let strings = sections.strings(endian, data, strings)?;
-        for need in needs {
-            for version in need?.1 {
-                newest = newest.max(glibc_version(version?.name(endian, strings)?));
-            }
+    for need in needs {
+        for version in need?.1 {
+            newest = newest.max(glibc_version(version?.name(endian, strings)?));
         }
     }
     Ok(newest)
@@ -297,6 +312,9 @@ mod tests {
         assert!(said(table + 12, &[0xff; 4]).unwrap_err().starts_with("is broken: "));
         let large = said(header + 32, &200_000_u64.to_le_bytes());
         assert_eq!(large.unwrap_err(), "is broken: its table of versions has 200000 bytes");
+        // The next section says that it is one, too.
+        let several = said(header + 64 + 4, &SHT_GNU_VERNEED.0.to_le_bytes());
+        assert_eq!(several.unwrap_err(), "is broken: it has several tables of versions");
         // The names are those of a section that does not exist.
         assert!(said(header + 40, &[0xff; 4]).is_err());
         assert_eq!(said(0, &whole[..4]), Ok(glibc_needed(&binary.path).unwrap()), "as it was");

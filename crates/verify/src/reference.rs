@@ -39,7 +39,7 @@ pub(crate) const CHECKS: &[Check] = &[
         Ok((2.0 - (median(USUAL, 1e-4)? / median(USUAL, 1e-5)?).log10()).max(0.0))
     }),
     Check::new(
-        "the same at the steps for 1 mm, 0.1 mm, 1 µm: error of nine of ten people, in these",
+        "the same at the steps for 1 mm, 0.1 mm, 1 µm: error of nine of ten people / accuracy asked for",
         "independent integrator",
         "",
         1.0,

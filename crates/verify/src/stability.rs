@@ -36,7 +36,7 @@ pub(crate) const CHECKS: &[Check] = &[
         unsaid,
     ),
     Check::new(
-        "head-on hits of m, k, γ at the steps for 1 mm, 0.1 mm, 1 µm: error of a place after 1 s, in these",
+        "head-on hits at the steps for 1 mm, 0.1 mm, 1 µm: error of a place after 1 s / accuracy asked for",
         "damped oscillator",
         "",
         1.0,

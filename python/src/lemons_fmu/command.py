@@ -7,6 +7,8 @@ import subprocess
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Union
 
+import numpy as np
+
 from lemons_command import program
 
 #: The value of an option: True is the option alone; False and None leave it out; a sequence is joined with commas; a mapping
@@ -24,6 +26,8 @@ def options(values: Mapping[str, Option]) -> list[str]:
     for name, value in values.items():
         # `from_` and the like avoid the words of Python.
         option = "--" + name.rstrip("_").replace("_", "-")
+        if isinstance(value, np.generic):
+            value = value.item()
         if value is None or value is False:
             continue
         if value is True:
@@ -37,16 +41,26 @@ def options(values: Mapping[str, Option]) -> list[str]:
     return words
 
 
-def call(words: Iterable[str | os.PathLike[str]]) -> str:
+def call(words: Iterable[str | os.PathLike[str]], *, state: str | os.PathLike[str] | None = None) -> str:
     """Calls the command, and returns what it prints.
+
+    The command remembers which files it wrote, so that it may replace them. `state` is a directory where it does so; give a
+    temporary one for files that nobody will see: only the last 2000 are remembered.
 
     Raises:
         CommandError: it is missing, or it fails.
     """
     try:
         command = [program(), *(os.fspath(word) for word in words)]
-        # Python's own Ctrl-C reaches the command, too: it leaves nothing half-written.
-        done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL)
+        # Ctrl-C reaches the command, too: it leaves nothing half-written. Python kills it if it takes longer than 0.25 s.
+        done = subprocess.run(
+            command,
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            stdin=subprocess.DEVNULL,
+            env=None if state is None else {**os.environ, "XDG_STATE_HOME": os.fspath(state)},
+        )
     except OSError as error:
         raise CommandError(str(error)) from None
     if done.returncode != 0:

@@ -68,5 +68,5 @@ def plot(
             table = Path(directory) / "run.csv"
             what.frame().to_csv(table, index=False, lineterminator="\n")
             what = table
-        call(["plot", f"--output={output}", *options({"trial": trial, **others}), "--", os.fspath(what)])
+        call(["plot", f"--output={output}", *options({"trial": trial, **others}), "--", os.fspath(what)], state=directory)
         return Picture(files.read(output, files.LARGEST_BINARY), format)

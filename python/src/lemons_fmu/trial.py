@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import shutil
 import tempfile
+import weakref
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
@@ -37,33 +39,33 @@ class Trial:
     def __init__(self, directory: Path_) -> None:
         #: Where its files are.
         self.directory = Path(directory)
-        self._temporary: tempfile.TemporaryDirectory[str] | None = None
         parameters = _root(self.directory / "Parameters.xml")
         places = parameters.find("Directories")
         if places is None:
             raise ValueError(f"{self.directory / 'Parameters.xml'}: there is no <Directories>")
         static, dynamic = (self.directory / places.get(name, "").strip() for name in ("Static", "Dynamic"))
-        agents = _root(static / "Agents.xml").findall("Agent")
-        moving = {agent.get("Id"): agent for agent in _root(dynamic / "AgentDynamics.xml").findall("Agent")}
-        try:
-            #: Ids of the people.
-            self.ids: list[str] = [agent.attrib["Id"] for agent in agents]
-            #: Masses [kg], shape (N,).
-            self.masses: Floats = np.array([float(agent.attrib["Mass"]) for agent in agents])
-            #: Moments of inertia about the vertical axis [kg.m2], shape (N,).
-            self.inertias: Floats = np.array([float(agent.attrib["MomentOfInertia"]) for agent in agents])
-            #: Statures [m], shape (N,); NaN where the Trial does not say.
-            self.statures: Floats = np.array([float(agent.get("Height", "nan")) for agent in agents])
-            #: The disks of each person: x, y [m] from the centre of mass, the gaze along x, and radius [m], shape (disks, 3).
-            self.shapes: list[Floats] = [
-                np.array([[*_pair(disk, "Position"), float(disk.attrib["Radius"])] for disk in agent.findall("Shape")])
-                for agent in agents
-            ]
-            kinematics = [_child(moving[i], "Kinematics") for i in self.ids]
-            #: x, y [m], theta [rad] at the start, shape (N, 3).
-            self.poses: Floats = np.array([[*_pair(each, "Position"), float(each.attrib["Theta"])] for each in kinematics])
-        except KeyError as error:
-            raise ValueError(f"{self.directory}: {error.args[0]!r} is missing for an agent") from None
+        agents = _by_id(static / "Agents.xml")
+        moving = _by_id(dynamic / "AgentDynamics.xml")
+        for missing in agents.keys() ^ moving.keys():
+            where = dynamic / "AgentDynamics.xml" if missing in agents else static / "Agents.xml"
+            raise ValueError(f"{where}: there is no agent {missing!r}")
+        #: Ids of the people.
+        self.ids: list[str] = list(agents)
+        #: Masses [kg], shape (N,).
+        self.masses: Floats = np.array([agent.number("Mass") for agent in agents.values()])
+        #: Moments of inertia about the vertical axis [kg.m2], shape (N,).
+        self.inertias: Floats = np.array([agent.number("MomentOfInertia") for agent in agents.values()])
+        #: Statures [m], shape (N,); NaN where the Trial does not say.
+        self.statures: Floats = np.array([agent.number("Height", math.nan) for agent in agents.values()])
+        #: The disks of each person: x, y [m] from the centre of mass, the gaze along x, and radius [m], shape (disks, 3).
+        self.shapes: list[Floats] = [
+            np.array([[*disk.pair("Position"), disk.number("Radius")] for disk in agent.children("Shape")]).reshape(-1, 3)
+            for agent in agents.values()
+        ]
+        kinematics = [moving[i].child("Kinematics") for i in self.ids]
+        poses = [[*each.pair("Position"), each.number("Theta")] for each in kinematics]
+        #: x, y [m], theta [rad] at the start, shape (N, 3).
+        self.poses: Floats = np.array(poses).reshape(-1, 3)
 
     def __fspath__(self) -> str:
         return os.fspath(self.directory)
@@ -95,15 +97,26 @@ class Trial:
             sine, cosine = math.sin(theta), math.cos(theta)
             for dx, dy, radius in shape:
                 rows.append((x + cosine * dx - sine * dy, y + sine * dx + cosine * dy, radius, place))
-        return np.array(rows)
+        return np.array(rows).reshape(-1, 4)
 
     def save(self, output: Path_, *, force: bool = False) -> Trial:
-        """Copies it to another directory, and returns it from there. With `force`, that directory may exist.
+        """Copies it to another directory, and returns it from there. With `force`, that directory may exist: it is replaced.
 
         Raises:
-            OSError: it cannot be written, or it exists.
+            OSError: it cannot be written, or it exists, or with `force` it is no Trial.
         """
-        shutil.copytree(self.directory, output, dirs_exist_ok=force)
+        output = Path(output)
+        if not force or not output.exists():
+            shutil.copytree(self.directory, output)
+            return Trial(output)
+        if not (output / "Parameters.xml").is_file():
+            raise FileExistsError(errno.EEXIST, "is no Trial, so it is not replaced", os.fspath(output))
+        # What the other Trial has must not stay: its drive.csv would push these people.
+        with tempfile.TemporaryDirectory(dir=output.absolute().parent, prefix=".lemons-save-") as beside:
+            new, old = Path(beside) / "new", Path(beside) / "old"
+            shutil.copytree(self.directory, new)
+            output.rename(old)
+            new.rename(output)
         return Trial(output)
 
     def pack(self, output: Path_, *, fmi: Literal[2, 3] = 2, platforms: Sequence[str] = (), **others: Option) -> Path:
@@ -176,6 +189,8 @@ def pack(
     Raises:
         CommandError: the command refuses something, or is missing; the message is its own.
     """
+    if isinstance(platforms, str):
+        raise TypeError(f"platforms={platforms!r}: is one text; give a list, such as [{platforms!r}]")
     several = [trials] if isinstance(trials, (str, os.PathLike, Trial)) else list(trials)
     chosen = [f"--platform={platform}" for platform in platforms]
     given = [os.fspath(trial) for trial in several]
@@ -184,13 +199,18 @@ def pack(
 
 
 def _made(output: Path_ | None, given: dict[str, Option]) -> Trial:
-    temporary = None
-    if output is None:
-        temporary = tempfile.TemporaryDirectory(prefix="lemons-crowd-")
-        output = Path(temporary.name) / "crowd"
-    call(["crowd", f"--output={os.fspath(output)}", *options(given)])
-    made = Trial(output)
-    made._temporary = temporary
+    if output is not None:
+        call(["crowd", f"--output={os.fspath(output)}", *options(given)])
+        return Trial(output)
+    temporary = tempfile.mkdtemp(prefix="lemons-crowd-")
+    try:
+        directory = os.path.join(temporary, "crowd")
+        call(["crowd", f"--output={directory}", *options(given)], state=temporary)
+        made = Trial(directory)
+    except BaseException:
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise
+    weakref.finalize(made, shutil.rmtree, temporary, ignore_errors=True)
     return made
 
 
@@ -201,6 +221,9 @@ def _number(value: float) -> str:
 
 def _root(path: Path) -> ElementTree.Element:
     text = files.read(path, files.LARGEST_TRIAL_FILE)
+    # Other encodings could hide what is looked for below.
+    if b"\0" in text:
+        raise ValueError(f"{path}: is not a text in UTF-8")
     # Entities could make a small file a huge one; no file of a Trial has any.
     if b"<!DOCTYPE" in text:
         raise ValueError(f"{path}: contains a document type, which no file of a Trial does")
@@ -210,13 +233,60 @@ def _root(path: Path) -> ElementTree.Element:
         raise ValueError(f"{path}: {error}") from None
 
 
-def _child(element: ElementTree.Element, name: str) -> ElementTree.Element:
-    child = element.find(name)
-    if child is None:
-        raise KeyError(name)
-    return child
+class _Element:
+    """An element of an agent, whose errors name the file, the agent, the element and the attribute."""
+
+    def __init__(self, path: Path, agent: str, element: ElementTree.Element) -> None:
+        self.path, self.agent, self.element = path, agent, element
+
+    def wrong(self, what: str) -> ValueError:
+        return ValueError(f"{self.path}: agent {self.agent!r}: {what}")
+
+    def text(self, attribute: str) -> str:
+        text = self.element.get(attribute)
+        if text is None:
+            raise self.wrong(f"<{self.element.tag}>: {attribute} is missing")
+        return text
+
+    def number(self, attribute: str, default: float | None = None) -> float:
+        if default is not None and self.element.get(attribute) is None:
+            return default
+        return self._finite(attribute, self.text(attribute))
+
+    def pair(self, attribute: str) -> tuple[float, float]:
+        text = self.text(attribute)
+        words = text.split(",")
+        if len(words) != 2:
+            raise self.wrong(f"<{self.element.tag}>: {attribute}={text!r} is not two numbers")
+        return self._finite(attribute, words[0]), self._finite(attribute, words[1])
+
+    def _finite(self, attribute: str, text: str) -> float:
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise self.wrong(f"<{self.element.tag}>: {attribute}={text!r} is not a finite number")
+        return number
+
+    def children(self, tag: str) -> list[_Element]:
+        return [_Element(self.path, self.agent, child) for child in self.element.findall(tag)]
+
+    def child(self, tag: str) -> _Element:
+        found = self.children(tag)
+        if len(found) != 1:
+            raise self.wrong(f"has {len(found)} elements <{tag}>, not one")
+        return found[0]
 
 
-def _pair(element: ElementTree.Element, name: str) -> tuple[float, float]:
-    x, y = element.attrib[name].split(",")
-    return float(x), float(y)
+def _by_id(path: Path) -> dict[str, _Element]:
+    """The agents of a file, by their Ids."""
+    agents: dict[str, _Element] = {}
+    for place, element in enumerate(_root(path).findall("Agent")):
+        agent = element.get("Id")
+        if agent is None:
+            raise ValueError(f"{path}: <Agent> number {place + 1}: Id is missing")
+        if agent in agents:
+            raise ValueError(f"{path}: duplicate Id {agent!r}")
+        agents[agent] = _Element(path, agent, element)
+    return agents
