@@ -11,8 +11,12 @@ use super::shortlist::{Activity, Shortlist};
 use super::{BodyId, Exposure, Scene, Shortlisting, State, Threads, ThreadsError, Work, Wrench};
 use thiserror::Error;
 
-/// Largest number of mechanical steps in one communication step; more would take for ever.
-const MOST_STEPS: f64 = 4e9;
+/// Largest number of mechanical steps that is counted.
+const MOST_COUNTED: f64 = 1e12;
+
+/// Largest number of mechanical steps in one communication step: evaluations are numbered with 32 bits. More would take
+/// for ever.
+const MOST_STEPS: u64 = 4_000_000_000;
 
 /// See [`World::share_from`]. A step with this amount of work takes about 20 µs; sharing it costs a fraction of that.
 const SHARE_FROM: usize = 1800;
@@ -62,7 +66,7 @@ pub fn step_count(duration: f64, mechanical_step: f64) -> Result<u64, AdvanceErr
         return Err(AdvanceError::Duration(duration));
     }
     let ratio = duration / mechanical_step;
-    if ratio > MOST_STEPS || ratio.is_nan() {
+    if ratio > MOST_COUNTED || ratio.is_nan() {
         return Err(AdvanceError::TooManySteps { duration, mechanical_step });
     }
     let nearest = libm::round(ratio);
@@ -260,6 +264,9 @@ impl World {
     /// See [`AdvanceError`]. The world is then unchanged.
     pub fn advance_on(&mut self, duration: f64, so_far: f64) -> Result<(), AdvanceError> {
         let steps = step_count(duration, self.mechanical_step)?;
+        if steps > MOST_STEPS {
+            return Err(AdvanceError::TooManySteps { duration, mechanical_step: self.mechanical_step });
+        }
         let held = self.drive_rate.iter().all(|rate| *rate == Wrench::default());
         let state = if held {
             self.moved(&held_drives(&self.scene, &self.drive), duration, steps)?
