@@ -206,6 +206,14 @@ impl Blocks {
         blocks.iter().map(|block| block.result).fold(0.0, f64::max)
     }
 
+    /// Whether the bits of touching pairs are those of the springs of the last evaluation, and how many pairs there are.
+    #[cfg(test)]
+    pub fn marked(&self) -> (bool, usize) {
+        let count = |block: &Block| block.pairs.disks.len() + block.pairs.faces.len();
+        let marked = self.blocks.iter().all(|block| block.pairs.marked(self.evaluation));
+        (marked, self.blocks.iter().map(count).sum())
+    }
+
     /// Returns the contacts at present; changes nothing.
     pub fn report(&self, scene: &Scene) -> ContactReport {
         let unkicked = |body: BodyId| self.flown[body.index()].twist;

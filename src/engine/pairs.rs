@@ -182,6 +182,7 @@ impl Pairs {
     }
 
     /// Whether the bits are those of the springs that touched in an evaluation.
+    #[cfg(test)]
     pub fn marked(&self, evaluation: u32) -> bool {
         let marked = |bits: &[u32], springs: &[Spring]| {
             let of_springs = springs.chunks(AT_ONCE).map(|some| {

@@ -371,6 +371,29 @@ mod tests {
         world.advance(0.2).unwrap();
     }
 
+    /// Balls in a row that knock against each other: pairs are fewer, as many and more than a word has bits, and their
+    /// lists are made again while some of them touch.
+    #[test]
+    fn the_bits_of_touching_pairs_are_those_of_their_springs() {
+        let mut seen = Vec::new();
+        for count in [2, 32, 33, 34, 66, 600] {
+            let scene = Ball { mass: 1.0, radius: 0.1, relaxation: 0.0, stiffness: 1e4 }.scene(count);
+            let poses = (0..count).map(|k| Pose { position: vec2(0.201 * k as f64, 0.0), orientation: 0.0 });
+            let speed = |k: usize| if k % 3 == 0 { 2.0 } else { -1.0 };
+            let twists = (0..count).map(|k| Twist { velocity: vec2(speed(k), 0.0), angular_velocity: 0.0 });
+            let state = State::new(poses.collect(), twists.collect());
+            let mut world = World::new(scene, state, 1e-4).unwrap();
+            for _ in 0..200 {
+                world.advance(5e-4).unwrap();
+                let (marked, pairs) = world.scratch.blocks.marked();
+                assert!(marked, "{count}");
+                seen.push(pairs);
+            }
+            assert!(world.work().refreshes > 200 && world.work().contacts > 0);
+        }
+        assert!([31, 32, 33, 65].iter().all(|pairs| seen.contains(pairs)), "{seen:?}");
+    }
+
     #[test]
     fn step_counts_are_integers() {
         assert_eq!(step_count(0.02, 1e-5), Ok(2000));
