@@ -379,7 +379,7 @@ mod tests {
         for count in [2, 32, 33, 34, 66, 600] {
             let scene = Ball { mass: 1.0, radius: 0.1, relaxation: 0.0, stiffness: 1e4 }.scene(count);
             let poses = (0..count).map(|k| Pose { position: vec2(0.201 * k as f64, 0.0), orientation: 0.0 });
-            let speed = |k: usize| if k % 3 == 0 { 2.0 } else { -1.0 };
+            let speed = |k: usize| if k.is_multiple_of(3) { 2.0 } else { -1.0 };
             let twists = (0..count).map(|k| Twist { velocity: vec2(speed(k), 0.0), angular_velocity: 0.0 });
             let state = State::new(poses.collect(), twists.collect());
             let mut world = World::new(scene, state, 1e-4).unwrap();
