@@ -178,8 +178,10 @@ impl Blocks {
                 let unkicked = |body: BodyId| flown[body.index()].twist;
                 let instant = Instant { scene, standing, unkicked: &unkicked, before };
                 blocks[k].evaluate(&instant, stretch, start, loads, deepest);
-                hand_over(blocks, k);
-                blocks[k].take_in(start, loads, deepest);
+                if blocks.len() > 1 {
+                    hand_over(blocks, k);
+                    blocks[k].take_in(start, loads, deepest);
+                }
                 let (standing, flown) = (&mut standing[of_block.clone()], &mut flown[of_block]);
                 let block = &mut blocks[k];
                 let impulses = &block.impulses[..];

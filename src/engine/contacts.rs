@@ -3,7 +3,7 @@
 use super::begin_and_end::Amendment;
 use super::contact_law::{Grip, normal_force, react};
 use super::encounter::{Encounter, Found, Instant, Touch};
-use super::pairs::{AT_ONCE, DiskPair, Pairs, Sight, Spring, spring_at_face};
+use super::pairs::{AT_ONCE, DiskPair, Overlapping, Pairs, Sight, Spring, spring_at_face};
 use super::{BodyId, FacePart, Regime, Wrench};
 
 /// How an evaluation changes the springs.
@@ -133,10 +133,25 @@ impl Sums<'_> {
         }
     }
 
-    /// The impulse of a contact that began or ended within a step, on both bodies. Returns the contact.
+    /// A contact that began within a step. Returns what the pair keeps of it, after the evaluation `now`.
     #[cold]
-    fn amend(&mut self, receiver: BodyId, giver: Option<BodyId>, (touch, by): (Touch, Amendment)) -> Touch {
-        let Amendment { normal, tangential, squeeze, peak } = by;
+    #[inline(never)]
+    fn begin(
+        &mut self,
+        receiver: BodyId,
+        giver: Option<BodyId>,
+        began: (Touch, Amendment),
+        now: u32,
+    ) -> Spring {
+        self.amend(receiver, giver, &began);
+        self.add(receiver, giver, &began.0);
+        held(&began.0, began.0.reaction.elongation, now)
+    }
+
+    /// The impulse of a contact that began or ended within a step, on both bodies.
+    #[cold]
+    fn amend(&mut self, receiver: BodyId, giver: Option<BodyId>, (touch, by): &(Touch, Amendment)) {
+        let Amendment { normal, tangential, squeeze, peak } = *by;
         let impulse = touch.overlap.normal * normal + touch.overlap.normal.perp() * tangential;
         let on_receiver = Impulse { body: receiver, wrench: touch.on_receiver(impulse), squeeze, peak };
         let on_giver = giver.map(|body| Impulse { body, wrench: touch.on_giver(impulse), squeeze, peak });
@@ -145,7 +160,6 @@ impl Sums<'_> {
             let impulses = if inside { &mut *self.impulses } else { &mut *self.outgoing_impulses };
             impulses.push(impulse);
         }
-        touch
     }
 
     /// Disks that overlap without a normal: no force acts between them, but they are counted.
@@ -171,24 +185,23 @@ impl Instant<'_> {
     /// that began or ended within the last step give impulses.
     pub fn evaluate(&self, pairs: &mut Pairs, stretch: Stretch, sums: &mut Sums) {
         sums.work.pairs += (pairs.disks.len() + pairs.faces.len()) as u64;
-        pairs.overlapping.resize(AT_ONCE, (0, Sight::default()));
         for start in (0..pairs.disks.len()).step_by(AT_ONCE) {
-            self.some_disks(pairs, start, stretch, sums);
+            self.evaluate_disks(pairs, start, stretch, sums);
         }
         for start in (0..pairs.faces.len()).step_by(AT_ONCE) {
-            self.some_faces(pairs, start, stretch, sums);
+            self.evaluate_faces(pairs, start, stretch, sums);
         }
     }
 
     /// The next [`AT_ONCE`] pairs of disks.
     #[inline(always)]
-    fn some_disks(&self, pairs: &mut Pairs, start: usize, stretch: Stretch, sums: &mut Sums) {
+    fn evaluate_disks(&self, pairs: &mut Pairs, start: usize, stretch: Stretch, sums: &mut Sums) {
         let mut touching = 0;
-        for (k, sight) in self.find_overlapping(&pairs.disks, start, &mut pairs.overlapping) {
-            let (pair, detail) = (&pairs.disks[*k], &pairs.disk_details[*k]);
-            let spring = &mut pairs.disk_springs[*k];
+        for &(k, sight) in self.find_overlapping(&pairs.disks, start, &mut pairs.overlapping) {
+            let (pair, detail) = (&pairs.disks[k], &pairs.disk_details[k]);
+            let spring = &mut pairs.disk_springs[k];
             let (receiver, giver) = (pair.first_body, Some(pair.second_body));
-            let encounter = match self.meet_disks(pair, detail, sight) {
+            let encounter = match self.meet_disks(pair, detail, &sight) {
                 Found::Apart => continue,
                 Found::Coincident { depth, .. } => {
                     sums.add_coincident(receiver, giver, depth);
@@ -197,16 +210,18 @@ impl Instant<'_> {
                 Found::Touching(encounter) => encounter,
             };
             let memory = Memory { spring, before: self.before, stretch };
-            let touch = match stretch {
-                Stretch::Over(dt) if !memory.continues(FacePart::Left) => {
-                    // A copy, so that the encounter itself stays in registers.
-                    sums.amend(receiver, giver, self.began_disks(pair, &{ encounter }, dt))
-                }
-                _ => touch(&encounter, memory),
-            };
-            *spring = kept(&touch, stretch, self.before + 1);
-            sums.add(receiver, giver, &touch);
-            touching |= 1 << (k - start);
+            if let Stretch::Over(dt) = stretch
+                && !memory.continues(FacePart::Left)
+            {
+                // A copy, so that the encounter itself stays in registers.
+                *spring =
+                    sums.begin(receiver, giver, self.began_disks(pair, &{ encounter }, dt), self.before + 1);
+            } else {
+                let touch = touch(&encounter, memory);
+                *spring = kept(&touch, stretch, self.before + 1);
+                sums.add(receiver, giver, &touch);
+            }
+            touching |= 1 << (k % AT_ONCE);
         }
         let ended = std::mem::replace(&mut pairs.touching.disks[start / AT_ONCE], touching) & !touching;
         if let Stretch::Over(dt) = stretch
@@ -217,7 +232,7 @@ impl Instant<'_> {
     }
 
     /// The next [`AT_ONCE`] pairs of a disk and a face.
-    fn some_faces(&self, pairs: &mut Pairs, start: usize, stretch: Stretch, sums: &mut Sums) {
+    fn evaluate_faces(&self, pairs: &mut Pairs, start: usize, stretch: Stretch, sums: &mut Sums) {
         let Pairs { faces, face_springs, touching: touched, .. } = &mut *pairs;
         let mut touching = 0;
         for (k, pair) in faces.iter().enumerate().skip(start).take(AT_ONCE) {
@@ -232,29 +247,31 @@ impl Instant<'_> {
             };
             let spring = spring_at_face(self.scene, faces, face_springs, k, encounter.part, self.before);
             let memory = Memory { spring, before: self.before, stretch };
-            let touch = match stretch {
-                Stretch::Over(dt) if !memory.continues(encounter.part) => {
-                    let held = &face_springs[k];
-                    if held.touched_at == self.before
-                        && held.part != encounter.part
-                        && let Some(ended) = self.ended_face(pair, held, dt)
-                    {
-                        // It touches another part of the same face.
-                        sums.amend(body, None, ended);
-                    }
-                    sums.amend(body, None, self.began_face(pair, &{ encounter }, dt))
+            if let Stretch::Over(dt) = stretch
+                && !memory.continues(encounter.part)
+            {
+                let held = &face_springs[k];
+                if held.touched_at == self.before
+                    && held.part != encounter.part
+                    && let Some(ended) = self.ended_face(pair, held, dt)
+                {
+                    // It touches another part of the same face.
+                    sums.amend(body, None, &ended);
                 }
-                _ => touch(&encounter, memory),
-            };
-            face_springs[k] = kept(&touch, stretch, self.before + 1);
-            sums.add(body, None, &touch);
-            touching |= 1 << (k - start);
+                face_springs[k] =
+                    sums.begin(body, None, self.began_face(pair, &{ encounter }, dt), self.before + 1);
+            } else {
+                let touch = touch(&encounter, memory);
+                face_springs[k] = kept(&touch, stretch, self.before + 1);
+                sums.add(body, None, &touch);
+            }
+            touching |= 1 << (k % AT_ONCE);
         }
         let ended = std::mem::replace(&mut touched.faces[start / AT_ONCE], touching) & !touching;
         if let Stretch::Over(dt) = stretch {
-            for k in places(start, ended) {
+            for k in places(ended).map(|place| start + place) {
                 if let Some(ended) = self.ended_face(&faces[k], &face_springs[k], dt) {
-                    sums.amend(self.scene.body_of(faces[k].disk), None, ended);
+                    sums.amend(self.scene.body_of(faces[k].disk), None, &ended);
                 }
             }
         }
@@ -263,10 +280,10 @@ impl Instant<'_> {
     /// Pairs of disks that touched in the evaluation before and do not touch now.
     #[cold]
     fn end_disks(&self, pairs: &Pairs, start: usize, ended: u32, dt: f64, sums: &mut Sums) {
-        for k in places(start, ended) {
+        for k in places(ended).map(|place| start + place) {
             let (pair, detail, spring) = (&pairs.disks[k], &pairs.disk_details[k], &pairs.disk_springs[k]);
             if let Some(ended) = self.ended_disks(pair, detail, spring, dt) {
-                sums.amend(pair.first_body, Some(pair.second_body), ended);
+                sums.amend(pair.first_body, Some(pair.second_body), &ended);
             }
         }
     }
@@ -278,24 +295,25 @@ impl Instant<'_> {
         &self,
         pairs: &[DiskPair],
         start: usize,
-        overlapping: &'a mut [(usize, Sight)],
+        overlapping: &'a mut Overlapping,
     ) -> &'a [(usize, Sight)] {
         let mut found = 0;
-        for (k, pair) in pairs.iter().enumerate().skip(start).take(AT_ONCE) {
+        for (pair, k) in pairs[start..].iter().zip(start..start + AT_ONCE) {
             let sight = pair.seen(self.standing);
-            overlapping[found] = (k, sight);
+            // The remainder shows the compiler that there is room.
+            overlapping[found % AT_ONCE] = (k, sight);
             found += usize::from(sight.between.norm_squared() < pair.reach * pair.reach);
         }
         &overlapping[..found]
     }
 }
 
-/// The indices of the pairs whose bits are set, of those from `start`.
-fn places(start: usize, mut bits: u32) -> impl Iterator<Item = usize> {
+/// The indices of the bits that are set.
+fn places(mut bits: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lowest = bits.trailing_zeros();
         bits &= bits.wrapping_sub(1);
-        (lowest < u32::BITS).then(|| start + lowest as usize)
+        (lowest < u32::BITS).then_some(lowest as usize)
     })
 }
 
@@ -334,10 +352,14 @@ pub(super) fn touch(encounter: &Encounter, memory: Memory) -> Touch {
 /// What the pair keeps of a contact of the evaluation `now`.
 #[inline(always)]
 fn kept(touch: &Touch, stretch: Stretch, now: u32) -> Spring {
-    let elongation = match stretch {
-        Stretch::Hold => touch.elongation,
-        Stretch::Over(_) => touch.reaction.elongation,
-    };
+    match stretch {
+        Stretch::Hold => held(touch, touch.elongation, now),
+        Stretch::Over(_) => held(touch, touch.reaction.elongation, now),
+    }
+}
+
+#[inline(always)]
+fn held(touch: &Touch, elongation: f64, now: u32) -> Spring {
     let grip = Grip { elongation, slip_speed: touch.slip_speed, normal: touch.reaction.normal };
     Spring { grip, part: touch.part, touched_at: now }
 }

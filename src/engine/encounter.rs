@@ -93,7 +93,7 @@ impl Instant<'_> {
     }
 
     /// A disk and a face that may touch.
-    #[inline]
+    #[inline(always)]
     pub fn meet_face(&self, pair: &FacePair) -> Found<Encounter<'_>> {
         let (disk, face) = (&self.scene.disks[pair.disk.index()], pair.face.index());
         let (wall, standing) = (&self.scene.faces[face], &self.standing[disk.body.index()]);
@@ -112,7 +112,7 @@ impl Instant<'_> {
     }
 
     /// A disk and a part of a face with an overlap, which is negative where they do not touch.
-    #[inline]
+    #[inline(always)]
     pub fn face_encounter(&self, pair: &FacePair, overlap: Overlap, part: FacePart) -> Encounter<'_> {
         let (disk, wall) = (&self.scene.disks[pair.disk.index()], &self.scene.faces[pair.face.index()]);
         let standing = &self.standing[disk.body.index()];

@@ -4,7 +4,8 @@ use super::circle::Circle;
 use super::contact_law::Grip;
 use super::standing::Standing;
 use super::{BodyId, Disk, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
-use std::cmp::Ordering;
+use std::iter::Peekable;
+use std::slice::Iter;
 
 /// The memory of a pair between mechanical steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,8 +106,8 @@ pub(super) struct Pairs {
     pub face_springs: Vec<Spring>,
     /// The pairs that touched in the last evaluation.
     pub touching: Touching,
-    /// Among some disk pairs, those that overlap at the present instant, and their indices; scratch space.
-    pub overlapping: Vec<(usize, Sight)>,
+    /// Scratch space.
+    pub overlapping: Overlapping,
     /// The previous list; scratch space.
     old: Old,
 }
@@ -117,6 +118,9 @@ pub(super) struct Touching {
     pub disks: Vec<u32>,
     pub faces: Vec<u32>,
 }
+
+/// Among some disk pairs, those that overlap at the present instant, and their indices.
+pub(super) type Overlapping = [(usize, Sight); AT_ONCE];
 
 /// Number of pairs that are processed together, so that intermediate results stay in the nearest cache.
 pub(super) const AT_ONCE: usize = u32::BITS as usize;
@@ -129,12 +133,17 @@ impl Touching {
 }
 
 /// Writes the bit of pair `k`, which follows those that are there.
+#[inline(always)]
 fn mark(touching: &mut Vec<u32>, k: usize, touches: bool) {
-    touching.resize(k / AT_ONCE + 1, 0);
-    touching[k / AT_ONCE] |= u32::from(touches) << (k % AT_ONCE);
+    if k.is_multiple_of(AT_ONCE) {
+        touching.push(0);
+    }
+    if let Some(word) = touching.last_mut() {
+        *word |= u32::from(touches) << (k % AT_ONCE);
+    }
 }
 
-/// Springs and their pairs.
+/// The pairs that touched, and their springs.
 #[derive(Debug, Clone, Default)]
 struct Old {
     disks: Vec<((DiskId, DiskId), Spring)>,
@@ -152,30 +161,28 @@ impl Pairs {
         margin: f64,
         evaluation: u32,
     ) {
-        self.put_aside();
-        let mut old = self.old.disks.iter().copied().peekable();
+        self.put_aside(evaluation);
+        let mut old = self.old.disks.iter().peekable();
         for &(first, second) in &candidates.disks {
             let (a, b) = (&scene.disks[first.index()], &scene.disks[second.index()]);
             let reach = a.radius + b.radius + margin;
             let between =
                 standing[a.body.index()].centre(a.offset) - standing[b.body.index()].centre(b.offset);
             let spring = kept(&mut old, (first, second));
-            let touched = spring.touched_at == evaluation;
-            if between.norm_squared() <= reach * reach || touched {
+            if between.norm_squared() <= reach * reach || spring.is_some() {
                 push_disks(&mut self.disks, &mut self.disk_details, scene, first, second);
-                mark(&mut self.touching.disks, self.disk_springs.len(), touched);
-                self.disk_springs.push(spring);
+                mark(&mut self.touching.disks, self.disk_springs.len(), spring.is_some());
+                self.disk_springs.push(spring.unwrap_or(Spring::RELAXED));
             }
         }
-        let mut old = self.old.faces.iter().copied().peekable();
+        let mut old = self.old.faces.iter().peekable();
         for &(disk, face) in &candidates.faces {
             let Disk { body, offset, radius, .. } = scene.disks[disk.index()];
             let circle = Circle { centre: standing[body.index()].centre(offset), radius };
             let spring = kept(&mut old, (disk, face));
-            let touched = spring.touched_at == evaluation;
-            if circle.nears_face(&scene.faces, face, margin) || touched {
-                mark(&mut self.touching.faces, self.face_springs.len(), touched);
-                self.face_springs.push(spring);
+            if circle.nears_face(&scene.faces, face, margin) || spring.is_some() {
+                mark(&mut self.touching.faces, self.face_springs.len(), spring.is_some());
+                self.face_springs.push(spring.unwrap_or(Spring::RELAXED));
                 self.faces.push(FacePair { disk, face });
             }
         }
@@ -195,16 +202,15 @@ impl Pairs {
         marked(&self.touching.disks, &self.disk_springs) && marked(&self.touching.faces, &self.face_springs)
     }
 
-    /// Empties the list, but keeps the springs and their pairs.
-    fn put_aside(&mut self) {
-        let disks = self.disk_details.iter().map(|pair| (pair.first, pair.second));
+    /// Empties the list, but keeps the springs of the pairs that touched in an evaluation.
+    fn put_aside(&mut self, evaluation: u32) {
+        let disks = self.disk_details.drain(..).map(|pair| (pair.first, pair.second));
         self.old.disks.clear();
-        self.old.disks.extend(disks.zip(self.disk_springs.drain(..)));
+        self.old.disks.extend(touched(disks, self.disk_springs.drain(..), evaluation));
         let faces = self.faces.drain(..).map(|pair| (pair.disk, pair.face));
         self.old.faces.clear();
-        self.old.faces.extend(faces.zip(self.face_springs.drain(..)));
+        self.old.faces.extend(touched(faces, self.face_springs.drain(..), evaluation));
         self.disks.clear();
-        self.disk_details.clear();
         self.touching.clear();
     }
 
@@ -314,14 +320,18 @@ fn loaded(elongation: f64, part: FacePart) -> Spring {
     Spring { grip: Grip { elongation, ..Grip::NONE }, part, touched_at: FIRST_EVALUATION }
 }
 
-/// Returns the spring of the next listed pair from the old list, both ascending; a new pair gets a relaxed spring.
-fn kept<Key: Copy + Ord>(
-    old: &mut std::iter::Peekable<impl Iterator<Item = (Key, Spring)>>,
-    key: Key,
-) -> Spring {
+/// The pairs that touched in an evaluation, and their springs.
+fn touched<Key>(
+    pairs: impl Iterator<Item = Key>,
+    springs: impl Iterator<Item = Spring>,
+    evaluation: u32,
+) -> impl Iterator<Item = (Key, Spring)> {
+    pairs.zip(springs).filter(move |(_, spring)| spring.touched_at == evaluation)
+}
+
+/// Returns the spring of the next listed pair if it is in the old list; both are ascending.
+#[inline(always)]
+fn kept<Key: Copy + Ord>(old: &mut Peekable<Iter<(Key, Spring)>>, key: Key) -> Option<Spring> {
     while old.next_if(|(known, _)| *known < key).is_some() {}
-    match old.next_if(|(known, _)| known.cmp(&key) == Ordering::Equal) {
-        Some((_, spring)) => spring,
-        None => Spring::RELAXED,
-    }
+    old.next_if(|(known, _)| *known == key).map(|&(_, spring)| spring)
 }
