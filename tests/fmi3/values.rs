@@ -202,3 +202,41 @@ fn a_tolerance_chooses_the_mechanical_step() {
     assert_eq!(other.get("TimeStepMechanical", 1), [4.8e-5], "what is set wins");
     assert_eq!(instance.motion(), other.motion());
 }
+
+#[test]
+fn a_tolerance_holds_for_the_trial_that_is_chosen_in_its_states_and_until_reset() {
+    let step = |instance: &Instance| instance.get("TimeStepMechanical", 1)[0];
+    let exit = |instance: &Instance| {
+        instance.must(unsafe { (instance.c.fmi3ExitInitializationMode)(instance.raw) });
+    };
+    let instance = Instance::new();
+    instance.must(unsafe { (instance.c.fmi3EnterConfigurationMode)(instance.raw) });
+    instance.must(instance.try_set_size("Agents", 3));
+    instance.must(unsafe { (instance.c.fmi3ExitConfigurationMode)(instance.raw) });
+    instance.must(instance.try_set_text("Trial", "Trial_three"));
+    let enter = instance.c.fmi3EnterInitializationMode;
+    instance.must(unsafe { enter(instance.raw, true, 1e-4, 0.0, false, 0.0) });
+    let early = instance.bytes();
+    // The period of the shortest contact, 2π √(m*/k), grows tenfold with a hundred times the mass and inertia.
+    let light = step(&instance);
+    for (name, masses) in
+        [("Mass", instance.get("Mass", 3)), ("MomentOfInertia", instance.get("MomentOfInertia", 3))]
+    {
+        instance.set(name, &masses.iter().map(|mass| 100.0 * mass).collect::<Vec<_>>());
+    }
+    exit(&instance);
+    let heavy = step(&instance);
+    assert!((9.9..=10.4).contains(&(heavy / light)), "{light} {heavy}");
+    instance.steps(0, 3);
+    let other = Instance::new();
+    other.must(other.restore(&instance.bytes()));
+    assert_eq!((other.size("Agents"), step(&other)), (3, heavy));
+    // Saved during initialization.
+    other.must(other.restore(&early));
+    exit(&other);
+    assert_eq!(step(&other), light);
+    // Without a tolerance it is the Trial's own step.
+    other.must(unsafe { (other.c.fmi3Reset)(other.raw) });
+    other.initialize();
+    assert_eq!((other.size("Agents"), step(&other)), (5, 2e-6));
+}
