@@ -102,12 +102,12 @@ impl Scene {
             seconds += cost;
             for (stage, (found, exact)) in found.iter().zip(exact).enumerate() {
                 let bodies = &motion.start.scene().bodies;
-                errors[stage].extend(bodies.iter().zip(found.iter().zip(exact)).map(
-                    |(body, (one, other))| {
-                        let turned = (one.orientation - other.orientation).abs();
-                        (one.position - other.position).norm() + body.bounding_radius * turned
-                    },
-                ));
+                let poses = found.iter().zip(exact);
+                let apart = bodies
+                    .iter()
+                    .zip(poses)
+                    .map(|(body, (one, other))| one.apart(other, body.bounding_radius));
+                errors[stage].extend(apart);
             }
         }
         for errors in &mut errors {

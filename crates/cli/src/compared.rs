@@ -1,6 +1,6 @@
 //! Poses of two runs, compared at each communication point.
 
-use lemons_plane::vec2;
+use lemons_plane::{Pose, vec2};
 use lemons_trial::Trial;
 
 /// What is done with the poses of a run.
@@ -117,9 +117,11 @@ impl Follower {
 impl Comparer {
     fn compare(&mut self, time: f64, poses: impl Iterator<Item = [f64; 3]>) {
         let Some(others) = self.others.next() else { return };
-        for (agent, ([x, y, turn], [ox, oy, other])) in poses.zip(others).enumerate() {
+        for (agent, (pose, other)) in poses.zip(others).enumerate() {
             let rim = self.rims.get(agent).copied().unwrap_or(0.0);
-            let apart = vec2(x - ox, y - oy).norm() + rim * (turn - other).abs();
+            let [one, other] =
+                [pose, other].map(|[x, y, orientation]| Pose { position: vec2(x, y), orientation });
+            let apart = one.apart(&other, rim);
             if apart > self.largest.0 {
                 self.largest = (apart, agent, time);
             }

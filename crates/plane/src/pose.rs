@@ -12,6 +12,14 @@ pub struct Pose {
     pub orientation: f64,
 }
 
+impl Pose {
+    /// Returns how far the points of a body in this pose may be from where they are in another, in m: the distance of
+    /// the centres plus the angle between both poses times the distance `rim` \[m\] from the centre to the rim.
+    pub fn apart(&self, other: &Pose, rim: f64) -> f64 {
+        (self.position - other.position).norm() + rim * (self.orientation - other.orientation).abs()
+    }
+}
+
 /// Velocity of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Twist {

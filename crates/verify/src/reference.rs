@@ -181,10 +181,9 @@ fn as_accurate_as_wished() -> Result<f64> {
             }
             let known = case.solution(case.times.len() - 1);
             let bodies = world.scene().bodies.iter().zip(&world.state().poses);
-            errors.extend(bodies.zip(known).map(|((body, pose), (known, _))| {
-                let turned = (pose.orientation - known.orientation).abs();
-                (pose.position - known.position).norm() + body.bounding_radius * turned
-            }));
+            errors.extend(
+                bodies.zip(known).map(|((body, pose), (known, _))| pose.apart(&known, body.bounding_radius)),
+            );
         }
         errors.sort_by(f64::total_cmp);
         worst = worst.max(errors[errors.len() * 9 / 10] / accuracy);
