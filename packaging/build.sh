@@ -26,6 +26,8 @@ for platform; do
         else
             python3 packaging/fat.py "$dist/$platform/$file" "${of_platform[@]/#/$directory/}" "dist/$file"
         fi
+        # The linker leaves symbols of mingw-w64's own objects.
+        [[ $platform != win64 ]] || x86_64-w64-mingw32-strip "$dist/$platform/$file"
     done
     (cd "$dist/$platform" && sha256sum -- *)
 done

@@ -112,10 +112,11 @@ choose_compiler() {
 
 # Builds for a target: `compile TARGET ARGUMENTS…`, with cargo's arguments. No place of this machine gets into a binary.
 compile() {
-    local target=$1 cargo=("$CARGO") flags place home=${CARGO_HOME:-${HOME:-/root}/.cargo}
+    local target=$1 cargo=("$CARGO") flags places home=${CARGO_HOME:-${HOME:-/root}/.cargo}
     shift
     flags=(--remap-path-prefix="$directory"=target --remap-path-prefix="$root"=lemons --remap-path-prefix="$home"=cargo)
-    place="-ffile-prefix-map=$root=lemons -ffile-prefix-map=$home=cargo"
+    # Quoted, because directories may have spaces; the crate cc reads them so with CC_SHELL_ESCAPED_FLAGS.
+    places=("-ffile-prefix-map=$root=lemons" "-ffile-prefix-map=$home=cargo")
     local arguments=(build --locked --profile dist --target-dir "$directory" "$@")
     if [[ $with == debian && $target != x86_64-unknown-linux-gnu ]]; then
         arguments+=(-Zbuild-std=std,panic_unwind)
@@ -127,6 +128,6 @@ compile() {
     esac
     [[ $target == *-linux-gnu ]] && target=$target.$glibc
     # The separator of arguments that may contain spaces.
-    CARGO_ENCODED_RUSTFLAGS=$(IFS=$'\x1f' && printf %s "${flags[*]}") CFLAGS=$place \
+    CARGO_ENCODED_RUSTFLAGS=$(IFS=$'\x1f' && printf %s "${flags[*]}") CFLAGS=${places[*]@Q} CC_SHELL_ESCAPED_FLAGS=1 \
         PATH=$directory/tools/bin:$PATH nice "${cargo[@]}" "${arguments[@]}" --target "$target"
 }
