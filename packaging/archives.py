@@ -26,7 +26,8 @@ def content(dist: Path, platform: str, platforms: list[str]) -> dict[str, Path]:
         for path in sorted(directory.iterdir()):
             if path.stem != "lemons":
                 files[f"{directory.name}/{path.name}"] = path
-    for path in (ROOT / "LICENSE-APACHE", ROOT / "LICENSE-MIT", dist / "THIRD-PARTY.txt", ROOT / "include/crowd_mechanics.h"):
+    ours = ("LICENSE-APACHE", "LICENSE-MIT", "include/crowd_mechanics.h")
+    for path in (dist / "THIRD-PARTY.txt", *(ROOT / name for name in ours)):
         files[path.name] = path
     return files
 

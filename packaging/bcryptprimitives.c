@@ -1,4 +1,5 @@
-/* bcryptprimitives.dll for wine 8, which has none: Rust's standard library asks it for random bytes. Real Windows has it. */
+/* bcryptprimitives.dll for wine 8, which has none: Rust's standard library asks it for random bytes. Real Windows has
+ * it. */
 
 typedef unsigned char BOOLEAN;
 

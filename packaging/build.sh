@@ -3,11 +3,8 @@
 # `build.sh linux64 win64` builds these only; the tools that it needs are named in lib.sh. LIBRARIES_ONLY=1: no command.
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-(($#)) || set -- "${platforms[@]}"
-for platform; do
-    targets "$platform" >/dev/null
-done
-choose_compiler "$@"
+need_time
+choose_compiler "${all[@]}"
 tools
 for platform; do
     packages=(-p crowd-mechanics -p lemons-decision-fmu)

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Makes all that is released (release.sh) and tests it: sizes, symbols, what is imported; the Windows command under wine and
-# that for aarch64 under qemu against the one for Linux, bit for bit; wheels in fresh environments; the same bytes again.
+# Makes all that is released (release.sh) and tests it: sizes, symbols, what is imported; the Windows command under wine
+# and that for aarch64 under qemu against the one for Linux, bit for bit; wheels in fresh environments; the same bytes
+# again.
 # Prepares a fresh Debian for it, if root runs it. Rust itself is expected there only if rustup has all targets.
 # `check.sh linux64 win64` leaves out other platforms. BUILT=1 takes the libraries that are in dist/.
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 begin=$SECONDS
-(($#)) || set -- "${platforms[@]}"
 given=("$@")
 has() {
     [[ " ${given[*]} " == *" $1 "* ]]
@@ -17,6 +17,7 @@ want() {
     command -v "$1" >/dev/null || packages+=("${@:2}")
 }
 want git git
+want script bsdutils
 want objdump binutils
 want python3 python3
 python3 -c 'import ensurepip, venv' 2>/dev/null || packages+=(python3-venv)
@@ -24,8 +25,8 @@ python3 -c 'import ensurepip, venv' 2>/dev/null || packages+=(python3-venv)
 want cc build-essential
 ! has win64 || [[ -x /usr/lib/wine/wine64 ]] || packages+=(wine64)
 ! has aarch64-linux || want qemu-aarch64 qemu-user libc6-arm64-cross
-if [[ -z ${PACKAGING_WITH:-} ]] && have_rustup "$@"; then export PACKAGING_WITH=rustup; fi
-[[ ${PACKAGING_WITH:-} == rustup ]] || have_debian || packages+=("${debian_packages[@]}")
+if [[ -z ${PACKAGING_WITH:-} ]] && have_rustup "${all[@]}"; then export PACKAGING_WITH=rustup; fi
+[[ ${PACKAGING_WITH:-} == rustup ]] || have_debian "${all[@]}" || packages+=("${debian_packages[@]}")
 if ((${#packages[@]})); then
     [[ $(id -u) == 0 ]] && command -v apt-get >/dev/null ||
         fail "missing: ${packages[*]} (only root can install them, with apt-get)"
@@ -34,11 +35,15 @@ if ((${#packages[@]})); then
     apt-get install -qq -y --no-install-recommends "${packages[@]}" </dev/null
 fi
 
-choose_compiler "$@"
+choose_compiler "${all[@]}"
 packaging/release.sh "$@"
 note "made after $((SECONDS - begin)) s"
 ls -l "$dist" "$dist"/*/ | awk 'NF > 8 { printf "%12d  %s\n", $5, $9 }'
 (cd "$dist" && sha256sum --quiet -c SHA256SUMS)
+for file in "$dist"/*_fmi?.fmu; do
+    python3 -m zipfile -l "$file" | grep "^documentation/licenses/THIRD-PARTY.txt " >/dev/null ||
+        fail "$file: no THIRD-PARTY.txt"
+done
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -127,6 +132,16 @@ if has win64; then
     (cd / && "$wine" "$work/lemons.exe" run "Z:${work//\//\\}\\Windows ä\\push_fmi2.fmu" \
         -o "Z:${work//\//\\}\\Windows ä\\drive letter.csv" >/dev/null)
     cmp "$work/Linux ä/push2.csv" "$work/Windows ä/drive letter.csv"
+    # Ctrl-C needs a console, which wine has where it has a terminal. Complete steps stay, as on Linux.
+    x86_64-w64-mingw32-gcc -O2 -o "$work/interrupt.exe" packaging/interrupt.c
+    said=0
+    line="'$wine' ../interrupt.exe '.lemons-*' ../lemons.exe run push_fmi2.fmu --until 10000 -o interrupted.csv"
+    (cd "$work/Windows ä" && script -qec "$line" /dev/null </dev/null >/dev/null) || said=$?
+    ((said == 130)) || fail "Windows: Ctrl-C gives the exit code $said"
+    rows=$(wc -l <"$work/Windows ä/interrupted.csv")
+    ((rows > 5 && rows % 5 == 1)) || fail "Windows: Ctrl-C leaves $rows rows of five people"
+    cmp <(head -n 501 "$work/Windows ä/interrupted.csv") <(head -n "$rows" "$work/Linux ä/push2.csv" | head -n 501)
+    note "Windows: Ctrl-C leaves $((rows / 5)) complete times"
     # An importer that knows nothing of the project, and names the resources as on Windows: drive, percent signs.
     unpacked=$work/"Jürgen 試"/unpacked
     python3 -m zipfile -e "$dist/push_fmi2.fmu" "$unpacked"
@@ -137,11 +152,12 @@ if has win64; then
     # A force on the first person; x and y of everybody, after each of 40 steps.
     run=("$guid" 40 0.05 9 1000 12 13 32 33 52 53 72 73 92 93)
     "$work/importer" "$unpacked/binaries/linux64/CrowdMechanics.so" "file://$uri" "${run[@]}" >"$work/importer.linux"
-    "$wine" "$work/importer.exe" "Z:${unpacked//\//\\}\\binaries\\win64\\CrowdMechanics.dll" "file:///Z:$uri" "${run[@]}" |
-        tr -d '\r' >"$work/importer.windows"
+    "$wine" "$work/importer.exe" "Z:${unpacked//\//\\}\\binaries\\win64\\CrowdMechanics.dll" "file:///Z:$uri" \
+        "${run[@]}" | tr -d '\r' >"$work/importer.windows"
     cmp "$work/importer.linux" "$work/importer.windows"
     (($(wc -w <"$work/importer.linux") == 400)) || fail "the importer got no results"
-    (($(cut -d ' ' -f 9 "$work/importer.linux" | sort -u | wc -l) > 10)) || fail "the push did not reach the last person"
+    (($(cut -d ' ' -f 9 "$work/importer.linux" | sort -u | wc -l) > 10)) ||
+        fail "the push did not reach the last person"
     # Closed forms, the ledger, golden bits.
     (cd "$work" && "$wine" "$work/lemons.exe" verify >"$work/verify.txt") || fail "$(grep -v ' ok' "$work/verify.txt")"
     tail -n 1 "$work/verify.txt" >&2
@@ -149,9 +165,10 @@ fi
 
 note "wheels"
 python3 -m venv "$work/venv"
-"$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
-    "$dist"/lemons_fmu-"$version"-*manylinux_2_17_x86_64*.whl
-(cd "$work" && env -u LEMONS PATH="$work/venv/bin:/usr/bin:/bin" "$work/venv/bin/python" "$root/packaging/wheel_test.py" "$root" "$@")
+wheel=$(echo "$dist"/lemons_fmu-"$version"-*manylinux_2_17_x86_64*.whl)
+"$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "$wheel[examples]"
+(cd "$work" && env -u LEMONS MPLBACKEND=Agg XDG_STATE_HOME="$work/state" PATH="$work/venv/bin:/usr/bin:/bin" \
+    "$work/venv/bin/python" "$root/packaging/wheel_test.py" "$root" "$@")
 
 # pip takes the wheels of other systems apart as it would there; what is in them runs under wine and qemu.
 other() {

@@ -2,8 +2,8 @@
 
     fat.py OUTPUT DIRECTORY… FILE
 
-joins DIRECTORY/FILE of all directories. The format: a header and a row (processor, its kind, offset, size, alignment) for
-each library, big-endian, then the libraries; <mach-o/fat.h>.
+joins DIRECTORY/FILE of all directories. The format: a header and a row (processor, its kind, offset, size, alignment)
+for each library, big-endian, then the libraries; <mach-o/fat.h>.
 """
 
 import struct

@@ -2,8 +2,8 @@
  *
  *   importer LIBRARY RESOURCES GUID STEPS STEP INPUT VALUE OUTPUT…
  *
- * RESOURCES is the URI as an importer gives it. INPUT and OUTPUT are value references of Reals; the input has the value during
- * all steps. It knows nothing of the project but the standard.
+ * RESOURCES is the URI as an importer gives it. INPUT and OUTPUT are value references of Reals; the input has the value
+ * during all steps. It knows nothing of the project but the standard.
  */
 #include <stdio.h>
 #include <stdint.h>
@@ -67,7 +67,8 @@ static int run(int count, char **words) {
     CALL("fmi2SetReal", (Component, const unsigned *, size_t, const double *), component, &input, 1, &value);
     for (int k = 0; k < steps; k++) {
         CALL("fmi2DoStep", (Component, double, double, int), component, k * step, step, 1);
-        CALL("fmi2GetReal", (Component, const unsigned *, size_t, double *), component, references, (size_t)outputs, values);
+        CALL("fmi2GetReal", (Component, const unsigned *, size_t, double *), component, references, (size_t)outputs,
+             values);
         for (int i = 0; i < outputs; i++) {
             uint64_t bits;
             memcpy(&bits, &values[i], sizeof bits);
@@ -93,6 +94,7 @@ int main(void) {
 #else
 int main(int count, char **words) {
 #endif
-    if (count < 9 || count > 8 + 64) return fprintf(stderr, "importer LIBRARY RESOURCES GUID STEPS STEP INPUT VALUE OUTPUT...\n"), 2;
+    if (count < 9 || count > 8 + 64)
+        return fprintf(stderr, "importer LIBRARY RESOURCES GUID STEPS STEP INPUT VALUE OUTPUT...\n"), 2;
     return run(count, words);
 }

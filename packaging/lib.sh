@@ -1,8 +1,11 @@
-# For the scripts of this directory: where things are, and how a platform is compiled for. Sourced, not run.
+# For the scripts of this directory: where things are, and how a platform is compiled for. Sourced, not run. Gives a
+# script without arguments those of all platforms, and the list of their targets, `all`.
 #
-# A platform has FMI's name. Needed are python3 >= 3.11 with venv (zig's linker and cargo-zigbuild come from PyPI), and one of
+# A platform has FMI's name. Needed are python3 >= 3.11 with venv (zig's linker and cargo-zigbuild come from PyPI), and
+# one of
 # - rustup, which has the targets or can get them (and mingw-w64 for win64);
-# - Debian's packages in `debian_packages`: the standard library is then built from its source.
+# - Debian's packages in `debian_packages` (for wasm32 in `debian_packages_wasm`): the standard library is then built
+#   from its source.
 # PACKAGING_WITH=rustup or PACKAGING_WITH=debian decides which. The target directory is not the one of other builds.
 # shellcheck shell=bash disable=SC2034
 set -euo pipefail
@@ -20,6 +23,7 @@ export LC_ALL=C.UTF-8 TZ=UTC CARGO_INCREMENTAL=0
 # darwin64 (libraries only) is built when it is named: nobody has tried it yet, and no Mac was there to load the result.
 platforms=(linux64 aarch64-linux win64)
 debian_packages=(rustc-web cargo-web rust-web-src gcc-mingw-w64-x86-64)
+debian_packages_wasm=(rustc-web cargo-web rust-web-src lld-19)
 # The oldest glibc that is served: that of manylinux_2_17.
 glibc=2.17
 
@@ -70,34 +74,41 @@ tools() {
     mkdir -p "$directory"
     "${PYTHON:-python3}" -m venv "$directory/tools"
     "$directory/tools/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
-        -r packaging/tools.txt
+        --require-hashes -r packaging/tools.txt
     printf '%s\n' "$wanted" >"$stamp"
 }
 
+# `have_rustup TARGET…`
 have_rustup() {
     command -v rustup >/dev/null || return
-    local all target installed
-    all=$(for platform; do targets "$platform" | tr ' ' '\n'; done)
+    local target installed
     installed=$(rustup target list --installed)
-    for target in $all; do
+    for target; do
         # A mirror may have no targets and not say so.
         grep -qx "$target" <<<"$installed" || timeout 120 rustup target add "$target" >&2 || return
     done
 }
 
 have_debian() {
-    [[ -x /usr/bin/rustc && -x /usr/bin/cargo && -d /usr/src/rustc-$(/usr/bin/rustc -vV | sed -n 's/^release: //p') ]]
+    [[ -x /usr/bin/rustc && -x /usr/bin/cargo && -d $(debian_source) ]] &&
+        { [[ $* != *wasm32* ]] || command -v wasm-ld-19 >/dev/null; }
 }
 
-# One compiler for all platforms that are named: sets `with`.
+# Where the source of Debian's standard library is.
+debian_source() {
+    echo "/usr/src/rustc-$(/usr/bin/rustc -vV | sed -n 's/^release: //p')"
+}
+
+# One compiler for all targets that are named: sets `with`.
 choose_compiler() {
-    [[ $SOURCE_DATE_EPOCH =~ ^[0-9]+$ ]] || fail "git tells no time of the commit: set SOURCE_DATE_EPOCH"
+    local needed=("${debian_packages[@]}")
+    [[ $* != *wasm32* ]] || needed=("${debian_packages_wasm[@]}")
     case ${PACKAGING_WITH:-any} in
         rustup | any) if have_rustup "$@"; then with=rustup; fi ;;&
-        debian | any) if [[ -z ${with:-} ]] && have_debian; then with=debian; fi ;;
+        debian | any) if [[ -z ${with:-} ]] && have_debian "$@"; then with=debian; fi ;;
     esac
     [[ -n ${with:-} ]] ||
-        fail "neither does rustup have the targets, nor are ${debian_packages[*]} installed (Debian)"
+        fail "neither does rustup have $*, nor are ${needed[*]} installed (Debian)"
     export PACKAGING_WITH=$with
     if [[ $with == debian ]]; then
         # Not those of rustup, whatever is first on the PATH.
@@ -110,7 +121,8 @@ choose_compiler() {
     fi
 }
 
-# Builds for a target: `compile TARGET ARGUMENTS…`, with cargo's arguments. No place of this machine gets into a binary.
+# Builds for a target: `compile TARGET ARGUMENTS…`, with cargo's arguments. No place of this machine gets into a
+# binary.
 compile() {
     local target=$1 cargo=("$CARGO") flags places home=${CARGO_HOME:-${HOME:-/root}/.cargo}
     shift
@@ -120,7 +132,7 @@ compile() {
     local arguments=(build --locked --profile dist --target-dir "$directory" "$@")
     if [[ $with == debian && $target != x86_64-unknown-linux-gnu ]]; then
         arguments+=(-Zbuild-std=std,panic_unwind)
-        flags+=(--remap-path-prefix="/usr/src/rustc-$("$RUSTC" -vV | sed -n 's/^release: //p')"=rust)
+        flags+=(--remap-path-prefix="$(debian_source)"=rust)
     fi
     case $target in
         *-windows-gnu) export CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER=x86_64-w64-mingw32-gcc ;;
@@ -131,3 +143,16 @@ compile() {
     CARGO_ENCODED_RUSTFLAGS=$(IFS=$'\x1f' && printf %s "${flags[*]}") CFLAGS=${places[*]@Q} CC_SHELL_ESCAPED_FLAGS=1 \
         PATH=$directory/tools/bin:$PATH nice "${cargo[@]}" "${arguments[@]}" --target "$target"
 }
+
+# For those who make files of a release, which have the time of the commit.
+need_time() {
+    [[ $SOURCE_DATE_EPOCH =~ ^[0-9]+$ ]] || fail "git tells no time of the commit: set SOURCE_DATE_EPOCH"
+}
+
+(($#)) || set -- "${platforms[@]}"
+all=()
+for platform; do
+    list=$(targets "$platform")
+    read -ra of_platform <<<"$list"
+    all+=("${of_platform[@]}")
+done

@@ -1,9 +1,12 @@
-"""Names what is in the binaries that are released: sbom.cdx.json (CycloneDX 1.5), THIRD-PARTY.txt (licences, with their texts).
+"""Names what is in the binaries that are released: sbom.cdx.json (CycloneDX 1.5), and THIRD-PARTY.txt (licences, with
+their texts).
 
     licences.py DIRECTORY TARGET…
 
-These are the packages that cargo links for the targets. Fails if a package has a licence that is not in ALLOWED, or comes
-from elsewhere than crates.io. Says nothing of known vulnerabilities: `cargo deny check advisories` (deny.toml) does.
+These are the packages that cargo links for the targets. Fails if a package has a licence that is not in ALLOWED, or no
+file with its text, or comes from elsewhere than crates.io. Where a package has no such file, packaging/licences/
+NAME.txt is one: the text of a licence that its Cargo.toml names, with the authors. Says nothing of known vulnerabilities: `cargo
+deny check advisories` (deny.toml) does.
 """
 
 import hashlib
@@ -23,16 +26,17 @@ SHIPPED = ["crowd-mechanics", "lemons-decision-fmu", "lemons-cli"]
 ALLOWED = set(tomllib.loads((ROOT / "deny.toml").read_text())["licenses"]["allow"])
 #: What is linked beside packages.
 OTHERS = """\
-The standard library of Rust (MIT OR Apache-2.0, https://www.rust-lang.org/policies/licenses) is in all of them. SQLite (in
-libsqlite3-sys) is in the public domain. Binaries for Linux and macOS contain compiler-rt and libunwind of zig and LLVM (MIT,
-Apache-2.0 WITH LLVM-exception); those for Windows contain startup code of mingw-w64 (ZPL-2.1 and public domain) and libgcc
-(GPL-3.0-or-later WITH GCC-exception-3.1).
+The standard library of Rust (MIT OR Apache-2.0, https://www.rust-lang.org/policies/licenses) is in all of them. SQLite
+(in libsqlite3-sys) is in the public domain. Binaries for Linux and macOS contain compiler-rt and libunwind of zig and
+LLVM (MIT, Apache-2.0 WITH LLVM-exception); those for Windows contain startup code of mingw-w64 (ZPL-2.1 and public
+domain) and libgcc (GPL-3.0-or-later WITH GCC-exception-3.1).
 """
 TEXTS = re.compile(r"(un)?licen[cs]e|copying|copyright|notice", re.IGNORECASE)
 
 
 def metadata(target: str) -> dict:
-    command = [os.environ.get("CARGO", "cargo"), "metadata", "--format-version=1", "--locked", f"--filter-platform={target}"]
+    options = ["--format-version=1", "--locked", f"--filter-platform={target}"]
+    command = [os.environ.get("CARGO", "cargo"), "metadata", *options]
     return json.loads(subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout)
 
 
@@ -99,11 +103,14 @@ def allowed(expression: str) -> bool:
 
 
 def texts(package: dict) -> list[tuple[str, str]]:
-    """Its files with licences, those of C sources in it, too."""
+    """Its files with licences, those of C sources in it, too; else the one that we have of it."""
     directory = Path(package["manifest_path"]).parent
     files = [file for file in directory.iterdir() if file.is_file()]
     files += [file for file in directory.glob("*/*") if file.is_file()]
     named = [file for file in files if TEXTS.match(file.name) and file.suffix.lower() in ("", ".md", ".txt")]
+    ours = ROOT / "packaging" / "licences" / f"{package['name']}.txt"
+    if not named and ours.exists():
+        directory, named = ours.parent, [ours]
     return sorted((file.relative_to(directory).as_posix(), file.read_text(errors="replace").strip()) for file in named)
 
 
@@ -111,8 +118,15 @@ def main() -> None:
     directory, *targets = sys.argv[1:]
     packages = {i: package for target in targets for i, package in linked(target).items()}
     others = sorted((p for p in packages.values() if p["source"]), key=lambda p: (p["name"], p["version"]))
-    wrong = [f"{p['name']} {p['version']}: {p['license']}" for p in others if not p["license"] or not allowed(p["license"])]
-    wrong += [f"{p['name']}: from {p['source']}" for p in others if "crates.io-index" not in p["source"]]
+    wrong = []
+    for package in others:
+        name = f"{package['name']} {package['version']}"
+        if not package["license"] or not allowed(package["license"]):
+            wrong.append(f"{name}: {package['license']}")
+        if not any(text for _, text in texts(package)):
+            wrong.append(f"{name}: no text of {package['license']}; packaging/licences/{package['name']}.txt could have it")
+        if "crates.io-index" not in package["source"]:
+            wrong.append(f"{name}: from {package['source']}")
     if wrong:
         sys.exit("licences.py: not allowed:\n" + "\n".join(wrong))
     lock = tomllib.loads((ROOT / "Cargo.lock").read_text())["package"]
@@ -159,7 +173,7 @@ def main() -> None:
     for package in others:
         for name, text in texts(package):
             by_text.setdefault(text, []).append(f"{package['name']} {package['version']} ({name})")
-    lines = [f"What is in the binaries of LEMONS-FMU {version}, beside LEMONS-FMU itself (MIT OR Apache-2.0)", "", OTHERS]
+    lines = [f"What is in the binaries of LEMONS-FMU {version}, beside itself (MIT OR Apache-2.0)", "", OTHERS]
     lines += [f"{p['name']} {p['version']}: {p['license']}" for p in others]
     for text, owners in by_text.items():
         lines += ["", "-" * 100, *owners, "", text]

@@ -1,14 +1,12 @@
 #!/usr/bin/env bash
-# Makes everything that is released, in dist/: libraries and commands (build.sh), what is in them (licences.py), FMUs of the
-# shipped Trials for all platforms, wheels, archives, checksums. `release.sh linux64 win64` leaves out other platforms.
+# Makes everything that is released, in dist/: libraries and commands (build.sh), what is in them (licences.py), FMUs of
+# the shipped Trials for all platforms, wheels, archives, checksums. `release.sh linux64 win64` leaves out other
+# platforms.
 # The same commit and the same compiler give the same bytes. BUILT=1 takes the libraries that are in dist/.
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-(($#)) || set -- "${platforms[@]}"
-for platform; do
-    targets "$platform" >/dev/null
-done
-choose_compiler "$@"
+need_time
+choose_compiler "${all[@]}"
 [[ -n ${BUILT:-} ]] || packaging/build.sh "$@"
 
 # The command of this machine.
@@ -20,7 +18,6 @@ esac
 lemons=$dist/$host/lemons
 [[ -x $lemons ]] || fail "$lemons is missing: build.sh $host"
 
-mapfile -t all < <(for platform; do targets "$platform" | tr ' ' '\n'; done)
 python3 packaging/licences.py "$dist" "${all[@]}"
 
 crowd=() decision=()
@@ -35,6 +32,18 @@ for fmi in 2 3; do
     done
     "$lemons" decide resources/Trial_door --fmi $fmi "${decision[@]}" --force -o "$dist/decision_fmi$fmi.fmu"
 done
+
+# What else is in their libraries, with the licences. A fixed date: the same bytes.
+python3 - "$dist" <<'END'
+import pathlib, sys, zipfile
+
+dist = pathlib.Path(sys.argv[1])
+for path in sorted(dist.glob("*_fmi?.fmu")):
+    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED, compresslevel=9) as fmu:
+        entry = zipfile.ZipInfo("documentation/licenses/THIRD-PARTY.txt")
+        entry.compress_type, entry.create_system, entry.external_attr = zipfile.ZIP_DEFLATED, 3, 0o100644 << 16
+        fmu.writestr(entry, (dist / "THIRD-PARTY.txt").read_bytes())
+END
 
 rm -f "$dist"/*.whl "$dist"/*.tar.gz "$dist"/*.zip
 python3 packaging/wheels.py "$dist" "$@"

@@ -1,10 +1,11 @@
-"""Looks at what a binary needs of its system, and what it shows to others. Fails if that is not what docs/install.md says.
+"""Looks at what a binary needs of its system, and what it shows to others. Fails if that is not what docs/install.md
+says.
 
     symbols.py FILE…
 
-ELF: no function is newer than glibc 2.17, and only libraries of glibc are needed (readelf of binutils). PE: only DLLs of
-Windows are needed (objdump of mingw-w64's binutils). Mach-O: only the library of the system. Libraries show the functions of
-FMI and CrowdMechanics, commands none.
+ELF: no function is newer than glibc 2.17, and only libraries of glibc are needed (readelf of binutils). PE: only DLLs
+of Windows are needed (objdump of mingw-w64's binutils). Mach-O: only the library of the system. Libraries show the
+functions of FMI and CrowdMechanics, commands none. In ELF and PE there are no other symbols.
 """
 
 import re
@@ -17,8 +18,8 @@ GLIBC = (2, 17)
 ELF_NEEDS = re.compile(r"lib(c|m|dl|pthread|rt|util)\.so\.\d|ld-linux-.*\.so\.\d")
 #: Of every Windows since 7; the last is that of Rust's standard library, for random bytes.
 PE_NEEDS = {
-    "advapi32.dll", "api-ms-win-core-synch-l1-2-0.dll", "bcrypt.dll", "bcryptprimitives.dll", "kernel32.dll", "msvcrt.dll",
-    "ntdll.dll", "ole32.dll", "oleaut32.dll", "psapi.dll", "shell32.dll", "user32.dll", "userenv.dll", "ws2_32.dll",
+    "advapi32.dll", "api-ms-win-core-synch-l1-2-0.dll", "bcrypt.dll", "bcryptprimitives.dll", "kernel32.dll",
+    "msvcrt.dll", "ntdll.dll", "ole32.dll", "oleaut32.dll", "psapi.dll", "shell32.dll", "user32.dll", "userenv.dll", "ws2_32.dll",
 }
 MACH_NEEDS = {"/usr/lib/libSystem.B.dylib", "/usr/lib/libiconv.2.dylib"}
 SHOWN = re.compile(r"fmi[23][A-Z]\w*|CrowdMechanics")
@@ -32,7 +33,10 @@ def elf(path: Path) -> tuple[set[str], set[str], str]:
     lines = of_tool("readelf", "--wide", "--dyn-syms", str(path)).splitlines()
     rows = [line.split() for line in lines if re.match(r"\s+\d+:", line)]
     shown = {row[7].split("@")[0] for row in rows if len(row) > 7 and row[4] in ("GLOBAL", "WEAK") and row[6] != "UND"}
-    versions = {tuple(map(int, v.split("."))) for v in re.findall(r"GLIBC_([\d.]+)", of_tool("readelf", "--wide", "-V", str(path)))}
+    asked = re.findall(r"GLIBC_([\d.]+)", of_tool("readelf", "--wide", "-V", str(path)))
+    versions = {tuple(map(int, version.split("."))) for version in asked}
+    if ".symtab" in of_tool("readelf", "--wide", "-S", str(path)):
+        sys.exit(f"{path}: has symbols beside what is exported")
     newest = max(versions)
     if newest > GLIBC:
         sys.exit(f"{path}: needs glibc {'.'.join(map(str, newest))}")
@@ -41,6 +45,8 @@ def elf(path: Path) -> tuple[set[str], set[str], str]:
 
 
 def pe(path: Path) -> tuple[set[str], set[str], str]:
+    if "no symbols" not in of_tool("x86_64-w64-mingw32-objdump", "-t", str(path)):
+        sys.exit(f"{path}: has symbols")
     text = of_tool("x86_64-w64-mingw32-objdump", "-p", str(path))
     needed = {name.lower() for name in re.findall(r"DLL Name: (\S+)", text)}
     _, _, table = text.partition("[Ordinal/Name Pointer] Table")

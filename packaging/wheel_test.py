@@ -2,7 +2,8 @@
 
     wheel_test.py REPOSITORY PLATFORM…
 
-Results are those of the command, whoever simulates: the package, FMPy, or examples/push_fmpy.py.
+Results are those of the command, whoever simulates: the package or FMPy. examples/push_fmpy.py and the Python of
+python/README.md run.
 """
 
 import re
@@ -39,10 +40,10 @@ table = pd.read_csv("push.csv")
 lemons("run", "push.fmu", "--no-drive", "--set", "agent[0].Fp.x=500", "--until", "1", "-o", "held.csv", "--force")
 held = pd.read_csv("held.csv")
 result = fmpy.simulate_fmu(
-    "push.fmu", stop_time=1.0, step_size=0.05, start_values={"agent[0].Fp.x": 500.0}, output=["agent[4].Position.x"]
+    "push.fmu", stop_time=1.0, step_size=0.05, start_values={"agent[0].Fp.x": 500.0}, output=["agent[3].Position.x"]
 )
-last = held[held["id"] == 4]["x"].to_numpy()
-assert (result["agent[4].Position.x"] == last).all() and last[-1] > last[0]
+reached = held[held["id"] == 3]["x"].to_numpy()
+assert (result["agent[3].Position.x"] == reached).all() and reached[-1] > reached[0]
 
 # With it.
 assert (lemons_fmu.simulate("push.fmu", until=1.0).to_numpy() == table.to_numpy()).all()
@@ -51,4 +52,15 @@ assert len(crowd) == 150 and crowd.disks.shape == (750, 4)
 with lemons_fmu.Crowd(crowd.pack("crowd.fmu", fmi=3, platforms=["linux64"])) as packed:
     run = packed.run(until=0.05)
 assert lemons_fmu.plot(run, trial=crowd).data.startswith(b"<")
+
+# As a user runs them.
+subprocess.run([sys.executable, repository / "examples/push_fmpy.py", "push.fmu", "plot.png"], check=True)
+assert Path("plot.png").read_bytes().startswith(b"\x89PNG")
+text = (repository / "python/README.md").read_text(encoding="utf-8")
+blocks = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+assert len(blocks) >= 3
+Path("manual.py").write_text("\n".join(blocks), encoding="utf-8")
+Path("resources").symlink_to(repository / "resources")
+subprocess.run([sys.executable, "manual.py"], check=True, stdout=subprocess.DEVNULL)
+assert Path("results/table.parquet").is_file()
 print(f"wheel_test.py: {said.splitlines()[0]}, {', '.join(found)}; {crowd!r}, {run!r}")

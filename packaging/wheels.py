@@ -3,9 +3,9 @@
     wheels.py DIST PLATFORM…
 
 reads DIST/PLATFORM/ of these platforms (build.sh), DIST/THIRD-PARTY.txt and DIST/sbom.cdx.json (licences.py) and writes
-DIST/lemons_fmu-VERSION-py3-none-TAG.whl. A wheel holds the packages of python/src, the command, and the libraries of all
-platforms, which `lemons pack` puts into FMUs. The same files give the same bytes. The format: PyPA's "Binary distribution
-format".
+DIST/lemons_fmu-VERSION-py3-none-TAG.whl. A wheel holds the packages of python/src, the command, and the libraries of
+all platforms, which `lemons pack` puts into FMUs. The same files give the same bytes. The format: PyPA's "Binary
+distribution format".
 """
 
 import base64

@@ -38,23 +38,13 @@ impl Library {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lemons_testing::pe;
 
     /// A header with nothing behind it: 64 bit, of this processor.
     fn elf(machine: u8) -> Vec<u8> {
         let mut bytes = vec![0; 64];
         bytes[..7].copy_from_slice(b"\x7fELF\x02\x01\x01");
         (bytes[16], bytes[18], bytes[20], bytes[52]) = (3, machine, 1, 64);
-        bytes
-    }
-
-    fn pe() -> Vec<u8> {
-        let mut bytes = vec![0; 512];
-        bytes[..2].copy_from_slice(b"MZ");
-        bytes[60] = 64;
-        bytes[64..70].copy_from_slice(b"PE\0\0\x64\x86");
-        // The size and the magic of the optional header.
-        bytes[84] = 240;
-        bytes[88..90].copy_from_slice(&[0x0b, 0x02]);
         bytes
     }
 

@@ -47,6 +47,7 @@ pub struct Force {
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 enum Identity {
     /// Device and inode.
+    #[cfg(unix)]
     Node(u64, u64),
     /// Absolute and without links.
     Path(PathBuf),

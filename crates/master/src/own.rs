@@ -88,18 +88,8 @@ fn checked(binary: Binary) -> Result<Binary> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lemons_testing::pe;
     use tempfile::TempDir;
-
-    /// A file that says that it is a library of Windows, and holds nothing more.
-    fn pe() -> Vec<u8> {
-        let mut bytes = vec![0; 512];
-        bytes[..2].copy_from_slice(b"MZ");
-        bytes[60] = 64;
-        bytes[64..70].copy_from_slice(b"PE\0\0\x64\x86");
-        bytes[84] = 240;
-        bytes[88..90].copy_from_slice(&[0x0b, 0x02]);
-        bytes
-    }
 
     #[test]
     fn libraries_of_other_platforms_are_found_in_directories_beside_the_program() {
