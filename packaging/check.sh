@@ -116,16 +116,19 @@ compare() {
     note "$1: the same bits in ${#compared[@]} files"
 }
 play "Linux ä" "$lemons"
+qemu=(qemu-aarch64 -L /usr/aarch64-linux-gnu)
 if has aarch64-linux; then
-    play "aarch64 ä" qemu-aarch64 -L /usr/aarch64-linux-gnu "$dist/aarch64-linux/lemons"
+    play "aarch64 ä" "${qemu[@]}" "$dist/aarch64-linux/lemons"
     compare "aarch64 ä"
 fi
 if has win64; then
     export WINEPREFIX=$work/wine WINEDEBUG=-all
     cp "$dist/win64/lemons.exe" "$dist"/win64/*.dll "$work"
-    # Wine 8 has no bcryptprimitives.dll.
-    x86_64-w64-mingw32-gcc -shared -O2 -o "$work/bcryptprimitives.dll" packaging/bcryptprimitives.c -ladvapi32
     wine=$(command -v /usr/lib/wine/wine64 wine64 wine | head -n 1)
+    "$wine" wineboot --init
+    # Wine 8 has no bcryptprimitives.dll.
+    x86_64-w64-mingw32-gcc -shared -O2 -o "$WINEPREFIX/drive_c/windows/system32/bcryptprimitives.dll" \
+        packaging/bcryptprimitives.c -ladvapi32
     play "Windows ä" "$wine" "$work/lemons.exe"
     compare "Windows ä"
     # A drive, backslashes.
@@ -142,47 +145,75 @@ if has win64; then
     ((rows > 5 && rows % 5 == 1)) || fail "Windows: Ctrl-C leaves $rows rows of five people"
     cmp <(head -n 501 "$work/Windows ä/interrupted.csv") <(head -n "$rows" "$work/Linux ä/push2.csv" | head -n 501)
     note "Windows: Ctrl-C leaves $((rows / 5)) complete times"
-    # An importer that knows nothing of the project, and names the resources as on Windows: drive, percent signs.
-    unpacked=$work/"Jürgen 試"/unpacked
-    python3 -m zipfile -e "$dist/push_fmi2.fmu" "$unpacked"
-    cc -O2 -o "$work/importer" packaging/importer.c -ldl
-    x86_64-w64-mingw32-gcc -O2 -o "$work/importer.exe" packaging/importer.c
-    guid=$(sed -n 's/.*guid="\([^"]*\)".*/\1/p' "$unpacked/modelDescription.xml" | head -n 1)
-    uri=$(python3 -c 'import sys, urllib.parse; print(urllib.parse.quote(sys.argv[1]))' "$unpacked/resources")
-    # A force on the first person; x and y of everybody, after each of 40 steps.
-    run=("$guid" 40 0.05 9 1000 12 13 32 33 52 53 72 73 92 93)
-    "$work/importer" "$unpacked/binaries/linux64/CrowdMechanics.so" "file://$uri" "${run[@]}" >"$work/importer.linux"
-    "$wine" "$work/importer.exe" "Z:${unpacked//\//\\}\\binaries\\win64\\CrowdMechanics.dll" "file:///Z:$uri" \
-        "${run[@]}" | tr -d '\r' >"$work/importer.windows"
-    cmp "$work/importer.linux" "$work/importer.windows"
-    (($(wc -w <"$work/importer.linux") == 400)) || fail "the importer got no results"
-    (($(cut -d ' ' -f 9 "$work/importer.linux" | sort -u | wc -l) > 10)) ||
-        fail "the push did not reach the last person"
     # Closed forms, the ledger, golden bits.
     (cd "$work" && "$wine" "$work/lemons.exe" verify >"$work/verify.txt") || fail "$(grep -v ' ok' "$work/verify.txt")"
     tail -n 1 "$work/verify.txt" >&2
 fi
 
-note "wheels"
+# An importer that knows nothing of the project; on Windows, the resources have a drive and percent signs.
+unpacked=$work/"Jürgen 試"/unpacked
+python3 -m zipfile -e "$dist/push_fmi2.fmu" "$unpacked"
+guid=$(sed -n 's/.*guid="\([^"]*\)".*/\1/p' "$unpacked/modelDescription.xml" | head -n 1)
+uri=$(python3 -c 'import sys, urllib.parse; print(urllib.parse.quote(sys.argv[1]))' "$unpacked/resources")
+# A force on the first person; x and y of everybody, after each of 40 steps.
+run=("$guid" 40 0.05 9 1000 12 13 32 33 52 53 72 73 92 93)
+cc -O2 -o "$work/importer" packaging/importer.c -ldl
+"$work/importer" "$unpacked/binaries/linux64/CrowdMechanics.so" "file://$uri" "${run[@]}" >"$work/importer.linux64"
+(($(wc -w <"$work/importer.linux64") == 400)) || fail "the importer got no results"
+(($(cut -d ' ' -f 9 "$work/importer.linux64" | sort -u | wc -l) > 10)) ||
+    fail "the push did not reach the last person"
+if has aarch64-linux; then
+    tools
+    "$directory/tools/bin/python" -m ziglang cc -target aarch64-linux-gnu.$glibc -O2 -o "$work/importer.arm" \
+        packaging/importer.c -ldl
+    "${qemu[@]}" "$work/importer.arm" \
+        "$unpacked/binaries/aarch64-linux/CrowdMechanics.so" "file://$uri" "${run[@]}" >"$work/importer.aarch64-linux"
+fi
+if has win64; then
+    x86_64-w64-mingw32-gcc -O2 -o "$work/importer.exe" packaging/importer.c
+    "$wine" "$work/importer.exe" "Z:${unpacked//\//\\}\\binaries\\win64\\CrowdMechanics.dll" "file:///Z:$uri" \
+        "${run[@]}" | tr -d '\r' >"$work/importer.win64"
+fi
+for platform; do
+    [[ $platform == darwin64 ]] || cmp "$work/importer.linux64" "$work/importer.$platform"
+done
+note "an importer in C: the same bits in 400 numbers of $*"
+
+note "wheels and archives"
 python3 -m venv "$work/venv"
 wheel=$(echo "$dist"/lemons_fmu-"$version"-*manylinux_2_17_x86_64*.whl)
 "$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "$wheel[examples]"
 (cd "$work" && env -u LEMONS MPLBACKEND=Agg XDG_STATE_HOME="$work/state" PATH="$work/venv/bin:/usr/bin:/bin" \
     "$work/venv/bin/python" "$root/packaging/wheel_test.py" "$root" "$@")
 
+# The command in a directory packs FMUs for all platforms: `packs PLATFORM DIRECTORY HOW…`
+packs() {
+    (cd "$work" && "${@:3}" "$2/$(program "$1")" pack "$root/resources/Trial_push" --force -o "$1.fmu")
+    "$lemons" info "$work/$1.fmu" --only "no such" >"$work/info"
+    local platform
+    for platform in "${given[@]}"; do
+        grep -q "\b$platform\b" "$work/info" || fail "$2 packs no library for $platform"
+    done
+}
 # pip takes the wheels of other systems apart as it would there; what is in them runs under wine and qemu.
 other() {
     local to=$work/wheel\ of\ $1
     "$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --only-binary :all: \
         --platform "$2" --target "$to" "$dist"/lemons_fmu-"$version"-*"$2"*.whl
-    (cd "$work" && "${@:3}" "$to/lemons_command/$(program "$1")" pack "$root/resources/Trial_push" --force -o "$1.fmu")
-    "$lemons" info "$work/$1.fmu" --only "no such" | grep -q "\b$1\b" || fail "the wheel for $1 packs no library for it"
+    packs "$1" "$to/lemons_command" "${@:3}"
 }
-! has aarch64-linux || other aarch64-linux manylinux_2_17_aarch64 qemu-aarch64 -L /usr/aarch64-linux-gnu
+mkdir "$work/archives"
+tar -xzf "$dist/lemons-$version-linux64.tar.gz" -C "$work/archives"
+packs linux64 "$work/archives/lemons-$version-linux64"
+if has aarch64-linux; then
+    other aarch64-linux manylinux_2_17_aarch64 "${qemu[@]}"
+    tar -xzf "$dist/lemons-$version-aarch64-linux.tar.gz" -C "$work/archives"
+    packs aarch64-linux "$work/archives/lemons-$version-aarch64-linux" "${qemu[@]}"
+fi
 if has win64; then
-    mkdir -p "$work/wheel of win64/lemons_command"
-    cp "$work/bcryptprimitives.dll" "$work/wheel of win64/lemons_command"
+    python3 -m zipfile -e "$dist/lemons-$version-win64.zip" "$work/archives"
     other win64 win_amd64 "$wine"
+    packs win64 "$work/archives/lemons-$version-win64" "$wine"
 fi
 
 note "the same bytes again"
