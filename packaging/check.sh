@@ -182,7 +182,7 @@ note "an importer in C: the same bits in 400 numbers of $*"
 note "wheels and archives"
 python3 -m venv "$work/venv"
 wheel=$(echo "$dist"/lemons_fmu-"$version"-*manylinux_2_17_x86_64*.whl)
-"$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "$wheel[examples]"
+"$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "${wheel}[examples]"
 (cd "$work" && env -u LEMONS MPLBACKEND=Agg XDG_STATE_HOME="$work/state" PATH="$work/venv/bin:/usr/bin:/bin" \
     "$work/venv/bin/python" "$root/packaging/wheel_test.py" "$root" "$@")
 

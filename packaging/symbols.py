@@ -4,8 +4,9 @@ says.
     symbols.py FILE…
 
 ELF: no function is newer than glibc 2.17, and only libraries of glibc are needed (readelf of binutils). PE: only DLLs
-of Windows are needed (objdump of mingw-w64's binutils). Mach-O: only the library of the system. Libraries show the
-functions of FMI and CrowdMechanics, commands none. In ELF and PE there are no other symbols.
+of Windows are needed, and not what opens a console window (objdump of mingw-w64's binutils). Mach-O: only the library
+of the system. Libraries show the functions of FMI and CrowdMechanics, commands none. In ELF and PE there are no other
+symbols.
 """
 
 import re
@@ -19,7 +20,8 @@ ELF_NEEDS = re.compile(r"lib(c|m|dl|pthread|rt|util)\.so\.\d|ld-linux-.*\.so\.\d
 #: Of every Windows since 7; the last is that of Rust's standard library, for random bytes.
 PE_NEEDS = {
     "advapi32.dll", "api-ms-win-core-synch-l1-2-0.dll", "bcrypt.dll", "bcryptprimitives.dll", "kernel32.dll",
-    "msvcrt.dll", "ntdll.dll", "ole32.dll", "oleaut32.dll", "psapi.dll", "shell32.dll", "user32.dll", "userenv.dll", "ws2_32.dll",
+    "msvcrt.dll", "ntdll.dll", "ole32.dll", "oleaut32.dll", "psapi.dll", "shell32.dll", "user32.dll", "userenv.dll",
+    "ws2_32.dll",
 }
 MACH_NEEDS = {"/usr/lib/libSystem.B.dylib", "/usr/lib/libiconv.2.dylib"}
 SHOWN = re.compile(r"fmi[23][A-Z]\w*|CrowdMechanics")
@@ -49,6 +51,8 @@ def pe(path: Path) -> tuple[set[str], set[str], str]:
         sys.exit(f"{path}: has symbols")
     text = of_tool("x86_64-w64-mingw32-objdump", "-p", str(path))
     needed = {name.lower() for name in re.findall(r"DLL Name: (\S+)", text)}
+    # It opens a console window.
+    needed |= set(re.findall(r"\bAllocConsole\b", text))
     _, _, table = text.partition("[Ordinal/Name Pointer] Table")
     shown = set(re.findall(r"^\s*\[\s*\d+\](?: \+base\[\s*\d+\])?\s+(?:[0-9a-f]+ )?(\S+)$", table, re.MULTILINE))
     return needed - PE_NEEDS, shown, f"{len(needed)} DLLs of Windows"
