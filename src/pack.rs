@@ -10,18 +10,16 @@ use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::setup;
 use crate::variables::{guid, table};
 use lemons_files::Staged;
+use lemons_files::source::{Disk, Source};
 pub use lemons_fmi::Format;
 use lemons_fmi::archive::{Archive, ArchiveError, Version, read};
 pub use lemons_fmi::archive::{Binary, host_directory, host_platform, library_file, platforms};
 pub use lemons_fmi::v2::description::Naming;
 use lemons_fmi::v3;
-use lemons_trial::{Problems, Trial};
+use lemons_trial::{DRIVE_FILE, FileNames, Problems, Trial};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
 use thiserror::Error;
-
-/// Name of the drive file in a Trial directory. It is packed too, for masters that look for it.
-pub const DRIVE_FILE: &str = "drive.csv";
 
 /// Why an FMU could not be written.
 #[derive(Debug, Error)]
@@ -80,41 +78,76 @@ pub struct Package {
     pub format: Format,
 }
 
+/// What is written, apart from the binaries and what the Trials' files hold.
+struct Contents {
+    trials: Vec<Trial>,
+    description: String,
+    warnings: Vec<String>,
+}
+
 impl Package {
     /// Writes the FMU and returns the Trials' warnings. A failure leaves no half-written file.
     ///
     /// # Errors
     /// See [`PackError`]. The file at `output` is then unchanged.
     pub fn write(&self, output: &Path) -> Result<Vec<String>, PackError> {
-        let (trials, warnings) = self.read_trials()?;
+        let contents = self.read(&Disk)?;
+        let write_error = |error| PackError::Write { path: output.to_owned(), error };
+        let mut file = Staged::beside(output).map_err(write_error)?;
+        self.fill(&Disk, &contents, &mut file)
+            .map_err(|error| PackError::Archive { path: output.to_owned(), error })?;
+        file.persist().map_err(write_error)?;
+        Ok(contents.warnings)
+    }
+
+    /// Writes the FMU from Trials and binaries in these files. Messages call it `name`.
+    ///
+    /// # Errors
+    /// See [`PackError`].
+    pub fn write_to(
+        &self,
+        files: &dyn Source,
+        name: &Path,
+        output: impl Write + Seek,
+    ) -> Result<Vec<String>, PackError> {
+        let contents = self.read(files)?;
+        self.fill(files, &contents, output)
+            .map_err(|error| PackError::Archive { path: name.to_owned(), error })?;
+        Ok(contents.warnings)
+    }
+
+    /// Reads the Trials, and makes the description.
+    fn read(&self, files: &dyn Source) -> Result<Contents, PackError> {
+        let (trials, warnings) = self.read_trials(files)?;
         if trials.is_empty() {
             return Err(PackError::NoTrial);
         }
         if let Format::Fmi2(naming) = self.format {
             check_size(&trials[0], least_size(&trials[0], naming))?;
         }
-        let write_error = |error| PackError::Write { path: output.to_owned(), error };
         let description = match self.format {
             Format::Fmi2(naming) => model_description(&trials[0], naming),
             Format::Fmi3 => model_description_3(&trials[0]),
         };
         check_size(&trials[0], description.len() as u64)?;
-        let mut file = Staged::beside(output).map_err(write_error)?;
-        self.fill(&trials, &description, &mut file)
-            .map_err(|error| PackError::Archive { path: output.to_owned(), error })?;
-        file.persist().map_err(write_error)?;
-        Ok(warnings)
+        Ok(Contents { trials, description, warnings })
     }
 
     /// Writes the archive's content.
-    fn fill(&self, trials: &[Trial], description: &str, file: impl Write + Seek) -> Result<(), ArchiveError> {
+    fn fill(
+        &self,
+        files: &dyn Source,
+        contents: &Contents,
+        file: impl Write + Seek,
+    ) -> Result<(), ArchiveError> {
+        let Contents { trials, description, .. } = contents;
         let (version, picture) = (self.format.version(), self.picture.and_then(|draw| draw(&trials[0])));
         let documentation = match version {
             Version::V2 => documentation(&trials[0]),
             Version::V3 => documentation_3(&trials[0]),
         };
-        let mut archive =
-            Archive::begin(file, version, MODEL_IDENTIFIER, description, &documentation, &self.binaries)?;
+        let mut archive = Archive::begin(file, version, description, &documentation)?;
+        archive.add_binaries(files, MODEL_IDENTIFIER, &self.binaries)?;
         if version == Version::V3 {
             archive
                 .add("terminalsAndIcons/terminalsAndIcons.xml", terminals(picture.is_some()).as_bytes())?;
@@ -126,17 +159,17 @@ impl Package {
         let names: String = trials.iter().map(|trial| format!("{}\n", trial.name)).collect();
         archive.add(&format!("resources/{TRIALS_FILE}"), names.as_bytes())?;
         for trial in trials {
-            add_trial(&mut archive, trial)?;
+            add_trial(&mut archive, files, trial)?;
         }
         archive.finish()
     }
 
     /// Reads the Trials and checks that they have the same interface.
-    fn read_trials(&self) -> Result<(Vec<Trial>, Vec<String>), PackError> {
+    fn read_trials(&self, files: &dyn Source) -> Result<(Vec<Trial>, Vec<String>), PackError> {
         let mut trials: Vec<Trial> = Vec::new();
         let mut warnings = Vec::new();
         for path in &self.trials {
-            let read = setup::read(path);
+            let read = setup::read_from(files, path, &FileNames::default());
             let (trial, found) =
                 read.map_err(|problems| PackError::Broken { path: path.clone(), problems })?;
             let further = self.check.map(|check| check(&trial)).unwrap_or_default();
@@ -221,7 +254,11 @@ fn difference(first: &Trial, other: &Trial) -> Option<String> {
 }
 
 /// Adds the files of a Trial unchanged.
-fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result<(), ArchiveError> {
+fn add_trial<W: Write + Seek>(
+    archive: &mut Archive<W>,
+    files: &dyn Source,
+    trial: &Trial,
+) -> Result<(), ArchiveError> {
     let (fixed, moving) = (trial.parameters.static_path(), trial.parameters.dynamic_path());
     let needed = [
         PathBuf::from("Parameters.xml"),
@@ -231,9 +268,9 @@ fn add_trial<W: Write + Seek>(archive: &mut Archive<W>, trial: &Trial) -> Result
         moving.join("AgentDynamics.xml"),
     ];
     let if_there = [moving.join("AgentInteractions.xml"), PathBuf::from(DRIVE_FILE)];
-    let if_there = if_there.into_iter().filter(|file| trial.directory.join(file).symlink_metadata().is_ok());
+    let if_there = if_there.into_iter().filter(|file| !files.lacks(&trial.directory.join(file)));
     for file in needed.into_iter().chain(if_there) {
-        let content = read(&trial.directory.join(&file))?;
+        let content = read(files, &trial.directory.join(&file))?;
         // Names in a zip file have forward slashes on every platform.
         let parts = file.components().filter_map(|part| match part {
             Component::Normal(name) => Some(name.to_string_lossy()),

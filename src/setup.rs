@@ -9,6 +9,7 @@ mod world;
 pub use steps::{FINEST_ACCURACY, Steps};
 pub use world::{WorldError, dynamics_of, interactions_of};
 
+use lemons_files::source::{Disk, Source};
 use lemons_trial::{FileNames, Problems, Trial};
 use std::ops::Deref;
 use std::path::Path;
@@ -45,7 +46,19 @@ pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
 /// # Errors
 /// Those of [`read`].
 pub fn read_named(directory: &Path, names: &FileNames) -> Result<(Trial, Problems), Problems> {
-    let (trial, mut problems) = Trial::read_named(directory, names)?;
+    read_from(&Disk, directory, names)
+}
+
+/// Like [`read_named`], from these files.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_from(
+    files: &dyn Source,
+    directory: &Path,
+    names: &FileNames,
+) -> Result<(Trial, Problems), Problems> {
+    let (trial, mut problems) = Trial::read_from(files, directory, names)?;
     for problem in Setup::of(&trial).advice(&trial.places(names)) {
         problems.push(problem);
     }

@@ -8,10 +8,9 @@ use cpu_time::{ProcessTime, ThreadTime};
 use crowd_mechanics::pack::{Format, Package};
 use crowd_mechanics::setup;
 use include_dir::{Dir, include_dir};
-use lemons_master::{
-    DriveChoice, Fmu, Instance, Observer, Prepared, Reached, Selection, Settings, System, own_binary,
-};
+use lemons_master::{Fmu, Instance, Observer, Prepared, Reached, Selection, Settings, System, own_binary};
 use lemons_plane::{Vec2, vec2};
+use lemons_trial::DriveChoice;
 use lemons_trial::{
     Agent, AgentDynamics, Contact, Geometry, Interactions, Material, Materials, Parameters, Shape, Trial,
     Wall,

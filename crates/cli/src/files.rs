@@ -29,7 +29,7 @@ pub const WISHES_FILE: &str = "decision.toml";
 
 /// Says of a Trial that is replaced which files stay there that the command does not write, and that are used.
 pub fn staying(trial: &Path) -> impl Iterator<Item = String> {
-    let files = [crowd_mechanics::pack::DRIVE_FILE, WISHES_FILE].map(|name| trial.join(name)).into_iter();
+    let files = [lemons_trial::DRIVE_FILE, WISHES_FILE].map(|name| trial.join(name)).into_iter();
     files
         .filter(|file| file.is_file())
         .map(|file| format!("warning: {} of the Trial that was there stays, and is used", file.display()))
@@ -125,7 +125,7 @@ fn read_of(path: &Path) -> Vec<PathBuf> {
             files.iter().filter_map(|file| file.parent()).filter(|dir| *dir != path).map(Path::to_owned),
         );
         all.extend(files);
-        all.extend([crowd_mechanics::pack::DRIVE_FILE, WISHES_FILE].map(|name| path.join(name)));
+        all.extend([lemons_trial::DRIVE_FILE, WISHES_FILE].map(|name| path.join(name)));
     } else if path.is_dir() {
         let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
         all.extend(entries.map(|entry| entry.path()));

@@ -22,10 +22,11 @@ use halved::{Chosen, run_for, steps_of};
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_files::Staged;
 use lemons_master::{
-    Algorithm, DriveChoice, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings,
-    System, writers,
+    Algorithm, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings, System,
+    writers,
 };
 use lemons_record::Run;
+use lemons_trial::DriveChoice;
 pub use rest::REST;
 use rest::Rest;
 pub use series::writes as writes_in_series;

@@ -2,7 +2,8 @@
 
 use crate::error::{Misused, TrialHasErrors};
 use anyhow::{Result, anyhow};
-use lemons_master::{Error, Given, Missed, PrepareError, Warning};
+use lemons_master::{Error, Given, PrepareError, Warning};
+use lemons_trial::Missed;
 use lemons_trial::{Problems, Trial};
 use std::path::Path;
 

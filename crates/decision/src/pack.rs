@@ -3,6 +3,7 @@
 use crate::decision::arrays::starts;
 use crate::decision::{Decision, PLAN_FILE, dependencies, table};
 use crate::plan::{Plan, PlanError};
+use lemons_files::source::Disk;
 use lemons_fmi::Format;
 use lemons_fmi::archive::{Archive, ArchiveError, Binary, Version};
 use lemons_fmi::v2::description::{Description, Naming};
@@ -120,8 +121,8 @@ pub fn write_fmu(
         Version::V2 => documentation(plan),
         Version::V3 => documentation_3(plan),
     };
-    let mut archive =
-        Archive::begin(file, version, MODEL_IDENTIFIER, &description, &documentation, binaries)?;
+    let mut archive = Archive::begin(file, version, &description, &documentation)?;
+    archive.add_binaries(&Disk, MODEL_IDENTIFIER, binaries)?;
     if version == Version::V3 {
         archive.add("terminalsAndIcons/terminalsAndIcons.xml", terminals().as_bytes())?;
     }

@@ -127,7 +127,7 @@ fn text(bytes: Vec<u8>) -> io::Result<String> {
     String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
 }
 
-fn too_large(largest: u64) -> io::Error {
+pub(crate) fn too_large(largest: u64) -> io::Error {
     let message = format!("it is larger than {} MB, the limit", largest as f64 / 1e6);
     io::Error::new(ErrorKind::FileTooLarge, message)
 }

@@ -5,11 +5,13 @@
 //!
 //! - [`input`]: regular files and files that the user names, up to a size
 //! - [`pipe`]: writing to a named pipe, whose reader may never come
+//! - [`source`]: files of the disk or of memory
 //! - [`words`]: suggestions for misspelt words
 
 pub mod input;
 #[cfg(unix)]
 pub mod pipe;
+pub mod source;
 pub mod words;
 mod written;
 

@@ -1,6 +1,7 @@
 //! Writes an `.fmu`. The same content gives the same bytes, so that FMUs can be compared.
 
 use lemons_files::input;
+use lemons_files::source::Source;
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -92,37 +93,51 @@ pub fn host_directory() -> Option<&'static str> {
 }
 
 /// An FMU being written.
-pub struct Archive<W: Write + Seek>(ZipWriter<W>);
+pub struct Archive<W: Write + Seek> {
+    zip: ZipWriter<W>,
+    version: Version,
+}
 
 impl<W: Write + Seek> Archive<W> {
-    /// Starts the archive and writes the description, the documentation and the binaries.
+    /// Starts the archive and writes the description and the documentation. What follows are the binaries.
     ///
     /// # Errors
     /// [`ArchiveError`]
     pub fn begin(
         file: W,
         version: Version,
-        model_identifier: &str,
         description: &str,
         documentation: &str,
-        binaries: &[Binary],
     ) -> Result<Archive<W>, ArchiveError> {
-        if binaries.is_empty() {
-            return Err(ArchiveError::NoBinary);
-        }
-        let mut archive = Archive(ZipWriter::new(file));
+        let mut archive = Archive { zip: ZipWriter::new(file), version };
         archive.add("modelDescription.xml", description.as_bytes())?;
         archive.add("documentation/index.html", documentation.as_bytes())?;
         for (name, text) in LICENSES {
             archive.add(&format!("documentation/licenses/{name}"), text.as_bytes())?;
         }
-        for binary in binaries {
-            let (platform, extension) = platform(&binary.platform, version)
-                .ok_or_else(|| ArchiveError::Platform(binary.platform.clone()))?;
-            archive
-                .add(&format!("binaries/{platform}/{model_identifier}.{extension}"), &read(&binary.path)?)?;
-        }
         Ok(archive)
+    }
+
+    /// Adds the binaries, which are in these files.
+    ///
+    /// # Errors
+    /// There is none, or one cannot be read.
+    pub fn add_binaries(
+        &mut self,
+        files: &dyn Source,
+        model_identifier: &str,
+        binaries: &[Binary],
+    ) -> Result<(), ArchiveError> {
+        if binaries.is_empty() {
+            return Err(ArchiveError::NoBinary);
+        }
+        for binary in binaries {
+            let (platform, extension) = platform(&binary.platform, self.version)
+                .ok_or_else(|| ArchiveError::Platform(binary.platform.clone()))?;
+            let name = format!("binaries/{platform}/{model_identifier}.{extension}");
+            self.add(&name, &read(files, &binary.path)?)?;
+        }
+        Ok(())
     }
 
     /// Adds a file under its name, with forward slashes.
@@ -135,8 +150,8 @@ impl<W: Write + Seek> Archive<W> {
             .compression_method(CompressionMethod::Deflated)
             .last_modified_time(DateTime::default())
             .unix_permissions(if name.starts_with("binaries/") { 0o755 } else { 0o644 });
-        self.0.start_file(name, options)?;
-        Ok(self.0.write_all(content)?)
+        self.zip.start_file(name, options)?;
+        Ok(self.zip.write_all(content)?)
     }
 
     /// Writes the archive's end.
@@ -144,7 +159,7 @@ impl<W: Write + Seek> Archive<W> {
     /// # Errors
     /// [`ArchiveError`]
     pub fn finish(self) -> Result<(), ArchiveError> {
-        self.0.finish()?;
+        self.zip.finish()?;
         Ok(())
     }
 }
@@ -153,8 +168,9 @@ impl<W: Write + Seek> Archive<W> {
 ///
 /// # Errors
 /// The file cannot be read; the error names it.
-pub fn read(path: &Path) -> Result<Vec<u8>, ArchiveError> {
-    input::read(path, input::LARGEST_BINARY)
+pub fn read(files: &dyn Source, path: &Path) -> Result<Vec<u8>, ArchiveError> {
+    files
+        .read(path, input::LARGEST_BINARY)
         .map_err(|error| ArchiveError::Read { path: path.to_owned(), error })
 }
 

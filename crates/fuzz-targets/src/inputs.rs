@@ -4,7 +4,7 @@ use crate::files::{archive_of, directory};
 use crate::models::small_trial;
 use crate::show_panics;
 use lemons_files::Staged;
-use lemons_master::{Clock, DriveChoice, DriveTable, Error, Extremes, Saved};
+use lemons_master::{Clock, Error, Extremes, Saved};
 use lemons_people::{LightAgent, LightDisk, LightRectangle, LightShapes};
 use lemons_people::{light_xml as write_light_xml, read_light_xml};
 use lemons_plane::{Motion, Pose, Twist};
@@ -14,6 +14,7 @@ use lemons_record::{
     chaos_files, pedpy,
 };
 use lemons_sweep::{Directory, Finished, Points, Spec, Values};
+use lemons_trial::{DriveChoice, DriveTable};
 use std::collections::HashSet;
 use std::fs::File;
 use std::path::Path;

@@ -2,11 +2,11 @@
 
 use crate::calls::{Answer, CallError};
 use crate::clock::ClockError;
-use crate::drive::DriveError;
 use crate::kind::Unexpected;
 use crate::library::LibraryError;
 use crate::unzip::UnzipError;
 use crowd_mechanics::pack::PackError;
+use lemons_trial::DriveError;
 use lemons_trial::Problems;
 use std::collections::TryReserveError;
 use std::error::Error as StdError;

@@ -1,7 +1,6 @@
 //! An FMU: its files, its description, what its names stand for.
 
 use crate::calls::{Calls, Made};
-use crate::drive::{DriveChoice, DriveTable, own_drive};
 use crate::error::{Error, Place, Result, whole};
 use crate::instance::{Instance, Sizes, number};
 use crate::kind::Kind as FileKind;
@@ -16,6 +15,7 @@ use lemons_files::{Scratch, input};
 use lemons_fmi::location::Location;
 use lemons_ssp::{Allowance, Fmi, Interface, Kind, Type};
 use lemons_trial::Trial;
+use lemons_trial::{DriveChoice, DriveTable, own_drive};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;

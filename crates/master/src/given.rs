@@ -1,12 +1,12 @@
 //! A Trial as users give it: its directory, or a zip of that; and the FMU that it becomes.
 
-use crate::drive::{DriveChoice, DriveTable};
 use crate::error::{Error, Place, Result};
 use crate::kind::Kind;
 use crate::unzip::unzip_trial;
 use crowd_mechanics::pack::{Binary, Check, Draw, Format, PackError, Package};
 use crowd_mechanics::setup;
 use lemons_files::Scratch;
+use lemons_trial::{DriveChoice, DriveTable};
 use lemons_trial::{Problem, Problems, Severity, Trial};
 use std::path::{Component, Path, PathBuf};
 

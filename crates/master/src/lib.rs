@@ -6,7 +6,6 @@
 mod assemble;
 mod calls;
 mod clock;
-mod drive;
 mod error;
 mod extremes;
 mod fmu;
@@ -30,7 +29,6 @@ mod unzip;
 pub use assemble::{Assembled, assemble};
 pub use calls::{Answer, CallError};
 pub use clock::{Clock, ClockError};
-pub use drive::{DriveChoice, DriveError, DriveTable, Missed, Push};
 pub use error::{Error, Result, SavedError, whole};
 pub use extremes::{Extremes, Greatest};
 pub use fmu::{Fmu, Platform, named};

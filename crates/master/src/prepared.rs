@@ -3,7 +3,6 @@
 
 use crate::assemble::{Assembled, assemble};
 use crate::clock::Clock;
-use crate::drive::{DriveChoice, Missed};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::given::{Given, pack};
@@ -19,6 +18,7 @@ use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use crowd_mechanics::pack::{Binary, Format};
 use lemons_files::Scratch;
 use lemons_trial::Trial;
+use lemons_trial::{DriveChoice, Missed};
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

@@ -1,10 +1,10 @@
 //! A drive on its way into the inputs of an instance.
 
-use crate::drive::{DriveTable, Missed};
 use crate::error::Result;
 use crate::instance::Instance;
 use crate::selection::Selection;
 use lemons_trial::Agent;
+use lemons_trial::{DriveTable, Missed};
 
 /// A drive, into an instance of a crowd.
 pub struct Pushes {

@@ -1,8 +1,8 @@
 //! What is run, and how.
 
-use crate::drive::DriveChoice;
 use crate::system::Algorithm;
 use crowd_mechanics::pack::Binary;
+use lemons_trial::DriveChoice;
 use std::path::PathBuf;
 
 /// What is run, and how: all that somebody has to say of a run. See [`Prepared::of`](crate::Prepared::of).

@@ -43,5 +43,5 @@ pub use survey::{BadCell, BadCells, Survey, SurveyError};
 pub use table::{CrowdStatistics, Kind, KindStatistics, Summary, crowd_csv};
 pub use trial::{
     Overwrite, TRIAL_FILES, TrialError, TrialSettings, crowd_trial, may_write, paper_materials, walls,
-    write_trial, write_trial_zip,
+    write_trial, write_trial_zip, zip_trial,
 };

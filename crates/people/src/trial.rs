@@ -8,13 +8,13 @@
 use crate::person::Person;
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
-use lemons_files::{Change, Scratch, Staged, StagedDirectory, WriteError, change_all, input};
+use lemons_files::{Change, Staged, StagedDirectory, WriteError, change_all, input};
 use lemons_plane::{Pose, Ring, Vec2};
 use lemons_trial::{
     Agent, AgentDynamics, Contact, Geometry, INTERACTIONS, Interactions, Material, Materials, Parameters,
     Trial, Wall,
 };
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 use zip::write::SimpleFileOptions;
@@ -312,25 +312,34 @@ const PARTS: &[&str] = TRIAL_FILES.split_at(5).0;
 /// # Errors
 /// The file cannot be written; an existing one is then unchanged.
 pub fn write_trial_zip(trial: &Trial, file: &Path) -> Result<(), TrialError> {
-    let stage = Scratch::new().map_err(WriteError::at(file))?;
-    trial.write(stage.path())?;
     let staged = Staged::beside(file).map_err(WriteError::at(file))?;
-    let mut archive = ZipWriter::new(staged);
+    let staged = zip_trial(trial, &[], staged).map_err(WriteError::at(file))?;
+    Ok(staged.persist().map_err(WriteError::at(file))?)
+}
+
+/// Writes the archive of [`write_trial_zip`] to `output`, and returns it. `others` are further files of the Trial's
+/// directory, with their names.
+///
+/// # Errors
+/// It cannot be written.
+pub fn zip_trial<W: Write + Seek>(trial: &Trial, others: &[(&str, &str)], output: W) -> io::Result<W> {
+    let mut archive = ZipWriter::new(output);
     // A fixed date, so that the same Trial gives the same bytes.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
-    let mut fill = || -> io::Result<()> {
-        for &part in PARTS {
-            archive.start_file(format!("{}/{part}", trial.name), options)?;
-            archive.write_all(&input::read(&stage.path().join(part), input::LARGEST_TRIAL_FILE)?)?;
-        }
-        Ok(())
-    };
-    fill().map_err(WriteError::at(file))?;
-    let staged = archive.finish().map_err(|error| WriteError::at(file)(error.into()))?;
-    Ok(staged.persist().map_err(WriteError::at(file))?)
+    for (path, text) in trial.texts(Path::new("")) {
+        // Names in a zip file have forward slashes on every platform.
+        let parts = path.components().map(|part| part.as_os_str().to_string_lossy());
+        archive.start_file(format!("{}/{}", trial.name, parts.collect::<Vec<_>>().join("/")), options)?;
+        archive.write_all(text.as_bytes())?;
+    }
+    for (name, text) in others {
+        archive.start_file(format!("{}/{name}", trial.name), options)?;
+        archive.write_all(text.as_bytes())?;
+    }
+    Ok(archive.finish()?)
 }
 
 #[cfg(test)]

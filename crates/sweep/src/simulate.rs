@@ -4,8 +4,9 @@ use crate::error::{Error, Place, Result};
 use crate::measure::{Measure, Watched};
 use crate::points::Values;
 use crate::spec::Spec;
-use lemons_master::{Clock, DriveTable, Fmu, Instance, Observer, Pushes, Reached, Selection};
+use lemons_master::{Clock, Fmu, Instance, Observer, Pushes, Reached, Selection};
 use lemons_ssp::Type;
+use lemons_trial::DriveTable;
 use lemons_trial::Trial;
 
 /// Data shared by all points.

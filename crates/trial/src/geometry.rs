@@ -2,6 +2,7 @@
 
 use crate::problem::Problems;
 use crate::xml::{Bound, Element, Ids, Kind, document, read_file, vector};
+use lemons_files::source::{Disk, Source};
 use lemons_plane::{Vec2, vec2};
 use lemons_xml::{Problem, Severity, number, quoted};
 use std::collections::HashMap;
@@ -23,8 +24,17 @@ impl Geometry {
     /// # Errors
     /// All errors in the file.
     pub fn read(path: &Path) -> Result<(Geometry, Problems), Problems> {
+        Geometry::read_from(&Disk, path)
+    }
+
+    /// As [`Geometry::read`], from these files.
+    ///
+    /// # Errors
+    /// As [`Geometry::read`].
+    pub fn read_from(files: &dyn Source, path: &Path) -> Result<(Geometry, Problems), Problems> {
         let mut problems = Problems::default();
-        let read = read_file(path, &GEOMETRY, &mut problems, |root, problems| read(root, None, problems).0);
+        let read =
+            read_file(files, path, &GEOMETRY, &mut problems, |root, problems| read(root, None, problems).0);
         match read {
             Some(geometry) if !problems.has_errors() => Ok((geometry, problems)),
             _ => Err(problems),

@@ -4,6 +4,7 @@
 //! builds the engine's world from it. A parameter of the FMU is an edit of these documents.
 
 mod agents;
+mod drive;
 mod dynamics;
 mod geometry;
 mod interactions;
@@ -14,6 +15,7 @@ mod trial;
 mod xml;
 
 pub use agents::{Agent, Shape};
+pub use drive::{DRIVE_FILE, DriveChoice, DriveError, DriveTable, Missed, Push, own_drive};
 pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
 pub use geometry::{Geometry, Wall};
 pub use interactions::{AgentInteraction, ContactForce, Interactions, WallInteraction, interactions_xml};

@@ -8,6 +8,7 @@ use crate::materials::{self, Materials};
 use crate::parameters::{self, Parameters};
 use crate::problem::Problems;
 use crate::xml;
+use lemons_files::source::{Disk, Source};
 use lemons_files::{WriteError, remove_file, write_atomically};
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
@@ -101,8 +102,13 @@ impl Trial {
         let names = FileNames::default();
         let first = directory.join(&names.parameters);
         // What is wrong with it those say who read the Trial.
-        let parameters =
-            xml::read_file(&first, &parameters::PARAMETERS, &mut Problems::default(), parameters::read);
+        let parameters = xml::read_file(
+            &Disk,
+            &first,
+            &parameters::PARAMETERS,
+            &mut Problems::default(),
+            parameters::read,
+        );
         let Some(parameters) = parameters else { return vec![first] };
         let fixed = directory.join(parameters.static_path());
         let moving = directory.join(parameters.dynamic_path());
@@ -114,8 +120,20 @@ impl Trial {
     /// # Errors
     /// As [`Trial::read`].
     pub fn read_named(directory: &Path, names: &FileNames) -> Result<(Trial, Problems), Problems> {
+        Trial::read_from(&Disk, directory, names)
+    }
+
+    /// As [`Trial::read_named`], from these files.
+    ///
+    /// # Errors
+    /// As [`Trial::read`].
+    pub fn read_from(
+        files: &dyn Source,
+        directory: &Path,
+        names: &FileNames,
+    ) -> Result<(Trial, Problems), Problems> {
         let mut problems = Problems::default();
-        match Trial::read_checked(directory, names, &mut problems) {
+        match Trial::read_checked(files, directory, names, &mut problems) {
             Some(trial) if !problems.has_errors() => Ok((trial, problems)),
             _ => Err(problems),
         }
@@ -134,8 +152,14 @@ impl Trial {
     }
 
     /// `None` only after an error. A file is checked against the others as far as those could be read.
-    fn read_checked(directory: &Path, names: &FileNames, problems: &mut Problems) -> Option<Trial> {
+    fn read_checked(
+        files: &dyn Source,
+        directory: &Path,
+        names: &FileNames,
+        problems: &mut Problems,
+    ) -> Option<Trial> {
         let parameters = xml::read_file(
+            files,
             &directory.join(&names.parameters),
             &parameters::PARAMETERS,
             problems,
@@ -147,16 +171,26 @@ impl Trial {
         let moving = place(&parameters.dynamic_directory);
 
         let materials = fixed.as_ref().and_then(|fixed| {
-            xml::read_file(&fixed.join(&names.materials), &materials::MATERIALS, problems, materials::read)
+            xml::read_file(
+                files,
+                &fixed.join(&names.materials),
+                &materials::MATERIALS,
+                problems,
+                materials::read,
+            )
         });
         let material_ids = materials.as_ref().map(|read| &read.ids);
         let geometry = fixed.as_ref().and_then(|fixed| {
-            xml::read_file(&fixed.join(&names.geometry), &geometry::GEOMETRY, problems, |root, problems| {
-                geometry::read(root, material_ids, problems)
-            })
+            xml::read_file(
+                files,
+                &fixed.join(&names.geometry),
+                &geometry::GEOMETRY,
+                problems,
+                |root, problems| geometry::read(root, material_ids, problems),
+            )
         });
         let agents = fixed.as_ref().and_then(|fixed| {
-            xml::read_file(&fixed.join(&names.agents), &agents::AGENTS, problems, |root, problems| {
+            xml::read_file(files, &fixed.join(&names.agents), &agents::AGENTS, problems, |root, problems| {
                 agents::read(root, material_ids, problems)
             })
         });
@@ -169,15 +203,23 @@ impl Trial {
             );
         }
         let dynamics = moving.as_ref().and_then(|moving| {
-            xml::read_file(&moving.join(&names.dynamics), &dynamics::AGENTS, problems, |root, problems| {
-                dynamics::read(root, agents.as_ref().map(|(agents, ids)| (agents.as_slice(), ids)), problems)
-            })
+            xml::read_file(
+                files,
+                &moving.join(&names.dynamics),
+                &dynamics::AGENTS,
+                problems,
+                |root, problems| {
+                    dynamics::read(
+                        root,
+                        agents.as_ref().map(|(agents, ids)| (agents.as_slice(), ids)),
+                        problems,
+                    )
+                },
+            )
         });
         let interactions = match (moving.map(|moving| moving.join(INTERACTIONS)), &agents, &geometry) {
-            (Some(path), Some((agents, agent_ids)), Some((geometry, wall_ids)))
-                if !matches!(path.try_exists(), Ok(false)) =>
-            {
-                xml::read_file(&path, &interactions::INTERACTIONS, problems, |root, problems| {
+            (Some(path), Some((agents, agent_ids)), Some((geometry, wall_ids))) if !files.lacks(&path) => {
+                xml::read_file(files, &path, &interactions::INTERACTIONS, problems, |root, problems| {
                     interactions::read(root, (agents, agent_ids), (geometry, wall_ids), problems)
                 })?
             }
@@ -202,7 +244,7 @@ impl Trial {
     pub fn read_dynamics(&self, path: &Path) -> Result<Vec<AgentDynamics>, Problems> {
         let ids = self.agent_ids();
         checked(|problems| {
-            xml::read_file(path, &dynamics::AGENTS, problems, |root, problems| {
+            xml::read_file(&Disk, path, &dynamics::AGENTS, problems, |root, problems| {
                 dynamics::read(root, Some((&self.agents, &ids)), problems)
             })
         })
@@ -216,7 +258,7 @@ impl Trial {
         let agents = self.agent_ids();
         let walls = xml::Ids::of(self.geometry.walls.iter().map(|wall| wall.id.as_str()));
         checked(|problems| {
-            xml::read_file(path, &interactions::INTERACTIONS, problems, |root, problems| {
+            xml::read_file(&Disk, path, &interactions::INTERACTIONS, problems, |root, problems| {
                 interactions::read(root, (&self.agents, &agents), (&self.geometry, &walls), problems)
             })
         })
@@ -267,32 +309,42 @@ impl Trial {
         FileNames::default().places(directory, &fixed, &moving)
     }
 
+    /// Its files as [`Trial::write`] writes them into a directory: their paths and texts.
+    pub fn texts(&self, directory: &Path) -> Vec<(PathBuf, String)> {
+        let (parameters, fixed, moving) = self.places_in(directory);
+        let names = FileNames::default();
+        let dynamics = dynamics_xml(&self.agents, &self.dynamics, DynamicsElement::Written);
+        let mut texts = vec![
+            (directory.join(names.parameters), parameters::xml(&parameters)),
+            (fixed.join(names.materials), materials::xml(&self.materials)),
+            (fixed.join(names.geometry), geometry::xml(&self.geometry)),
+            (fixed.join(names.agents), agents::xml(&self.agents)),
+            (moving.join(names.dynamics), dynamics),
+        ];
+        if self.interactions != Interactions::default() {
+            let text = interactions_xml(&self.agents, &self.geometry, &self.interactions);
+            texts.push((moving.join(INTERACTIONS), text));
+        }
+        texts
+    }
+
     /// Writes a complete Trial directory, each file whole or not at all.
     ///
     /// Static and Dynamic directories that lie outside the Trial directory become `./static/` and `./dynamic/`
     /// in it: a copy neither overwrites the original's files nor depends on them.
     pub fn write(&self, directory: &Path) -> Result<(), WriteError> {
-        let (parameters, fixed, moving) = self.places_in(directory);
+        let (_, fixed, moving) = self.places_in(directory);
         for path in [directory, &fixed, &moving] {
             std::fs::create_dir_all(path).map_err(|error| WriteError { path: path.to_owned(), error })?;
         }
-        let names = FileNames::default();
-        write_atomically(&directory.join(names.parameters), &parameters::xml(&parameters))?;
-        write_atomically(&fixed.join(names.materials), &materials::xml(&self.materials))?;
-        write_atomically(&fixed.join(names.geometry), &geometry::xml(&self.geometry))?;
-        write_atomically(&fixed.join(names.agents), &agents::xml(&self.agents))?;
-        write_atomically(
-            &moving.join(names.dynamics),
-            &dynamics_xml(&self.agents, &self.dynamics, DynamicsElement::Written),
-        )?;
-        let path = moving.join(INTERACTIONS);
+        for (path, text) in self.texts(directory) {
+            write_atomically(&path, &text)?;
+        }
         if self.interactions != Interactions::default() {
-            return write_atomically(
-                &path,
-                &interactions_xml(&self.agents, &self.geometry, &self.interactions),
-            );
+            return Ok(());
         }
         // A stale one would start the next run with springs that are no more.
+        let path = moving.join(INTERACTIONS);
         match remove_file(&path) {
             Err(error) if error.kind() != ErrorKind::NotFound => Err(WriteError { path, error }),
             _ => Ok(()),

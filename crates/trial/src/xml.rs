@@ -4,6 +4,7 @@
 //! all errors. A Trial with an error is never returned, so no placeholder is either.
 
 use crate::problem::Problems;
+use lemons_files::source::Source;
 use lemons_files::{input, words};
 use lemons_plane::{Vec2, vec2};
 use lemons_xml::{Attribute, Document, Layout, Out, Problem, Severity, decimal, quoted};
@@ -36,12 +37,13 @@ struct Notes {
 
 /// Reads a file and hands its root element to `then`; `None` when it is missing, not XML or has another root.
 pub(crate) fn read_file<T>(
+    files: &dyn Source,
     path: &Path,
     root: &'static Kind,
     problems: &mut Problems,
     then: impl FnOnce(Element<'_>, &mut Problems) -> T,
 ) -> Option<T> {
-    match input::read(path, input::LARGEST_TRIAL_FILE) {
+    match files.read(path, input::LARGEST_TRIAL_FILE) {
         Ok(bytes) => read_bytes(path, &bytes, root, problems, then),
         Err(error) => {
             problems.push(Problem::of_file(path, None, format!("cannot be read: {error}")));

@@ -3,9 +3,10 @@
 use crowd_mechanics::pack::{Binary, Package};
 use lemons_files::Staged;
 use lemons_master::{
-    DriveChoice, Error, Fmu, Kept, Observer, PrepareError, Prepared, Progress, Reached, Settings, System,
-    Warning, own_binary,
+    Error, Fmu, Kept, Observer, PrepareError, Prepared, Progress, Reached, Settings, System, Warning,
+    own_binary,
 };
+use lemons_trial::DriveChoice;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 

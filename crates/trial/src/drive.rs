@@ -1,12 +1,16 @@
 //! A drive file: the propulsion of agents over time.
 
-use crowd_mechanics::pack::DRIVE_FILE;
+use crate::problem::Problems;
+use crate::trial::Trial;
 use lemons_files::input;
-use lemons_fmi::fingerprint;
-use lemons_trial::{Problem, Problems, Trial, quoted};
+use lemons_xml::{Problem, quoted};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use uuid::Uuid;
+
+/// Name of the drive file in a Trial directory. An FMU holds it too, for masters that look for it.
+pub const DRIVE_FILE: &str = "drive.csv";
 
 /// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
 pub type Push = [f64; 3];
@@ -84,7 +88,7 @@ pub struct DriveTable {
 }
 
 /// Where a Trial has its own drive.
-pub(crate) fn own_drive(trial: &Trial) -> PathBuf {
+pub fn own_drive(trial: &Trial) -> PathBuf {
     trial.directory.join(DRIVE_FILE)
 }
 
@@ -110,7 +114,10 @@ impl DriveTable {
     }
 
     /// That the Trial has all agents that the file names.
-    fn check_agents(&self, trial: Option<&Trial>) -> Result<()> {
+    ///
+    /// # Errors
+    /// It has not; each of them is named.
+    pub fn check_agents(&self, trial: Option<&Trial>) -> Result<()> {
         let known: HashSet<&str> =
             trial.iter().flat_map(|trial| &trial.agents).map(|agent| &*agent.id).collect();
         let mut unknown: Vec<_> = self.lines.iter().filter(|(id, _)| !known.contains(id.as_str())).collect();
@@ -206,7 +213,7 @@ impl DriveTable {
     /// A text that is equal for equal pushes, however the file is written.
     pub fn fingerprint(&self) -> String {
         let sorted: BTreeMap<_, _> = self.agents.iter().collect();
-        format!("{:032x}", fingerprint(format!("{sorted:?}").as_bytes()))
+        format!("{:032x}", Uuid::new_v5(&Uuid::NAMESPACE_OID, format!("{sorted:?}").as_bytes()).as_u128())
     }
 
     /// \[s\] The time of the last row of all agents; `None` without rows.

@@ -1,0 +1,115 @@
+//! How a page asks, through the memory of WebAssembly.
+//!
+//! The worker calls [`lab_room`] and writes a request there: its length as JSON (4 bytes, little-endian), the JSON, and
+//! further bytes. [`lab_ask`] answers and returns where: the length of the answer is at [`lab_length`]. It is built in
+//! the same way; its JSON is `{"ok": …}` or `{"refused": "…"}`. While people are placed, it calls `lab_progress` of the
+//! module `page`, which returns whether to stop.
+
+use crate::{Lab, Reply, Request};
+use lemons_people::placing::{Progress, Stage};
+use serde_json::{Value, json};
+use std::cell::RefCell;
+use std::ops::ControlFlow;
+
+#[derive(Default)]
+struct Desk {
+    lab: Lab,
+    request: Vec<u8>,
+    answer: Vec<u8>,
+}
+
+thread_local! {
+    static DESK: RefCell<Desk> = RefCell::default();
+}
+
+/// Makes room for a request of `length` bytes and returns its place.
+#[allow(unsafe_code)] // A name for the page: no other library is linked to it.
+#[unsafe(no_mangle)]
+pub extern "C" fn lab_room(length: usize) -> *mut u8 {
+    DESK.with_borrow_mut(|desk| {
+        desk.request = vec![0; length];
+        desk.request.as_mut_ptr()
+    })
+}
+
+/// Answers the request and returns the place of the answer.
+#[allow(unsafe_code)] // As above.
+#[unsafe(no_mangle)]
+pub extern "C" fn lab_ask() -> *const u8 {
+    DESK.with_borrow_mut(|desk| {
+        let request = std::mem::take(&mut desk.request);
+        desk.answer = answer(&mut desk.lab, &request, &mut |progress| {
+            if page::stops(progress) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        desk.answer.as_ptr()
+    })
+}
+
+/// Returns the length of the answer.
+#[allow(unsafe_code)] // As above.
+#[unsafe(no_mangle)]
+pub extern "C" fn lab_length() -> usize {
+    DESK.with_borrow(|desk| desk.answer.len())
+}
+
+/// Answers a request as it lies in memory.
+pub fn answer(lab: &mut Lab, request: &[u8], watch: &mut lemons_people::placing::Watch) -> Vec<u8> {
+    let reply = match parts(request) {
+        Ok((request, bytes)) => lab.answer(&request, bytes, watch).map_err(|refused| refused.0),
+        Err(error) => Err(error),
+    };
+    match reply {
+        Ok(Reply { value, bytes }) => joined(&json!({ "ok": value }), &bytes),
+        Err(refused) => joined(&json!({ "refused": refused }), &[]),
+    }
+}
+
+fn parts(request: &[u8]) -> Result<(Request, &[u8]), String> {
+    let cut = "the request is cut off";
+    let (length, rest) = request.split_first_chunk().ok_or(cut)?;
+    let (text, bytes) = rest.split_at_checked(u32::from_le_bytes(*length) as usize).ok_or(cut)?;
+    let request = serde_json::from_slice(text).map_err(|error| error.to_string())?;
+    Ok((request, bytes))
+}
+
+fn joined(value: &Value, bytes: &[u8]) -> Vec<u8> {
+    let text = value.to_string();
+    let length = u32::try_from(text.len()).unwrap_or(u32::MAX);
+    [&length.to_le_bytes(), text.as_bytes(), bytes].concat()
+}
+
+fn number_of(stage: Stage) -> u32 {
+    match stage {
+        Stage::Growing => 0,
+        Stage::Spreading => 1,
+        Stage::Shaking => 2,
+        Stage::Pressing => 3,
+        Stage::Thinning => 4,
+    }
+}
+
+#[cfg(target_arch = "wasm32")]
+mod page {
+    use super::{Progress, number_of};
+
+    #[allow(unsafe_code)] // The page gives this function with these types.
+    #[link(wasm_import_module = "page")]
+    unsafe extern "C" {
+        safe fn lab_progress(stage: u32, iteration: f64, limit: f64, overlap: f64, density: f64) -> u32;
+    }
+
+    pub fn stops(of: &Progress) -> bool {
+        let (iteration, limit) = (of.iteration as f64, of.limit as f64);
+        lab_progress(number_of(of.stage), iteration, limit, of.overlap, of.density) != 0
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+mod page {
+    use super::{Progress, number_of};
+
+    pub fn stops(of: &Progress) -> bool {
+        let _ = number_of(of.stage);
+        false
+    }
+}

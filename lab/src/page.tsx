@@ -1,0 +1,220 @@
+// The page: what is shown where, and which run is the present one.
+
+import { computed, effect, signal, untracked } from "@preact/signals";
+import { render } from "preact";
+import { Client, Stopped } from "./client";
+import { CrowdTab, progress } from "./crowd";
+import { Film } from "./film";
+import { save } from "./parts";
+import { PersonTab } from "./person";
+import { canRedo, canUndo, change, link, type Plan, plan, redo, type Source, undo } from "./plan";
+import type { Scene } from "./protocol";
+import { Stage } from "./stage";
+
+const client = new Client();
+const film = signal<Film | null>(null);
+const said = signal("");
+const problem = signal("");
+const notes = signal<string[]>([]);
+
+const EXAMPLES = [
+    ["push", "A push through a row"],
+    ["door", "Thirty people at a door"],
+] as const;
+
+function show(next: Film, plays: boolean) {
+    film.value?.end();
+    film.value = next;
+    next.playing.value = plays && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+}
+
+async function attempt(what: () => Promise<void>) {
+    problem.value = "";
+    try {
+        await what();
+    } catch (error) {
+        if (!(error instanceof Stopped && error.message === "stopped")) problem.value = (error as Error).message;
+    }
+}
+
+interface Opened {
+    scene: Scene;
+    notes: string[];
+}
+
+async function open(source: Source) {
+    notes.value = [];
+    said.value = "";
+    if (source.kind === "example") {
+        const { value, bytes } = await client.ask<Opened>({ ask: "example", name: source.name });
+        return show(new Film(client, value.scene, bytes), true);
+    }
+    progress.value = { stage: 0, iteration: 0, limit: 0, overlap: 0, density: 0 };
+    try {
+        const request = { ask: "crowd" as const, ...source.made };
+        const { value, bytes, seconds } = await client.ask<Opened>(request, undefined, (now) => (progress.value = now));
+        said.value = `${source.made.number} people placed in ${seconds.toFixed(2)} s`;
+        show(new Film(client, value.scene, bytes), false);
+    } finally {
+        progress.value = null;
+    }
+}
+
+/** Makes it the present run; again from the start, if it is. */
+function choose(source: Source) {
+    const before = plan.value.source;
+    if (JSON.stringify(before) === JSON.stringify(source)) void attempt(() => open(source));
+    else change({ source });
+}
+
+/** A zip of the user's. It stays on this machine, so it is no part of the plan or its link. */
+async function upload(file: File) {
+    if (file.size > 50e6) throw new Error(`${file.name} has more than 50 MB`);
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    const { value, bytes: first } = await client.ask<Opened>({ ask: "open", name: file.name }, bytes);
+    notes.value = value.notes;
+    said.value = `${file.name}: ${value.scene.agents.length} people`;
+    show(new Film(client, value.scene, first), false);
+    change({ tab: "run" });
+}
+
+async function takeTrial() {
+    const { value, bytes } = await client.ask<{ name: string }>({ ask: "take", file: "trial" });
+    save(value.name, bytes);
+}
+
+async function takeFmu(version: 2 | 3) {
+    const list = await fetch("binaries.json");
+    if (!list.ok) throw new Error("this lab was built without libraries for FMUs (lab/build.sh says how)");
+    const names = (await list.json()) as Record<string, string>;
+    const files = await Promise.all(
+        Object.entries(names).map(async ([platform, file]) => [platform, new Uint8Array(await (await fetch(file)).arrayBuffer())] as const),
+    );
+    const binaries = files.map(([platform, content]) => [platform, content.length] as [string, number]);
+    const all = new Uint8Array(await new Blob(files.map(([, content]) => content)).arrayBuffer());
+    const { value, bytes } = await client.ask<{ name: string }>({ ask: "take", file: "fmu", version, binaries }, all);
+    save(value.name, bytes);
+}
+
+const TABS: [Plan["tab"], string][] = [
+    ["run", "Run"],
+    ["crowd", "Crowd"],
+    ["person", "Person"],
+];
+
+function Page() {
+    const { tab, source, unit } = plan.value;
+    return (
+        <>
+            <header>
+                <h1>LEMONS lab</h1>
+                <nav aria-label="Parts">
+                    {TABS.map(([key, words]) => (
+                        <button key={key} type="button" aria-current={tab === key ? "page" : undefined} onClick={() => change({ tab: key })}>
+                            {words}
+                        </button>
+                    ))}
+                </nav>
+                <div class="tools">
+                    <button type="button" disabled={!canUndo.value} onClick={undo}>
+                        Undo
+                    </button>
+                    <button type="button" disabled={!canRedo.value} onClick={redo}>
+                        Redo
+                    </button>
+                    <button type="button" onClick={() => change({ unit: unit === "m" ? "cm" : "m" })}>
+                        Lengths in {unit}
+                    </button>
+                    <button type="button" onClick={() => void navigator.clipboard.writeText(link()).then(() => (said.value = "The link is copied"))}>
+                        Copy link
+                    </button>
+                </div>
+            </header>
+            <main>
+                <p role="status">{said.value}</p>
+                {problem.value && (
+                    <pre role="alert" class="problem">
+                        {problem.value}
+                    </pre>
+                )}
+                {notes.value.length > 0 && (
+                    <ul class="notes">
+                        {notes.value.map((note) => (
+                            <li key={note}>{note}</li>
+                        ))}
+                    </ul>
+                )}
+                {tab === "person" ? (
+                    <PersonTab client={client} />
+                ) : (
+                    <div class="columns">
+                        {tab === "crowd" ? (
+                            <CrowdTab
+                                make={() => choose({ kind: "crowd", made: plan.value.crowd })}
+                                stop={() => client.stop("stopped")}
+                            />
+                        ) : (
+                            <section class="panel" aria-label="Trials">
+                                <h2>Start from</h2>
+                                {EXAMPLES.map(([name, words]) => (
+                                    <button
+                                        key={name}
+                                        type="button"
+                                        aria-pressed={source.kind === "example" && source.name === name}
+                                        onClick={() => choose({ kind: "example", name })}
+                                    >
+                                        {words}
+                                    </button>
+                                ))}
+                                <label class="upload">
+                                    Your Trial (zip)
+                                    <input
+                                        type="file"
+                                        accept=".zip"
+                                        onChange={(event) => {
+                                            const input = event.currentTarget;
+                                            const file = input.files?.[0];
+                                            if (file) void attempt(() => upload(file));
+                                            input.value = "";
+                                        }}
+                                    />
+                                </label>
+                                <h2>Take away</h2>
+                                <button type="button" onClick={() => void attempt(takeTrial)}>
+                                    Trial (zip)
+                                </button>
+                                <button type="button" onClick={() => void attempt(() => takeFmu(2))}>
+                                    FMU, FMI 2.0
+                                </button>
+                                <button type="button" onClick={() => void attempt(() => takeFmu(3))}>
+                                    FMU, FMI 3.0
+                                </button>
+                                <button type="button" disabled={!film.value} onClick={() => film.value && save(`${film.value.scene.name}.csv`, film.value.table())}>
+                                    Poses (CSV)
+                                </button>
+                            </section>
+                        )}
+                        {film.value ? <Stage key={film.value} film={film.value} /> : <p role="status">One moment …</p>}
+                    </div>
+                )}
+            </main>
+        </>
+    );
+}
+
+const source = computed(() => JSON.stringify(plan.value.source));
+effect(() => {
+    // Also when it is brought back: by undo, a link, the browser's storage.
+    const wanted = JSON.parse(source.value) as Source;
+    untracked(() => void attempt(() => open(wanted)));
+});
+
+addEventListener("keydown", (event) => {
+    const typing = event.target instanceof HTMLInputElement && event.target.type !== "range";
+    if (typing) return;
+    if ((event.ctrlKey || event.metaKey) && event.key === "z") undo();
+    else if ((event.ctrlKey || event.metaKey) && (event.key === "y" || event.key === "Z")) redo();
+    else if (event.key === "k" && film.value) film.value.playing.value = !film.value.playing.value;
+});
+
+render(<Page />, document.getElementById("lab")!);
