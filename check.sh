@@ -47,7 +47,25 @@ python_environment() {
 signals=()
 env --default-signal true 2>/dev/null && signals=(env --default-signal)
 
-stages=(format clippy test doc release pytest)
+# The lab needs what is not everywhere: then it is left out, and that is said at the end too.
+left_out=
+lab() {
+    local missing=()
+    command -v npm >/dev/null || missing+=("Node.js with npm")
+    command -v chromium >/dev/null || missing+=(chromium)
+    (source packaging/lib.sh && choose_compiler wasm32-unknown-unknown) >/dev/null 2>&1 ||
+        missing+=("a compiler for wasm32 (packaging/lib.sh)")
+    if ((${#missing[@]})); then
+        left_out=" The lab was left out: missing $(IFS=, && printf %s "${missing[*]}")."
+        printf '\n==%s\n' "$left_out"
+        return
+    fi
+    stage lab/build.sh
+    stage python_environment
+    stage .venv/bin/python -m pytest tests/lab -q
+}
+
+stages=(format clippy test doc release pytest lab)
 
 run() {
     case $1 in
@@ -66,6 +84,7 @@ run() {
             # Two processes; the tests of a file share what they build.
             stage "${signals[@]}" .venv/bin/python -m pytest tests/fmpy -q -n 2 --dist loadfile
             ;;
+        lab) lab ;;
     esac
 }
 
@@ -78,4 +97,4 @@ for name; do
     run "$name"
 done
 
-printf '\ncheck.sh: %s passed\n' "${passed:-all}"
+printf '\ncheck.sh: %s passed.%s\n' "${passed:-all}" "$left_out"

@@ -144,6 +144,18 @@ compile() {
         PATH=$directory/tools/bin:$PATH nice "${cargo[@]}" "${arguments[@]}" --target "$target"
 }
 
+# Builds for a page: `compile_wasm ARGUMENTS…`, with cargo's arguments. Without default features: SQLite and zstd are C.
+compile_wasm() {
+    local target=wasm32-unknown-unknown
+    local arguments=(build --locked --target "$target" --lib --no-default-features "$@")
+    choose_compiler "$target"
+    if [[ $with == debian ]]; then
+        export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld-19
+        arguments+=(-Zbuild-std=std,panic_abort)
+    fi
+    "$CARGO" "${arguments[@]}"
+}
+
 # For those who make files of a release, which have the time of the commit.
 need_time() {
     [[ $SOURCE_DATE_EPOCH =~ ^[0-9]+$ ]] || fail "git tells no time of the commit: set SOURCE_DATE_EPOCH"

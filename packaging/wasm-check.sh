@@ -6,17 +6,9 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 target=wasm32-unknown-unknown
 directory=${CARGO_TARGET_DIR:-target/wasm}
 packages=(lemons-plane lemons-files lemons-xml lemons-trial crowd-mechanics lemons-people lemons-picture lemons-record
-    lemons-ssp lemons-decision)
+    lemons-ssp lemons-decision lemons-lab)
 
-# Without default features: SQLite and zstd are C.
-arguments=(build --locked --target "$target" --target-dir "$directory" --lib --no-default-features)
-arguments+=("${packages[@]/#/-p}")
-choose_compiler "$target"
-if [[ $with == debian ]]; then
-    export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld-19
-    arguments+=(-Zbuild-std=std,panic_abort)
-fi
-"$CARGO" "${arguments[@]}"
+compile_wasm --target-dir "$directory" "${packages[@]/#/-p}"
 
 # What the linked engine imports, whose C functions an importer calls. Only what wasm-bindgen leaves is known: zip asks
 # for random bytes through getrandom, which has it as a dependency. Nothing calls these functions; a page gives them as

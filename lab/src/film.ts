@@ -52,7 +52,7 @@ export class Film {
         const most = Math.max(1, Math.floor(ANSWER / Math.max(this.cost.value, 1e-4)));
         const steps = Math.min(most, wanted - this.#frames.length, 1000);
         try {
-            const { value, bytes, seconds } = await this.client.ask<Advanced>({ ask: "advance", steps });
+            const { value, bytes, seconds } = await this.client.ask<Advanced>({ ask: "advance", run: this.scene.run, steps });
             const length = COLUMNS * this.scene.agents.length;
             const numbers = new Float64Array(bytes);
             for (let k = 0; k < steps; k++) this.#frames.push(numbers.slice(k * length, (k + 1) * length));
@@ -62,7 +62,7 @@ export class Film {
                 this.computed.value = this.#frames.length;
             });
         } catch (error) {
-            if (!this.#old) this.failed.value = (error as Error).message;
+            if (!this.#old) this.failed.value = `the run ended: ${(error as Error).message}`;
             this.playing.value = false;
         } finally {
             this.#asking = false;
@@ -71,11 +71,12 @@ export class Film {
 
     /** Goes on by real seconds. Called for each picture while it plays. */
     tick(seconds: number, pace: number) {
-        const wanted = this.#place + (seconds * pace) / this.scene.step;
+        const from = this.#place;
+        const wanted = from + (seconds * pace) / this.scene.step;
         const there = this.#frames.length - 1;
         this.#place = Math.min(wanted, there);
         const smooth = 0.9;
-        const real = seconds > 0 ? ((this.#place - this.shown.value) * this.scene.step) / seconds : 0;
+        const real = seconds > 0 ? ((this.#place - from) * this.scene.step) / seconds : 0;
         this.pace.value = smooth * this.pace.value + (1 - smooth) * real;
         this.shown.value = Math.floor(this.#place);
         if (this.#frames.length >= this.most) {

@@ -67,6 +67,13 @@ function choose(source: Source) {
     else change({ source });
 }
 
+/** Ends a placing. The lab's run ends with its worker: what was there before is opened again. */
+function stop() {
+    film.value?.end();
+    client.stop("stopped");
+    undo();
+}
+
 /** A zip of the user's. It stays on this machine, so it is no part of the plan or its link. */
 async function upload(file: File) {
     if (file.size > 50e6) throw new Error(`${file.name} has more than 50 MB`);
@@ -151,7 +158,7 @@ function Page() {
                         {tab === "crowd" ? (
                             <CrowdTab
                                 make={() => choose({ kind: "crowd", made: plan.value.crowd })}
-                                stop={() => client.stop("stopped")}
+                                stop={stop}
                             />
                         ) : (
                             <section class="panel" aria-label="Trials">
@@ -167,7 +174,7 @@ function Page() {
                                     </button>
                                 ))}
                                 <label class="upload">
-                                    Your Trial (zip)
+                                    Open your Trial
                                     <input
                                         type="file"
                                         accept=".zip"

@@ -22,8 +22,7 @@ export type Request =
     | ({ ask: "crowd" } & CrowdWanted)
     | { ask: "example"; name: string }
     | { ask: "open"; name: string }
-    | { ask: "restart" }
-    | { ask: "advance"; steps: number }
+    | { ask: "advance"; run: number; steps: number }
     | { ask: "take"; file: "trial" }
     | { ask: "take"; file: "fmu"; version: 2 | 3; binaries: [string, number][] };
 
@@ -51,6 +50,8 @@ export interface Person {
 }
 
 export interface Scene {
+    /** The number of its run. */
+    run: number;
     name: string;
     agents: { id: string; mass: number; disks: Disk[] }[];
     walls: { id: string; corners: [number, number][] }[];

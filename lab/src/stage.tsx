@@ -38,7 +38,8 @@ export function Stage({ film }: { film: Film }) {
     useEffect(() => {
         let last = performance.now();
         let handle = requestAnimationFrame(function next(now) {
-            if (film.playing.value) film.tick((now - last) / 1000, plan.value.pace);
+            // The time of a picture may be before that of its request.
+            if (film.playing.value) film.tick(Math.max(0, now - last) / 1000, plan.value.pace);
             last = now;
             handle = requestAnimationFrame(next);
         });

@@ -42,10 +42,10 @@ pub enum Request {
         /// The zip's name, for messages.
         name: String,
     },
-    /// The present Trial from its beginning.
-    Restart,
-    /// Further communication steps of the present Trial.
+    /// Further communication steps of a run.
     Advance {
+        /// The run's number. A page may still ask for steps of a run that another one has replaced.
+        run: u32,
         /// How many, at most [`run::MOST_STEPS`].
         steps: u32,
     },
@@ -77,6 +77,8 @@ impl Refused {
 #[derive(Debug, Default)]
 pub struct Lab {
     open: Option<run::Run>,
+    /// How many runs there were: the number of the present one.
+    runs: u32,
 }
 
 impl Lab {
@@ -102,11 +104,10 @@ impl Lab {
                 let read = upload::open(name, bytes)?;
                 self.open_noted(read)
             }
-            Request::Restart => {
-                let driven = self.present()?.driven().clone();
-                self.open(driven)
+            Request::Advance { run, .. } if *run != self.runs => {
+                Err(Refused(format!("run {run} is over: the present one is {}", self.runs)))
             }
-            Request::Advance { steps } => self.present()?.advance(*steps),
+            Request::Advance { steps, .. } => self.present()?.advance(*steps),
             Request::Take(wanted) => take::take(wanted, self.present()?.driven(), bytes),
         }
     }
@@ -123,8 +124,10 @@ impl Lab {
     /// Makes it the present Trial. Returns its scene and its first frame.
     fn open(&mut self, driven: upload::Driven) -> Result<Reply, Refused> {
         let run = run::Run::begin(driven)?;
-        let reply = Reply { value: scene::of(&run.driven().trial), bytes: run.frame() };
+        let (mut value, bytes) = (scene::of(&run.driven().trial), run.frame());
         self.open = Some(run);
-        Ok(reply)
+        self.runs += 1;
+        value["run"] = self.runs.into();
+        Ok(Reply { value, bytes })
     }
 }

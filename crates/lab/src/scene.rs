@@ -5,7 +5,7 @@ use lemons_trial::{Agent, Trial, Wall};
 use serde_json::{Value, json};
 
 /// Returns the walls' corners \[m\] and each agent's Id, mass \[kg\] and disks (x, y, radius \[m\], in the body's frame),
-/// and the steps.
+/// and the steps; `run` is added by [`crate::Lab`].
 pub fn of(trial: &Trial) -> Value {
     let agent = |agent: &Agent| {
         let disks: Vec<[f64; 3]> =

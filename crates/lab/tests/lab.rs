@@ -115,14 +115,14 @@ fn a_crowd_is_placed_without_overlap_with_progress_and_the_same_for_the_same_see
         if heard == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     assert!(heard == 3 && String::from_utf8_lossy(&stopped).contains("the placing was stopped"));
-    assert!(refused(&mut lab, json!({"ask": "restart"}), &[]).contains("no Trial yet"));
+    assert!(refused(&mut lab, json!({"ask": "take", "file": "trial"}), &[]).contains("no Trial yet"));
 }
 
 #[test]
 fn the_push_moves_as_the_fmu_moves_to_the_last_bit() {
     let mut lab = Lab::default();
     ok(&mut lab, json!({"ask": "example", "name": "push"}));
-    let (value, frames) = ok(&mut lab, json!({"ask": "advance", "steps": 20}));
+    let (value, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 20}));
     assert_eq!(value["time"], 1.0);
     let shown = numbers(&frames);
     assert_eq!(shown.len(), 20 * 5 * COLUMNS);
@@ -145,9 +145,12 @@ fn the_push_moves_as_the_fmu_moves_to_the_last_bit() {
     }
     // It reached the last of the row.
     assert!((frames[19][4][0] - frames[0][4][0]).abs() > 0.01);
-    // And from the beginning again.
-    ok(&mut lab, json!({"ask": "restart"}));
-    let (_, again) = ok(&mut lab, json!({"ask": "advance", "steps": 20}));
+    // And from the beginning again: the former run is over.
+    ok(&mut lab, json!({"ask": "example", "name": "push"}));
+    assert!(
+        refused(&mut lab, json!({"ask": "advance", "run": 1, "steps": 1}), &[]).contains("run 1 is over")
+    );
+    let (_, again) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 20}));
     assert_eq!(numbers(&again), shown);
 }
 
@@ -155,12 +158,14 @@ fn the_push_moves_as_the_fmu_moves_to_the_last_bit() {
 fn a_trial_that_is_taken_is_opened_again_with_its_drive() {
     let mut lab = Lab::default();
     let (scene, first) = ok(&mut lab, json!({"ask": "example", "name": "push"}));
-    let (_, moved) = ok(&mut lab, json!({"ask": "advance", "steps": 9}));
+    let (_, moved) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 9}));
     let (name, zip) = ok(&mut lab, json!({"ask": "take", "file": "trial"}));
     assert_eq!(name["name"], "push.zip");
     let (value, bytes) = ask(&mut lab, &json!({"ask": "open", "name": "push.zip"}), &zip);
-    assert_eq!((&value["ok"]["scene"], &bytes), (&scene["scene"], &first));
-    assert_eq!(ok(&mut lab, json!({"ask": "advance", "steps": 9})).1, moved);
+    let mut known = scene["scene"].clone();
+    known["run"] = 2.into();
+    assert_eq!((&value["ok"]["scene"], &bytes), (&known, &first));
+    assert_eq!(ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 9})).1, moved);
     // Without a directory of its own: called as its zip.
     let flat = push_with("", "", str::to_owned);
     let (value, _) = ask(&mut lab, &json!({"ask": "open", "name": "mine.zip"}), &flat);
@@ -206,10 +211,11 @@ fn requests_that_are_none_are_refused() {
         let answer = answer(&mut lab, request, &mut |_| ControlFlow::Continue(()));
         assert!(String::from_utf8_lossy(&answer).contains("refused"));
     }
-    let said = refused(&mut lab, json!({"ask": "advance", "steps": 1001}), &[]);
-    assert!(said.contains("no Trial") || said.contains("1000"), "{said}");
+    assert!(refused(&mut lab, json!({"ask": "advance", "run": 0, "steps": 1}), &[]).contains("no Trial yet"));
     ok(&mut lab, json!({"ask": "example", "name": "door"}));
-    assert!(refused(&mut lab, json!({"ask": "advance", "steps": 1001}), &[]).contains("at most 1000"));
+    assert!(
+        refused(&mut lab, json!({"ask": "advance", "run": 1, "steps": 1001}), &[]).contains("at most 1000")
+    );
     let short = json!({"ask": "take", "file": "fmu", "version": 2, "binaries": [["linux64", 5]]});
     assert!(refused(&mut lab, short, b"1234").contains("shorter"));
     let many = json!({"ask": "crowd", "number": 40, "seed": 3, "room": [1.0, 1.0], "direction": null});
