@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the libraries, and the command where there is one, of platforms (all without arguments) into dist/PLATFORM/.
-# `build.sh linux64 win64` builds these only; the tools that it needs are named in lib.sh. LIBRARIES_ONLY=1: no command.
+# `build.sh linux64 win64` builds these only; the tools that it needs are named in lib.sh.
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 need_time
@@ -8,7 +8,7 @@ choose_compiler "${all[@]}"
 tools
 for platform; do
     packages=(-p crowd-mechanics -p lemons-decision-fmu)
-    program=$([[ -n ${LIBRARIES_ONLY:-} ]] || program "$platform")
+    program=$(program "$platform")
     [[ -z $program ]] || packages+=(-p lemons-cli)
     read -ra of_platform <<<"$(targets "$platform")"
     for target in "${of_platform[@]}"; do

@@ -217,16 +217,16 @@ if has win64; then
 fi
 
 note "the same bytes again"
-if git diff --quiet HEAD; then
+made_of=$("$lemons" --version | sed -n 's/^commit //p')
+if git diff --quiet HEAD && [[ $made_of == "$(git rev-parse HEAD)" ]]; then
     # In another place.
     git clone -q . "$work/elsewhere"
-    (cd "$work/elsewhere" && DIST=$work/again PACKAGING_TARGET_DIR=$work/target LIBRARIES_ONLY=1 \
-        packaging/build.sh linux64) >/dev/null
-    for file in $(libraries linux64); do
+    (cd "$work/elsewhere" && DIST=$work/again PACKAGING_TARGET_DIR=$work/target packaging/build.sh linux64) >/dev/null
+    for file in $(libraries linux64) $(program linux64); do
         cmp "$work/again/linux64/$file" "$dist/linux64/$file"
     done
 else
-    note "libraries are not compared: files have changed since the commit"
+    note "libraries are not compared: files have changed since they were built, or since the commit"
 fi
 cp "$dist/SHA256SUMS" "$work"
 BUILT=1 packaging/release.sh "$@" >/dev/null
