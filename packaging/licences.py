@@ -5,8 +5,8 @@ their texts).
 
 These are the packages that cargo links for the targets. Fails if a package has a licence that is not in ALLOWED, or no
 file with its text, or comes from elsewhere than crates.io. Where a package has no such file, packaging/licences/
-NAME.txt is one: the text of a licence that its Cargo.toml names, with the authors. Says nothing of known vulnerabilities: `cargo
-deny check advisories` (deny.toml) does.
+NAME.txt is one: the text of a licence that its Cargo.toml names, with the authors. Says nothing of known
+vulnerabilities: `cargo deny check advisories` (deny.toml) does.
 """
 
 import hashlib
@@ -124,7 +124,8 @@ def main() -> None:
         if not package["license"] or not allowed(package["license"]):
             wrong.append(f"{name}: {package['license']}")
         if not any(text for _, text in texts(package)):
-            wrong.append(f"{name}: no text of {package['license']}; packaging/licences/{package['name']}.txt could have it")
+            ours = f"packaging/licences/{package['name']}.txt"
+            wrong.append(f"{name}: no text of {package['license']}; {ours} could have it")
         if "crates.io-index" not in package["source"]:
             wrong.append(f"{name}: from {package['source']}")
     if wrong:
