@@ -1,6 +1,8 @@
 //! Finds the sources from which the command `lemons` is built: the commit, its date, and whether files have changed
 //! since.
 //!
+//! It also lists the files of the lab (`lab/dist`, made by `lab/build.sh`), for the command to hold them.
+//!
 //! It is the build script of `crates/cli`, the only crate that shows the version. As the build script of the root
 //! package it would rebuild the engine and everything that uses it for each commit. It never fails: what it cannot find
 //! is left empty.
@@ -45,9 +47,32 @@ fn main() {
     }
     let epoch = epoch.and_then(|seconds| day(seconds.trim().parse().ok()?));
     sources.date = date.as_deref().and_then(plain).or(epoch).or(sources.date);
+    lab(&root);
     println!("cargo::rustc-env=LEMONS_BUILD_COMMIT={}", sources.commit.unwrap_or_default());
     println!("cargo::rustc-env=LEMONS_BUILD_DATE={}", sources.date.unwrap_or_default());
     println!("cargo::rustc-env=LEMONS_BUILD_CHANGED={}", if sources.changed { "1" } else { "" });
+}
+
+/// Writes `lab.rs` into `OUT_DIR`: the names and contents of the files in `lab/dist`, none if it was not made. The
+/// libraries there are not among them: the command has its own.
+fn lab(root: &Path) {
+    let dist = root.join("lab/dist");
+    // Cargo would run this each time for a directory that is not there.
+    let watched = if dist.is_dir() { dist.clone() } else { root.join("lab") };
+    println!("cargo::rerun-if-changed={}", watched.display());
+    let entries = fs::read_dir(&dist).into_iter().flatten().flatten();
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
+    files.retain(|path| path.file_name().is_some_and(|name| name != "binaries.json"));
+    files.sort();
+    let line = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        format!("    ({name:?}, include_bytes!({:?})),\n", path.display().to_string())
+    };
+    let lines: String = files.iter().map(line).collect();
+    let text = format!("/// Name and content.\nconst FILES: &[(&str, &[u8])] = &[\n{lines}];\n");
+    let place = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default()).join("lab.rs");
+    // Without it the command cannot be compiled, and the compiler says so.
+    let _ = fs::write(place, text);
 }
 
 /// Returns the text if it is one short word without spaces, because it is printed in lines and tables.

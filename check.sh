@@ -61,6 +61,8 @@ lab() {
         return
     fi
     stage lab/build.sh
+    # Which takes the page in.
+    stage cargo build --release
     stage python_environment
     stage .venv/bin/python -m pytest tests/lab -q
 }

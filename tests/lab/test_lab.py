@@ -1,16 +1,15 @@
 """The lab in Chromium, as visitors use it. What it computes is compared with the command and with FMPy.
 
-`check.sh lab` runs it: it needs lab/dist (lab/build.sh), Debian's Chromium, and the command that was built.
+`check.sh lab` runs it: it needs Debian's Chromium, and the command, built after lab/build.sh.
 """
 
 import csv
-import functools
-import http.server
+import http.client
 import io
 import os
 import shutil
+import signal
 import subprocess
-import threading
 import time
 import zipfile
 from collections.abc import Callable, Iterator
@@ -23,21 +22,18 @@ from playwright.sync_api import Browser, Page, expect, sync_playwright
 ROOT = Path(__file__).parents[2]
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 LEMONS = Path(os.environ.get("LEMONS", TARGET / "release/lemons"))
-DIST = ROOT / "lab/dist"
 AXE = ROOT / "lab/node_modules/axe-core/axe.min.js"
-
-
-class Quiet(http.server.SimpleHTTPRequestHandler):
-    def log_message(self, format: str, *args: object) -> None:
-        pass
 
 
 @pytest.fixture(scope="module")
 def url() -> Iterator[str]:
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=str(DIST)))
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    yield f"http://127.0.0.1:{server.server_port}/"
-    server.shutdown()
+    command = subprocess.Popen([LEMONS, "lab", "--no-browser"], stdout=subprocess.PIPE, text=True)
+    assert command.stdout
+    line = command.stdout.readline()
+    assert line.startswith("the lab is at http://127.0.0.1:"), line
+    yield line.split()[4].rstrip(",")
+    command.send_signal(signal.SIGINT)
+    assert command.wait(5) == 0
 
 
 @pytest.fixture(scope="module")
@@ -230,3 +226,25 @@ def test_a_person_is_drawn_as_asked_for(page: Page) -> None:
     circles = page.locator("svg circle")
     left = "all => Math.min(...all.map(circle => circle.cx.baseVal.value - circle.r.baseVal.value))"
     wait(page, lambda: abs(circles.evaluate_all(left) + 0.25) < 1e-6)
+
+
+def test_only_this_machine_is_answered_and_only_with_files_of_the_lab(url: str) -> None:
+    host = url.removeprefix("http://").rstrip("/")
+
+    def ask(path: str, method: str = "GET", named: str | None = None) -> http.client.HTTPResponse:
+        connection = http.client.HTTPConnection(host)
+        connection.request(method, path, headers={"Host": named or host})
+        response = connection.getresponse()
+        response.read()
+        return response
+
+    page = ask("/?x=1")
+    assert page.status == 200 and page.headers["Content-Type"].startswith("text/html")
+    assert "frame-ancestors 'none'" in page.headers["Content-Security-Policy"]
+    assert ask("/lemons_lab.wasm").headers["Content-Type"] == "application/wasm"
+    assert ask("/", named=host.replace("127.0.0.1", "localhost")).status == 200
+    for named in ("example.org", "127.0.0.1", "localhost:1"):
+        assert ask("/", named=named).status == 403
+    assert ask("/", method="POST").status == 405
+    for path in ("/../Cargo.toml", "/binaries/linux64/../../lemons", "//etc/passwd", "/%2e%2e/lemons", "/nothing"):
+        assert ask(path).status == 404, path

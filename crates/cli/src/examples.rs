@@ -1,7 +1,7 @@
 //! What users type: examples for the help of each command.
 
 /// The command, and its examples, a line each. A test asks clap whether it accepts them.
-pub const EXAMPLES: [(&str, &str); 15] = [
+pub const EXAMPLES: [(&str, &str); 16] = [
     (
         "crowd",
         "\
@@ -70,6 +70,7 @@ lemons export trajectories.csv Trial_next --to trial --trial Trial_box",
 lemons describe resources/Trial_push
 lemons describe resources/Trial_door --fmi 3 --plan plan.toml",
     ),
+    ("lab", "lemons lab"),
     (
         "verify",
         "\

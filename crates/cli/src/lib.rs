@@ -23,6 +23,7 @@ mod export;
 mod files;
 mod info;
 mod interrupt;
+mod lab;
 mod output;
 mod outputs;
 mod pack;
@@ -81,6 +82,8 @@ enum Command {
     Export(export::Arguments),
     /// List the variables of an FMU
     Info(info::Arguments),
+    /// Open the lab: make and run crowds in the browser
+    Lab(lab::Arguments),
     /// Report all errors of Trials, and what is probably not meant
     Check(check::Arguments),
     /// Print the modelDescription.xml of a Trial's FMU
@@ -160,6 +163,7 @@ fn command() -> Result<()> {
         Command::Check(arguments) => check::check(&arguments),
         Command::Describe(arguments) => describe::describe(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
+        Command::Lab(arguments) => lab::lab(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
     }
 }
