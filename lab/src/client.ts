@@ -23,6 +23,8 @@ export class Client {
     #worker = this.#start();
     #waiting = new Map<number, Waiting>();
     #last = 0;
+    /** How many workers there were before: what one knows, the next does not. */
+    generation = 0;
 
     #start() {
         const worker = new Worker("worker.js", { type: "module" });
@@ -55,6 +57,8 @@ export class Client {
         this.#worker.terminate();
         for (const { failed } of this.#waiting.values()) failed(new Stopped(why));
         this.#waiting.clear();
-        this.#worker = this.#start();
+        this.generation += 1;
+        // One that cannot even begin would be started again and again.
+        if (this.generation < 100) this.#worker = this.#start();
     }
 }

@@ -14,7 +14,6 @@ export function CrowdTab({ make, stop }: { make(): void; stop(): void }) {
     const set = (part: Partial<CrowdWanted>) => change({ crowd: { ...crowd, ...part } });
     const by = unit === "cm" ? 100 : 1;
     const side = (k: 0 | 1, value: number): [number, number] => (k ? [crowd.room[0], value] : [value, crowd.room[1]]);
-    const degrees = crowd.direction === null ? 0 : Math.round((crowd.direction * 180) / Math.PI);
     return (
         <form
             class="panel"
@@ -44,13 +43,13 @@ export function CrowdTab({ make, stop }: { make(): void; stop(): void }) {
                 <input
                     type="checkbox"
                     checked={crowd.direction !== null}
-                    onChange={(event) => set({ direction: event.currentTarget.checked ? 0 : null, speed: event.currentTarget.checked ? crowd.speed : 0 })}
+                    onChange={(event) => set(event.currentTarget.checked ? { direction: 0, speed: 1 } : { direction: null, speed: 0 })}
                 />
-                All face one way
+                All walk one way
             </label>
             {crowd.direction !== null && (
                 <>
-                    <NumberField label="Direction" unit="°" value={degrees} min={-180} max={180} step={1} onChange={(value) => set({ direction: (value * Math.PI) / 180 })} />
+                    <NumberField label="Direction" unit="°" value={crowd.direction} min={-180} max={360} step={1} onChange={(direction) => set({ direction })} />
                     <NumberField label="Speed at which each would walk" unit="m/s" value={crowd.speed} min={0} max={3} step={0.1} onChange={(speed) => set({ speed })} />
                 </>
             )}

@@ -82,12 +82,11 @@ export class Painter {
             // Up is up: pixels count downwards.
             context.setTransform(cos, -sin, -sin, -cos, view.x + view.scale * x, view.y - view.scale * y);
             context.fillStyle = colourOf(frame[COLUMNS * a + scale.column]! / scale.most);
+            // The outline of all disks is what is left of their rims around the filled shape.
+            context.strokeStyle = a === selected ? mark : ink;
+            context.lineWidth = (a === selected ? 6 : 2) / view.scale;
+            context.stroke(path);
             context.fill(path);
-            if (a === selected) {
-                context.strokeStyle = mark;
-                context.lineWidth = 3 / view.scale;
-                context.stroke(path);
-            }
         });
         context.setTransform(view.scale, 0, 0, -view.scale, view.x, view.y);
         context.strokeStyle = ink;

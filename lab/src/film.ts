@@ -24,6 +24,7 @@ export class Film {
     #asking = false;
     #place = 0;
     #old = false;
+    #generation: number;
 
     constructor(
         readonly client: Client,
@@ -31,6 +32,12 @@ export class Film {
         first: ArrayBuffer,
     ) {
         this.#frames = [new Float64Array(first)];
+        this.#generation = client.generation;
+    }
+
+    /** Another film took its place, or its worker ended. */
+    get over() {
+        return this.#old || this.#generation !== this.client.generation;
     }
 
     frame(k: number): Float64Array {
@@ -43,16 +50,18 @@ export class Film {
 
     /** Computes until there are at least this many frames. */
     async until(count: number) {
-        while (this.#frames.length < Math.min(count, this.most) && !this.#old && !this.failed.value) await this.#ask(count);
+        while (this.#frames.length < Math.min(count, this.most) && !this.over && !this.failed.value) await this.#ask(count);
     }
 
     async #ask(wanted: number) {
+        if (this.over) return;
         if (this.#asking) return new Promise((done) => setTimeout(done, 5));
         this.#asking = true;
         const most = Math.max(1, Math.floor(ANSWER / Math.max(this.cost.value, 1e-4)));
         const steps = Math.min(most, wanted - this.#frames.length, 1000);
         try {
             const { value, bytes, seconds } = await this.client.ask<Advanced>({ ask: "advance", run: this.scene.run, steps });
+            if (this.over) return;
             const length = COLUMNS * this.scene.agents.length;
             const numbers = new Float64Array(bytes);
             for (let k = 0; k < steps; k++) this.#frames.push(numbers.slice(k * length, (k + 1) * length));
@@ -62,7 +71,7 @@ export class Film {
                 this.computed.value = this.#frames.length;
             });
         } catch (error) {
-            if (!this.#old) this.failed.value = `the run ended: ${(error as Error).message}`;
+            if (!this.over) this.failed.value = `the run ended: ${(error as Error).message}`;
             this.playing.value = false;
         } finally {
             this.#asking = false;
@@ -80,7 +89,10 @@ export class Film {
         this.pace.value = smooth * this.pace.value + (1 - smooth) * real;
         this.shown.value = Math.floor(this.#place);
         if (this.#frames.length >= this.most) {
-            if (this.shown.value >= there) this.playing.value = false;
+            if (this.shown.value >= there) {
+                this.playing.value = false;
+                this.failed.value = `the run ends here, at ${(there * this.scene.step).toFixed(2)} s: its frames fill ${MOST_BYTES / 1e6} MB`;
+            }
             return;
         }
         const ahead = Math.ceil((0.3 * pace) / this.scene.step) + 2;

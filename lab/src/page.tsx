@@ -7,7 +7,7 @@ import { CrowdTab, progress } from "./crowd";
 import { Film } from "./film";
 import { save } from "./parts";
 import { PersonTab } from "./person";
-import { canRedo, canUndo, change, link, type Plan, plan, redo, type Source, undo } from "./plan";
+import { canRedo, canUndo, change, FIRST, link, type Plan, plan, redo, type Source, undo } from "./plan";
 import type { Scene } from "./protocol";
 import { Stage } from "./stage";
 
@@ -16,11 +16,16 @@ const film = signal<Film | null>(null);
 const said = signal("");
 const problem = signal("");
 const notes = signal<string[]>([]);
+/** Whether an upload is shown instead of what the plan says. */
+const uploaded = signal(false);
 
-const EXAMPLES = [
-    ["push", "A push through a row"],
-    ["door", "Thirty people at a door"],
-] as const;
+const EXAMPLES: [string, Source][] = [
+    ["A push through a row", { kind: "example", name: "push" }],
+    ["A hundred people walk against a wall", { kind: "crowd", made: { number: 100, seed: 1, room: [8, 4], men: 0.5, direction: 0, speed: 1 } }],
+];
+
+/** What is shown; undone changes of the form do not matter to it. */
+let present: Source | null = null;
 
 function show(next: Film, plays: boolean) {
     film.value?.end();
@@ -33,7 +38,14 @@ async function attempt(what: () => Promise<void>) {
     try {
         await what();
     } catch (error) {
-        if (!(error instanceof Stopped && error.message === "stopped")) problem.value = (error as Error).message;
+        if (error instanceof Stopped && error.message === "stopped") return;
+        problem.value = (error as Error).message;
+        // A link or a former visit may hold what cannot be made.
+        if (!film.value && plan.value.source !== FIRST.source) {
+            const why = problem.value;
+            change({ source: FIRST.source });
+            problem.value = why;
+        }
     }
 }
 
@@ -45,14 +57,17 @@ interface Opened {
 async function open(source: Source) {
     notes.value = [];
     said.value = "";
+    uploaded.value = false;
     if (source.kind === "example") {
         const { value, bytes } = await client.ask<Opened>({ ask: "example", name: source.name });
+        present = source;
         return show(new Film(client, value.scene, bytes), true);
     }
     progress.value = { stage: 0, iteration: 0, limit: 0, overlap: 0, density: 0 };
     try {
         const request = { ask: "crowd" as const, ...source.made };
         const { value, bytes, seconds } = await client.ask<Opened>(request, undefined, (now) => (progress.value = now));
+        present = source;
         said.value = `${source.made.number} people placed in ${seconds.toFixed(2)} s`;
         show(new Film(client, value.scene, bytes), false);
     } finally {
@@ -69,9 +84,16 @@ function choose(source: Source) {
 
 /** Ends a placing. The lab's run ends with its worker: what was there before is opened again. */
 function stop() {
-    film.value?.end();
     client.stop("stopped");
-    undo();
+    back();
+}
+
+/** To what was shown; if nothing was, to the first example. An upload that a worker took with it is gone. */
+function back() {
+    const source = present ?? FIRST.source;
+    const same = JSON.stringify(source) === JSON.stringify(plan.value.source);
+    if (!same) change({ source });
+    else void attempt(() => open(source));
 }
 
 /** A zip of the user's. It stays on this machine, so it is no part of the plan or its link. */
@@ -80,27 +102,38 @@ async function upload(file: File) {
     const bytes = new Uint8Array(await file.arrayBuffer());
     const { value, bytes: first } = await client.ask<Opened>({ ask: "open", name: file.name }, bytes);
     notes.value = value.notes;
+    uploaded.value = true;
     said.value = `${file.name}: ${value.scene.agents.length} people`;
     show(new Film(client, value.scene, first), false);
     change({ tab: "run" });
 }
 
-async function takeTrial() {
-    const { value, bytes } = await client.ask<{ name: string }>({ ask: "take", file: "trial" });
+async function takeTrial(run: number) {
+    const { value, bytes } = await client.ask<{ name: string }>({ ask: "take", run, wanted: { file: "trial" } });
     save(value.name, bytes);
 }
 
-async function takeFmu(version: 2 | 3) {
+async function takeFmu(run: number, version: 2 | 3) {
     const list = await fetch("binaries.json");
     if (!list.ok) throw new Error("this lab was built without libraries for FMUs (lab/build.sh says how)");
     const names = (await list.json()) as Record<string, string>;
     const files = await Promise.all(
-        Object.entries(names).map(async ([platform, file]) => [platform, new Uint8Array(await (await fetch(file)).arrayBuffer())] as const),
+        Object.entries(names).map(async ([platform, file]) => {
+            const library = await fetch(file);
+            if (!library.ok) throw new Error(`the library for ${platform} is missing here`);
+            return [platform, new Uint8Array(await library.arrayBuffer())] as const;
+        }),
     );
     const binaries = files.map(([platform, content]) => [platform, content.length] as [string, number]);
     const all = new Uint8Array(await new Blob(files.map(([, content]) => content)).arrayBuffer());
-    const { value, bytes } = await client.ask<{ name: string }>({ ask: "take", file: "fmu", version, binaries }, all);
-    save(value.name, bytes);
+    const { value, bytes } = await client.ask<{ name: string }>({ ask: "take", run, wanted: { file: "fmu", version, binaries } }, all);
+    save(value.name.replace(/\.fmu$/, `-fmi${version}.fmu`), bytes);
+}
+
+function taking(what: (run: number) => Promise<void>) {
+    return attempt(async () => {
+        if (film.value) await what(film.value.scene.run);
+    });
 }
 
 const TABS: [Plan["tab"], string][] = [
@@ -130,9 +163,15 @@ function Page() {
                         Redo
                     </button>
                     <button type="button" onClick={() => change({ unit: unit === "m" ? "cm" : "m" })}>
-                        Lengths in {unit}
+                        Show lengths in {unit === "m" ? "cm" : "m"}
                     </button>
-                    <button type="button" onClick={() => void navigator.clipboard.writeText(link()).then(() => (said.value = "The link is copied"))}>
+                    <button type="button" onClick={() =>
+                            void attempt(async () => {
+                                if (!navigator.clipboard) throw new Error(`this browser copies nothing from such a page; the link is ${link()}`);
+                                await navigator.clipboard.writeText(link());
+                                said.value = uploaded.value ? "The link is copied. It does not hold the Trial that you opened." : "The link is copied.";
+                            })
+                        }>
                         Copy link
                     </button>
                 </div>
@@ -163,12 +202,12 @@ function Page() {
                         ) : (
                             <section class="panel" aria-label="Trials">
                                 <h2>Start from</h2>
-                                {EXAMPLES.map(([name, words]) => (
+                                {EXAMPLES.map(([words, example]) => (
                                     <button
-                                        key={name}
+                                        key={words}
                                         type="button"
-                                        aria-pressed={source.kind === "example" && source.name === name}
-                                        onClick={() => choose({ kind: "example", name })}
+                                        aria-pressed={!uploaded.value && JSON.stringify(source) === JSON.stringify(example)}
+                                        onClick={() => choose(example)}
                                     >
                                         {words}
                                     </button>
@@ -187,13 +226,13 @@ function Page() {
                                     />
                                 </label>
                                 <h2>Take away</h2>
-                                <button type="button" onClick={() => void attempt(takeTrial)}>
+                                <button type="button" onClick={() => void taking(takeTrial)}>
                                     Trial (zip)
                                 </button>
-                                <button type="button" onClick={() => void attempt(() => takeFmu(2))}>
+                                <button type="button" onClick={() => void taking((run) => takeFmu(run, 2))}>
                                     FMU, FMI 2.0
                                 </button>
-                                <button type="button" onClick={() => void attempt(() => takeFmu(3))}>
+                                <button type="button" onClick={() => void taking((run) => takeFmu(run, 3))}>
                                     FMU, FMI 3.0
                                 </button>
                                 <button type="button" disabled={!film.value} onClick={() => film.value && save(`${film.value.scene.name}.csv`, film.value.table())}>

@@ -87,7 +87,10 @@ function linked(): string | null {
     }
 }
 
-export const plan = signal<Plan>(read(linked()) ?? read(stored()) ?? FIRST);
+const given = read(linked());
+export const plan = signal<Plan>(given ?? read(stored()) ?? FIRST);
+// A link is read once: later changes count more.
+if (location.hash) history.replaceState(null, "", location.pathname + location.search);
 const past = signal<string[]>([]);
 const future = signal<string[]>([]);
 export const canUndo = computed(() => past.value.length > 0);
@@ -102,13 +105,15 @@ effect(() => {
     }
 });
 
-/** A change that can be undone. */
+/** A change; of what is made, it can be undone. */
 export function change(part: Partial<Plan>) {
     const before = JSON.stringify(plan.value);
     const after = { ...plan.value, ...part };
     if (JSON.stringify(after) === before) return;
-    past.value = [...past.value.slice(-199), before];
-    future.value = [];
+    if (part.source || part.crowd || part.person) {
+        past.value = [...past.value.slice(-199), before];
+        future.value = [];
+    }
     plan.value = after;
 }
 
@@ -117,7 +122,8 @@ function go(from: typeof past, to: typeof past) {
     if (!text) return;
     from.value = from.value.slice(0, -1);
     to.value = [...to.value, JSON.stringify(plan.value)];
-    plan.value = JSON.parse(text);
+    const { source, crowd, person } = JSON.parse(text) as Plan;
+    plan.value = { ...plan.value, source, crowd, person };
 }
 
 export const undo = () => go(past, future);

@@ -13,6 +13,7 @@ export interface CrowdWanted {
     seed: number;
     room: [number, number];
     men: number;
+    /** In degrees. */
     direction: number | null;
     speed: number;
 }
@@ -23,8 +24,7 @@ export type Request =
     | { ask: "example"; name: string }
     | { ask: "open"; name: string }
     | { ask: "advance"; run: number; steps: number }
-    | { ask: "take"; file: "trial" }
-    | { ask: "take"; file: "fmu"; version: 2 | 3; binaries: [string, number][] };
+    | { ask: "take"; run: number; wanted: { file: "trial" } | { file: "fmu"; version: 2 | 3; binaries: [string, number][] } };
 
 export interface Measure {
     name: string;

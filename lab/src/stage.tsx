@@ -120,7 +120,7 @@ function Numbers({ film }: { film: Film }) {
         ["Mechanical step", `${scene.mechanical_step} s${scene.stable ? ` (stable up to ${digits(scene.stable, 2)} s)` : ""}`],
         ["Shown", film.playing.value ? `${film.pace.value.toFixed(2)} simulated seconds per second` : "paused"],
         ["Cost", film.cost.value ? `${digits(perStep, 2)} ns per person and mechanical step` : "–"],
-        ["Largest overlap", advanced ? `${digits(1000 * advanced.overlap, 2)} mm` : "–"],
+        ["Deepest overlap so far", advanced ? `${digits(1000 * advanced.overlap, 2)} mm` : "–"],
     ];
     if (who !== null) {
         rows.push(

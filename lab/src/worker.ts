@@ -46,13 +46,13 @@ const lab = load();
 /** JSON with its length before it, then bytes, as crates/lab/src/boundary.rs reads them. */
 function answer(lab: Lab, request: Request, bytes: Uint8Array) {
     const text = new TextEncoder().encode(JSON.stringify(request));
-    const place = lab.lab_room(4 + text.length + bytes.length);
+    const place = lab.lab_room(4 + text.length + bytes.length) >>> 0;
     new DataView(lab.memory.buffer).setUint32(place, text.length, true);
     const room = new Uint8Array(lab.memory.buffer, place);
     room.set(text, 4);
     room.set(bytes, 4 + text.length);
-    const at = lab.lab_ask();
-    const end = at + lab.lab_length();
+    const at = lab.lab_ask() >>> 0;
+    const end = at + (lab.lab_length() >>> 0);
     const length = new DataView(lab.memory.buffer).getUint32(at, true);
     const value = JSON.parse(new TextDecoder().decode(new Uint8Array(lab.memory.buffer, at + 4, length)));
     return { value, bytes: lab.memory.buffer.slice(at + 4 + length, end) };

@@ -11,6 +11,7 @@ import shutil
 import signal
 import subprocess
 import time
+import urllib.parse
 import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -120,7 +121,16 @@ def test_forty_people_move_as_the_command_moves_them_to_the_last_bit(page: Page,
     shown = rows(download(page, "Poses (CSV)", tmp_path))
     trial = download(page, "Trial (zip)", tmp_path)
     checked = subprocess.run([LEMONS, "check", trial], capture_output=True, text=True, check=True)
-    assert "overlap" not in checked.stderr, checked.stderr
+    assert "overlap" not in checked.stdout + checked.stderr, checked
+    # The command makes the same crowd.
+    same = tmp_path / "crowd" / "crowd.zip"
+    same.parent.mkdir()
+    options = "--number 40 --box 4x4 --seed 1 --direction 0 --speed 1".split()
+    subprocess.run([LEMONS, "crowd", *options, "--zip", same], check=True, capture_output=True)
+    with zipfile.ZipFile(trial) as mine, zipfile.ZipFile(same) as theirs:
+        for name in ("static/Agents.xml", "static/Geometry.xml", "dynamic/AgentDynamics.xml"):
+            texts = [archive.read(next(n for n in archive.namelist() if n.endswith(name))) for archive in (mine, theirs)]
+            assert texts[0] == texts[1], name
     table = tmp_path / "run.csv"
     subprocess.run([LEMONS, "run", trial, "--until", "2", "-o", table], check=True, capture_output=True)
     known = rows(table)
@@ -172,9 +182,18 @@ def test_a_reload_and_a_link_bring_all_back_and_undo_takes_it_away(page: Page, b
     other = browser.new_context().new_page()
     other.goto(link)
     expect(other.get_by_text("25 people placed in")).to_be_visible()
-    # What is no plan does no harm.
+    # It is read once: what is made after it counts more.
+    make(other, 20, 300, 300)
+    other.reload()
+    expect(other.get_by_text("20 people placed in")).to_be_visible()
+    # What is no plan, or cannot be made, does no harm.
     other.goto("about:blank")
     other.goto(f"{url}#%7B%22crowd%22:%7B%22number%22:%22many%22%7D,%22source%22:7%7D")
+    other.wait_for_selector("canvas")
+    other.goto("about:blank")
+    impossible = '{"source":{"kind":"crowd","made":{"number":40,"seed":1,"room":[-1,4],"men":0.5,"direction":0,"speed":1}}}'
+    other.goto(f"{url}#{urllib.parse.quote(impossible)}")
+    expect(other.get_by_role("alert")).to_contain_text("a side of the room [m] = -1: must be 0.1 to 1000")
     other.wait_for_selector("canvas")
     other.context.close()
     field = page.get_by_role("spinbutton", name="People")
@@ -195,7 +214,7 @@ def test_a_crowd_that_does_not_fit_is_refused_and_a_placing_is_stopped(page: Pag
     page.get_by_role("button", name="Make this crowd").click()
     page.get_by_role("button", name="Stop", exact=True).click(force=True)
     expect(page.get_by_role("button", name="Make this crowd")).to_be_visible()
-    # What ran before is there again.
+    # What ran before is there again, whatever was changed since.
     page.get_by_role("button", name="Step", exact=True).click()
     wait(page, lambda: seconds(page) > 0)
     expect(page.get_by_role("alert")).to_have_count(0)

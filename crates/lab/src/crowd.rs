@@ -1,9 +1,10 @@
 //! A crowd: how many, of whom, in which room -> a Trial.
 
 use crate::Refused;
-use lemons_people::placing::{Dense, Ended, Orientation, Region, Watch, dense};
+use lemons_people::placing::{Dense, Ended, Orientation, Region, Watch, dense, measure, placing_seed, wider};
 use lemons_people::{
-    Agent, CrowdStatistics, Person, Population, Proportions, Shape, Source, TrialSettings, crowd_trial, walls,
+    Agent, CrowdStatistics, Person, Population, Proportions, Shape, Source, TrialSettings, crowd_trial,
+    heading, walls,
 };
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::Trial;
@@ -12,6 +13,9 @@ use serde_json::{Value, json};
 
 /// Largest number of people: what a page can pack and show.
 pub const MOST_PEOPLE: u32 = 5000;
+
+/// Largest seed: the largest integer that a page's numbers hold exactly.
+pub const LARGEST_SEED: u64 = (1 << 53) - 1;
 
 /// A crowd.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -26,7 +30,7 @@ pub struct Wanted {
     /// Probability that a person is a man.
     #[serde(default = "half")]
     pub men: f64,
-    /// \[rad\] Which way people face; `None`: any.
+    /// \[°\] Which way people face at first, -360 to 360; `None`: any.
     pub direction: Option<f64>,
     /// \[m/s\] The speed at which each would walk alone, in this direction.
     #[serde(default)]
@@ -54,6 +58,16 @@ pub fn crowd(wanted: &Wanted, watch: &mut Watch) -> Result<Made, Refused> {
     if !(1..=MOST_PEOPLE).contains(&wanted.number) {
         return Err(Refused(format!("{} people: the number must be 1 to {MOST_PEOPLE}", wanted.number)));
     }
+    let within = |what: &str, value: f64, [low, high]: [f64; 2]| {
+        let inside = (low..=high).contains(&value);
+        if inside { Ok(()) } else { Err(Refused(format!("{what} = {value}: must be {low} to {high}"))) }
+    };
+    within("seed", wanted.seed as f64, [0.0, LARGEST_SEED as f64])?;
+    within("direction [°]", wanted.direction.unwrap_or(0.0), [-360.0, 360.0])?;
+    within("speed [m/s]", wanted.speed, [0.0, 20.0])?;
+    for side in wanted.room {
+        within("a side of the room [m]", side, [0.1, 1000.0])?;
+    }
     let [width, height] = wanted.room;
     let region = Region::rectangle(Vec2::ZERO, vec2(width, height)).map_err(Refused::of)?;
     let proportions = Proportions { men: wanted.men, ..Proportions::default() };
@@ -67,9 +81,11 @@ pub fn crowd(wanted: &Wanted, watch: &mut Watch) -> Result<Made, Refused> {
         })
         .collect();
     let shapes = people.iter().map(Shape::of).collect::<Result<Vec<_>, _>>().map_err(Refused::of)?;
-    let orientation = wanted.direction.map_or(Orientation::Free, Orientation::Towards);
-    let settings = Dense { orientation, seed: wanted.seed, ..Dense::default() };
-    let packing = dense(&shapes, &region, &settings, watch).map_err(Refused::of)?;
+    let orientation =
+        wanted.direction.map_or(Orientation::Free, |angle| Orientation::Towards(angle.to_radians()));
+    let settings = Dense { orientation, seed: placing_seed(wanted.seed), ..Dense::default() };
+    let packing = dense(&wider(&shapes), &region, &settings, watch).map_err(Refused::of)?;
+    let largest_overlap = measure(&shapes, &region, &packing.poses).largest_overlap;
     if !packing.complete {
         return Err(Refused(match packing.ended {
             Ended::Cancelled => "the placing was stopped".into(),
@@ -79,9 +95,8 @@ pub fn crowd(wanted: &Wanted, watch: &mut Watch) -> Result<Made, Refused> {
             ),
         }));
     }
-    let heading = wanted.direction.unwrap_or(0.0);
     let settings = TrialSettings {
-        desired_velocity: vec2(wanted.speed, 0.0).rotated(lemons_plane::Rotation::by(heading)),
+        desired_velocity: heading(wanted.direction.unwrap_or(0.0)) * wanted.speed,
         ..TrialSettings::default()
     };
     let geometry = walls(region.rings(), "concrete");
@@ -90,7 +105,7 @@ pub fn crowd(wanted: &Wanted, watch: &mut Watch) -> Result<Made, Refused> {
     let agents: Vec<Agent> = people.into_iter().map(Agent::Pedestrian).collect();
     let value = json!({
         "density": packing.density, "iterations": packing.iterations,
-        "largest_overlap": packing.largest_overlap, "statistics": CrowdStatistics::of(&agents).csv(),
+        "largest_overlap": largest_overlap, "statistics": CrowdStatistics::of(&agents).csv(),
     });
     Ok(Made { trial, value })
 }

@@ -49,8 +49,13 @@ pub enum Request {
         /// How many, at most [`run::MOST_STEPS`].
         steps: u32,
     },
-    /// A file of the present Trial.
-    Take(take::Wanted),
+    /// A file of a run's Trial.
+    Take {
+        /// The run's number.
+        run: u32,
+        /// Which file.
+        wanted: take::Wanted,
+    },
 }
 
 /// An answer.
@@ -104,11 +109,11 @@ impl Lab {
                 let read = upload::open(name, bytes)?;
                 self.open_noted(read)
             }
-            Request::Advance { run, .. } if *run != self.runs => {
+            Request::Advance { run, .. } | Request::Take { run, .. } if *run != self.runs => {
                 Err(Refused(format!("run {run} is over: the present one is {}", self.runs)))
             }
             Request::Advance { steps, .. } => self.present()?.advance(*steps),
-            Request::Take(wanted) => take::take(wanted, self.present()?.driven(), bytes),
+            Request::Take { wanted, .. } => take::take(wanted, self.present()?.driven(), bytes),
         }
     }
 

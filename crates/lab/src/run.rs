@@ -20,6 +20,8 @@ pub struct Run {
     world: World,
     /// Communication steps so far.
     steps: u64,
+    /// \[m\] Deepest overlap so far.
+    overlap: f64,
 }
 
 impl Run {
@@ -29,7 +31,7 @@ impl Run {
     /// Materials that can touch have no usable contact, or too many people are at one place.
     pub fn begin(driven: Driven) -> Result<Run, Refused> {
         let world = Setup::of(&driven.trial).world().map_err(Refused::of)?;
-        Ok(Run { driven, world, steps: 0 })
+        Ok(Run { driven, world, steps: 0, overlap: 0.0 })
     }
 
     /// What runs.
@@ -46,7 +48,7 @@ impl Run {
         }
     }
 
-    /// Advances by communication steps. Returns time, largest overlap and work, and all frames, one after the other.
+    /// Advances by communication steps. Returns time, deepest overlap since the beginning, work, and all frames, one after the other.
     ///
     /// # Errors
     /// Too many steps, or the engine refuses one; the run is then where it was before that one.
@@ -54,7 +56,7 @@ impl Run {
         if steps > MOST_STEPS {
             return Err(Refused(format!("{steps} steps at once: at most {MOST_STEPS}")));
         }
-        let (mut bytes, mut overlap) = (Vec::new(), 0.0f64);
+        let mut bytes = Vec::new();
         for _ in 0..steps {
             // Communication points are multiples, as those of `lemons run`; steps are their differences.
             let time = self.time_at(self.steps);
@@ -64,12 +66,12 @@ impl Run {
                 .advance(duration)
                 .map_err(|error| Refused(Setup::of(&self.driven.trial).name_body(&error)))?;
             self.steps += 1;
-            overlap = overlap.max(self.world.largest_overlap());
+            self.overlap = self.overlap.max(self.world.largest_overlap());
             bytes.extend(self.frame());
         }
         let work = self.world.work();
         let value = json!({
-            "time": self.time_at(self.steps), "overlap": overlap,
+            "time": self.time_at(self.steps), "overlap": self.overlap,
             "mechanical_steps": work.steps, "pairs": work.pairs, "contacts": work.contacts,
         });
         Ok(Reply { value, bytes })

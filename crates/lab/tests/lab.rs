@@ -115,7 +115,10 @@ fn a_crowd_is_placed_without_overlap_with_progress_and_the_same_for_the_same_see
         if heard == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     assert!(heard == 3 && String::from_utf8_lossy(&stopped).contains("the placing was stopped"));
-    assert!(refused(&mut lab, json!({"ask": "take", "file": "trial"}), &[]).contains("no Trial yet"));
+    assert!(
+        refused(&mut lab, json!({"ask": "take", "run": 0, "wanted": {"file": "trial"}}), &[])
+            .contains("no Trial")
+    );
 }
 
 #[test]
@@ -129,8 +132,9 @@ fn the_push_moves_as_the_fmu_moves_to_the_last_bit() {
 
     let binary = own_binary().unwrap();
     let library = std::fs::read(&binary.path).unwrap();
-    let wanted =
-        json!({"ask": "take", "file": "fmu", "version": 2, "binaries": [[binary.platform, library.len()]]});
+    let wanted = json!({"ask": "take", "run": 1, "wanted": {
+        "file": "fmu", "version": 2, "binaries": [[binary.platform, library.len()]]
+    }});
     let (value, fmu) = ask(&mut lab, &wanted, &library);
     assert_eq!(value["ok"]["name"], "push.fmu");
     let directory = tempfile::tempdir().unwrap();
@@ -159,8 +163,14 @@ fn a_trial_that_is_taken_is_opened_again_with_its_drive() {
     let mut lab = Lab::default();
     let (scene, first) = ok(&mut lab, json!({"ask": "example", "name": "push"}));
     let (_, moved) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 9}));
-    let (name, zip) = ok(&mut lab, json!({"ask": "take", "file": "trial"}));
+    let (name, zip) = ok(&mut lab, json!({"ask": "take", "run": 1, "wanted": {"file": "trial"}}));
     assert_eq!(name["name"], "push.zip");
+    let archive = zip::ZipArchive::new(Cursor::new(&zip)).unwrap();
+    let mut names: Vec<String> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
+    names.sort();
+    let files = ["Parameters.xml", "drive.csv", "dynamic/AgentDynamics.xml", "static/Agents.xml"];
+    let files = files.into_iter().chain(["static/Geometry.xml", "static/Materials.xml"]);
+    assert_eq!(names, files.map(|name| format!("push/{name}")).collect::<Vec<_>>());
     let (value, bytes) = ask(&mut lab, &json!({"ask": "open", "name": "push.zip"}), &zip);
     let mut known = scene["scene"].clone();
     known["run"] = 2.into();
@@ -216,7 +226,7 @@ fn requests_that_are_none_are_refused() {
     assert!(
         refused(&mut lab, json!({"ask": "advance", "run": 1, "steps": 1001}), &[]).contains("at most 1000")
     );
-    let short = json!({"ask": "take", "file": "fmu", "version": 2, "binaries": [["linux64", 5]]});
+    let short = json!({"ask": "take", "run": 1, "wanted": {"file": "fmu", "version": 2, "binaries": [["linux64", 5]]}});
     assert!(refused(&mut lab, short, b"1234").contains("shorter"));
     let many = json!({"ask": "crowd", "number": 40, "seed": 3, "room": [1.0, 1.0], "direction": null});
     let said = refused(&mut lab, many, &[]);

@@ -42,6 +42,6 @@ pub use shape::{Shape, ShapeError};
 pub use survey::{BadCell, BadCells, Survey, SurveyError};
 pub use table::{CrowdStatistics, Kind, KindStatistics, Summary, crowd_csv};
 pub use trial::{
-    Overwrite, TRIAL_FILES, TrialError, TrialSettings, crowd_trial, may_write, paper_materials, walls,
-    write_trial, write_trial_zip, zip_trial,
+    Overwrite, TRIAL_FILES, TrialError, TrialSettings, crowd_trial, heading, may_write, paper_materials,
+    walls, write_trial, write_trial_zip, zip_trial,
 };

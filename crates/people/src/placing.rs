@@ -12,7 +12,7 @@ mod random;
 mod region;
 
 use crate::shape::Shape;
-use lemons_plane::{Pose, Rotation, Vec2};
+use lemons_plane::{Disk, Pose, Rotation, Vec2};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -198,6 +198,18 @@ struct Circle {
 
 /// Callback for progress. If it returns `Break`, the algorithm stops and returns what it has.
 pub type Watch<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
+
+/// The seed of a placing, from the one that its people are drawn from: another stream of random numbers.
+pub fn placing_seed(people: u64) -> u64 {
+    people.wrapping_add(0x9e37_79b9_7f4a_7c15)
+}
+
+/// The same shapes with disks that are larger by [`TOLERANCE`]: where these are placed, the shapes themselves overlap by
+/// nothing.
+pub fn wider(shapes: &[Shape]) -> Vec<Shape> {
+    let wider = |disk: &Disk| Disk { radius: disk.radius + TOLERANCE, ..*disk };
+    shapes.iter().map(|shape| Shape { disks: shape.disks.iter().map(wider).collect() }).collect()
+}
 
 fn check_shapes(shapes: &[Shape]) -> Result<(), PlacingError> {
     for (shape, s) in shapes.iter().enumerate() {

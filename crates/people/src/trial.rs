@@ -9,13 +9,13 @@ use crate::person::Person;
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
 use lemons_files::{Change, Staged, StagedDirectory, WriteError, change_all, input};
-use lemons_plane::{Pose, Ring, Vec2};
+use lemons_plane::{Pose, Ring, Rotation, Vec2, vec2};
 use lemons_trial::{
     Agent, AgentDynamics, Contact, Geometry, INTERACTIONS, Interactions, Material, Materials, Parameters,
     Trial, Wall,
 };
 use std::io::{self, Seek, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use thiserror::Error;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
@@ -94,6 +94,17 @@ pub fn walls(rings: &[Ring], material: &str) -> Geometry {
     };
     let dimensions = rings.first().map(|ring| ring.bounds().size());
     Geometry { dimensions, walls: rings.iter().enumerate().map(wall).collect() }
+}
+
+/// The unit vector in a direction, in degrees counter-clockwise from the x axis; exact along the axes.
+pub fn heading(degrees: f64) -> Vec2 {
+    match degrees.rem_euclid(360.0) {
+        0.0 => vec2(1.0, 0.0),
+        90.0 => vec2(0.0, 1.0),
+        180.0 => vec2(-1.0, 0.0),
+        270.0 => vec2(0.0, -1.0),
+        _ => vec2(1.0, 0.0).rotated(Rotation::by(degrees.to_radians())),
+    }
 }
 
 /// Why a Trial cannot be made.
@@ -330,8 +341,11 @@ pub fn zip_trial<W: Write + Seek>(trial: &Trial, others: &[(&str, &str)], output
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
     for (path, text) in trial.texts(Path::new("")) {
-        // Names in a zip file have forward slashes on every platform.
-        let parts = path.components().map(|part| part.as_os_str().to_string_lossy());
+        // Names in a zip file have forward slashes on every platform, and no "./".
+        let parts = path.components().filter_map(|part| match part {
+            Component::Normal(name) => Some(name.to_string_lossy()),
+            _ => None,
+        });
         archive.start_file(format!("{}/{}", trial.name, parts.collect::<Vec<_>>().join("/")), options)?;
         archive.write_all(text.as_bytes())?;
     }
@@ -346,7 +360,7 @@ pub fn zip_trial<W: Write + Seek>(trial: &Trial, others: &[(&str, &str)], output
 mod tests {
     use super::*;
     use crate::person::Sex;
-    use lemons_plane::{Bounds, vec2};
+    use lemons_plane::Bounds;
     use tempfile::TempDir;
 
     fn person(breadth: f64) -> Person {

@@ -19,11 +19,11 @@ use lemons_files::{Scratch, names_beside};
 use lemons_master::Given;
 use lemons_people::{
     Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialError,
-    TrialSettings, crowd_csv, crowd_trial, light_xml, may_write, write_geojson, write_trial, write_trial_zip,
-    write_wkt,
+    TrialSettings, crowd_csv, crowd_trial, heading, light_xml, may_write, write_geojson, write_trial,
+    write_trial_zip, write_wkt,
 };
 use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, pdf, png, svg};
-use lemons_plane::{Pose, Rotation, Vec2, vec2};
+use lemons_plane::Pose;
 use lemons_trial::{Geometry, Trial};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -274,17 +274,6 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     done.and(Ok(told?))
 }
 
-/// A unit vector; exact along the axes.
-fn unit(degrees: f64) -> Vec2 {
-    match degrees.rem_euclid(360.0) {
-        0.0 => vec2(1.0, 0.0),
-        90.0 => vec2(0.0, 1.0),
-        180.0 => vec2(-1.0, 0.0),
-        270.0 => vec2(0.0, -1.0),
-        _ => vec2(1.0, 0.0).rotated(Rotation::by(degrees.to_radians())),
-    }
-}
-
 fn shape(agent: &Agent) -> Result<Shape> {
     match agent {
         Agent::Pedestrian(person) => Ok(Shape::of(person)?),
@@ -314,7 +303,7 @@ impl TrialArguments {
         TrialSettings {
             time_step: self.time_step,
             people: if self.material == Wear::Naked { "human_naked" } else { "human_clothes" }.into(),
-            desired_velocity: unit(direction) * self.speed,
+            desired_velocity: heading(direction) * self.speed,
             ..TrialSettings::default()
         }
     }

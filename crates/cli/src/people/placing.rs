@@ -6,10 +6,10 @@ use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_people::placing::{
-    Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, Stage, TOLERANCE, dense,
-    grid, measure, paper,
+    Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, Stage, dense, grid, measure,
+    paper, placing_seed, wider,
 };
-use lemons_people::{Disk, Shape, walls};
+use lemons_people::{Shape, walls};
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::Geometry;
 use std::ops::ControlFlow;
@@ -204,8 +204,7 @@ impl PlacingArguments {
             bar.show(progress);
             if interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        // Another stream of random numbers than that which people are drawn from.
-        let seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let seed = placing_seed(seed);
         let orientation = self.orientation();
         let region = &place.region;
         let packing = match self.packing {
@@ -271,13 +270,6 @@ impl PlacingArguments {
         };
         format!("{packing}, {way}")
     }
-}
-
-/// Each disk larger by the overlap with which a placing passes for done: those of the true size are clear then, and a
-/// Trial of them begins without contacts.
-fn wider(shapes: &[Shape]) -> Vec<Shape> {
-    let wider = |disk: &Disk| Disk { radius: disk.radius + TOLERANCE, ..*disk };
-    shapes.iter().map(|shape| Shape { disks: shape.disks.iter().map(wider).collect() }).collect()
 }
 
 /// On a terminal, once a placing takes a moment.
