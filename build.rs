@@ -58,8 +58,9 @@ fn main() {
 fn lab(root: &Path) {
     let dist = root.join("lab/dist");
     // Cargo would run this each time for a directory that is not there.
-    let watched = if dist.is_dir() { dist.clone() } else { root.join("lab") };
-    println!("cargo::rerun-if-changed={}", watched.display());
+    if let Some(watched) = [&dist, &root.join("lab")].into_iter().find(|directory| directory.is_dir()) {
+        println!("cargo::rerun-if-changed={}", watched.display());
+    }
     let entries = fs::read_dir(&dist).into_iter().flatten().flatten();
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
     files.retain(|path| path.file_name().is_some_and(|name| name != "binaries.json"));
