@@ -25,16 +25,25 @@ export class Client {
     #last = 0;
     /** How many workers there were before: what one knows, the next does not. */
     generation = 0;
+    /** Called after a worker ended by itself. */
+    broken = (_why: string) => {};
 
     #start() {
         const worker = new Worker("worker.js", { type: "module" });
-        worker.onmessage = ({ data }: MessageEvent<Told>) => this.#hear(data);
-        worker.onerror = (event) => this.#hear({ broken: event.message || "the worker could not be started" });
+        // What an ended worker still says does not count.
+        const hear = (told: Told) => {
+            if (worker === this.#worker) this.#hear(told);
+        };
+        worker.onmessage = ({ data }: MessageEvent<Told>) => hear(data);
+        worker.onerror = (event) => hear({ broken: event.message || "it could not be started" });
         return worker;
     }
 
     #hear(told: Told) {
-        if ("broken" in told) return this.stop(told.broken);
+        if ("broken" in told) {
+            this.stop(told.broken);
+            return this.broken(told.broken);
+        }
         const waiting = this.#waiting.get(told.id);
         if (!waiting) return;
         if ("progress" in told) return waiting.watch?.(told.progress);

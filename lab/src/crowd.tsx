@@ -18,9 +18,10 @@ export function CrowdTab({ make, stop }: { make(): void; stop(): void }) {
         <form
             class="panel"
             aria-label="Crowd"
+            noValidate
             onSubmit={(event) => {
                 event.preventDefault();
-                make();
+                if (!event.currentTarget.querySelector("[aria-invalid=true]")) make();
             }}
         >
             <NumberField label="People" value={crowd.number} min={1} max={5000} step={1} onChange={(number) => set({ number })} />
@@ -58,7 +59,7 @@ export function CrowdTab({ make, stop }: { make(): void; stop(): void }) {
                     <button type="button" onClick={stop}>
                         Stop
                     </button>
-                    <p role="status">
+                    <p>
                         {STAGES[progress.value.stage]}, round {progress.value.iteration}: {progress.value.density.toFixed(2)} people per m², overlaps up to{" "}
                         {(1000 * progress.value.overlap).toFixed(1)} mm
                     </p>

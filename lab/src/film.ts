@@ -1,7 +1,7 @@
 // A run: frames that were computed, and which of them is shown. It asks for further ones while it plays.
 
 import { batch, signal } from "@preact/signals";
-import type { Client } from "./client";
+import { type Client, Stopped } from "./client";
 import { type Advanced, COLUMNS, type Scene } from "./protocol";
 
 /** Bytes of frames that are kept; then the run ends. */
@@ -16,7 +16,7 @@ export class Film {
     readonly computed = signal(1);
     readonly advanced = signal<Advanced | null>(null);
     /** Processor time for a communication step. */
-    readonly cost = signal(0);
+    readonly cost = signal(ANSWER);
     readonly failed = signal<string | null>(null);
     /** Simulated seconds in a second that were really shown. */
     readonly pace = signal(0);
@@ -71,7 +71,7 @@ export class Film {
                 this.computed.value = this.#frames.length;
             });
         } catch (error) {
-            if (!this.over) this.failed.value = `the run ended: ${(error as Error).message}`;
+            if (!this.over && !(error instanceof Stopped)) this.failed.value = `the run ended: ${(error as Error).message}`;
             this.playing.value = false;
         } finally {
             this.#asking = false;

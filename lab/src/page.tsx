@@ -12,6 +12,10 @@ import type { Scene } from "./protocol";
 import { Stage } from "./stage";
 
 const client = new Client();
+client.broken = (why) => {
+    problem.value = `The computation ended (${why}). What was shown is opened again, from its start.`;
+    if (client.generation < 5) back();
+};
 const film = signal<Film | null>(null);
 const said = signal("");
 const problem = signal("");
@@ -63,6 +67,7 @@ async function open(source: Source) {
         present = source;
         return show(new Film(client, value.scene, bytes), true);
     }
+    said.value = "People are placed …";
     progress.value = { stage: 0, iteration: 0, limit: 0, overlap: 0, density: 0 };
     try {
         const request = { ask: "crowd" as const, ...source.made };
@@ -70,6 +75,9 @@ async function open(source: Source) {
         present = source;
         said.value = `${source.made.number} people placed in ${seconds.toFixed(2)} s`;
         show(new Film(client, value.scene, bytes), false);
+    } catch (error) {
+        said.value = "";
+        throw error;
     } finally {
         progress.value = null;
     }
@@ -256,11 +264,11 @@ effect(() => {
 });
 
 addEventListener("keydown", (event) => {
-    const typing = event.target instanceof HTMLInputElement && event.target.type !== "range";
+    // In a field they are the field's own.
+    const typing = event.target instanceof HTMLInputElement && event.target.type === "number";
     if (typing) return;
-    if ((event.ctrlKey || event.metaKey) && event.key === "z") undo();
-    else if ((event.ctrlKey || event.metaKey) && (event.key === "y" || event.key === "Z")) redo();
-    else if (event.key === "k" && film.value) film.value.playing.value = !film.value.playing.value;
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !event.shiftKey) undo();
+    else if ((event.ctrlKey || event.metaKey) && (event.key === "y" || event.key.toLowerCase() === "z")) redo();
 });
 
 render(<Page />, document.getElementById("lab")!);

@@ -1,6 +1,7 @@
 // Small parts of forms.
 
 import type { ComponentChildren } from "preact";
+import { useId, useState } from "preact/hooks";
 
 interface NumberProps {
     label: string;
@@ -12,30 +13,43 @@ interface NumberProps {
     onChange(value: number): void;
 }
 
-/** A number with its unit; a value out of range is not taken, and the browser says why. */
+/** A number with its unit. What is out of range is not taken; it stays there, with the reason. */
 export function NumberField({ label, unit, value, min, max, step, onChange }: NumberProps) {
+    // What was typed, as long as the value is not changed in another way.
+    const [typed, setTyped] = useState<{ text: string; instead: number } | null>(null);
+    const wrong = typed?.instead === value;
+    const id = useId();
     return (
-        <label class="field">
-            <span>
+        <div class="field">
+            <label for={id}>
                 {label}
                 {unit && <span class="unit"> [{unit}]</span>}
-            </span>
+            </label>
             <input
+                id={id}
                 type="number"
-                value={value}
+                value={wrong ? typed!.text : value}
                 min={min}
                 max={max}
                 step={step}
+                aria-invalid={wrong}
+                aria-describedby={wrong ? `${id}-why` : undefined}
                 onChange={(event) => {
-                    const input = event.currentTarget;
-                    if (input.value !== "" && input.checkValidity()) onChange(input.valueAsNumber);
-                    else {
-                        input.reportValidity();
-                        input.value = String(value);
-                    }
+                    const number = event.currentTarget.valueAsNumber;
+                    // Between two steps of the arrows is fine, but people are whole.
+                    const fits = number >= min && number <= max && (step !== 1 || Number.isInteger(number));
+                    setTyped(fits ? null : { text: event.currentTarget.value, instead: value });
+                    if (fits) onChange(number);
                 }}
             />
-        </label>
+            {wrong && (
+                <p id={`${id}-why`} class="note" role="alert">
+                    {label}: {step === 1 ? "a whole number, " : ""}
+                    {min} to {max}
+                    {unit && ` ${unit}`}
+                </p>
+            )}
+        </div>
     );
 }
 

@@ -28,7 +28,7 @@ export function PersonTab({ client }: { client: Client }) {
     const factor = (measure: Measure) => (measure.unit === "m" && unit === "cm" ? 100 : 1);
     const is = person.value;
     return (
-        <div class="columns">
+        <div class="columns three">
             <form class="panel" aria-label="Measures" onSubmit={(event) => event.preventDefault()}>
                 <Choice
                     label="Sex"

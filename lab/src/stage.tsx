@@ -25,6 +25,7 @@ export function Stage({ film }: { film: Film }) {
         painter.current!.paint(on, film.frame(film.shown.value), view.current, scale, selected.value);
     };
     useEffect(() => {
+        selected.value = null;
         const on = canvas.current!;
         const observer = new ResizeObserver(() => {
             [on.width, on.height] = [on.clientWidth * devicePixelRatio, on.clientHeight * devicePixelRatio];
@@ -48,6 +49,7 @@ export function Stage({ film }: { film: Film }) {
 
     const { scene } = film;
     const time = film.shown.value * scene.step;
+    const decimals = Math.max(2, Math.min(6, Math.ceil(-Math.log10(scene.step))));
     const scale = SCALES[plan.value.colour];
     return (
         <section class="stage" aria-label="Run">
@@ -89,9 +91,9 @@ export function Stage({ film }: { film: Film }) {
                 </button>
                 <label class="scrub">
                     <span>
-                        Time <output>{time.toFixed(2)} s</output>
+                        Time <span class="time">{time.toFixed(decimals)} s</span>
                     </span>
-                    <input type="range" min={0} max={film.computed.value - 1} value={film.shown.value} onInput={(event) => film.show(event.currentTarget.valueAsNumber)} />
+                    <input type="range" aria-valuetext={`${time.toFixed(decimals)} s`} min={0} max={film.computed.value - 1} value={film.shown.value} onInput={(event) => film.show(event.currentTarget.valueAsNumber)} />
                 </label>
                 <Choice label="Pace" value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
                 <Choice
@@ -119,7 +121,7 @@ function Numbers({ film }: { film: Film }) {
         ["Communication step", `${scene.step} s`],
         ["Mechanical step", `${scene.mechanical_step} s${scene.stable ? ` (stable up to ${digits(scene.stable, 2)} s)` : ""}`],
         ["Shown", film.playing.value ? `${film.pace.value.toFixed(2)} simulated seconds per second` : "paused"],
-        ["Cost", film.cost.value ? `${digits(perStep, 2)} ns per person and mechanical step` : "–"],
+        ["Time to compute", advanced ? `${digits(perStep, 2)} ns per person and mechanical step` : "–"],
         ["Deepest overlap so far", advanced ? `${digits(1000 * advanced.overlap, 2)} mm` : "–"],
     ];
     if (who !== null) {

@@ -86,7 +86,7 @@ def download(page: Page, name: str, to: Path) -> Path:
 
 
 def seconds(page: Page) -> float:
-    return float(page.locator("output").inner_text().split()[0])
+    return float(page.locator(".time").inner_text().split()[0])
 
 
 def wait(page: Page, holds: Callable[[], bool], limit: float = 120) -> None:
@@ -234,6 +234,19 @@ def test_each_part_is_accessible(page: Page, scheme: str) -> None:
         page.evaluate(AXE.read_text())
         found = page.evaluate("axe.run({ runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'] })")
         assert not [(problem["id"], [node["html"] for node in problem["nodes"]]) for problem in found["violations"]]
+
+
+def test_a_number_out_of_range_stays_and_is_not_taken(page: Page) -> None:
+    tab(page, "Crowd")
+    field = page.get_by_role("spinbutton", name="People")
+    field.fill("7000")
+    field.press("Enter")
+    expect(page.get_by_role("alert")).to_have_text("People: a whole number, 1 to 5000")
+    expect(field).to_have_value("7000")
+    expect(page.get_by_text("people placed in")).to_have_count(0)
+    field.fill("12")
+    field.press("Enter")
+    expect(page.get_by_text("12 people placed in")).to_be_visible()
 
 
 def test_a_person_is_drawn_as_asked_for(page: Page) -> None:

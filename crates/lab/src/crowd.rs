@@ -99,9 +99,10 @@ pub fn crowd(wanted: &Wanted, watch: &mut Watch) -> Result<Made, Refused> {
         desired_velocity: heading(wanted.direction.unwrap_or(0.0)) * wanted.speed,
         ..TrialSettings::default()
     };
+    let name = format!("crowd_{}_seed_{}", wanted.number, wanted.seed);
     let geometry = walls(region.rings(), "concrete");
     let trial =
-        crowd_trial("crowd", &people, &shapes, &packing.poses, geometry, &settings).map_err(Refused::of)?;
+        crowd_trial(&name, &people, &shapes, &packing.poses, geometry, &settings).map_err(Refused::of)?;
     let agents: Vec<Agent> = people.into_iter().map(Agent::Pedestrian).collect();
     let value = json!({
         "density": packing.density, "iterations": packing.iterations,

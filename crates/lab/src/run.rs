@@ -9,6 +9,12 @@ use serde_json::json;
 /// Most communication steps of a request: a page wants to be heard between them.
 pub const MOST_STEPS: u32 = 1000;
 
+/// \[byte\] Largest answer to a request for steps.
+pub const MOST_BYTES: usize = 100_000_000;
+
+/// Most mechanical steps of a person in a communication step, for all people together: about a quarter of a minute.
+pub const MOST_WORK: f64 = 5e8;
+
 /// Numbers of an agent in a frame: x \[m\], y \[m\], orientation \[rad\], speed \[m/s\], mean squeeze of the last
 /// communication step \[N\], number of contacts.
 pub const COLUMNS: usize = 6;
@@ -55,6 +61,18 @@ impl Run {
     pub fn advance(&mut self, steps: u32) -> Result<Reply, Refused> {
         if steps > MOST_STEPS {
             return Err(Refused(format!("{steps} steps at once: at most {MOST_STEPS}")));
+        }
+        let people = self.driven.trial.agents.len();
+        if 8 * COLUMNS * people * steps as usize > MOST_BYTES {
+            return Err(Refused(format!("{steps} steps of {people} people at once have more than 100 MB")));
+        }
+        let parameters = &self.driven.trial.parameters;
+        let mechanical = parameters.time_step / parameters.time_step_mechanical;
+        if mechanical * people as f64 > MOST_WORK {
+            return Err(Refused(format!(
+                "a TimeStep of {} s has {mechanical:.3e} mechanical steps: too many for a page with {people} people",
+                parameters.time_step
+            )));
         }
         let mut bytes = Vec::new();
         for _ in 0..steps {

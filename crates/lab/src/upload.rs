@@ -4,7 +4,7 @@ use crate::Refused;
 use crowd_mechanics::setup;
 use lemons_files::input::Bounded;
 use lemons_files::source::{Memory, Source};
-use lemons_trial::{DRIVE_FILE, DriveTable, FileNames, Trial};
+use lemons_trial::{DRIVE_FILE, DriveTable, FileNames, Missed, Trial};
 use std::io::{Cursor, Read as _};
 use std::path::{Component, Path, PathBuf};
 use zip::ZipArchive;
@@ -14,7 +14,9 @@ pub const LARGEST_ZIP: usize = 50_000_000;
 /// \[byte\] Largest content of an upload, unpacked.
 pub const LARGEST_CONTENT: u64 = 500_000_000;
 /// Most files in an upload.
-pub const MOST_FILES: usize = 10_000;
+pub const MOST_FILES: usize = 1000;
+/// Most people in an upload.
+pub const MOST_PEOPLE: usize = 20_000;
 
 /// The Trials that come with the lab: name, and its files with their texts.
 pub const EXAMPLES: [(&str, &[(&str, &str)]); 2] = [
@@ -104,7 +106,7 @@ pub fn open_within(name: &str, bytes: &[u8], largest: u64) -> Result<Read, Refus
         return Err(of_zip(format!("it has more than {MOST_FILES} files")));
     }
     let mut files = Memory::default();
-    let mut left = largest;
+    let (mut left, mut unread) = (largest, Vec::new());
     for k in 0..archive.len() {
         let file = archive.by_index(k).map_err(|error| of_zip(error.to_string()))?;
         if !file.is_file() {
@@ -112,8 +114,9 @@ pub fn open_within(name: &str, bytes: &[u8], largest: u64) -> Result<Read, Refus
         }
         let path = file.enclosed_name();
         let path = path.ok_or_else(|| of_zip(format!("the name {:?} leads out of it", file.name())))?;
-        let is_read = |end: &std::ffi::OsStr| end == "xml" || end == "csv";
-        if !path.extension().is_some_and(is_read) {
+        let is_xml = path.extension().is_some_and(|extension| extension == "xml");
+        if !is_xml && path.file_name().is_none_or(|name| name != DRIVE_FILE) {
+            unread.push(path);
             continue;
         }
         let mut content = Vec::new();
@@ -132,6 +135,11 @@ pub fn open_within(name: &str, bytes: &[u8], largest: u64) -> Result<Read, Refus
         [] => Err(of_zip("it has no Parameters.xml, so there is no Trial in it".into())),
         [place] => {
             let mut read = read(&files, place)?;
+            let others = unread.iter().filter(|path| path.starts_with(place));
+            let others: Vec<String> = others.map(|path| path.display().to_string()).collect();
+            if !others.is_empty() {
+                read.notes.push(format!("not used here, and not taken along: {}", others.join(", ")));
+            }
             if !place.components().any(|part| matches!(part, Component::Normal(_))) {
                 // Without a directory of its own, it is called as its zip.
                 let stem = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
@@ -148,6 +156,10 @@ pub fn open_within(name: &str, bytes: &[u8], largest: u64) -> Result<Read, Refus
 
 fn read(files: &Memory, place: &Path) -> Result<Read, Refused> {
     let (trial, warnings) = setup::read_from(files, place, &FileNames::default()).map_err(Refused::of)?;
+    if trial.agents.len() > MOST_PEOPLE {
+        let people = trial.agents.len();
+        return Err(Refused(format!("{people} people are too many for a page: at most {MOST_PEOPLE}")));
+    }
     let path = place.join(DRIVE_FILE);
     let (mut text, mut drive) = (String::new(), DriveTable::default());
     if !files.lacks(&path) {
@@ -157,6 +169,13 @@ fn read(files: &Memory, place: &Path) -> Result<Read, Refused> {
         drive = checked.map_err(|error| Refused::of(error.of_file(&path)))?;
         text = String::from_utf8(bytes).map_err(Refused::of)?;
     }
-    let driven = Driven { trial, text, drive };
-    Ok(Read { driven, notes: warnings.iter().map(ToString::to_string).collect() })
+    let mut notes: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    if let Some(missed) = drive.missed(0.0, trial.parameters.time_step) {
+        let Missed { rows, of, shortest, .. } = missed;
+        notes.push(format!(
+            "{DRIVE_FILE}: {rows} of {of} rows lie between communication points and have no effect; a TimeStep of \
+             {shortest} s would use all"
+        ));
+    }
+    Ok(Read { driven: Driven { trial, text, drive }, notes })
 }

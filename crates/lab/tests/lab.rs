@@ -45,6 +45,14 @@ fn zipped(files: &[(&str, &[u8])]) -> Vec<u8> {
     archive.finish().unwrap().into_inner()
 }
 
+/// The same zip with one more file.
+fn zipped_with(zip: &[u8], name: &str, content: &[u8]) -> Vec<u8> {
+    let mut archive = ZipWriter::new_append(Cursor::new(zip.to_vec())).unwrap();
+    archive.start_file(name, SimpleFileOptions::default()).unwrap();
+    archive.write_all(content).unwrap();
+    archive.finish().unwrap().into_inner()
+}
+
 /// The files of the example "push" under a directory, one of them changed.
 fn push_with(directory: &str, changed: &str, change: impl Fn(&str) -> String) -> Vec<u8> {
     let files = upload::EXAMPLES[0].1.iter().map(|(name, text)| {
@@ -176,6 +184,10 @@ fn a_trial_that_is_taken_is_opened_again_with_its_drive() {
     known["run"] = 2.into();
     assert_eq!((&value["ok"]["scene"], &bytes), (&known, &first));
     assert_eq!(ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 9})).1, moved);
+    // What is not used is told.
+    let more = zipped_with(&zip, "push/decision.toml", b"[]");
+    let (value, _) = ask(&mut lab, &json!({"ask": "open", "name": "push.zip"}), &more);
+    assert_eq!(value["ok"]["notes"], json!(["not used here, and not taken along: push/decision.toml"]));
     // Without a directory of its own: called as its zip.
     let flat = push_with("", "", str::to_owned);
     let (value, _) = ask(&mut lab, &json!({"ask": "open", "name": "mine.zip"}), &flat);
@@ -209,6 +221,13 @@ fn uploads_are_bounded_and_errors_name_file_element_attribute_and_value() {
     for word in ["P/static/Agents.xml", "<Shape>", "Radius", "-0."] {
         assert!(said.contains(word), "{word}: {said}");
     }
+    // A step of hours.
+    let long =
+        push_with("P/", "Parameters.xml", |text| text.replace("TimeStep=\"0.05\"", "TimeStep=\"5000\""));
+    assert!(ask(&mut lab, &json!({"ask": "open", "name": "u.zip"}), &long).0.get("ok").is_some());
+    let said = refused(&mut lab, json!({"ask": "advance", "run": 1, "steps": 1}), &[]);
+    assert!(said.contains("TimeStep of 5000 s"), "{said}");
+    let mut open = |bytes: &[u8]| refused(&mut lab, json!({"ask": "open", "name": "u.zip"}), bytes);
     let drive = push_with("P/", "drive.csv", |text| text.replace("0.02,0,", "0.02,Bob,"));
     let said = open(&drive);
     assert!(said.contains("P/drive.csv") && said.contains("no agent \"Bob\""), "{said}");
