@@ -53,6 +53,7 @@ lab() {
     local missing=()
     command -v npm >/dev/null || missing+=("Node.js with npm")
     command -v chromium >/dev/null || missing+=(chromium)
+    python3 -c "import tomllib" 2>/dev/null || missing+=("python3 >= 3.11")
     (source packaging/lib.sh && choose_compiler wasm32-unknown-unknown) >/dev/null 2>&1 ||
         missing+=("a compiler for wasm32 (packaging/lib.sh)")
     if ((${#missing[@]})); then

@@ -22,6 +22,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SHIPPED = ["crowd-mechanics", "lemons-decision-fmu", "lemons-cli"]
+#: The lab, in the browser.
+IN_PAGES = ["lemons-lab"]
 #: Licences that ask for no more than their text. deny.toml has the same list.
 ALLOWED = set(tomllib.loads((ROOT / "deny.toml").read_text())["licenses"]["allow"])
 #: What is linked beside packages.
@@ -45,7 +47,8 @@ def linked(target: str) -> dict[str, dict]:
     known = metadata(target)
     packages = {package["id"]: package for package in known["packages"]}
     nodes = {node["id"]: node for node in known["resolve"]["nodes"]}
-    waiting = [i for i, package in packages.items() if package["name"] in SHIPPED and package["source"] is None]
+    shipped = IN_PAGES if target.startswith("wasm32") else SHIPPED
+    waiting = [i for i, package in packages.items() if package["name"] in shipped and package["source"] is None]
     found: dict[str, dict] = {}
     while waiting:
         i = waiting.pop()

@@ -252,6 +252,9 @@ function Page() {
                     </div>
                 )}
             </main>
+            <footer>
+                Computed in your browser: nothing that you open leaves this machine. <a href="licences.txt">Licences</a>
+            </footer>
         </>
     );
 }

@@ -70,7 +70,12 @@ lemons export trajectories.csv Trial_next --to trial --trial Trial_box",
 lemons describe resources/Trial_push
 lemons describe resources/Trial_door --fmi 3 --plan plan.toml",
     ),
-    ("lab", "lemons lab"),
+    (
+        "lab",
+        "\
+lemons lab
+lemons lab --port 8000 --no-browser",
+    ),
     (
         "verify",
         "\
