@@ -60,6 +60,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Open the lab: make and run crowds in the browser
+    Lab(lab::Arguments),
     /// Make a crowd from anthropometric data: as a Trial, an FMU, tables, pictures or meshes
     Crowd(Box<people::crowd::Arguments>),
     /// Print the shape of one person, and write the body as a mesh or a picture
@@ -82,8 +84,6 @@ enum Command {
     Export(export::Arguments),
     /// List the variables of an FMU
     Info(info::Arguments),
-    /// Open the lab: make and run crowds in the browser
-    Lab(lab::Arguments),
     /// Report all errors of Trials, and what is probably not meant
     Check(check::Arguments),
     /// Print the modelDescription.xml of a Trial's FMU
@@ -149,6 +149,7 @@ fn command() -> Result<()> {
     };
     matches.subcommand().map_or(Ok(()), |(name, matches)| files::begin(name, matches))?;
     match arguments.command {
+        Command::Lab(arguments) => lab::lab(&arguments),
         Command::Crowd(arguments) => people::crowd::crowd(*arguments),
         Command::Person(arguments) => people::person::person(&arguments),
         Command::Pack(arguments) => pack::pack(&arguments),
@@ -163,7 +164,6 @@ fn command() -> Result<()> {
         Command::Check(arguments) => check::check(&arguments),
         Command::Describe(arguments) => describe::describe(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
-        Command::Lab(arguments) => lab::lab(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
     }
 }
