@@ -1,5 +1,6 @@
 // Asks the worker. What is stopped, and what breaks it, is told to those who wait.
 
+import { signal } from "@preact/signals";
 import type { Asked, Progress, Request, Told } from "./protocol";
 
 export interface Answer<T> {
@@ -9,22 +10,44 @@ export interface Answer<T> {
     seconds: number;
 }
 
+/** A request that takes long. */
+export interface Slow {
+    ask: Request["ask"];
+    progress: Progress | null;
+}
+
 export class Refused extends Error {}
 /** The worker was ended: nothing of its lab is left. */
 export class Stopped extends Error {}
 
 interface Waiting {
+    ask: Request["ask"];
+    since: number;
+    progress: Progress | null;
     done(answer: Answer<never>): void;
     failed(error: Error): void;
     watch?(progress: Progress): void;
 }
 
+/** It broke as often as this at the same kind of request: it would be started again and again. */
+const MOST_CRASHES = 5;
+/** After so many seconds a request can be stopped. */
+const PATIENCE = 0.5;
+
 export class Client {
-    #worker = this.#start();
+    /** None after too many crashes. */
+    #worker: Worker | null = this.#start();
     #waiting = new Map<number, Waiting>();
     #last = 0;
+    /** The last answer, if it took long. */
+    #long: Request["ask"] | null = null;
     /** How many workers there were before: what one knows, the next does not. */
     generation = 0;
+    #crashes = 0;
+    /** At which request it crashed: an answer to another one does not say that it works again. */
+    #crashedAt: Request["ask"] | undefined;
+    /** What the worker has been at for longer than half a second. */
+    readonly slow = signal<Slow | null>(null);
     /** Called after a worker ended by itself. */
     broken = (_why: string) => {};
 
@@ -41,33 +64,69 @@ export class Client {
 
     #hear(told: Told) {
         if ("broken" in told) {
+            this.#crashes += 1;
+            this.#crashedAt = this.#first()?.ask;
             this.stop(told.broken);
             return this.broken(told.broken);
         }
         const waiting = this.#waiting.get(told.id);
         if (!waiting) return;
-        if ("progress" in told) return waiting.watch?.(told.progress);
+        if ("progress" in told) {
+            waiting.progress = told.progress;
+            this.#look();
+            return waiting.watch?.(told.progress);
+        }
         this.#waiting.delete(told.id);
+        if (waiting.ask === this.#crashedAt) this.#crashes = 0;
+        // The next one begins only now.
+        const now = performance.now();
+        this.#long = now - waiting.since < 1000 * PATIENCE ? null : waiting.ask;
+        const next = this.#first();
+        if (next) next.since = now;
+        // After a long one, another of its kind may follow: the button to stop it should not flicker.
+        setTimeout(() => this.#look(), this.#long ? 100 : 0);
         if ("refused" in told) waiting.failed(new Refused(told.refused));
         else waiting.done(told as Answer<never> & { id: number });
     }
 
+    /** The worker answers in the order of the requests. */
+    #first(): Waiting | undefined {
+        return this.#waiting.values().next().value;
+    }
+
+    #look() {
+        const first = this.#first();
+        const long = first && (first.ask === this.#long || performance.now() - first.since >= 1000 * PATIENCE);
+        if (long) this.slow.value = { ask: first.ask, progress: first.progress };
+        else if (this.slow.value) this.slow.value = null;
+    }
+
     ask<T>(request: Request, bytes?: Uint8Array, watch?: (progress: Progress) => void): Promise<Answer<T>> {
         const id = ++this.#last;
+        const worker = this.#worker;
+        if (!worker) return Promise.reject(new Refused("nothing is computed any more, because the computation ended too often: load this page again"));
         return new Promise<Answer<T>>((done, failed) => {
-            this.#waiting.set(id, { done, failed, watch });
+            this.#waiting.set(id, { ask: request.ask, since: performance.now(), progress: null, done, failed, watch });
             const asked: Asked = { id, request, bytes };
-            this.#worker.postMessage(asked);
+            worker.postMessage(asked);
+            setTimeout(() => this.#waiting.has(id) && this.#look(), 1000 * PATIENCE + 10);
         });
+    }
+
+    /** Whether something can be asked. */
+    get works() {
+        return this.#worker !== null;
     }
 
     /** Ends the worker and whatever it does, and starts another one. */
     stop(why: string) {
-        this.#worker.terminate();
-        for (const { failed } of this.#waiting.values()) failed(new Stopped(why));
+        this.#worker?.terminate();
+        const waiting = [...this.#waiting.values()];
         this.#waiting.clear();
         this.generation += 1;
-        // One that cannot even begin would be started again and again.
-        if (this.generation < 100) this.#worker = this.#start();
+        this.slow.value = null;
+        this.#long = null;
+        this.#worker = this.#crashes < MOST_CRASHES ? this.#start() : null;
+        for (const { failed } of waiting) failed(new Stopped(why));
     }
 }

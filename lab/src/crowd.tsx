@@ -1,74 +1,158 @@
-// A crowd: who, how many, in which room.
+// A crowd: who and how many; then its statistics, and single people by hand.
 
-import { signal } from "@preact/signals";
-import { NumberField } from "./parts";
-import { change, plan } from "./plan";
-import type { CrowdWanted, Progress } from "./protocol";
+import { ready, shape } from "./drawn";
+import { Hand } from "./hand";
+import { Check, Choice, digits, NumberField } from "./parts";
+import { change, type KeptCrowd, type Made as Planned, plan } from "./plan";
+import { People } from "./people";
+import type { Made, Motion } from "./protocol";
+import { choose, client, made } from "./session";
 
-export const progress = signal<Progress | null>(null);
+function set(part: Partial<KeptCrowd>) {
+    change({ crowd: { ...plan.value.crowd, ...part } });
+}
 
-const STAGES = ["growing", "spreading", "shaking", "pressing", "thinning"];
+/** Whether what was drawn on the stage still lies where the room is. */
+function samePlace({ base }: Planned, { room }: KeptCrowd) {
+    return base.kind === "crowd" && JSON.stringify(shape(base.room.outline).bounds) === JSON.stringify(shape(room.outline).bounds);
+}
 
-export function CrowdTab({ make, stop }: { make(): void; stop(): void }) {
-    const { crowd, unit } = plan.value;
-    const set = (part: Partial<CrowdWanted>) => change({ crowd: { ...crowd, ...part } });
-    const by = unit === "cm" ? 100 : 1;
-    const side = (k: 0 | 1, value: number): [number, number] => (k ? [crowd.room[0], value] : [value, crowd.room[1]]);
+/** Another base forgets what was done by hand, because other people stand there. */
+function make() {
+    const { crowd, made } = plan.value;
+    const { kind } = made.motion;
+    const gone = (kind === "push" || kind === "walk") && !samePlace(made, crowd);
+    const motion: Motion = gone ? { kind: "own" } : made.motion;
+    const words = gone ? "The pushes and ways of the place before are gone; Undo brings them back." : "";
+    choose({ base: { kind: "crowd", ...crowd }, edits: [], motion }, false, crowd, words);
+}
+
+function busy() {
+    return client.slow.value?.ask === "show" || !ready();
+}
+
+export function MakeCrowd() {
     return (
-        <form
-            class="panel"
-            aria-label="Crowd"
-            noValidate
-            onSubmit={(event) => {
-                event.preventDefault();
-                if (!event.currentTarget.querySelector("[aria-invalid=true]")) make();
-            }}
-        >
-            <NumberField label="People" value={crowd.number} min={1} max={5000} step={1} onChange={(number) => set({ number })} />
-            {([0, 1] as const).map((k) => (
-                <NumberField
-                    key={k}
-                    label={k ? "Room, up" : "Room, across"}
-                    unit={unit}
-                    value={Number((crowd.room[k] * by).toFixed(3))}
-                    min={0.5 * by}
-                    max={200 * by}
-                    step={0.01 * by}
-                    onChange={(value) => set({ room: side(k, value / by) })}
+        <button type="button" class="main" disabled={busy()} onClick={(event) => fits(event.currentTarget) && make()}>
+            Make this crowd
+        </button>
+    );
+}
+
+/** What is out of range is not taken, so it is not made either. */
+function fits(button: HTMLElement) {
+    return !button.closest(".panel")?.querySelector("[aria-invalid=true]");
+}
+
+export function CrowdTab() {
+    const { crowd } = plan.value;
+    return (
+        <div class="panels">
+            <form
+                class="panel"
+                aria-label="Crowd"
+                noValidate
+                onSubmit={(event) => {
+                    event.preventDefault();
+                    if (fits(event.currentTarget)) make();
+                }}
+            >
+                <h2>Crowd</h2>
+                <Choice
+                    label="How many"
+                    value={crowd.number === null ? "density" : "number"}
+                    choices={[
+                        ["number", "A number of people"],
+                        ["density", "People per m²"],
+                    ]}
+                    onChange={(by) => set(by === "number" ? { number: 40, density: null } : { number: null, density: 3 })}
                 />
-            ))}
-            <p class="note">{(crowd.number / (crowd.room[0] * crowd.room[1])).toFixed(2)} people per m²</p>
-            <NumberField label="Men" unit="%" value={Math.round(100 * crowd.men)} min={0} max={100} step={1} onChange={(men) => set({ men: men / 100 })} />
-            <NumberField label="Seed" value={crowd.seed} min={0} max={2 ** 32} step={1} onChange={(seed) => set({ seed })} />
-            <label class="check">
-                <input
-                    type="checkbox"
-                    checked={crowd.direction !== null}
-                    onChange={(event) => set(event.currentTarget.checked ? { direction: 0, speed: 1 } : { direction: null, speed: 0 })}
-                />
-                All walk one way
-            </label>
-            {crowd.direction !== null && (
-                <>
-                    <NumberField label="Direction" unit="°" value={crowd.direction} min={-180} max={360} step={1} onChange={(direction) => set({ direction })} />
-                    <NumberField label="Speed at which each would walk" unit="m/s" value={crowd.speed} min={0} max={3} step={0.1} onChange={(speed) => set({ speed })} />
-                </>
-            )}
-            {progress.value ? (
-                <>
-                    <button type="button" onClick={stop}>
-                        Stop
+                {crowd.number !== null && <NumberField label="People" value={crowd.number} min={1} max={5000} step={1} onChange={(number) => set({ number })} />}
+                {crowd.density !== null && <NumberField label="Density" unit="1/m²" value={crowd.density} min={0.01} max={20} step={0.5} onChange={(density) => set({ density })} />}
+                <People people={crowd.people} onChange={(people) => set({ people })} />
+                <NumberField label="Men" unit="%" value={Number((100 * crowd.men).toFixed(2))} min={0} max={100} step={5} onChange={(men) => set({ men: men / 100 })} />
+                <div class="row">
+                    <NumberField label="Seed" value={crowd.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => set({ seed })} />
+                    <button type="button" class="words" onClick={() => set({ seed: Math.floor(Math.random() * 1e6) })}>
+                        Another seed
                     </button>
-                    <p>
-                        {STAGES[progress.value.stage]}, round {progress.value.iteration}: {progress.value.density.toFixed(2)} people per m², overlaps up to{" "}
-                        {(1000 * progress.value.overlap).toFixed(1)} mm
-                    </p>
-                </>
-            ) : (
-                <button type="submit" class="main">
+                </div>
+                <Check
+                    label="All face one way"
+                    value={crowd.direction !== null}
+                    onChange={(on) => set(on ? { direction: 0, speed: 1 } : { direction: null, speed: 0 })}
+                />
+                {crowd.direction !== null && (
+                    <>
+                        <NumberField label="Direction" unit="°" value={crowd.direction} min={-360} max={360} step={5} onChange={(direction) => set({ direction })} />
+                        <NumberField label="Speed at which each would walk" unit="m/s" value={crowd.speed} min={0} max={20} step={0.1} onChange={(speed) => set({ speed })} />
+                    </>
+                )}
+                {crowd.direction !== null && !["own", "none"].includes(plan.value.made.motion.kind) && <p class="note">Now pushes or ways move them: the tab Motion says which.</p>}
+                <Check label="People wear clothes" value={crowd.clothes} onChange={(clothes) => set({ clothes })} />
+                <button type="submit" class="main" disabled={busy()}>
                     Make this crowd
                 </button>
-            )}
-        </form>
+            </form>
+            <Hand />
+            {made.value && <Placed made={made.value} />}
+        </div>
+    );
+}
+
+function Placed({ made: { density, area, largest_overlap, statistics } }: { made: Made }) {
+    const kinds = [...new Set(statistics.map(({ kind }) => kind))];
+    return (
+        <section class="panel" aria-label="As it was placed">
+            <h2>As it was placed</h2>
+            <p>
+                {density.toFixed(2)} people per m², on {area.toFixed(2)} m². Deepest overlap: {digits(1000 * largest_overlap, 2)} mm.
+            </p>
+            <div class="wide" tabIndex={0} role="region" aria-label="Statistics">
+                <table class="statistics">
+                    <thead>
+                        <tr>
+                            {["Measure", "Mean", "SD", "Least", "Most"].map((words) => (
+                                <th key={words} scope="col">
+                                    {words}
+                                </th>
+                            ))}
+                        </tr>
+                    </thead>
+                    {kinds.map((kind) => (
+                        <Kind key={kind} kind={kind} rows={statistics.filter((row) => row.kind === kind)} />
+                    ))}
+                </table>
+            </div>
+        </section>
+    );
+}
+
+const KINDS: Record<string, string> = { male: "Men", female: "Women" };
+
+function Kind({ kind, rows }: { kind: string; rows: Made["statistics"] }) {
+    return (
+        <tbody>
+            <tr>
+                <th colSpan={5} scope="rowgroup" class="kind">
+                    {KINDS[kind] ?? kind} ({rows[0]?.count})
+                </th>
+            </tr>
+            {rows.map(({ measure, unit, ...row }) => {
+                const inCm = unit === "m" && plan.value.unit === "cm";
+                const places = unit === "m" && !inCm ? 3 : 1;
+                const cell = (value: number | null) => (value === null ? "–" : (value * (inCm ? 100 : 1)).toFixed(places));
+                return (
+                    <tr key={measure}>
+                        <th scope="row">
+                            {measure} <span class="unit">[{inCm ? "cm" : unit}]</span>
+                        </th>
+                        {[row.mean, row.sd, row.min, row.max].map((value, k) => (
+                            <td key={k}>{cell(value)}</td>
+                        ))}
+                    </tr>
+                );
+            })}
+        </tbody>
     );
 }

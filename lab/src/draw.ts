@@ -1,30 +1,9 @@
-// Draws a frame. Shapes are the disks that the engine uses; only turning, moving and scaling happens here.
+// Draws a frame. Shapes are the disks that the engine uses, or the sections that it gives; only turning, moving and
+// scaling happens here.
 
-import type { Colour } from "./plan";
-import { COLUMNS, type Disk, type Scene } from "./protocol";
-
-/** Colours of viridis (Smith, van der Walt), from low to high. */
-const VIRIDIS = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
-
-export interface Scale {
-    label: string;
-    unit: string;
-    column: number;
-    most: number;
-}
-
-export const SCALES: Record<Colour, Scale> = {
-    speed: { label: "Speed", unit: "m/s", column: 3, most: 2 },
-    squeeze: { label: "Squeeze, mean of a communication step", unit: "N", column: 4, most: 2000 },
-    contacts: { label: "Contacts", unit: "", column: 5, most: 8 },
-};
-
-export function colourOf(share: number) {
-    const k = Math.round(Math.max(0, Math.min(1, share)) * (VIRIDIS.length - 1));
-    return VIRIDIS[k]!;
-}
-
-export const COLOURS = VIRIDIS;
+import { colourOf } from "./colour";
+import { COLUMNS, type Disk, isThere, type Point, type Push, type Scene, type Waypoint } from "./protocol";
+import { inMetres, toMetres, toPixels, type View } from "./view";
 
 export function outline(disks: Disk[]): Path2D {
     const path = new Path2D();
@@ -35,26 +14,36 @@ export function outline(disks: Disk[]): Path2D {
     return path;
 }
 
-/** From metres to pixels. */
-export interface View {
-    scale: number;
-    x: number;
-    y: number;
+/** Of the style sheet. */
+export interface Inks {
+    ink: string;
+    paper: string;
+    mark: string;
+    pick: string;
+    way: string;
 }
 
-/** Everything is visible: walls, and people where they start. */
-export function fitting(scene: Scene, frame: Float64Array, width: number, height: number): View {
-    let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
-    const see = (x: number, y: number, margin: number) => {
-        left = Math.min(left, x - margin);
-        right = Math.max(right, x + margin);
-        low = Math.min(low, y - margin);
-        high = Math.max(high, y + margin);
-    };
-    for (const wall of scene.walls) for (const [x, y] of wall.corners) see(x, y, 0.15);
-    for (let k = 0; k < frame.length; k += COLUMNS) see(frame[k]!, frame[k + 1]!, 0.6);
-    const scale = Math.min(width / (right - left), height / (high - low));
-    return { scale, x: width / 2 - (scale * (left + right)) / 2, y: height / 2 + (scale * (low + high)) / 2 };
+export function inksOf(canvas: HTMLCanvasElement): Inks {
+    const style = getComputedStyle(canvas);
+    const named = (name: string) => style.getPropertyValue(`--${name}`);
+    return { ink: named("ink"), paper: named("paper"), mark: named("mark"), pick: named("pick"), way: named("way") };
+}
+
+export interface Picture {
+    frame: Float64Array;
+    /** For each person, 0 to 1. */
+    shares: Float64Array;
+    /** Instead of the disks. */
+    paths: Path2D[] | null;
+    selected: number | null;
+    overlapping: readonly number[];
+    /** People fade where something else is looked at. */
+    faint: boolean;
+}
+
+/** Unlike the colour inside, so that people who touch are told apart. */
+function rimOf(share: number) {
+    return share < 0.5 ? "#ffffff" : "#1b1b1b";
 }
 
 export class Painter {
@@ -70,27 +59,124 @@ export class Painter {
         });
     }
 
-    paint(canvas: HTMLCanvasElement, frame: Float64Array, view: View, scale: Scale, selected: number | null) {
-        const context = canvas.getContext("2d")!;
-        const style = getComputedStyle(canvas);
-        const [ink, mark] = [style.getPropertyValue("--ink"), style.getPropertyValue("--mark")];
+    #place(context: CanvasRenderingContext2D, frame: Float64Array, a: number, view: View) {
+        const [x, y, turn] = [frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!, frame[COLUMNS * a + 2]!];
+        const [cos, sin] = [view.scale * Math.cos(turn), view.scale * Math.sin(turn)];
+        // Up is up: pixels count downwards.
+        context.setTransform(cos, -sin, -sin, -cos, view.x + view.scale * x, view.y - view.scale * y);
+    }
+
+    /** Twice filled, in pixels, each disk for itself: without a graphics card browsers take much longer for strokes, for
+     * arcs that are turned, and for paths of several arcs. */
+    #disks(context: CanvasRenderingContext2D, { frame, shares }: Picture, view: View, rim: number) {
         context.setTransform(1, 0, 0, 1, 0, 0);
-        context.clearRect(0, 0, canvas.width, canvas.height);
-        this.#paths.forEach((path, a) => {
-            const [x, y, turn] = [frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!, frame[COLUMNS * a + 2]!];
+        this.scene.agents.forEach(({ disks }, a) => {
+            if (!isThere(frame, a)) return;
+            const [x, y] = [view.x + view.scale * frame[COLUMNS * a]!, view.y - view.scale * frame[COLUMNS * a + 1]!];
+            const turn = frame[COLUMNS * a + 2]!;
             const [cos, sin] = [view.scale * Math.cos(turn), view.scale * Math.sin(turn)];
-            // Up is up: pixels count downwards.
-            context.setTransform(cos, -sin, -sin, -cos, view.x + view.scale * x, view.y - view.scale * y);
-            context.fillStyle = colourOf(frame[COLUMNS * a + scale.column]! / scale.most);
-            // The outline of all disks is what is left of their rims around the filled shape.
-            context.strokeStyle = a === selected ? mark : ink;
-            context.lineWidth = (a === selected ? 6 : 2) / view.scale;
+            for (const wider of [rim, 0]) {
+                context.fillStyle = wider ? rimOf(shares[a]!) : colourOf(shares[a]!);
+                for (const [dx, dy, radius] of disks) {
+                    const [right, down] = [x + cos * dx - sin * dy, y - sin * dx - cos * dy];
+                    context.beginPath();
+                    context.arc(right, down, view.scale * radius + wider, 0, 2 * Math.PI);
+                    context.fill();
+                }
+            }
+        });
+    }
+
+    #sections(context: CanvasRenderingContext2D, paths: Path2D[], { frame, shares }: Picture, view: View, width: number) {
+        context.lineWidth = width / view.scale;
+        paths.forEach((path, a) => {
+            if (!isThere(frame, a)) return;
+            this.#place(context, frame, a, view);
+            context.strokeStyle = rimOf(shares[a]!);
+            context.fillStyle = colourOf(shares[a]!);
             context.stroke(path);
             context.fill(path);
         });
-        context.setTransform(view.scale, 0, 0, -view.scale, view.x, view.y);
-        context.strokeStyle = ink;
-        context.lineWidth = 2 / view.scale;
+    }
+
+    people(context: CanvasRenderingContext2D, picture: Picture, view: View, inks: Inks) {
+        const { frame, shares } = picture;
+        const selected = picture.selected !== null && isThere(frame, picture.selected) ? picture.selected : null;
+        const paths = picture.paths ?? this.#paths;
+        const rim = 0.5 * Math.max(1, Math.min(2, view.scale / 40)) * devicePixelRatio;
+        context.globalAlpha = picture.faint ? 0.35 : 1;
+        if (picture.paths) this.#sections(context, picture.paths, picture, view, 2 * rim);
+        else this.#disks(context, picture, view, rim);
+        this.#gazes(context, frame, view);
+        if (selected !== null && paths[selected]) {
+            this.#place(context, frame, selected, view);
+            context.lineWidth = (5 * devicePixelRatio) / view.scale;
+            context.strokeStyle = inks.pick;
+            context.stroke(paths[selected]);
+            context.fillStyle = colourOf(shares[selected]!);
+            context.fill(paths[selected]);
+        }
+        for (const a of picture.overlapping) if (paths[a] && isThere(frame, a)) this.#overlap(context, paths[a], frame, a, view, inks);
+        context.globalAlpha = 1;
+        if (selected !== null) this.#halo(context, frame, selected, view, inks);
+    }
+
+    /** Where they look, if there is room for it. */
+    #gazes(context: CanvasRenderingContext2D, frame: Float64Array, view: View) {
+        if (view.scale < 40 * devicePixelRatio) return;
+        inMetres(context, view);
+        context.beginPath();
+        for (let k = 0; k < frame.length; k += COLUMNS) {
+            const [x, y, turn] = [frame[k]!, frame[k + 1]!, frame[k + 2]!];
+            const [cos, sin] = [Math.cos(turn), Math.sin(turn)];
+            context.moveTo(x + 0.03 * cos + 0.06 * sin, y + 0.03 * sin - 0.06 * cos);
+            context.lineTo(x + 0.1 * cos, y + 0.1 * sin);
+            context.lineTo(x + 0.03 * cos - 0.06 * sin, y + 0.03 * sin + 0.06 * cos);
+        }
+        // Light on dark, or it would not be seen on half of the colours.
+        for (const [colour, width] of [["rgb(0 0 0 / 0.6)", 3], ["#ffffff", 1.5]] as const) {
+            context.strokeStyle = colour;
+            context.lineWidth = (width * devicePixelRatio) / view.scale;
+            context.stroke();
+        }
+    }
+
+    /** Hatched, with a thick rim. */
+    #overlap(context: CanvasRenderingContext2D, path: Path2D, frame: Float64Array, a: number, view: View, inks: Inks) {
+        context.save();
+        this.#place(context, frame, a, view);
+        context.clip(path);
+        context.strokeStyle = inks.mark;
+        const pixel = devicePixelRatio / view.scale;
+        context.lineWidth = Math.max(0.015, 1.5 * pixel);
+        context.beginPath();
+        for (let k = -1; k <= 1; k += Math.max(0.06, 5 * pixel)) {
+            context.moveTo(k, -0.5);
+            context.lineTo(k + 1, 0.5);
+        }
+        context.stroke();
+        context.lineWidth = Math.max(0.03, 3 * pixel);
+        context.stroke(path);
+        context.restore();
+    }
+
+    #halo(context: CanvasRenderingContext2D, frame: Float64Array, a: number, view: View, inks: Inks) {
+        const [x, y] = [frame[COLUMNS * a]!, frame[COLUMNS * a + 1]!];
+        inMetres(context, view);
+        context.beginPath();
+        context.arc(x, y, 0.4, 0, 2 * Math.PI);
+        context.setLineDash([0.08, 0.05]);
+        context.lineWidth = (2 * devicePixelRatio) / view.scale;
+        context.strokeStyle = inks.pick;
+        context.stroke();
+        context.setLineDash([]);
+    }
+
+    walls(context: CanvasRenderingContext2D, view: View, inks: Inks) {
+        inMetres(context, view);
+        context.strokeStyle = inks.ink;
+        context.lineWidth = (3 * devicePixelRatio) / view.scale;
+        context.lineCap = "round";
         context.beginPath();
         for (const { corners } of this.scene.walls) {
             corners.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
@@ -98,17 +184,133 @@ export class Painter {
         context.stroke();
     }
 
-    /** The agent at a pixel. */
-    at(canvas: HTMLCanvasElement, frame: Float64Array, view: View, x: number, y: number): number | null {
-        const context = canvas.getContext("2d")!;
-        const [right, up] = [(x - view.x) / view.scale, (view.y - y) / view.scale];
+    /** The agent at a place; the one that is drawn last counts. */
+    at(context: CanvasRenderingContext2D, frame: Float64Array, [right, up]: Point): number | null {
+        context.setTransform(1, 0, 0, 1, 0, 0);
         for (let a = this.#paths.length - 1; a >= 0; a--) {
-            const turn = frame[COLUMNS * a + 2]!;
-            const [dx, dy] = [right - frame[COLUMNS * a]!, up - frame[COLUMNS * a + 1]!];
+            const [dx, dy, turn] = [right - frame[COLUMNS * a]!, up - frame[COLUMNS * a + 1]!, frame[COLUMNS * a + 2]!];
+            // Who has left is nowhere: no number.
+            if (!(dx * dx + dy * dy <= 1)) continue;
             const [cos, sin] = [Math.cos(turn), Math.sin(turn)];
-            context.setTransform(1, 0, 0, 1, 0, 0);
             if (context.isPointInPath(this.#paths[a]!, cos * dx + sin * dy, cos * dy - sin * dx)) return a;
         }
         return null;
     }
+}
+
+/** Newtons for each metre of a push's arrow. */
+export const ARROW = 500;
+
+/** Where the arrow of a push ends. */
+export function tip({ at, direction, force }: Push): Point {
+    const [length, angle] = [force / ARROW, (direction * Math.PI) / 180];
+    return [at[0] + length * Math.cos(angle), at[1] + length * Math.sin(angle)];
+}
+
+/** The share of its greatest force with which a push acts at a time: half a sine. */
+export function pulse({ start, duration }: Push, time: number) {
+    return time > start && time < start + duration ? Math.sin((Math.PI * (time - start)) / duration) : 0;
+}
+
+export function paintPush(context: CanvasRenderingContext2D, push: Push, time: number, view: View, inks: Inks, picked = false) {
+    inMetres(context, view);
+    const pixel = devicePixelRatio / view.scale;
+    const acting = pulse(push, time);
+    context.strokeStyle = inks.mark;
+    context.fillStyle = inks.mark;
+    context.beginPath();
+    context.arc(...push.at, push.radius, 0, 2 * Math.PI);
+    context.globalAlpha = 0.08 + 0.4 * acting;
+    context.fill();
+    context.globalAlpha = 1;
+    context.lineWidth = (picked ? 3 : 1.5 + 2 * acting) * pixel;
+    context.setLineDash([6 * pixel, 4 * pixel]);
+    context.stroke();
+    context.setLineDash([]);
+    paintArrow(context, push.at, tip(push), (3 + 3 * acting) * pixel, inks.paper);
+}
+
+/** In metres; with a thin rim of another colour, to be seen on people. */
+function paintArrow(context: CanvasRenderingContext2D, from: Point, to: Point, width: number, rim: string) {
+    const angle = Math.atan2(to[1] - from[1], to[0] - from[0]);
+    const head = Math.min(5 * width, Math.hypot(to[0] - from[0], to[1] - from[1]));
+    const back = (turn: number): Point => [to[0] - head * Math.cos(angle + turn), to[1] - head * Math.sin(angle + turn)];
+    const own = context.strokeStyle;
+    for (const [colour, by] of [[rim, 2], [own, 1]] as const) {
+        context.strokeStyle = colour;
+        context.lineWidth = by * width;
+        context.lineCap = "round";
+        context.beginPath();
+        context.moveTo(...from);
+        context.lineTo(...to);
+        context.moveTo(...back(0.5));
+        context.lineTo(...to);
+        context.lineTo(...back(-0.5));
+        context.stroke();
+    }
+}
+
+export function paintWays(context: CanvasRenderingContext2D, ways: Waypoint[][], view: View, inks: Inks, picked: number | null = null, numbered = true) {
+    const pixel = devicePixelRatio / view.scale;
+    ways.forEach((way, w) => {
+        inMetres(context, view);
+        context.strokeStyle = inks.way;
+        context.fillStyle = inks.way;
+        context.lineWidth = (w === picked ? 3.5 : 2) * pixel;
+        context.beginPath();
+        way.forEach(({ x, y }, k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
+        context.stroke();
+        for (const { x, y, radius } of way) {
+            context.beginPath();
+            context.arc(x, y, radius, 0, 2 * Math.PI);
+            context.globalAlpha = 0.12;
+            context.fill();
+            context.globalAlpha = 1;
+            context.setLineDash([5 * pixel, 4 * pixel]);
+            context.stroke();
+            context.setLineDash([]);
+        }
+        if (numbered) way.forEach(({ x, y }, k) => label(context, `${w + 1}.${k + 1}`, [x, y], view, inks));
+    });
+}
+
+/** A short text on a ground of its own. */
+export function label(context: CanvasRenderingContext2D, text: string, at: Point, view: View, inks: Inks) {
+    const [x, y] = toPixels(view, at);
+    const size = 12 * devicePixelRatio;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.font = `${size}px system-ui, sans-serif`;
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    const width = context.measureText(text).width + 0.6 * size;
+    context.fillStyle = inks.paper;
+    context.globalAlpha = 0.85;
+    context.fillRect(x - width / 2, y - 0.7 * size, width, 1.4 * size);
+    context.globalAlpha = 1;
+    context.fillStyle = inks.ink;
+    context.fillText(text, x, y);
+}
+
+/** A bar of a round length, at the lower left. */
+export function paintBar(context: CanvasRenderingContext2D, view: View, unit: "m" | "cm", inks: Inks) {
+    const height = context.canvas.height;
+    const pixel = devicePixelRatio;
+    const most = (Math.min(140, context.canvas.width / pixel / 3) * pixel) / view.scale;
+    const size = 10 ** Math.floor(Math.log10(most));
+    const length = [5, 2, 1].find((by) => by * size <= most)! * size;
+    const [left, low, right] = [12 * pixel, height - 12 * pixel, 12 * pixel + length * view.scale];
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    const words = unit === "cm" && length < 10 ? `${Number((100 * length).toPrecision(2))} cm` : `${Number(length.toPrecision(2))} m`;
+    for (const [colour, width] of [[inks.paper, 5], [inks.ink, 2]] as const) {
+        context.strokeStyle = colour;
+        context.lineWidth = width * pixel;
+        context.lineCap = "butt";
+        context.beginPath();
+        context.moveTo(left, low - 5 * pixel);
+        context.lineTo(left, low);
+        context.lineTo(right, low);
+        context.lineTo(right, low - 5 * pixel);
+        context.stroke();
+    }
+    label(context, words, toMetres(view, (left + right) / 2, low - 12 * pixel), view, inks);
 }

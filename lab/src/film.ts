@@ -2,7 +2,8 @@
 
 import { batch, signal } from "@preact/signals";
 import { type Client, Stopped } from "./client";
-import { type Advanced, COLUMNS, type Scene } from "./protocol";
+import { Frames } from "./frames";
+import type { Advanced, Scene } from "./protocol";
 
 /** Bytes of frames that are kept; then the run ends. */
 const MOST_BYTES = 400e6;
@@ -13,6 +14,8 @@ export class Film {
     readonly playing = signal(false);
     /** The frame that is shown, from 0. */
     readonly shown = signal(0);
+    /** As `shown`, with the fraction of a frame: `frameAt` moves smoothly with it. */
+    readonly place = signal(0);
     readonly computed = signal(1);
     readonly advanced = signal<Advanced | null>(null);
     /** Processor time for a communication step. */
@@ -20,9 +23,8 @@ export class Film {
     readonly failed = signal<string | null>(null);
     /** Simulated seconds in a second that were really shown. */
     readonly pace = signal(0);
-    #frames: Float64Array[];
+    readonly frames: Frames;
     #asking = false;
-    #place = 0;
     #old = false;
     #generation: number;
 
@@ -31,7 +33,8 @@ export class Film {
         readonly scene: Scene,
         first: ArrayBuffer,
     ) {
-        this.#frames = [new Float64Array(first)];
+        this.frames = new Frames(scene.agents.length);
+        this.frames.add(new Float64Array(first), 1);
         this.#generation = client.generation;
     }
 
@@ -40,17 +43,28 @@ export class Film {
         return this.#old || this.#generation !== this.client.generation;
     }
 
+    /** Its numbers, not to be changed. */
     frame(k: number): Float64Array {
-        return this.#frames[Math.min(k, this.#frames.length - 1)]!;
+        return this.frames.frame(k);
+    }
+
+    /** Between two frames; valid until the next call. */
+    frameAt(place: number): Float64Array {
+        return this.frames.at(place);
+    }
+
+    /** For each agent the mean squeeze over the last seconds up to frame `k`; valid until the next call. */
+    squeezeMean(k: number, seconds: number): Float64Array {
+        return this.frames.squeezeMean(k, Math.max(1, Math.round(seconds / this.scene.step)));
     }
 
     get most() {
-        return Math.floor(MOST_BYTES / (8 * COLUMNS * this.scene.agents.length));
+        return Math.floor(MOST_BYTES / this.frames.bytes);
     }
 
     /** Computes until there are at least this many frames. */
     async until(count: number) {
-        while (this.#frames.length < Math.min(count, this.most) && !this.over && !this.failed.value) await this.#ask(count);
+        while (this.frames.count < Math.min(count, this.most) && !this.over && !this.failed.value) await this.#ask(count);
     }
 
     async #ask(wanted: number) {
@@ -58,17 +72,15 @@ export class Film {
         if (this.#asking) return new Promise((done) => setTimeout(done, 5));
         this.#asking = true;
         const most = Math.max(1, Math.floor(ANSWER / Math.max(this.cost.value, 1e-4)));
-        const steps = Math.min(most, wanted - this.#frames.length, 1000);
+        const steps = Math.max(1, Math.min(most, wanted - this.frames.count, 1000));
         try {
             const { value, bytes, seconds } = await this.client.ask<Advanced>({ ask: "advance", run: this.scene.run, steps });
             if (this.over) return;
-            const length = COLUMNS * this.scene.agents.length;
-            const numbers = new Float64Array(bytes);
-            for (let k = 0; k < steps; k++) this.#frames.push(numbers.slice(k * length, (k + 1) * length));
+            this.frames.add(new Float64Array(bytes), steps);
             batch(() => {
                 this.advanced.value = value;
                 this.cost.value = seconds / steps;
-                this.computed.value = this.#frames.length;
+                this.computed.value = this.frames.count;
             });
         } catch (error) {
             if (!this.over && !(error instanceof Stopped)) this.failed.value = `the run ended: ${(error as Error).message}`;
@@ -80,15 +92,16 @@ export class Film {
 
     /** Goes on by real seconds. Called for each picture while it plays. */
     tick(seconds: number, pace: number) {
-        const from = this.#place;
+        const from = this.place.value;
         const wanted = from + (seconds * pace) / this.scene.step;
-        const there = this.#frames.length - 1;
-        this.#place = Math.min(wanted, there);
+        const there = this.frames.count - 1;
         const smooth = 0.9;
-        const real = seconds > 0 ? ((this.#place - from) * this.scene.step) / seconds : 0;
-        this.pace.value = smooth * this.pace.value + (1 - smooth) * real;
-        this.shown.value = Math.floor(this.#place);
-        if (this.#frames.length >= this.most) {
+        const real = seconds > 0 ? ((Math.min(wanted, there) - from) * this.scene.step) / seconds : 0;
+        batch(() => {
+            this.#go(wanted);
+            this.pace.value = smooth * this.pace.value + (1 - smooth) * real;
+        });
+        if (this.frames.count >= this.most) {
             if (this.shown.value >= there) {
                 this.playing.value = false;
                 this.failed.value = `the run ends here, at ${(there * this.scene.step).toFixed(2)} s: its frames fill ${MOST_BYTES / 1e6} MB`;
@@ -99,10 +112,18 @@ export class Film {
         if (!this.#asking && there < wanted + ahead) void this.#ask(Math.ceil(wanted) + ahead + 1);
     }
 
-    show(k: number) {
+    #go(place: number) {
+        const within = Math.max(0, Math.min(place, this.frames.count - 1));
+        batch(() => {
+            this.place.value = within;
+            this.shown.value = Math.floor(within);
+        });
+    }
+
+    /** Shows a place among the frames that are there; nothing plays then. */
+    show(place: number) {
         this.playing.value = false;
-        this.#place = Math.max(0, Math.min(k, this.#frames.length - 1));
-        this.shown.value = this.#place;
+        this.#go(place);
     }
 
     async next() {
@@ -117,20 +138,4 @@ export class Film {
         this.#old = true;
         this.playing.value = false;
     }
-
-    /** Poses of all frames as a table. Numbers are read back as the same doubles. */
-    table(): Blob {
-        const lines = ["t,id,x,y,theta,speed,mean_normal_force,contacts\n"];
-        this.#frames.forEach((frame, k) => {
-            this.scene.agents.forEach((agent, a) => {
-                const numbers = frame.subarray(COLUMNS * a, COLUMNS * (a + 1)).join(",");
-                lines.push(`${k * this.scene.step},${quoted(agent.id)},${numbers}\n`);
-            });
-        });
-        return new Blob(lines, { type: "text/csv" });
-    }
-}
-
-function quoted(text: string) {
-    return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }

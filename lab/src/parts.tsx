@@ -2,9 +2,12 @@
 
 import type { ComponentChildren } from "preact";
 import { useId, useState } from "preact/hooks";
+import { plan } from "./plan";
 
 interface NumberProps {
     label: string;
+    /** What is seen, if the whole label is too long for it; a part of the label. */
+    short?: string;
     unit?: string;
     value: number;
     min: number;
@@ -14,27 +17,33 @@ interface NumberProps {
 }
 
 /** A number with its unit. What is out of range is not taken; it stays there, with the reason. */
-export function NumberField({ label, unit, value, min, max, step, onChange }: NumberProps) {
+export function NumberField({ label, short, unit, value, min, max, step, onChange }: NumberProps) {
     // What was typed, as long as the value is not changed in another way.
     const [typed, setTyped] = useState<{ text: string; instead: number } | null>(null);
+    // What is being typed: the page may be drawn anew meanwhile.
+    const [draft, setDraft] = useState<string | null>(null);
     const wrong = typed?.instead === value;
     const id = useId();
     return (
         <div class="field">
             <label for={id}>
-                {label}
+                {short && label.slice(0, -short.length) && <span class="hidden">{label.slice(0, -short.length)}</span>}
+                {short ?? label}
                 {unit && <span class="unit"> [{unit}]</span>}
             </label>
             <input
                 id={id}
                 type="number"
-                value={wrong ? typed!.text : value}
+                value={draft ?? (wrong ? typed!.text : value)}
                 min={min}
                 max={max}
                 step={step}
                 aria-invalid={wrong}
                 aria-describedby={wrong ? `${id}-why` : undefined}
+                onInput={(event) => setDraft(event.currentTarget.value)}
+                onBlur={() => setDraft(null)}
                 onChange={(event) => {
+                    setDraft(null);
                     const number = event.currentTarget.valueAsNumber;
                     // Between two steps of the arrows is fine, but people are whole.
                     const fits = number >= min && number <= max && (step !== 1 || Number.isInteger(number));
@@ -50,6 +59,41 @@ export function NumberField({ label, unit, value, min, max, step, onChange }: Nu
                 </p>
             )}
         </div>
+    );
+}
+
+type LengthProps = Omit<NumberProps, "unit" | "step">;
+
+/** A length in m, shown in the unit that the user has chosen. */
+export function LengthField({ value, min, max, onChange, ...words }: LengthProps) {
+    const { unit } = plan.value;
+    const by = unit === "cm" ? 100 : 1;
+    const clean = (length: number) => Number((length * by).toFixed(unit === "cm" ? 2 : 4));
+    return (
+        <NumberField
+            {...words}
+            unit={unit}
+            value={clean(value)}
+            min={clean(min)}
+            max={clean(max)}
+            // Whole centimetres need not be whole.
+            step={unit === "cm" ? 5 : 0.05}
+            onChange={(length) => onChange(length / by)}
+        />
+    );
+}
+
+/** A length in m as it is read. */
+export function length(value: number, unit: "m" | "cm") {
+    return unit === "cm" ? `${Number((100 * value).toFixed(1))} cm` : `${Number(value.toFixed(3))} m`;
+}
+
+export function Check({ label, value, onChange }: { label: string; value: boolean; onChange(value: boolean): void }) {
+    return (
+        <label class="check">
+            <input type="checkbox" checked={value} onChange={(event) => onChange(event.currentTarget.checked)} />
+            {label}
+        </label>
     );
 }
 

@@ -1,127 +1,281 @@
-// One person: measures, the five disks, and where the person stands in the survey.
+// One person: measures, the five disks, the body, and where the person stands in the survey. Or a bicycle.
 
-import { signal, useSignalEffect } from "@preact/signals";
+import { computed, signal, useSignalEffect } from "@preact/signals";
+import type { ComponentType } from "preact";
+import { useEffect } from "preact/hooks";
+import "./person.css";
 import type { Client } from "./client";
-import { Choice, digits, Facts, NumberField } from "./parts";
+import { capital, Distribution } from "./distribution";
+import { Latest } from "./latest";
+import { Drawing, extents, Gaze, pathOf } from "./outline";
+import { Choice, digits, Facts, length, NumberField } from "./parts";
 import { change, plan } from "./plan";
-import type { Measure, Person, PersonWanted } from "./protocol";
+import type { Bicycle, Measure, Person, PersonWanted, Surface } from "./protocol";
+import type { TurningProps } from "./turning";
 
 const person = signal<Person | null>(null);
+const body = signal<TurningProps["body"]>(null);
+const bicycle = signal<Bicycle | null>(null);
 const refused = signal("");
+const riding = signal(false);
+
+/** The altitude while its slider moves: one step of Undo for the whole way. */
+const sliding = signal<number | null>(null);
+
+const altitude = computed(() => sliding.value ?? plan.value.person.altitude);
+/** It changes only if what is asked for does. */
+const wanted = computed(() => JSON.stringify({ ...plan.value.person, altitude: altitude.value }));
+const surfaceOf = computed(() => JSON.stringify({ ...plan.value.person, altitude: null }));
 
 const KEYS = ["breadth", "depth", "stature", "mass"] as const;
+const MEDIANS = { breadth: null, depth: null, stature: null, mass: null };
+const KINDS = [
+    ["female", "Woman"],
+    ["male", "Man"],
+    ["bicycle", "Bicycle"],
+] as const;
+
+/** What is asked of the lab: one thing after the other. */
+class Asking {
+    #shape: Latest<PersonWanted>;
+    #surface: Latest<PersonWanted>;
+
+    constructor(readonly client: Client) {
+        this.#shape = new Latest(async (asked) => {
+            try {
+                person.value = (await client.ask<Person>({ ask: "person", ...asked })).value;
+                refused.value = "";
+            } catch (error) {
+                refused.value = (error as Error).message;
+                // There are fields to mend it in.
+                if (person.value?.sex !== asked.sex) person.value = (await client.ask<Person>({ ask: "person", ...asked, ...MEDIANS, altitude: null })).value;
+            }
+        });
+        this.#surface = new Latest(async (asked) => {
+            try {
+                const { value, bytes } = await client.ask<Surface>({ ask: "body", ...asked });
+                body.value = { surface: value, bytes };
+            } catch {
+                // The disks say what is wrong.
+            }
+        });
+    }
+
+    shape = (asked: string) => void this.#shape.want(JSON.parse(asked) as PersonWanted);
+    surface = (asked: string) => void this.#surface.want(JSON.parse(asked) as PersonWanted);
+
+    async bicycle() {
+        try {
+            bicycle.value ??= (await this.client.ask<Bicycle>({ ask: "bicycle" })).value;
+        } catch (error) {
+            refused.value = (error as Error).message;
+        }
+    }
+}
 
 export function PersonTab({ client }: { client: Client }) {
+    const asking = useAsking(client);
+    useSignalEffect(() => (riding.value ? void asking.bicycle() : asking.shape(wanted.value)));
     useSignalEffect(() => {
-        client
-            .ask<Person>({ ask: "person", ...plan.value.person })
-            .then(({ value }) => {
-                person.value = value;
-                refused.value = "";
-            })
-            .catch((error: Error) => {
-                refused.value = error.message;
-            });
+        if (!riding.value) asking.surface(surfaceOf.value);
     });
-    const { person: wanted, unit } = plan.value;
-    const set = (part: Partial<PersonWanted>) => change({ person: { ...wanted, ...part } });
-    const factor = (measure: Measure) => (measure.unit === "m" && unit === "cm" ? 100 : 1);
+    const { person: asked } = plan.value;
     const is = person.value;
     return (
-        <div class="columns three">
+        <div class="persons">
             <form class="panel" aria-label="Measures" onSubmit={(event) => event.preventDefault()}>
                 <Choice
-                    label="Sex"
-                    value={wanted.sex}
-                    choices={[
-                        ["female", "Woman"],
-                        ["male", "Man"],
-                    ]}
-                    onChange={(sex) => set({ sex, breadth: null, depth: null, stature: null, mass: null })}
+                    label="Who"
+                    value={riding.value ? "bicycle" : asked.sex}
+                    choices={KINDS}
+                    onChange={(kind) => {
+                        riding.value = kind === "bicycle";
+                        if (kind !== "bicycle" && kind !== asked.sex) change({ person: { ...asked, ...MEDIANS, sex: kind } });
+                    }}
                 />
-                {is?.measures.map((measure, k) => {
-                    const by = factor(measure);
-                    return (
-                        <NumberField
-                            key={measure.name}
-                            label={measure.name[0]!.toUpperCase() + measure.name.slice(1)}
-                            unit={by === 100 ? "cm" : measure.unit}
-                            value={Number((measure.value * by).toFixed(by === 100 ? 1 : 3))}
-                            min={measure.possible[0] * by}
-                            max={measure.possible[1] * by}
-                            step={by === 100 || measure.unit === "kg" ? 0.1 : 0.001}
-                            onChange={(value) => set({ [KEYS[k]!]: value / by })}
-                        />
-                    );
-                })}
-                <button type="button" onClick={() => set({ breadth: null, depth: null, stature: null, mass: null })}>
-                    Medians of the survey
-                </button>
-                {refused.value && <p role="alert">{refused.value}</p>}
-            </form>
-            {is && <Body person={is} />}
-            {is && (
-                <section class="panel" aria-label="In the survey">
-                    <h2>In the survey</h2>
-                    <p>
-                        ANSUR II, {is.surveyed} {is.sex === "male" ? "men" : "women"} of the US Army, measured in 2012.
+                {!riding.value && is && <MeasureFields is={is} asked={asked} />}
+                {riding.value && (
+                    <p class="note">
+                        A bicycle has the measures of one template. <code>lemons crowd --pedestrians 0.9</code> draws crowds with bicycles, as a light XML file
+                        only: the mechanics takes pedestrians, so this page neither opens nor runs them.
                     </p>
-                    {is.measures.map((measure) => (
-                        <Distribution key={measure.name} measure={measure} />
-                    ))}
-                </section>
-            )}
+                )}
+            </form>
+            {riding.value ? bicycle.value && <BicycleDrawing is={bicycle.value} /> : is && <Shape is={is} asked={asked} />}
+            {!riding.value && is && <Body3d stature={measured(is, "stature")} altitude={altitude.value} />}
+            {!riding.value && is && <Survey is={is} />}
         </div>
     );
 }
 
-function Body({ person: is }: { person: Person }) {
-    const half = 1.1 * Math.max(...is.disks.map(([x, y, r]) => Math.max(Math.abs(x), Math.abs(y)) + r));
+let asking: Asking | null = null;
+
+function useAsking(client: Client): Asking {
+    if (asking?.client !== client) asking = new Asking(client);
+    return asking;
+}
+
+function measured(is: Person, key: (typeof KEYS)[number]) {
+    return is.measures[KEYS.indexOf(key)]!.value;
+}
+
+/** From the measure's own unit to the one that is shown. */
+function shownIn(measure: Measure): [by: number, unit: string] {
+    return measure.unit === "m" && plan.value.unit === "cm" ? [100, "cm"] : [1, measure.unit];
+}
+
+function MeasureFields({ is, asked }: { is: Person; asked: PersonWanted }) {
+    const set = (part: Partial<PersonWanted>) => change({ person: { ...asked, ...part } });
     return (
-        <figure class="panel">
-            {/* Seen from above; the gaze goes up. */}
-            <svg viewBox={`${-half} ${-half} ${2 * half} ${2 * half}`} role="img" aria-label="The five disks, from above">
-                {is.disks.map(([x, y, r], k) => (
-                    <circle key={k} cx={-y} cy={-x} r={r} class="disk" />
-                ))}
-                <path d={`M0 ${-0.35 * half}v${-0.5 * half}m${-0.05 * half} ${0.08 * half}l${0.05 * half} ${-0.08 * half}l${0.05 * half} ${0.08 * half}`} class="gaze" />
-            </svg>
-            <figcaption>
-                <Facts
-                    rows={[
-                        ["Area", `${digits(is.area * 1e4, 4)} cm²`],
-                        ["Moment of inertia", `${digits(is.inertia, 4)} kg m²`],
-                        ["Largest disk", `${digits(200 * Math.max(...is.disks.map(([, , r]) => r)), 3)} cm across`],
-                    ]}
-                />
-            </figcaption>
-        </figure>
+        <>
+            {is.measures.map((measure, k) => {
+                const [by, unit] = shownIn(measure);
+                const decimals = unit === "m" ? 3 : 1;
+                const clean = (value: number) => Number((value * by).toFixed(decimals));
+                return (
+                    <NumberField
+                        key={`${is.sex} ${measure.name}`}
+                        label={capital(measure.name)}
+                        unit={unit}
+                        // Also what the lab refuses stays there.
+                        value={clean(asked[KEYS[k]!] ?? measure.value)}
+                        min={clean(measure.possible[0])}
+                        max={clean(measure.possible[1])}
+                        step={10 ** -decimals}
+                        onChange={(value) => set({ [KEYS[k]!]: value / by })}
+                    />
+                );
+            })}
+            {refused.value && (
+                <p role="alert" class="problem">
+                    {refused.value}. The drawings show the last person that is possible.
+                </p>
+            )}
+            <button type="button" onClick={() => set(MEDIANS)}>
+                Medians of the survey
+            </button>
+        </>
     );
 }
 
-/** How often a measure occurs: steep quantiles are rare. */
-function Distribution({ measure }: { measure: Measure }) {
-    const { quantiles, value, rank } = measure;
-    const [low, high] = [quantiles[0]!, quantiles.at(-1)!];
-    const bins = 40;
-    const counts = new Array<number>(bins).fill(0);
-    quantiles.forEach((quantile, k) => {
-        if (k) counts[Math.min(bins - 1, Math.floor(((quantile + quantiles[k - 1]!) / 2 - low) / ((high - low) / bins)))]! += 1;
-    });
-    const most = Math.max(...counts);
-    const place = Math.max(0, Math.min(100, (100 * (value - low)) / (high - low)));
-    const percent = rank <= 0 ? "less than all" : rank >= 1 ? "more than all" : `more than ${(100 * rank).toFixed(0)} %`;
+function Shape({ is, asked }: { is: Person; asked: PersonWanted }) {
+    const { unit } = plan.value;
+    const size = extents(is.disks);
+    const highest = measured(is, "stature");
+    const area = unit === "cm" ? `${digits(is.area * 1e4, 4)} cm²` : `${digits(is.area, 3)} m²`;
+    const at = altitude.value;
+    const set = (altitude: number | null) => {
+        sliding.value = null;
+        change({ person: { ...asked, altitude } });
+    };
     return (
-        <figure class="distribution">
-            <figcaption>
-                {measure.name}: {percent}
-            </figcaption>
-            <svg viewBox="0 0 100 20" preserveAspectRatio="none" aria-hidden="true">
-                {counts.map((count, k) => (
-                    <rect key={k} x={(100 * k) / bins} y={20 - (18 * count) / most} width={90 / bins} height={(18 * count) / most} class="bar" />
+        <section class="panel" aria-label="From above">
+            <h2>From above</h2>
+            <Drawing size={size} words={(metres) => length(metres, unit)} label="The five disks, from above; the gaze goes up">
+                {is.disks.map(([x, y, r], k) => (
+                    <circle key={k} cx={-y} cy={-x} r={r} class="disk" />
                 ))}
-                <line x1={place} x2={place} y1="0" y2="20" class="here" />
-            </svg>
-        </figure>
+                {is.sections && at !== null && <path d={pathOf(is.sections)} class="section" fill-rule="evenodd" />}
+                <Gaze length={0.6 * size.front} />
+            </Drawing>
+            <label class="check">
+                <input type="checkbox" checked={at !== null} onChange={(event) => set(event.currentTarget.checked ? Number((0.75 * highest).toFixed(2)) : null)} />
+                Section of the body
+            </label>
+            {at !== null && (
+                <label class="field">
+                    <span>
+                        {length(at, unit)} above the ground{is.sections?.length === 0 && ": the body ends below"}
+                    </span>
+                    <input
+                        type="range"
+                        aria-label="Altitude of the section"
+                        aria-valuetext={length(at, unit)}
+                        min={0}
+                        max={Number((1.02 * highest).toFixed(2))}
+                        step={0.01}
+                        value={at}
+                        onInput={(event) => (sliding.value = event.currentTarget.valueAsNumber)}
+                        onChange={(event) => set(event.currentTarget.valueAsNumber)}
+                    />
+                </label>
+            )}
+            <Facts
+                rows={[
+                    ["Area of the disks", area],
+                    ["Moment of inertia", `${digits(is.inertia, 4)} kg m²`],
+                    ["Disks, across", is.disks.map(([, , r]) => length(2 * r, unit).replace(/ c?m$/, "")).join(", ") + ` ${unit}`],
+                ]}
+            />
+        </section>
+    );
+}
+
+const turning = signal<ComponentType<TurningProps> | null>(null);
+const missing = signal("");
+
+function Body3d({ stature, altitude }: { stature: number; altitude: number | null }) {
+    useEffect(() => {
+        if (turning.value) return;
+        import("./turning")
+            .then(({ default: found }) => {
+                turning.value = found;
+            })
+            .catch((error: Error) => {
+                missing.value = `3D could not be loaded: ${error.message}`;
+            });
+    }, []);
+    const Turning = turning.value;
+    return (
+        <section class="panel" aria-label="The body">
+            <h2>The body</h2>
+            {missing.value ? (
+                <p role="alert">{missing.value}</p>
+            ) : Turning ? (
+                <Turning body={body.value} stature={stature} altitude={altitude} />
+            ) : (
+                <p role="status">3D is loaded …</p>
+            )}
+        </section>
+    );
+}
+
+function Survey({ is }: { is: Person }) {
+    const people = is.sex === "male" ? "men" : "women";
+    return (
+        <section class="panel survey" aria-label="In the survey">
+            <div>
+                <h2>In the survey</h2>
+                <p>
+                    ANSUR II: {is.surveyed} {people} of the US Army, measured in 2012. The line is this {is.sex === "male" ? "man" : "woman"}.
+                </p>
+            </div>
+            {is.measures.map((measure) => {
+                const [by, unit] = shownIn(measure);
+                return <Distribution key={measure.name} measure={measure} by={by} unit={unit} people={people} />;
+            })}
+        </section>
+    );
+}
+
+function BicycleDrawing({ is }: { is: Bicycle }) {
+    const { unit } = plan.value;
+    const size = extents(is.rectangles.flat().map(([x, y]) => [x, y, 0]));
+    return (
+        <section class="panel" aria-label="From above">
+            <h2>From above</h2>
+            <Drawing size={size} words={(metres) => length(metres, unit)} label="The two rectangles of a bicycle, from above; it goes up">
+                {is.rectangles.map((rectangle, k) => (
+                    <path key={k} d={pathOf([rectangle])} class="disk" />
+                ))}
+                <Gaze length={0.5 * size.front} />
+            </Drawing>
+            <Facts
+                rows={is.measures.map(({ name, unit: own, value }) => {
+                    const words = own === "m" ? length(value, unit) : `${digits(value, 3)} ${own}`;
+                    return [capital(name), words];
+                })}
+            />
+        </section>
     );
 }

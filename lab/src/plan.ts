@@ -1,74 +1,207 @@
 // What the user has made: kept in the browser, undone and redone, and sent as a link.
 
 import { computed, effect, signal } from "@preact/signals";
-import type { CrowdWanted, PersonWanted } from "./protocol";
+import { type Check, flag, list, nullable, number, one, patched, record, tagged, text, tuple, Unfit, within } from "./check";
+import type { Base, CrowdWanted, Door, Edit, Four, Motion, Normal, People, PersonWanted, Point, Push, Room, Waypoint } from "./protocol";
 
-/** What the present run is of. */
-export type Source = { kind: "example"; name: string } | { kind: "crowd"; made: CrowdWanted };
+/** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
+interface Kept {
+    key: string;
+}
+
+type Table = Extract<People, { kind: "table" }>;
+type Upload = Extract<Base, { kind: "upload" }>;
+export type KeptPeople = Exclude<People, Table> | (Table & Kept);
+export type KeptCrowd = Omit<CrowdWanted, "people"> & { people: KeptPeople };
+export type KeptBase = Extract<Base, { kind: "example" }> | ({ kind: "crowd" } & KeptCrowd) | (Upload & Kept);
+
+/** What is on the stage. */
+export interface Made {
+    base: KeptBase;
+    edits: Edit[];
+    motion: Motion;
+}
+
 export type Colour = "speed" | "squeeze" | "contacts";
+export const TABS = ["start", "room", "crowd", "motion", "person", "take"] as const;
 
 export interface Plan {
-    tab: "run" | "crowd" | "person";
-    source: Source;
-    /** What the form says; not necessarily made yet. */
-    crowd: CrowdWanted;
+    tab: (typeof TABS)[number];
+    made: Made;
+    /** What the forms say; not necessarily made yet. */
+    crowd: KeptCrowd;
     person: PersonWanted;
     unit: "m" | "cm";
     colour: Colour;
+    /** Upper ends of the colours that the user has fixed. */
+    most: Record<Colour, number | null>;
     /** Simulated seconds in a second. */
     pace: number;
+    view: "2d" | "3d" | "section";
+    /** Of the section, in m. */
+    altitude: number;
+    trails: boolean;
+    forces: boolean;
+    /** Who steps over it is counted. */
+    line: [Point, Point] | null;
+}
+
+export function rectangle(width: number, height: number, x = 0, y = 0): Point[] {
+    return [
+        [x, y],
+        [x + width, y],
+        [x + width, y + height],
+        [x, y + height],
+    ];
 }
 
 export const FIRST: Plan = {
-    tab: "run",
-    source: { kind: "example", name: "push" },
-    crowd: { number: 40, seed: 1, room: [4, 4], men: 0.5, direction: 0, speed: 1 },
-    person: { sex: "female", breadth: null, depth: null, stature: null, mass: null },
+    tab: "start",
+    made: { base: { kind: "example", name: "push" }, edits: [], motion: { kind: "own" } },
+    crowd: {
+        number: 40,
+        density: null,
+        seed: 1,
+        room: { outline: rectangle(4, 4), obstacles: [], doors: [] },
+        region: null,
+        people: { kind: "survey" },
+        men: 0.5,
+        direction: 0,
+        speed: 1,
+        clothes: false,
+    },
+    person: { sex: "female", breadth: null, depth: null, stature: null, mass: null, altitude: null },
     unit: "cm",
     colour: "squeeze",
+    most: { speed: null, squeeze: null, contacts: null },
     pace: 1,
+    view: "2d",
+    altitude: 1.3,
+    trails: false,
+    forces: false,
+    line: null,
 };
 
-const KEY = "lemons-lab plan 1";
+/** Most corners of an outline, most parts of a kind, and most letters of a name and of a path. */
+export const MOST = { corners: 200, parts: 50, ways: 20, points: 50, edits: 1000, name: 200, path: 400, files: 1000 };
 
-/** Only what has the form of a plan, because links and storage may hold anything. */
-function read(text: string | null): Plan | null {
-    if (!text) return null;
+const point: Check<Point> = tuple<Point>(number, number);
+const corners = list(point, MOST.corners, 3);
+const room = record<Room>({
+    outline: corners,
+    obstacles: list(corners, MOST.parts),
+    doors: list(record<Door>({ at: point, width: number }), MOST.parts),
+});
+/** Whether it is still a room after a reload: what is larger would be lost then. */
+export function roomFits(given: Room): boolean {
     try {
-        const given = JSON.parse(text);
-        const plan = fitted(FIRST, given) as Plan;
-        const made = given?.source?.kind === "crowd";
-        return made ? { ...plan, source: { kind: "crowd", made: fitted(FIRST.crowd, given.source.made) as CrowdWanted } } : plan;
+        room(given);
+        return true;
     } catch {
-        return null;
+        return false;
     }
 }
 
-const CHOICES: Record<string, readonly unknown[]> = {
-    tab: ["run", "crowd", "person"],
-    kind: ["example"],
-    sex: ["female", "male"],
-    unit: ["m", "cm"],
-    colour: ["speed", "squeeze", "contacts"],
+const normal: Check<Normal> = tuple<Normal>(number, number, number, number);
+const four = record<Four>({ breadth: normal, depth: normal, stature: normal, mass: normal });
+const people = tagged<"kind", KeptPeople>("kind", {
+    survey: record({}),
+    statistics: record({ male: four, female: four }),
+    table: record({ files: list(tuple<["male" | "female", string, number]>(one("male", "female"), text(MOST.name), number), 2, 1), key: text() }),
+});
+const crowd = {
+    number: nullable(number),
+    density: nullable(number),
+    seed: number,
+    room,
+    region: nullable(corners),
+    people,
+    men: number,
+    direction: nullable(number),
+    speed: number,
+    clothes: flag,
+};
+const base = tagged<"kind", KeptBase>("kind", {
+    example: record({ name: one("push") }),
+    crowd: record<KeptCrowd>(crowd),
+    upload: record({ name: text(MOST.name), files: list(tuple<[string, number]>(text(MOST.path), number), MOST.files, 1), key: text() }),
+});
+const edit = tagged<"do", Edit>("do", {
+    move: record({ id: text(), x: number, y: number, theta: number }),
+    copy: record({ id: text(), as: text(), x: number, y: number, theta: number }),
+    delete: record({ id: text() }),
+});
+/** A circle of a negative radius cannot even be drawn. */
+const radius = within(0, 1e6);
+const push = record<Push>({ at: point, radius, direction: number, force: number, start: number, duration: number });
+const way = list(record<Waypoint>({ x: number, y: number, radius }), MOST.points, 1);
+const motion = tagged<"kind", Motion>("kind", {
+    own: record({}),
+    none: record({}),
+    push: record({ pushes: list(push, MOST.parts) }),
+    walk: record({ speed: number, ways: list(way, MOST.ways) }),
+});
+/** Of colours. */
+const upper = within(1e-3, 1e7);
+const whole = patched<Plan>(
+    {
+        tab: one(...TABS),
+        made: record<Made>({ base, edits: list(edit, MOST.edits), motion }),
+        crowd: record<KeptCrowd>(crowd),
+        person: record<PersonWanted>({
+            sex: one("male", "female"),
+            breadth: nullable(number),
+            depth: nullable(number),
+            stature: nullable(number),
+            mass: nullable(number),
+            altitude: nullable(within(0, 3)),
+        }),
+        unit: one("m", "cm"),
+        colour: one("speed", "squeeze", "contacts"),
+        most: record<Plan["most"]>({ speed: nullable(upper), squeeze: nullable(upper), contacts: nullable(upper) }),
+        pace: within(0.01, 100),
+        view: one("2d", "3d", "section"),
+        altitude: within(0, 3),
+        trails: flag,
+        forces: flag,
+        line: nullable(tuple<[Point, Point]>(point, point)),
+    },
+    FIRST,
+);
+
+export const KEY = "lemons-lab plan 2";
+/** A plan has a few kilobytes. */
+const LONGEST = 4e6;
+
+/** What of a plan is named when it did not fit. */
+const PARTS: Partial<Record<keyof Plan, string>> = {
+    made: "the scene",
+    crowd: "the forms of the room and the crowd",
+    person: "the person",
+    line: "the line",
 };
 
-/** `given` where it has the form of `form`, else `form`. */
-function fitted(form: unknown, given: unknown, key = ""): unknown {
-    const number = (value: unknown) => typeof value === "number" && Number.isFinite(value);
-    if (key in CHOICES) return CHOICES[key]!.includes(given) ? given : form;
-    if (form === null || key === "direction") return given === null || number(given) ? given : form;
-    if (Array.isArray(form)) {
-        const fits = Array.isArray(given) && given.length === form.length;
-        return fits ? form.map((part, k) => fitted(part, given[k])) : form;
+interface Read {
+    plan: Plan | null;
+    /** What did not fit, in words; empty if all did. */
+    left: string;
+}
+
+function read(from: string | null, whose: string): Read {
+    if (!from) return { plan: null, left: "" };
+    try {
+        if (from.length > LONGEST) throw new Unfit();
+        const left = new Set<string>();
+        const found = whole(JSON.parse(from), (key) => left.add(PARTS[key] ?? "settings"));
+        const words = left.size > 0 ? `Not all of ${whose} fits this version of the page. Left out: ${[...left].join(", ")}.` : "";
+        return { plan: found, left: words };
+    } catch {
+        return { plan: null, left: `${capital(whose)} cannot be read: it is not whole, or it is none of this page.` };
     }
-    if (typeof form === "object") {
-        if (typeof given !== "object" || given === null) return form;
-        const parts = Object.entries(form).map(([name, part]) => {
-            return [name, fitted(part, (given as Record<string, unknown>)[name], name)];
-        });
-        return Object.fromEntries(parts);
-    }
-    return typeof given === typeof form && (typeof given !== "number" || number(given)) ? given : form;
+}
+
+function capital(words: string) {
+    return words[0]!.toUpperCase() + words.slice(1);
 }
 
 function stored(): string | null {
@@ -79,27 +212,41 @@ function stored(): string | null {
     }
 }
 
-function linked(): string | null {
+/** A link is read once: later changes count more. */
+function linked(): Read {
+    const { hash } = location;
+    if (hash.length < 2) return { plan: null, left: "" };
+    history.replaceState(null, "", location.pathname + location.search);
+    let text = hash.slice(1);
     try {
-        return decodeURIComponent(location.hash.slice(1)) || null;
+        text = decodeURIComponent(text);
     } catch {
-        return null;
+        // Then it is no plan, either.
     }
+    return read(text, "the link");
 }
 
-const given = read(linked());
-export const plan = signal<Plan>(given ?? read(stored()) ?? FIRST);
-// A link is read once: later changes count more.
-if (location.hash) history.replaceState(null, "", location.pathname + location.search);
-const past = signal<string[]>([]);
+const given = linked();
+const found = read(stored(), "what this browser kept");
+export const plan = signal<Plan>(given.plan ?? found.plan ?? FIRST);
+/** What could not be read when the page was opened. */
+export const unread = [given.left, found.left].filter(Boolean).join(" ");
+
+/** What can be undone. */
+function undoable({ made, crowd, person }: Plan) {
+    return JSON.stringify({ made, crowd, person });
+}
+
+/** A link takes the place of what the visitor had made: undo brings that back. */
+const past = signal<string[]>(given.plan && found.plan && undoable(found.plan) !== undoable(given.plan) ? [undoable(found.plan)] : []);
 const future = signal<string[]>([]);
 export const canUndo = computed(() => past.value.length > 0);
 export const canRedo = computed(() => future.value.length > 0);
 
 effect(() => {
-    const text = JSON.stringify(plan.value);
+    const now = JSON.stringify(plan.value);
     try {
-        localStorage.setItem(KEY, text);
+        localStorage.setItem(KEY, now);
     } catch {
         // Nothing is kept where the browser allows no storage.
     }
@@ -107,23 +254,28 @@ effect(() => {
 
 /** A change; of what is made, it can be undone. */
 export function change(part: Partial<Plan>) {
-    const before = JSON.stringify(plan.value);
     const after = { ...plan.value, ...part };
-    if (JSON.stringify(after) === before) return;
-    if (part.source || part.crowd || part.person) {
+    const before = undoable(plan.value);
+    if (undoable(after) !== before) {
         past.value = [...past.value.slice(-199), before];
         future.value = [];
     }
     plan.value = after;
 }
 
+/** Puts back what could be made, after something else could not. It is no step of its own. */
+export function settle(made: Made) {
+    plan.value = { ...plan.value, made };
+    // Undo should not bring back what is there already.
+    if (past.value.at(-1) === undoable(plan.value)) past.value = past.value.slice(0, -1);
+}
+
 function go(from: typeof past, to: typeof past) {
-    const text = from.value.at(-1);
-    if (!text) return;
+    const found = from.value.at(-1);
+    if (!found) return;
     from.value = from.value.slice(0, -1);
-    to.value = [...to.value, JSON.stringify(plan.value)];
-    const { source, crowd, person } = JSON.parse(text) as Plan;
-    plan.value = { ...plan.value, source, crowd, person };
+    to.value = [...to.value, undoable(plan.value)];
+    plan.value = { ...plan.value, ...(JSON.parse(found) as Pick<Plan, "made" | "crowd" | "person">) };
 }
 
 export const undo = () => go(past, future);
@@ -131,4 +283,31 @@ export const redo = () => go(future, past);
 
 export function link() {
     return `${location.origin}${location.pathname}#${encodeURIComponent(JSON.stringify(plan.value))}`;
+}
+
+/** Takes a link that was put into the open page. Returns what of it does not fit. */
+export function follow(): string {
+    const { plan: next, left } = linked();
+    if (next) change(next);
+    return left;
+}
+
+/** Files that the plan needs, or that undo and redo bring back. */
+export function keysInUse(): Set<string> {
+    const keys = new Set<string>();
+    const see = ({ made: { base }, crowd: form }: Pick<Plan, "made" | "crowd">) => {
+        if (base.kind === "upload") keys.add(base.key);
+        if (base.kind === "crowd" && base.people.kind === "table") keys.add(base.people.key);
+        if (form.people.kind === "table") keys.add(form.people.key);
+    };
+    see(plan.value);
+    for (const step of [...past.value, ...future.value]) see(JSON.parse(step) as Plan);
+    return keys;
+}
+
+/** Names of files that the plan needs but a link cannot hold. */
+export function unlinked({ made: { base } }: Plan): string[] {
+    if (base.kind === "upload") return [base.name];
+    if (base.kind === "crowd" && base.people.kind === "table") return base.people.files.map(([, name]) => name);
+    return [];
 }

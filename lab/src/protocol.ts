@@ -6,25 +6,156 @@ export interface PersonWanted {
     depth: number | null;
     stature: number | null;
     mass: number | null;
+    /** Where `Person.sections` are, in m above the ground; null: nowhere. */
+    altitude: number | null;
 }
 
+export type Point = [number, number];
+
+/** A gap in the wall nearest to `at`, with its middle there. */
+export interface Door {
+    at: Point;
+    width: number;
+}
+
+/** Outlines do not repeat their first corner. */
+export interface Room {
+    outline: Point[];
+    obstacles: Point[][];
+    doors: Door[];
+}
+
+/** A change of a room. Ring 0 is its outline, obstacles follow; side 0 begins at corner 0. Doors stay on their walls. */
+export type RoomEdit =
+    | { do: "move"; ring: number; corner: number; to: Point }
+    | { do: "insert"; ring: number; side: number; at: Point }
+    | { do: "remove"; ring: number; corner: number }
+    /** An obstacle goes away, with its doors. */
+    | { do: "clear"; ring: number }
+    /** The outline gets this size; its left and low ends stay. */
+    | { do: "stretch"; width: number; height: number };
+
+/** A room as it is drawn. */
+export interface Drawn {
+    room: Room;
+    /** The way of each door along its wall, from end to end. */
+    doors: Point[][];
+    rings: Outline[];
+    /** The place on a wall that is nearest to the place that was asked for. */
+    near: { ring: number; side: number; at: Point; away: number } | null;
+}
+
+export interface Outline {
+    /** Width, height, left and low of the rectangle around it. */
+    bounds: [number, number, number, number];
+    /** Whether it is this rectangle. */
+    upright: boolean;
+    /** Of its sides. */
+    middles: Point[];
+}
+
+/** Of a normal distribution: mean, standard deviation, smallest, largest value. */
+export type Normal = [number, number, number, number];
+export type Four = Record<"breadth" | "depth" | "stature" | "mass", Normal>;
+
+export type People =
+    | { kind: "survey" }
+    | { kind: "statistics"; male: Four; female: Four }
+    /** Tables of the survey ANSUR II. The bytes of the request are their contents. */
+    | { kind: "table"; files: ["male" | "female", string, number][] };
+
 export interface CrowdWanted {
-    number: number;
+    /** Either this or the density. */
+    number: number | null;
+    /** People per m² of the region. */
+    density: number | null;
     seed: number;
-    room: [number, number];
+    room: Room;
+    /** Where people are placed; null: in the whole room. */
+    region: Point[] | null;
+    people: People;
+    /** Share of men among the people. */
     men: number;
-    /** In degrees. */
+    /** In degrees; null: each another one. */
     direction: number | null;
     speed: number;
+    /** The material of people with clothes, not of naked skin. */
+    clothes: boolean;
 }
+
+export type Base =
+    | { kind: "example"; name: "push" }
+    | ({ kind: "crowd" } & CrowdWanted)
+    /** A zip, or the files of a folder. The bytes of the request are their contents. */
+    | { kind: "upload"; name: string; files: [string, number][] };
+
+export type Edit =
+    | { do: "move"; id: string; x: number; y: number; theta: number }
+    | { do: "copy"; id: string; as: string; x: number; y: number; theta: number }
+    | { do: "delete"; id: string };
+
+/** A half-sine pulse on all whose centres lie in a circle. */
+export interface Push {
+    at: Point;
+    radius: number;
+    /** In degrees. */
+    direction: number;
+    /** Greatest force on each of them, in N. */
+    force: number;
+    start: number;
+    duration: number;
+}
+
+export interface Waypoint {
+    x: number;
+    y: number;
+    radius: number;
+}
+
+export type Motion =
+    /** As the Trial says. */
+    | { kind: "own" }
+    | { kind: "none" }
+    | { kind: "push"; pushes: Push[] }
+    /** Everybody takes the way whose first point is nearest. */
+    | { kind: "walk"; speed: number; ways: Waypoint[][] };
+
+export interface Shown {
+    base: Base;
+    edits: Edit[];
+    motion: Motion;
+}
+
+export type Wanted =
+    | { file: "trial" }
+    | { file: "fmu"; version: 2 | 3; binaries: [string, number][] }
+    /** With a frame, then a number for each agent as float64: what its colour shows (as on the stage). `most` is the colours' upper end. */
+    | { file: "svg"; most: number; label: string; unit: string; time: number; forces: boolean }
+    | { file: "population" }
+    /** With a frame. */
+    | { file: "mesh"; format: "obj" | "stl" }
+    /** The table of `lemons run`, computed again from the start. */
+    | { file: "trajectories"; steps: number };
 
 export type Request =
     | ({ ask: "person" } & PersonWanted)
-    | ({ ask: "crowd" } & CrowdWanted)
-    | { ask: "example"; name: string }
-    | { ask: "open"; name: string }
+    /** The surface of a person's body: vertices and triangles. */
+    | ({ ask: "body" } & PersonWanted)
+    | { ask: "bicycle" }
+    | ({ ask: "show" } & Shown)
+    /** A room after an edit, and its wall near to a place. */
+    | { ask: "room"; room: Room; edit: RoomEdit | null; near: Point | null }
+    /** The room of a Geometry.xml, which is the bytes. */
+    | { ask: "geometry"; name: string }
+    | { ask: "overlaps"; run: number; agent: number; x: number; y: number; theta: number }
     | { ask: "advance"; run: number; steps: number }
-    | { ask: "take"; run: number; wanted: { file: "trial" } | { file: "fmu"; version: 2 | 3; binaries: [string, number][] } };
+    /** With a frame. The answer's bytes: x1, y1, x2, y2, force for each two that touch. */
+    | { ask: "forces"; run: number }
+    /** With frames. */
+    | { ask: "flow"; run: number; line: [Point, Point] }
+    | { ask: "sections"; run: number; altitude: number }
+    | { ask: "bodies"; run: number }
+    | { ask: "take"; run: number; wanted: Wanted };
 
 export interface Measure {
     name: string;
@@ -33,7 +164,6 @@ export interface Measure {
     possible: [number, number];
     /** Fraction of the surveyed people below the value. */
     rank: number;
-    median: number;
     quantiles: number[];
 }
 
@@ -47,6 +177,19 @@ export interface Person {
     area: number;
     inertia: number;
     surveyed: number;
+    /** Polygons of the body at the altitude that was asked for, in its frame; null if none was. */
+    sections: Point[][] | null;
+}
+
+/** The surface of a body. The bytes: coordinates as float32 (x, y, z of each vertex), then corners as uint32. */
+export interface Surface {
+    vertices: number;
+    triangles: number;
+}
+
+export interface Bicycle {
+    rectangles: Point[][];
+    measures: { name: string; unit: string; value: number }[];
 }
 
 export interface Scene {
@@ -54,27 +197,90 @@ export interface Scene {
     run: number;
     name: string;
     agents: { id: string; mass: number; disks: Disk[] }[];
-    walls: { id: string; corners: [number, number][] }[];
+    walls: { id: string; corners: Point[] }[];
     step: number;
     mechanical_step: number;
     /** The longest stable mechanical step; null if nothing can touch. */
     stable: number | null;
     /** About how large errors of positions are with the mechanical step. */
     error: number | null;
+    /** Agents that overlap others or walls at the start, by more than 0.1 mm. */
+    overlapping: number[];
+    /** The deepest overlap at the start. */
+    overlap: number;
+    /** Ids of those who get a force of their own over time. */
+    pushed: string[];
+    /** Whether people walk, on ways or to exits and goals. */
+    walk: boolean;
+    /** Where people walk to. */
+    ways: Waypoint[][];
+    /** How the people of a crowd were drawn; null if only their disks are known. */
+    people: { sex: string; breadth: number; depth: number; stature: number; mass: number }[] | null;
+}
+
+/** How a crowd was placed. */
+export interface Made {
+    density: number;
+    area: number;
+    iterations: number;
+    largest_overlap: number;
+    /** A row for each kind and measure. */
+    statistics: { kind: string; count: number; measure: string; unit: string; mean: number; sd: number | null; min: number; max: number }[];
+}
+
+export interface Opened {
+    scene: Scene;
+    notes: string[];
+    made: Made | null;
+}
+
+export interface Overlaps {
+    agents: number[];
+    wall: boolean;
+    depth: number;
+}
+
+export interface Flow {
+    /** Place of the later frame, agent, 1 from left to right of the line or -1. */
+    crossings: [number, number, 1 | -1][];
+}
+
+export interface Sections {
+    altitude: number;
+    /** Polygons of each agent, in its frame; none where the plane is above it. */
+    bodies: Point[][][];
+    /** How many bodies the plane cuts, and the area of their sections. */
+    cut: number;
+    area: number;
+    /** Sex and measures are not known: bodies are those that fit the disks, height and mass. */
+    estimated: boolean;
+}
+
+/** Numbers of vertices and triangles of each. The bytes: for each, coordinates as float32, then corners as uint32. */
+export interface Bodies {
+    agents: [number, number][];
+    estimated: boolean;
 }
 
 export interface Advanced {
     time: number;
+    /** Deepest overlap so far. */
     overlap: number;
-    mechanical_steps: number;
-    pairs: number;
-    contacts: number;
+    /** How many of those who walk have arrived or left. */
+    arrived: number;
 }
 
-/** Numbers of an agent in a frame: x, y, orientation, speed, squeeze, contacts. */
-export const COLUMNS = 6;
+/** Numbers of an agent in a frame: x, y, theta, vx, vy, omega, mean squeeze of the step, contacts. Of who has left, x and y
+ * are not numbers. */
+export const COLUMNS = 8;
+
+/** Whether an agent of a frame has not left. */
+export function isThere(frame: Float64Array, agent: number): boolean {
+    return !Number.isNaN(frame[COLUMNS * agent]!);
+}
 
 export interface Progress {
+    /** 0 growing, 1 spreading, 2 shaking, 3 pressing, 4 thinning; 5: a run is computed again. */
     stage: number;
     iteration: number;
     limit: number;

@@ -1,135 +1,186 @@
-// The run: the picture, and what plays it.
+// The run: the picture and all around it.
 
-import { signal, useSignalEffect } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
-import { COLOURS, fitting, Painter, SCALES, type View } from "./draw";
+import { signal } from "@preact/signals";
+import { type ComponentType } from "preact";
+import { useEffect, useMemo } from "preact/hooks";
+import { Canvas, fit, zoom } from "./canvas";
+import { Charts } from "./charts";
 import type { Film } from "./film";
-import { Choice, digits, Facts } from "./parts";
-import { type Colour, change, plan } from "./plan";
-import { COLUMNS } from "./protocol";
+import { Chains, paintTrails, trailsNote } from "./layers";
+import { beat, type Layers, show } from "./layout";
+import { LineButton, LineFields } from "./line";
+import { Numbers } from "./numbers";
+import { Check, Choice, digits, LengthField, length } from "./parts";
+import { change, type Plan, plan } from "./plan";
+import { client, selected } from "./session";
+import { Sections } from "./sections";
+import type { Stage3dProps } from "./three";
+import { Legend, Transport } from "./transport";
 
-const selected = signal<number | null>(null);
-
-const PACES = [0.1, 0.25, 0.5, 1, 2, 4].map((pace) => [String(pace), `${pace} ×`] as const);
+/** Milliseconds between two beats. */
+const BEAT = 100;
 
 export function Stage({ film }: { film: Film }) {
-    const canvas = useRef<HTMLCanvasElement>(null);
-    const view = useRef<View>({ scale: 1, x: 0, y: 0 });
-    const painter = useRef<Painter | null>(null);
-    if (painter.current?.scene !== film.scene) painter.current = new Painter(film.scene);
-
-    const paint = () => {
-        const on = canvas.current;
-        if (!on) return;
-        const scale = SCALES[plan.value.colour];
-        painter.current!.paint(on, film.frame(film.shown.value), view.current, scale, selected.value);
-    };
-    useEffect(() => {
-        selected.value = null;
-        const on = canvas.current!;
-        const observer = new ResizeObserver(() => {
-            [on.width, on.height] = [on.clientWidth * devicePixelRatio, on.clientHeight * devicePixelRatio];
-            view.current = fitting(film.scene, film.frame(0), on.width, on.height);
-            paint();
-        });
-        observer.observe(on);
-        return () => observer.disconnect();
-    }, [film]);
-    useSignalEffect(paint);
     useEffect(() => {
         let last = performance.now();
+        let beaten = last;
         let handle = requestAnimationFrame(function next(now) {
             // The time of a picture may be before that of its request.
             if (film.playing.value) film.tick(Math.max(0, now - last) / 1000, plan.value.pace);
+            if (film.playing.value && now - beaten > BEAT) {
+                beaten = now;
+                beat.value += 1;
+            }
             last = now;
             handle = requestAnimationFrame(next);
         });
         return () => cancelAnimationFrame(handle);
     }, [film]);
-
-    const { scene } = film;
-    const time = film.shown.value * scene.step;
-    const decimals = Math.max(2, Math.min(6, Math.ceil(-Math.log10(scene.step))));
-    const scale = SCALES[plan.value.colour];
+    const chains = useMemo(() => new Chains(client, film), [film]);
+    const sections = useMemo(() => new Sections(client, film), [film]);
+    const { view, line } = plan.value;
     return (
-        <section class="stage" aria-label="Run">
-            <canvas
-                ref={canvas}
-                role="img"
-                aria-label={`${scene.agents.length} people from above, ${time.toFixed(2)} s after the start`}
-                onClick={(event) => {
-                    const on = canvas.current!;
-                    const [x, y] = [event.offsetX * devicePixelRatio, event.offsetY * devicePixelRatio];
-                    selected.value = painter.current!.at(on, film.frame(film.shown.value), view.current, x, y);
-                }}
-            />
-            <div class="legend">
-                <span>{scale.label}: 0</span>
-                <span class="ramp" aria-hidden="true">
-                    {COLOURS.map((colour, k) => (
-                        <svg key={colour} viewBox="0 0 1 1" preserveAspectRatio="none">
-                            <rect width="1" height="1" fill={COLOURS[k]} />
-                        </svg>
-                    ))}
-                </span>
-                <span>
-                    {scale.most} {scale.unit} and more
-                </span>
+        <section class="stage" aria-label="Stage">
+            <div class="beside">
+                <div class="picture">
+                    <div class="frame">{view === "3d" ? <InSpace film={film} /> : <Picture film={film} chains={chains} sections={sections} />}</div>
+                    <p id="canvas-keys" class="hidden">
+                        Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays.
+                    </p>
+                    <Transport film={film} />
+                    <Legend film={film} />
+                    <LayerControls />
+                    {film.failed.value && <p role="alert">{film.failed.value}</p>}
+                    {view === "section" && <Altitude film={film} sections={sections} />}
+                    {view !== "3d" && <Widest chains={chains} />}
+                    {view !== "3d" && plan.value.trails && trailsNote(film) && <p class="note">{trailsNote(film)}</p>}
+                    {view !== "3d" && <LineFields />}
+                    <Charts film={film} selected={selected.value} line={line} client={client} />
+                </div>
+                <Numbers film={film} />
             </div>
-            <div class="controls">
-                <button type="button" class="main" onClick={() => (film.playing.value = !film.playing.value)}>
-                    {film.playing.value ? "Pause" : "Play"}
-                </button>
-                <button type="button" onClick={() => film.show(0)}>
-                    To the start
-                </button>
-                <button type="button" onClick={() => film.show(film.shown.value - 1)}>
-                    Step back
-                </button>
-                <button type="button" onClick={() => void film.next()}>
-                    Step
-                </button>
-                <label class="scrub">
-                    <span>
-                        Time <span class="time">{time.toFixed(decimals)} s</span>
-                    </span>
-                    <input type="range" aria-valuetext={`${time.toFixed(decimals)} s`} min={0} max={film.computed.value - 1} value={film.shown.value} onInput={(event) => film.show(event.currentTarget.valueAsNumber)} />
-                </label>
-                <Choice label="Pace" value={String(plan.value.pace)} choices={PACES} onChange={(pace) => change({ pace: Number(pace) })} />
-                <Choice
-                    label="Colour"
-                    value={plan.value.colour}
-                    choices={(Object.keys(SCALES) as Colour[]).map((key) => [key, key[0]!.toUpperCase() + key.slice(1)] as const)}
-                    onChange={(colour) => change({ colour })}
-                />
-            </div>
-            {film.failed.value && <p role="alert">{film.failed.value}</p>}
-            <Numbers film={film} />
         </section>
     );
 }
 
-function Numbers({ film }: { film: Film }) {
-    const { scene } = film;
-    const advanced = film.advanced.value;
-    const frame = film.frame(film.shown.value);
-    const who = selected.value !== null && selected.value < scene.agents.length ? selected.value : null;
-    const of = (column: number) => frame[COLUMNS * who! + column]!;
-    const perStep = 1e9 * film.cost.value * (scene.mechanical_step / scene.step) / scene.agents.length;
-    const rows: [string, string][] = [
-        ["People", String(scene.agents.length)],
-        ["Communication step", `${scene.step} s`],
-        ["Mechanical step", `${scene.mechanical_step} s${scene.stable ? ` (stable up to ${digits(scene.stable, 2)} s)` : ""}`],
-        ["Shown", film.playing.value ? `${film.pace.value.toFixed(2)} simulated seconds per second` : "paused"],
-        ["Time to compute", advanced ? `${digits(perStep, 2)} ns per person and mechanical step` : "–"],
-        ["Deepest overlap so far", advanced ? `${digits(1000 * advanced.overlap, 2)} mm` : "–"],
-    ];
-    if (who !== null) {
-        rows.push(
-            [`Person ${scene.agents[who]!.id}`, `${digits(scene.agents[who]!.mass, 3)} kg at (${of(0).toFixed(2)}, ${of(1).toFixed(2)}) m`],
-            ["Speed", `${of(3).toFixed(2)} m/s`],
-            ["Squeeze", `${of(4).toFixed(0)} N, ${of(5)} contacts`],
-        );
-    }
-    return <Facts rows={rows} />;
+interface PictureProps {
+    film: Film;
+    chains: Chains;
+    sections: Sections;
+}
+
+function Picture({ film, chains, sections }: PictureProps) {
+    const { forces, trails } = plan.value;
+    const layers = useMemo<Layers>(
+        () => ({
+            below: (context, now) => {
+                if (trails) paintTrails(context, film, film.shown.value, now);
+            },
+            above: (context, now) => {
+                if (!forces) return;
+                chains.update(film.shown.value);
+                chains.paint(context, now);
+            },
+            paths: () => {
+                sections.facts.value;
+                return sections.paths();
+            },
+        }),
+        [film, forces, trails, chains, sections],
+    );
+    return <Canvas film={film} layers={layers} />;
+}
+
+function Widest({ chains }: { chains: Chains }) {
+    if (!plan.value.forces || chains.largest === 0) return null;
+    return <p class="note">Lines between people: the wider, the more they press. The widest is {digits(chains.largest, 2)} N.</p>;
+}
+
+function Altitude({ film, sections }: { film: Film; sections: Sections }) {
+    const { altitude, unit } = plan.value;
+    useEffect(() => void sections.ask(altitude), [altitude, sections]);
+    const facts = sections.facts.value;
+    const set = (value: number) => change({ altitude: value });
+    return (
+        <>
+            <div class="controls">
+                <label class="scrub">
+                    <span>Altitude of the section: {length(altitude, unit)} above the ground</span>
+                    <input type="range" min={0} max={2.2} step={0.01} value={altitude} onInput={(event) => set(event.currentTarget.valueAsNumber)} />
+                </label>
+                <LengthField label="Altitude" value={altitude} min={0} max={2.5} onChange={set} />
+            </div>
+            {facts && (
+                <p class="note">
+                    The plane cuts {facts.cut} of {film.scene.agents.length} bodies; the sections have an area of {digits(facts.area, 3)} m².
+                    {facts.estimated && " Sex and measures are not known: these are bodies that fit the disks, height and mass."}
+                </p>
+            )}
+            {sections.refused.value && <p role="alert">{sections.refused.value}</p>}
+        </>
+    );
+}
+
+const stage3d = signal<ComponentType<Stage3dProps> | null>(null);
+const missing = signal("");
+
+/** What draws in three dimensions is loaded when it is first wanted. */
+function InSpace({ film }: { film: Film }) {
+    useEffect(() => {
+        if (stage3d.value) return;
+        import("./three")
+            .then(({ default: found }) => {
+                stage3d.value = found;
+            })
+            .catch((error: Error) => {
+                missing.value = `3D could not be loaded: ${error.message}`;
+            });
+    }, []);
+    const Found = stage3d.value;
+    if (missing.value) return <p role="alert">{missing.value}</p>;
+    if (!Found) return <p role="status">3D is loaded …</p>;
+    return (
+        <Found
+            film={film}
+            client={client}
+            selected={selected.value}
+            onCanvas={show}
+            onSelect={(agent) => {
+                selected.value = agent;
+            }}
+        />
+    );
+}
+
+const VIEWS: [Plan["view"], string][] = [
+    ["2d", "From above"],
+    ["3d", "3D"],
+    ["section", "Sections"],
+];
+
+function LayerControls() {
+    const { view, forces, trails } = plan.value;
+    return (
+        <div class="controls">
+            <Choice label="View" value={view} choices={VIEWS} onChange={(next) => change({ view: next })} />
+            {view !== "3d" && (
+                <>
+                    <div class="zoom" role="group" aria-label="Zoom">
+                        <button type="button" aria-label="Zoom out" onClick={() => zoom(0.8)}>
+                            −
+                        </button>
+                        <button type="button" aria-label="Zoom in" onClick={() => zoom(1.25)}>
+                            +
+                        </button>
+                        <button type="button" onClick={fit}>
+                            Fit
+                        </button>
+                    </div>
+                    <Check label="Forces" value={forces} onChange={(on) => change({ forces: on })} />
+                    <Check label="Trails" value={trails} onChange={(on) => change({ trails: on })} />
+                    <LineButton />
+                </>
+            )}
+        </div>
+    );
 }

@@ -1,8 +1,8 @@
 //! How a page asks, through the memory of WebAssembly.
 //!
-//! The worker calls [`lab_room`] and writes a request there: its length as JSON (4 bytes, little-endian), the JSON, and
-//! further bytes. [`lab_ask`] answers and returns where: the length of the answer is at [`lab_length`]. It is built in
-//! the same way; its JSON is `{"ok": …}` or `{"refused": "…"}`. While people are placed, it calls `lab_progress` of the
+//! The worker, or the page, calls [`lab_room`] and writes a request there: its length as JSON (4 bytes, little-endian),
+//! the JSON, and further bytes. [`lab_ask`] answers and returns where: the length of the answer is at [`lab_length`]. It
+//! is built in the same way; its JSON is `{"ok": …}` or `{"refused": "…"}`. While people are placed, it calls `lab_progress` of the
 //! module `page`, which returns whether to stop.
 
 use crate::{Lab, Reply, Request};
@@ -39,7 +39,10 @@ pub extern "C" fn lab_ask() -> *const u8 {
     DESK.with_borrow_mut(|desk| {
         let request = std::mem::take(&mut desk.request);
         desk.answer = answer(&mut desk.lab, &request, &mut |progress| {
-            if page::stops(progress) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            let (iteration, limit) = (progress.iteration as f64, progress.limit as f64);
+            let stop =
+                lab_progress(number_of(progress), iteration, limit, progress.overlap, progress.density);
+            if stop == 0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         });
         desk.answer.as_ptr()
     })
@@ -78,8 +81,10 @@ fn joined(value: &Value, bytes: &[u8]) -> Vec<u8> {
     [&length.to_le_bytes(), text.as_bytes(), bytes].concat()
 }
 
-fn number_of(stage: Stage) -> u32 {
-    match stage {
+/// A run that is computed again has no overlap (`take`).
+fn number_of(of: &Progress) -> u32 {
+    match of.stage {
+        _ if of.overlap.is_nan() => 5,
         Stage::Growing => 0,
         Stage::Spreading => 1,
         Stage::Shaking => 2,
@@ -89,27 +94,14 @@ fn number_of(stage: Stage) -> u32 {
 }
 
 #[cfg(target_arch = "wasm32")]
-mod page {
-    use super::{Progress, number_of};
-
-    #[allow(unsafe_code)] // The page gives this function with these types.
-    #[link(wasm_import_module = "page")]
-    unsafe extern "C" {
-        safe fn lab_progress(stage: u32, iteration: f64, limit: f64, overlap: f64, density: f64) -> u32;
-    }
-
-    pub fn stops(of: &Progress) -> bool {
-        let (iteration, limit) = (of.iteration as f64, of.limit as f64);
-        lab_progress(number_of(of.stage), iteration, limit, of.overlap, of.density) != 0
-    }
+#[allow(unsafe_code)] // The page gives this function with these types.
+#[link(wasm_import_module = "page")]
+unsafe extern "C" {
+    safe fn lab_progress(stage: u32, iteration: f64, limit: f64, overlap: f64, density: f64) -> u32;
 }
 
+/// Elsewhere than in a page, nobody stops it.
 #[cfg(not(target_arch = "wasm32"))]
-mod page {
-    use super::{Progress, number_of};
-
-    pub fn stops(of: &Progress) -> bool {
-        let _ = number_of(of.stage);
-        false
-    }
+fn lab_progress(_: u32, _: f64, _: f64, _: f64, _: f64) -> u32 {
+    0
 }

@@ -1,15 +1,19 @@
 //! A crowd: how many, of whom, in which room -> a Trial.
 
-use crate::Refused;
-use lemons_people::placing::{Dense, Ended, Orientation, Region, Watch, dense, measure, placing_seed, wider};
-use lemons_people::{
-    Agent, CrowdStatistics, Person, Population, Proportions, Shape, Source, TrialSettings, crowd_trial,
-    heading, walls,
+use crate::driven::{Basis, Driven, parts};
+use crate::room::{self, REGION};
+use crate::{Refused, within};
+use lemons_people::placing::{
+    Dense, Ended, Orientation, Packing, Region, TOLERANCE, Watch, dense, measure, placing_seed, wider,
 };
-use lemons_plane::{Vec2, vec2};
-use lemons_trial::Trial;
+use lemons_people::room::Room;
+use lemons_people::{
+    Agent, CrowdStatistics, CustomMeasures, CustomStatistics, Person, Population, Proportions, Sex, Shape,
+    Source, Survey, TrialSettings, TruncatedNormal, crowd_trial, heading,
+};
 use serde::Deserialize;
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// Largest number of people: what a page can pack and show.
 pub const MOST_PEOPLE: u32 = 5000;
@@ -17,96 +21,180 @@ pub const MOST_PEOPLE: u32 = 5000;
 /// Largest seed: the largest integer that a page's numbers hold exactly.
 pub const LARGEST_SEED: u64 = (1 << 53) - 1;
 
-/// A crowd.
+/// A crowd. The same one is made by `lemons crowd`, where it has the options.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Wanted {
     /// How many; 1 to [`MOST_PEOPLE`].
-    pub number: u32,
-    /// The same seed gives the same crowd, here and with `lemons crowd`.
+    pub number: Option<u32>,
+    /// \[1/m²\] Instead of the number.
+    pub density: Option<f64>,
+    /// The same seed gives the same crowd.
     pub seed: u64,
-    /// \[m\] Size of the room along x and y; its lower left corner is the origin.
-    pub room: [f64; 2],
+    /// Where they are.
+    pub room: Room,
+    /// \[m\] Corners of the part of the room where they are placed.
+    pub region: Option<Vec<[f64; 2]>>,
+    /// Whom they are drawn from.
+    pub people: People,
     /// Probability that a person is a man.
-    #[serde(default = "half")]
     pub men: f64,
     /// \[°\] Which way people face at first, -360 to 360; `None`: any.
     pub direction: Option<f64>,
     /// \[m/s\] The speed at which each would walk alone, in this direction.
-    #[serde(default)]
     pub speed: f64,
+    /// Whether their material is that with clothes.
+    pub clothes: bool,
 }
 
-fn half() -> f64 {
-    0.5
+/// Whom people are drawn from.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum People {
+    /// The statistics of the survey ANSUR II.
+    Survey,
+    /// One's own statistics, with the rank correlations of that survey.
+    Statistics(Box<Statistics>),
+    /// The people of tables as that survey has them. The bytes are their contents.
+    Table {
+        /// Sex, name and length of each.
+        files: Vec<(Sex, String, usize)>,
+    },
 }
 
-/// A crowd that was made.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Made {
-    /// Its Trial.
-    pub trial: Trial,
-    /// How it was placed, and statistics of its people.
-    pub value: Value,
+/// Statistics of both sexes.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[allow(missing_docs)]
+pub struct Statistics {
+    pub male: Four,
+    pub female: Four,
 }
 
-/// Draws people and places them without overlap, as `lemons crowd --number --box --seed` does.
+/// Of each measure: mean, standard deviation, smallest, largest value \[m, kg\].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[allow(missing_docs)]
+pub struct Four {
+    pub breadth: [f64; 4],
+    pub depth: [f64; 4],
+    pub stature: [f64; 4],
+    pub mass: [f64; 4],
+}
+
+impl Four {
+    fn measures(self, like: CustomMeasures) -> CustomMeasures {
+        let normal = |[mean, sd, min, max]: [f64; 4]| TruncatedNormal { mean, sd, min, max };
+        let Four { breadth, depth, stature, mass } = self;
+        let [breadth, depth, stature, mass] = [breadth, depth, stature, mass].map(normal);
+        CustomMeasures { breadth, depth, stature, mass, ..like }
+    }
+}
+
+impl Wanted {
+    fn population(&self, bytes: &[u8]) -> Result<Population, Refused> {
+        let source = match &self.people {
+            People::Survey => Source::Ansur,
+            People::Statistics(own) => {
+                let CustomStatistics { men, women } = CustomStatistics::default();
+                let (men, women) = (own.male.measures(men), own.female.measures(women));
+                Source::Custom(Box::new(CustomStatistics { men, women }))
+            }
+            People::Table { files } => {
+                let mut survey = Survey::default();
+                let named: Vec<_> = files.iter().map(|(_, name, length)| (name.clone(), *length)).collect();
+                for ((sex, ..), (name, content)) in files.iter().zip(parts(&named, bytes)?) {
+                    survey.add(*sex, Path::new(name), content).map_err(Refused::of)?;
+                }
+                Source::Survey(survey)
+            }
+        };
+        let proportions = Proportions { men: self.men, ..Proportions::default() };
+        Population::new(source, proportions).map_err(Refused::of)
+    }
+
+    fn number(&self, region: &Region) -> Result<u32, Refused> {
+        let number = match (self.number, self.density) {
+            (Some(number), None) => f64::from(number),
+            (None, Some(density)) => {
+                (within("people per m²", density, [1e-3, 100.0])? * region.area()).round()
+            }
+            _ => return Err(Refused("give either the number of people or their density".into())),
+        };
+        if (1.0..=f64::from(MOST_PEOPLE)).contains(&number) {
+            return Ok(number as u32);
+        }
+        Err(Refused(format!("{number} people: the number must be 1 to {MOST_PEOPLE}")))
+    }
+}
+
+/// Draws people and places them without overlap, as `lemons crowd --seed` does.
 ///
 /// # Errors
 /// A number is out of range, there is no room, or `watch` stopped the placing.
-pub fn crowd(wanted: &Wanted, watch: &mut Watch) -> Result<Made, Refused> {
-    if !(1..=MOST_PEOPLE).contains(&wanted.number) {
-        return Err(Refused(format!("{} people: the number must be 1 to {MOST_PEOPLE}", wanted.number)));
-    }
-    let within = |what: &str, value: f64, [low, high]: [f64; 2]| {
-        let inside = (low..=high).contains(&value);
-        if inside { Ok(()) } else { Err(Refused(format!("{what} = {value}: must be {low} to {high}"))) }
-    };
+pub fn crowd(wanted: &Wanted, bytes: &[u8], watch: &mut Watch) -> Result<Basis, Refused> {
     within("seed", wanted.seed as f64, [0.0, LARGEST_SEED as f64])?;
-    within("direction [°]", wanted.direction.unwrap_or(0.0), [-360.0, 360.0])?;
-    within("speed [m/s]", wanted.speed, [0.0, 20.0])?;
-    for side in wanted.room {
-        within("a side of the room [m]", side, [0.1, 1000.0])?;
-    }
-    let [width, height] = wanted.room;
-    let region = Region::rectangle(Vec2::ZERO, vec2(width, height)).map_err(Refused::of)?;
-    let proportions = Proportions { men: wanted.men, ..Proportions::default() };
-    let population = Population::new(Source::Ansur, proportions).map_err(Refused::of)?;
+    let direction = within("direction [°]", wanted.direction.unwrap_or(0.0), [-360.0, 360.0])?;
+    let speed = within("speed [m/s]", wanted.speed, [0.0, 20.0])?;
+    let (whole, geometry) = room::built(&wanted.room)?;
+    let region = match &wanted.region {
+        Some(corners) => room::part(&whole, corners)?,
+        None => whole.clone(),
+    };
+    let number = wanted.number(&region)?;
+    let population = wanted.population(bytes)?;
     let people: Vec<Person> = population
         .agents(wanted.seed)
-        .take(wanted.number as usize)
+        .take(number as usize)
         .filter_map(|agent| match agent {
             Agent::Pedestrian(person) => Some(person),
             Agent::Bicycle(_) => None,
         })
         .collect();
     let shapes = people.iter().map(Shape::of).collect::<Result<Vec<_>, _>>().map_err(Refused::of)?;
+    let packing = placed(wanted, &shapes, &region, watch)?;
+    let largest_overlap = measure(&shapes, &whole, &packing.poses).largest_overlap;
+    if largest_overlap > TOLERANCE {
+        return Err(Refused(format!("{REGION} goes over a wall: somebody would stand in it")));
+    }
+    let settings = TrialSettings {
+        desired_velocity: heading(direction) * speed,
+        people: if wanted.clothes { "human_clothes" } else { "human_naked" }.into(),
+        ..TrialSettings::default()
+    };
+    let name = format!("crowd_{number}_seed_{}", wanted.seed);
+    let trial =
+        crowd_trial(&name, &people, &shapes, &packing.poses, geometry, &settings).map_err(Refused::of)?;
+    let agents: Vec<Agent> = people.iter().copied().map(Agent::Pedestrian).collect();
+    let made = json!({
+        "density": packing.density, "area": region.area(), "iterations": packing.iterations,
+        "largest_overlap": largest_overlap, "statistics": statistics(&CrowdStatistics::of(&agents)),
+    });
+    Ok(Basis { driven: Driven::alone(trial, Some(people)), notes: Vec::new(), made })
+}
+
+fn placed(wanted: &Wanted, shapes: &[Shape], region: &Region, watch: &mut Watch) -> Result<Packing, Refused> {
     let orientation =
         wanted.direction.map_or(Orientation::Free, |angle| Orientation::Towards(angle.to_radians()));
     let settings = Dense { orientation, seed: placing_seed(wanted.seed), ..Dense::default() };
-    let packing = dense(&wider(&shapes), &region, &settings, watch).map_err(Refused::of)?;
-    let largest_overlap = measure(&shapes, &region, &packing.poses).largest_overlap;
-    if !packing.complete {
-        return Err(Refused(match packing.ended {
-            Ended::Cancelled => "the placing was stopped".into(),
-            _ => format!(
-                "{} people do not fit into {width} m x {height} m without overlap; about {:.1} per m² do",
-                wanted.number, packing.clear_density
-            ),
-        }));
+    let packing = dense(&wider(shapes), region, &settings, watch).map_err(Refused::of)?;
+    match packing.ended {
+        _ if packing.complete => Ok(packing),
+        Ended::Cancelled => Err(Refused("the placing was stopped".into())),
+        _ => Err(Refused(format!(
+            "{} people do not fit on {:.2} m² without overlap; about {:.1} per m² do",
+            shapes.len(),
+            region.area(),
+            packing.clear_density
+        ))),
     }
-    let settings = TrialSettings {
-        desired_velocity: heading(wanted.direction.unwrap_or(0.0)) * wanted.speed,
-        ..TrialSettings::default()
-    };
-    let name = format!("crowd_{}_seed_{}", wanted.number, wanted.seed);
-    let geometry = walls(region.rings(), "concrete");
-    let trial =
-        crowd_trial(&name, &people, &shapes, &packing.poses, geometry, &settings).map_err(Refused::of)?;
-    let agents: Vec<Agent> = people.into_iter().map(Agent::Pedestrian).collect();
-    let value = json!({
-        "density": packing.density, "iterations": packing.iterations,
-        "largest_overlap": largest_overlap, "statistics": CrowdStatistics::of(&agents).csv(),
+}
+
+fn statistics(of: &CrowdStatistics) -> Vec<Value> {
+    let rows = of.0.iter().flat_map(|kind| {
+        kind.measures.iter().map(|of| {
+            json!({
+                "kind": kind.kind.name(), "count": kind.count, "measure": of.measure, "unit": of.unit,
+                "mean": of.mean, "sd": of.sd, "min": of.min, "max": of.max,
+            })
+        })
     });
-    Ok(Made { trial, value })
+    rows.collect()
 }

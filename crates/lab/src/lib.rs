@@ -1,28 +1,41 @@
 //! The lab: what a page asks for, computed where the page is.
 //!
-//! The page sends a [`Request`] and, with some, bytes (a zip). It gets a [`Reply`]: a JSON value and bytes (poses, a
-//! file). [`boundary`] carries both through the memory of WebAssembly; a worker of the page calls it. All lengths are in
-//! m, masses in kg, angles in rad, times in s.
+//! The page sends a [`Request`] and, with some, bytes (files, frames). It gets a [`Reply`]: a JSON value and bytes
+//! (frames, a file). [`boundary`] carries both through the memory of WebAssembly; a worker of the page calls it, and the
+//! page itself while a room is drawn. All lengths are in m, masses in kg, angles in rad, times in s, unless it is said
+//! otherwise.
 //!
-//! - [`person`]: four measures -> five disks, and where the person stands in the survey
-//! - [`crowd`]: how many, of whom, in which room -> a Trial
-//! - [`upload`]: a zip -> a Trial
-//! - [`scene`]: what a page draws of a Trial
-//! - [`run`]: a Trial, moving
+//! What is shown goes one way: [`base`] (an example, a crowd, an upload) -> [`edit`] (by hand) -> [`motion`] (what drives
+//! people) -> [`run`]. The parts:
+//!
+//! - [`person`], [`body`]: one person; bodies in three dimensions, and sections
+//! - [`room`], [`crowd`], [`upload`]: where a Trial comes from
+//! - [`driven`]: what they make; [`scene`]: what a page draws of it
+//! - [`frame`]: what it keeps of a run; [`look`]: what it asks of it
 //! - [`take`]: files to keep
 
+pub mod base;
+pub mod body;
 pub mod boundary;
 pub mod crowd;
+pub mod driven;
+pub mod edit;
+pub mod frame;
+pub mod look;
+pub mod motion;
 pub mod person;
+pub mod room;
 pub mod run;
 pub mod scene;
 pub mod take;
 pub mod upload;
 
+use base::Base;
+use driven::Basis;
 use lemons_people::placing::Watch;
-use lemons_trial::DriveTable;
 use serde::Deserialize;
 use serde_json::{Value, json};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// What a page may ask for.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -30,17 +43,31 @@ use serde_json::{Value, json};
 pub enum Request {
     /// A person's shape.
     Person(person::Wanted),
-    /// A crowd in a room, as the present Trial.
-    Crowd(crowd::Wanted),
-    /// A Trial that comes with the lab, as the present one.
-    Example {
-        /// One of [`upload::EXAMPLES`].
+    /// The surface of a person's body.
+    Body(person::Wanted),
+    /// The bicycle that others are drawn around.
+    Bicycle {},
+    /// A crowd, an example or an upload, as it is to be run.
+    Show(Box<Shown>),
+    /// A room that is drawn.
+    Room(room::Wanted),
+    /// The room in a Geometry.xml (the bytes).
+    Geometry {
+        /// The file's name, for messages.
         name: String,
     },
-    /// The Trial in a zip (the bytes), as the present one.
-    Open {
-        /// The zip's name, for messages.
-        name: String,
+    /// Whom an agent would overlap elsewhere.
+    Overlaps {
+        /// The run's number.
+        run: u32,
+        /// Its place in the Trial.
+        agent: usize,
+        /// \[m\]
+        x: f64,
+        /// \[m\]
+        y: f64,
+        /// \[rad\]
+        theta: f64,
     },
     /// Further communication steps of a run.
     Advance {
@@ -48,6 +75,30 @@ pub enum Request {
         run: u32,
         /// How many, at most [`run::MOST_STEPS`].
         steps: u32,
+    },
+    /// Who presses whom in a frame (the bytes).
+    Forces {
+        /// The run's number.
+        run: u32,
+    },
+    /// Who crosses a line between successive frames (the bytes).
+    Flow {
+        /// The run's number.
+        run: u32,
+        /// \[m\] Its ends.
+        line: [[f64; 2]; 2],
+    },
+    /// Everybody's section with a plane.
+    Sections {
+        /// The run's number.
+        run: u32,
+        /// \[m\]
+        altitude: f64,
+    },
+    /// Everybody's surface.
+    Bodies {
+        /// The run's number.
+        run: u32,
     },
     /// A file of a run's Trial.
     Take {
@@ -58,6 +109,18 @@ pub enum Request {
     },
 }
 
+/// What is to be run.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Shown {
+    /// Where it comes from. The bytes are its files.
+    pub base: Base,
+    /// What was changed by hand, in order.
+    #[serde(default)]
+    pub edits: Vec<edit::Edit>,
+    /// What drives people.
+    pub motion: motion::Motion,
+}
+
 /// An answer.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reply {
@@ -65,6 +128,12 @@ pub struct Reply {
     pub value: Value,
     /// Numbers or a file.
     pub bytes: Vec<u8>,
+}
+
+impl Reply {
+    fn of(value: Value) -> Reply {
+        Reply { value, bytes: Vec::new() }
+    }
 }
 
 /// Why there is no answer, for the person before the page.
@@ -78,61 +147,79 @@ impl Refused {
     }
 }
 
+/// That a number is in its range. `what` names it, with its unit.
+fn within(what: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Refused> {
+    let inside = (low..=high).contains(&value);
+    if inside { Ok(value) } else { Err(Refused(format!("{what} = {value}: must be {low} to {high}"))) }
+}
+
 /// The lab of one page.
 #[derive(Debug, Default)]
 pub struct Lab {
+    /// What was shown last, before edits: it need not be made again. With a digest of its files.
+    basis: Option<(Base, u64, Basis)>,
     open: Option<run::Run>,
     /// How many runs there were: the number of the present one.
     runs: u32,
 }
 
 impl Lab {
-    /// Answers a request. `watch` gets the progress of placing people.
+    /// Answers a request. `watch` gets the progress of placing people, and of computing a table.
     ///
     /// # Errors
     /// What was asked for is impossible; the lab is unchanged.
     pub fn answer(&mut self, request: &Request, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
         match request {
             Request::Person(wanted) => person::person(wanted),
-            Request::Crowd(wanted) => {
-                let crowd::Made { trial, mut value } = crowd::crowd(wanted, watch)?;
-                let shown =
-                    self.open(upload::Driven { trial, text: String::new(), drive: DriveTable::default() })?;
-                value["scene"] = shown.value;
-                Ok(Reply { value, bytes: shown.bytes })
+            Request::Body(wanted) => body::of_person(&wanted.person()?),
+            Request::Bicycle {} => Ok(person::bicycle()),
+            Request::Show(shown) => self.show(shown, bytes, watch),
+            Request::Room(wanted) => room::drawn(wanted),
+            Request::Geometry { name } => room::upload(name, bytes),
+            Request::Overlaps { run, agent, x, y, theta } => {
+                look::overlaps(&self.present(*run)?.driven().trial, *agent, [*x, *y, *theta])
             }
-            Request::Example { name } => {
-                let read = upload::example(name)?;
-                self.open_noted(read)
+            Request::Advance { run, steps } => self.present(*run)?.advance(*steps),
+            Request::Forces { run } => self.present(*run)?.forces(bytes),
+            Request::Flow { run, line } => look::flow(self.present(*run)?.people(), *line, bytes),
+            Request::Sections { run, altitude } => {
+                let run = self.present(*run)?;
+                body::sections(run.bodies()?, *altitude, run.driven().people.is_none())
             }
-            Request::Open { name } => {
-                let read = upload::open(name, bytes)?;
-                self.open_noted(read)
+            Request::Bodies { run } => {
+                let run = self.present(*run)?;
+                Ok(body::surfaces(run.bodies()?, run.driven().people.is_none()))
             }
-            Request::Advance { run, .. } | Request::Take { run, .. } if *run != self.runs => {
-                Err(Refused(format!("run {run} is over: the present one is {}", self.runs)))
-            }
-            Request::Advance { steps, .. } => self.present()?.advance(*steps),
-            Request::Take { wanted, .. } => take::take(wanted, self.present()?.driven(), bytes),
+            Request::Take { run, wanted } => take::take(wanted, self.present(*run)?, bytes, watch),
         }
     }
 
-    fn present(&mut self) -> Result<&mut run::Run, Refused> {
-        self.open.as_mut().ok_or_else(|| Refused("there is no Trial yet: make a crowd or open one".into()))
+    fn present(&mut self, run: u32) -> Result<&mut run::Run, Refused> {
+        let present = self.runs;
+        match &mut self.open {
+            Some(open) if run == present => Ok(open),
+            _ => Err(Refused(format!("run {run} is over: the present one is {present}"))),
+        }
     }
 
-    fn open_noted(&mut self, upload::Read { driven, notes }: upload::Read) -> Result<Reply, Refused> {
-        let Reply { value, bytes } = self.open(driven)?;
-        Ok(Reply { value: json!({ "scene": value, "notes": notes }), bytes })
-    }
-
-    /// Makes it the present Trial. Returns its scene and its first frame.
-    fn open(&mut self, driven: upload::Driven) -> Result<Reply, Refused> {
+    fn show(&mut self, shown: &Shown, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
+        let mut digest = DefaultHasher::new();
+        bytes.hash(&mut digest);
+        let digest = digest.finish();
+        let known =
+            self.basis.as_ref().is_some_and(|(base, files, _)| (base, *files) == (&shown.base, digest));
+        if !known {
+            self.basis = Some((shown.base.clone(), digest, base::basis(&shown.base, bytes, watch)?));
+        }
+        let Some((_, _, basis)) = &self.basis else { return Err(Refused("there is nothing to show".into())) };
+        let driven = motion::driven(edit::edited(basis.driven.clone(), &shown.edits)?, &shown.motion)?;
+        let notes: Vec<String> = basis.notes.iter().cloned().chain(motion::missed(&driven)).collect();
         let run = run::Run::begin(driven)?;
-        let (mut value, bytes) = (scene::of(&run.driven().trial), run.frame());
-        self.open = Some(run);
+        let mut value = scene::of(&run);
         self.runs += 1;
         value["run"] = self.runs.into();
-        Ok(Reply { value, bytes })
+        let bytes = run.frame();
+        self.open = Some(run);
+        Ok(Reply { value: json!({ "scene": value, "notes": notes, "made": basis.made }), bytes })
     }
 }

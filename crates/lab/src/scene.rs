@@ -1,23 +1,51 @@
 //! What a page draws of a Trial: everything that does not move.
 
+use crate::look::overlapping;
+use crate::run::Run;
 use crowd_mechanics::setup::Setup;
-use lemons_trial::{Agent, Trial, Wall};
+use lemons_people::Person;
+use lemons_plane::{Rotation, shown_orientation};
+use lemons_trial::{Agent, Shape, Wall};
 use serde_json::{Value, json};
 
-/// Returns the walls' corners \[m\] and each agent's Id, mass \[kg\] and disks (x, y, radius \[m\], in the body's frame),
-/// and the steps; `run` is added by [`crate::Lab`].
-pub fn of(trial: &Trial) -> Value {
+/// Returns the walls' corners \[m\]; each agent's Id, mass \[kg\] and disks (x, y, radius \[m\], in the body's frame), and
+/// measures where they are known; who overlaps; who is pushed, and the ways of those who walk; the steps. Of a run at its
+/// start; its number is added by [`crate::Lab`].
+pub fn of(run: &Run) -> Value {
+    let driven = run.driven();
+    let trial = &driven.trial;
     let agent = |agent: &Agent| {
-        let disks: Vec<[f64; 3]> =
-            agent.shapes.iter().map(|disk| [disk.position.x, disk.position.y, disk.radius]).collect();
+        // A Trial may show its disks at another orientation than 0; the engine turns them back, too.
+        let ends = agent.shapes.first().zip(agent.shapes.last());
+        let own = ends.map_or(0.0, |(first, last)| shown_orientation(first.position, last.position));
+        let disk = |disk: &Shape| {
+            let place = disk.position.rotated(Rotation::by(-own));
+            [place.x, place.y, disk.radius]
+        };
+        let disks: Vec<[f64; 3]> = agent.shapes.iter().map(disk).collect();
         json!({ "id": agent.id, "mass": agent.mass, "disks": disks })
     };
     let wall = |wall: &Wall| {
         let corners: Vec<[f64; 2]> = wall.corners.iter().map(|corner| [corner.x, corner.y]).collect();
         json!({ "id": wall.id, "corners": corners })
     };
+    let person = |person: &Person| {
+        let Person { sex, breadth, depth, stature, mass } = *person;
+        json!({ "sex": sex.name(), "breadth": breadth, "depth": depth, "stature": stature, "mass": mass })
+    };
+    let people = driven.people.as_ref().map(|people| people.iter().map(person).collect::<Vec<_>>());
+    let mut ways: Vec<&Vec<_>> = Vec::new();
+    for agent in driven.plan.iter().flat_map(|plan| &plan.agents) {
+        let way = &agent.walker.waypoints;
+        if !way.is_empty() && !ways.contains(&way) && ways.len() < 100 {
+            ways.push(way);
+        }
+    }
+    let mut pushed: Vec<&str> = driven.table.agents().collect();
+    pushed.sort_unstable();
     let steps = Setup::of(trial).steps();
     let steps = steps.as_ref();
+    let (overlapping, _, overlap) = overlapping(run.world(), None);
     json!({
         "name": trial.name,
         "agents": trial.agents.iter().map(agent).collect::<Vec<_>>(),
@@ -26,5 +54,6 @@ pub fn of(trial: &Trial) -> Value {
         "mechanical_step": trial.parameters.time_step_mechanical,
         "stable": steps.map(|steps| steps.stable()),
         "error": steps.map(|steps| steps.error(trial.parameters.time_step_mechanical)),
+        "pushed": pushed, "walk": driven.plan.is_some(), "ways": ways, "people": people, "overlapping": overlapping, "overlap": overlap,
     })
 }

@@ -1,181 +1,211 @@
-//! A zip -> a Trial; and the Trials that come with the lab.
+//! A zip or a folder -> a Trial; and the Trials that come with the lab.
 
 use crate::Refused;
+use crate::driven::{Basis, Driven};
 use crowd_mechanics::setup;
-use lemons_files::input::Bounded;
+use lemons_decision::WISHES_FILE;
+use lemons_files::input::{self, Bounded};
 use lemons_files::source::{Memory, Source};
-use lemons_trial::{DRIVE_FILE, DriveTable, FileNames, Missed, Trial};
+use lemons_trial::{DRIVE_FILE, DriveTable, FileNames, Parameters};
+use serde_json::Value;
 use std::io::{Cursor, Read as _};
 use std::path::{Component, Path, PathBuf};
 use zip::ZipArchive;
 
 /// \[byte\] Largest upload.
-pub const LARGEST_ZIP: usize = 50_000_000;
+pub const LARGEST_UPLOAD: usize = 50_000_000;
 /// \[byte\] Largest content of an upload, unpacked.
-pub const LARGEST_CONTENT: u64 = 500_000_000;
+pub const LARGEST_CONTENT: u64 = 150_000_000;
 /// Most files in an upload.
 pub const MOST_FILES: usize = 1000;
 /// Most people in an upload.
 pub const MOST_PEOPLE: usize = 20_000;
 
 /// The Trials that come with the lab: name, and its files with their texts.
-pub const EXAMPLES: [(&str, &[(&str, &str)]); 2] = [
-    (
-        "push",
-        &[
-            ("drive.csv", include_str!("../../../resources/Trial_push/drive.csv")),
-            ("Parameters.xml", include_str!("../../../resources/Trial_push/Parameters.xml")),
-            ("static/Materials.xml", include_str!("../../../resources/Trial_push/static/Materials.xml")),
-            ("static/Geometry.xml", include_str!("../../../resources/Trial_push/static/Geometry.xml")),
-            ("static/Agents.xml", include_str!("../../../resources/Trial_push/static/Agents.xml")),
-            (
-                "dynamic/AgentDynamics.xml",
-                include_str!("../../../resources/Trial_push/dynamic/AgentDynamics.xml"),
-            ),
-        ],
-    ),
-    (
-        "door",
-        &[
-            ("Parameters.xml", include_str!("../../../resources/Trial_door/Parameters.xml")),
-            ("static/Materials.xml", include_str!("../../../resources/Trial_door/static/Materials.xml")),
-            ("static/Geometry.xml", include_str!("../../../resources/Trial_door/static/Geometry.xml")),
-            ("static/Agents.xml", include_str!("../../../resources/Trial_door/static/Agents.xml")),
-            (
-                "dynamic/AgentDynamics.xml",
-                include_str!("../../../resources/Trial_door/dynamic/AgentDynamics.xml"),
-            ),
-        ],
-    ),
-];
-
-/// A Trial, and the file that drives its people.
-#[derive(Debug, Clone)]
-pub struct Driven {
-    /// The Trial.
-    pub trial: Trial,
-    /// Its drive.csv; empty if it has none.
-    pub text: String,
-    /// The same, read.
-    pub drive: DriveTable,
-}
-
-/// What was read.
-#[derive(Debug, Clone)]
-pub struct Read {
-    /// The Trial.
-    pub driven: Driven,
-    /// Warnings.
-    pub notes: Vec<String>,
-}
+pub const EXAMPLES: [(&str, &[(&str, &str)]); 1] = [(
+    "push",
+    &[
+        ("drive.csv", include_str!("../../../resources/Trial_push/drive.csv")),
+        ("Parameters.xml", include_str!("../../../resources/Trial_push/Parameters.xml")),
+        ("static/Materials.xml", include_str!("../../../resources/Trial_push/static/Materials.xml")),
+        ("static/Geometry.xml", include_str!("../../../resources/Trial_push/static/Geometry.xml")),
+        ("static/Agents.xml", include_str!("../../../resources/Trial_push/static/Agents.xml")),
+        (
+            "dynamic/AgentDynamics.xml",
+            include_str!("../../../resources/Trial_push/dynamic/AgentDynamics.xml"),
+        ),
+    ],
+)];
 
 /// Returns one of [`EXAMPLES`].
 ///
 /// # Errors
 /// There is none with this name.
-pub fn example(name: &str) -> Result<Read, Refused> {
+pub fn example(name: &str) -> Result<Basis, Refused> {
     let known = EXAMPLES.iter().find(|example| example.0 == name);
     let (name, texts) = known.ok_or_else(|| Refused(format!("there is no example {name:?}")))?;
     let mut files = Memory::default();
     for (path, text) in *texts {
         files.put(&Path::new(name).join(path), text.as_bytes().to_vec());
     }
-    read(&files, Path::new(name))
+    read(&files, Path::new(name), Vec::new())
 }
 
-/// Reads the only Trial in a zip.
-///
-/// # Errors
-/// It is no zip, it is too large, it holds no Trial or several, or the Trial has errors: all of them, with file, element,
-/// attribute and value.
-pub fn open(name: &str, bytes: &[u8]) -> Result<Read, Refused> {
-    open_within(name, bytes, LARGEST_CONTENT)
+/// What an upload holds.
+#[derive(Default)]
+struct Found {
+    files: Memory,
+    /// Not read.
+    others: Vec<PathBuf>,
 }
 
-/// As [`open`], of at most `largest` bytes, unpacked.
-///
-/// # Errors
-/// Those of [`open`].
-pub fn open_within(name: &str, bytes: &[u8], largest: u64) -> Result<Read, Refused> {
-    let of_zip = |why: String| Refused(format!("{name}: {why}"));
-    if bytes.len() > LARGEST_ZIP {
-        return Err(of_zip(format!("it has more than {} MB", LARGEST_ZIP / 1_000_000)));
-    }
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| of_zip(error.to_string()))?;
-    if archive.len() > MOST_FILES {
-        return Err(of_zip(format!("it has more than {MOST_FILES} files")));
-    }
-    let mut files = Memory::default();
-    let (mut left, mut unread) = (largest, Vec::new());
-    for k in 0..archive.len() {
-        let file = archive.by_index(k).map_err(|error| of_zip(error.to_string()))?;
-        if !file.is_file() {
-            continue;
-        }
-        let path = file.enclosed_name();
-        let path = path.ok_or_else(|| of_zip(format!("the name {:?} leads out of it", file.name())))?;
+impl Found {
+    /// Whether the lab reads a file of this name.
+    fn wants(&mut self, path: &Path) -> bool {
         let is_xml = path.extension().is_some_and(|extension| extension == "xml");
-        if !is_xml && path.file_name().is_none_or(|name| name != DRIVE_FILE) {
-            unread.push(path);
+        let wanted = is_xml || path.file_name().is_some_and(|name| name == DRIVE_FILE || name == WISHES_FILE);
+        if !wanted {
+            self.others.push(path.to_owned());
+        }
+        wanted
+    }
+
+    /// The directories of files with this name.
+    fn places(&self, name: &str) -> Vec<PathBuf> {
+        let named = self.files.paths().filter(|path| path.file_name().is_some_and(|file| file == name));
+        named.map(|path| path.parent().unwrap_or(Path::new("")).to_owned()).collect()
+    }
+}
+
+/// Reads the only Trial in a zip, or in the files of a folder. Without a Parameters.xml, as the published platform gives
+/// it, the default steps are taken. Unpacked, it may have `largest` bytes, as [`LARGEST_CONTENT`].
+///
+/// # Errors
+/// It is too large, it holds no Trial or several, or the Trial has errors: all of them, with file, element, attribute and
+/// value.
+pub fn open(name: &str, files: &[(&str, &[u8])], largest: u64) -> Result<Basis, Refused> {
+    let wrong = |why: String| Refused(format!("{name}: {why}"));
+    if files.iter().map(|(_, content)| content.len()).sum::<usize>() > LARGEST_UPLOAD {
+        return Err(wrong(format!("it has more than {} MB", LARGEST_UPLOAD / 1_000_000)));
+    }
+    let mut found = Found::default();
+    match files {
+        [(path, content)] if !path.ends_with(".xml") => unzip(content, largest, &mut found).map_err(wrong)?,
+        files if files.len() > MOST_FILES => {
+            return Err(wrong(format!("it has more than {MOST_FILES} files")));
+        }
+        files => {
+            for (path, content) in files {
+                let path = Path::new(path);
+                if !path.components().all(|part| matches!(part, Component::Normal(_))) {
+                    return Err(wrong(format!("the name {path:?} leads out of it")));
+                }
+                if found.wants(path) {
+                    found.files.put(path, content.to_vec());
+                }
+            }
+        }
+    }
+    let mut notes = Vec::new();
+    let filled_in = found.places("Parameters.xml").is_empty();
+    let place = match found.places("Parameters.xml").as_slice() {
+        [] => with_parameters(&mut found, &mut notes).map_err(wrong)?,
+        [place] => place.clone(),
+        several => {
+            let names: Vec<String> = several.iter().map(|place| place.display().to_string()).collect();
+            return Err(wrong(format!("there are several Trials in it: {}", names.join(", "))));
+        }
+    };
+    let others = found.others.iter().filter(|path| path.starts_with(&place));
+    let others: Vec<String> = others.map(|path| path.display().to_string()).collect();
+    if !others.is_empty() {
+        notes.push(format!("not used here, and not taken along: {}", others.join(", ")));
+    }
+    let mut read = read(&found.files, &place, notes)?;
+    if filled_in || !place.components().any(|part| matches!(part, Component::Normal(_))) {
+        // Without a directory of its own, it is called as its zip.
+        let stem = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        read.driven.trial.name = stem.unwrap_or_else(|| "Trial".into());
+    }
+    Ok(read)
+}
+
+fn unzip(bytes: &[u8], largest: u64, found: &mut Found) -> Result<(), String> {
+    let mut archive =
+        ZipArchive::new(Cursor::new(bytes)).map_err(|error| format!("it is no zip: {error}"))?;
+    if archive.len() > MOST_FILES {
+        return Err(format!("it has more than {MOST_FILES} files"));
+    }
+    let mut left = largest;
+    for k in 0..archive.len() {
+        let file = archive.by_index(k).map_err(|error| error.to_string())?;
+        let path = file.enclosed_name().ok_or("a name in it leads out of it")?;
+        if !file.is_file() || !found.wants(&path) {
             continue;
         }
         let mut content = Vec::new();
-        Bounded::new(file, left)
-            .read_to_end(&mut content)
-            .map_err(|error| of_zip(format!("{}: {error}", path.display())))?;
+        let read = Bounded::new(file, left.min(input::LARGEST_TRIAL_FILE)).read_to_end(&mut content);
+        read.map_err(|error| format!("{}: {error}", path.display()))?;
         left -= content.len() as u64;
-        files.put(&path, content);
+        found.files.put(&path, content);
     }
-    let places: Vec<PathBuf> = files
-        .paths()
-        .filter(|path| path.file_name().is_some_and(|name| name == "Parameters.xml"))
-        .map(|path| path.parent().unwrap_or(Path::new("")).to_owned())
-        .collect();
-    match places.as_slice() {
-        [] => Err(of_zip("it has no Parameters.xml, so there is no Trial in it".into())),
-        [place] => {
-            let mut read = read(&files, place)?;
-            let others = unread.iter().filter(|path| path.starts_with(place));
-            let others: Vec<String> = others.map(|path| path.display().to_string()).collect();
-            if !others.is_empty() {
-                read.notes.push(format!("not used here, and not taken along: {}", others.join(", ")));
-            }
-            if !place.components().any(|part| matches!(part, Component::Normal(_))) {
-                // Without a directory of its own, it is called as its zip.
-                let stem = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-                read.driven.trial.name = stem.unwrap_or_else(|| "Trial".into());
-            }
-            Ok(read)
-        }
-        several => {
-            let names: Vec<String> = several.iter().map(|place| place.display().to_string()).collect();
-            Err(of_zip(format!("there are several Trials in it: {}", names.join(", "))))
-        }
-    }
+    Ok(())
 }
 
-fn read(files: &Memory, place: &Path) -> Result<Read, Refused> {
+/// \[s\] The communication step of a Trial that says none.
+const TIME_STEP: f64 = 0.01;
+/// \[s\] Its mechanical step: that of most crowds with the paper's materials.
+const SHORT_STEP: f64 = 1e-4;
+
+/// Adds the Parameters.xml of a Trial that has none, and returns its directory.
+fn with_parameters(found: &mut Found, notes: &mut Vec<String>) -> Result<PathBuf, String> {
+    let only = |name: &str| match found.places(name).as_slice() {
+        [place] => Ok(place.clone()),
+        [] => Err(format!("it has no Parameters.xml and no {name}, so there is no Trial in it")),
+        _ => Err(format!("it has no Parameters.xml, and more than one {name}")),
+    };
+    let (fixed, moving) = (only("Agents.xml")?, only("AgentDynamics.xml")?);
+    let common =
+        fixed.ancestors().find(|above| moving.starts_with(above)).unwrap_or(Path::new("")).to_owned();
+    let within = |path: &Path| {
+        let parts = path.strip_prefix(&common).into_iter().flat_map(Path::components);
+        let names: Vec<String> = parts.map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
+        format!("./{}", names.join("/"))
+    };
+    let parameters = Parameters {
+        static_directory: within(&fixed),
+        dynamic_directory: within(&moving),
+        time_step: TIME_STEP,
+        time_step_mechanical: SHORT_STEP,
+    };
+    found.files.put(&common.join("Parameters.xml"), parameters.xml().into_bytes());
+    notes.push(format!(
+        "it has no Parameters.xml: the communication step is {TIME_STEP} s, the mechanical step {SHORT_STEP} s"
+    ));
+    Ok(common)
+}
+
+fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Basis, Refused> {
     let (trial, warnings) = setup::read_from(files, place, &FileNames::default()).map_err(Refused::of)?;
     if trial.agents.len() > MOST_PEOPLE {
         let people = trial.agents.len();
         return Err(Refused(format!("{people} people are too many for a page: at most {MOST_PEOPLE}")));
     }
-    let path = place.join(DRIVE_FILE);
-    let (mut text, mut drive) = (String::new(), DriveTable::default());
-    if !files.lacks(&path) {
+    let text = |name: &str| {
+        let path = place.join(name);
+        if files.lacks(&path) {
+            return Ok(String::new());
+        }
         let bytes = files.read(&path, LARGEST_CONTENT).map_err(Refused::of)?;
-        let checked = DriveTable::from_csv(&bytes[..])
-            .and_then(|drive| drive.check_agents(Some(&trial)).map(|()| drive));
-        drive = checked.map_err(|error| Refused::of(error.of_file(&path)))?;
-        text = String::from_utf8(bytes).map_err(Refused::of)?;
+        String::from_utf8(bytes).map_err(|error| Refused(format!("{}: {error}", path.display())))
+    };
+    let mut driven =
+        Driven { drive: text(DRIVE_FILE)?, wishes: text(WISHES_FILE)?, ..Driven::alone(trial, None) };
+    if !driven.drive.is_empty() {
+        let table = DriveTable::from_csv(driven.drive.as_bytes())
+            .and_then(|table| table.check_agents(Some(&driven.trial)).map(|()| table));
+        driven.table = table.map_err(|error| Refused::of(error.of_file(&place.join(DRIVE_FILE))))?;
     }
-    let mut notes: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-    if let Some(missed) = drive.missed(0.0, trial.parameters.time_step) {
-        let Missed { rows, of, shortest, .. } = missed;
-        notes.push(format!(
-            "{DRIVE_FILE}: {rows} of {of} rows lie between communication points and have no effect; a TimeStep of \
-             {shortest} s would use all"
-        ));
-    }
-    Ok(Read { driven: Driven { trial, text, drive }, notes })
+    notes.extend(warnings.iter().map(ToString::to_string));
+    Ok(Basis { driven, notes, made: Value::Null })
 }

@@ -1,0 +1,78 @@
+//! Bodies in three dimensions, and their sections.
+
+use crate::driven::Driven;
+use crate::{Refused, Reply, within};
+use lemons_people::{Body3d, Mesh, Person, Polygon};
+use serde_json::json;
+
+/// Most people whose bodies are shown: a quarter of a MB each.
+const MOST: usize = 1000;
+
+/// Returns the surface of a person's body: numbers of vertices and triangles, then [`Mesh::packed`].
+///
+/// # Errors
+/// A measure is not a person's.
+pub fn of_person(person: &Person) -> Result<Reply, Refused> {
+    let body = Body3d::of(person).map_err(Refused::of)?;
+    let ([vertices, triangles], bytes) = body.mesh().packed();
+    Ok(Reply { value: json!({ "vertices": vertices, "triangles": triangles }), bytes })
+}
+
+/// A person's outlines at an altitude \[m\], in the body's frame.
+///
+/// # Errors
+/// A measure is not a person's, or the altitude is out of range.
+pub fn section_of(person: &Person, altitude: f64) -> Result<Vec<Vec<[f64; 2]>>, Refused> {
+    within("altitude [m]", altitude, [0.0, 3.0])?;
+    Ok(outlines(&Body3d::of(person).map_err(Refused::of)?.slice_at(altitude)))
+}
+
+fn outlines(polygons: &[Polygon]) -> Vec<Vec<[f64; 2]>> {
+    polygons.iter().map(|polygon| polygon.points.iter().map(|p| [p.x, p.y]).collect()).collect()
+}
+
+/// Everybody's body; `None` of whom no body fits the disks.
+///
+/// # Errors
+/// There are too many people.
+pub fn of_everybody(of: &Driven) -> Result<Vec<Option<Body3d>>, Refused> {
+    let agents = &of.trial.agents;
+    if agents.len() > MOST {
+        return Err(Refused(format!("bodies of {} people are too many: at most {MOST}", agents.len())));
+    }
+    let person = |(k, agent)| of.people.as_ref().map_or_else(|| Person::fitting(agent), |people| people[k]);
+    Ok(agents.iter().enumerate().map(|one| Body3d::of(&person(one)).ok()).collect())
+}
+
+/// How many have no body.
+fn without(bodies: &[Option<Body3d>]) -> usize {
+    bodies.iter().filter(|body| body.is_none()).count()
+}
+
+/// Returns everybody's outlines at an altitude \[m\], in the body's frame.
+///
+/// # Errors
+/// The altitude is out of range.
+pub fn sections(bodies: &[Option<Body3d>], altitude: f64, estimated: bool) -> Result<Reply, Refused> {
+    within("altitude [m]", altitude, [0.0, 3.0])?;
+    let slice = |body: &Option<Body3d>| body.as_ref().map_or(Vec::new(), |body| body.slice_at(altitude));
+    let slices: Vec<Vec<Polygon>> = bodies.iter().map(slice).collect();
+    let area: f64 = slices.iter().flatten().map(Polygon::area).sum();
+    let cut = slices.iter().filter(|polygons| !polygons.is_empty()).count();
+    Ok(Reply::of(json!({
+        "altitude": altitude, "bodies": slices.iter().map(|polygons| outlines(polygons)).collect::<Vec<_>>(),
+        "cut": cut, "area": area, "estimated": estimated, "without": without(bodies),
+    })))
+}
+
+/// Returns everybody's surface, in the body's frame; less fine, because there are many.
+pub fn surfaces(bodies: &[Option<Body3d>], estimated: bool) -> Reply {
+    let (mut agents, mut bytes) = (Vec::new(), Vec::new());
+    for body in bodies {
+        let mesh = body.as_ref().map_or_else(Mesh::default, Body3d::coarse_mesh);
+        let (counts, packed) = mesh.packed();
+        agents.push(counts);
+        bytes.extend(packed);
+    }
+    Reply { value: json!({ "agents": agents, "estimated": estimated, "without": without(bodies) }), bytes }
+}

@@ -1,0 +1,131 @@
+//! What drives people: as the Trial says, nothing, pushes, or ways to walk.
+
+use crate::driven::Driven;
+use crate::{Refused, within};
+use lemons_decision::rule::Waypoint;
+use lemons_decision::{Person, Plan, Wishes};
+use lemons_people::heading;
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::{DRIVE_FILE, DriveTable, Pulse, Trial, drive_of_pulses};
+use serde::Deserialize;
+
+/// What drives people.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Motion {
+    /// The Trial's own files do.
+    Own {},
+    /// Nothing does.
+    None {},
+    /// Pulses do, besides what the Trial's AgentDynamics.xml says.
+    Push {
+        /// Where and when.
+        pushes: Vec<Push>,
+    },
+    /// They walk (the paper's eq. 4).
+    Walk {
+        /// \[m/s\] The speed that everybody would like.
+        speed: f64,
+        /// Way-points, in order. Everybody takes the way whose first point is nearest.
+        ways: Vec<Vec<Waypoint>>,
+    },
+}
+
+/// A pulse on all whose centres lie in a circle at the start.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Push {
+    /// \[m\] Middle of the circle.
+    pub at: [f64; 2],
+    /// \[m\]
+    pub radius: f64,
+    /// \[°\]
+    pub direction: f64,
+    /// \[N\] Greatest force on each.
+    pub force: f64,
+    /// \[s\]
+    pub start: f64,
+    /// \[s\]
+    pub duration: f64,
+}
+
+/// Replaces what drives the people.
+///
+/// # Errors
+/// A number is out of range, nobody is in a circle, or there is no way.
+pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
+    if !matches!(motion, Motion::Own {}) {
+        driven = Driven::alone(driven.trial, driven.people);
+    }
+    if matches!(motion, Motion::None {} | Motion::Walk { .. }) {
+        for here in &mut driven.trial.dynamics {
+            (here.fp, here.mp) = (Vec2::ZERO, 0.0);
+        }
+    }
+    match motion {
+        Motion::Own {} => forget_deleted(&mut driven)?,
+        Motion::None {} => {}
+        Motion::Push { pushes } => driven.drive = drive(&driven.trial, pushes)?,
+        Motion::Walk { speed, ways } => driven.wishes = wishes(&driven.trial, *speed, ways)?,
+    }
+    let Driven { trial, drive, wishes, .. } = &driven;
+    let table = match drive.as_str() {
+        "" => DriveTable::default(),
+        text => DriveTable::from_csv(text.as_bytes()).map_err(Refused::of)?,
+    };
+    let plan = (!wishes.is_empty()).then(|| Plan::of(trial, &Wishes::from_toml(wishes)?));
+    let plan = plan.transpose().map_err(Refused::of)?;
+    Ok(Driven { table, plan, ..driven })
+}
+
+/// What a drive file says between communication points has no effect: that is told.
+pub fn missed(of: &Driven) -> Option<String> {
+    let missed = of.table.missed(0.0, of.trial.parameters.time_step)?;
+    Some(format!("{DRIVE_FILE}: {missed}"))
+}
+
+/// The files of a Trial must not name people who are not there any more.
+fn forget_deleted(driven: &mut Driven) -> Result<(), Refused> {
+    if driven.table.check_agents(Some(&driven.trial)).is_err() {
+        driven.drive = driven.table.text_for(&driven.trial);
+    }
+    if !driven.wishes.is_empty() {
+        let wishes = Wishes::from_toml(&driven.wishes).map_err(Refused::of)?;
+        if let Some(fewer) = wishes.without_others(&Person::all_of(&driven.trial)) {
+            driven.wishes = fewer.to_toml().map_err(Refused::of)?;
+        }
+    }
+    Ok(())
+}
+
+impl Push {
+    fn pulse(&self) -> Result<Pulse, Refused> {
+        let radius = within("radius of a push [m]", self.radius, [0.01, 1000.0])?;
+        let force = within("force of a push [N]", self.force, [0.0, 1e5])?;
+        let direction = within("direction of a push [°]", self.direction, [-360.0, 360.0])?;
+        let start = within("start of a push [s]", self.start, [0.0, 1e4])?;
+        let duration = within("duration of a push [s]", self.duration, [0.01, 1e4])?;
+        let [x, y] = self.at;
+        Ok(Pulse { at: vec2(x, y), radius, force: heading(direction) * force, start, duration })
+    }
+}
+
+/// The drive of the pushes.
+fn drive(trial: &Trial, pushes: &[Push]) -> Result<String, Refused> {
+    let pulses = pushes.iter().map(Push::pulse).collect::<Result<Vec<_>, _>>()?;
+    drive_of_pulses(trial, &pulses)
+        .map_err(|lost| Refused(format!("push {}: nobody stands in its circle", lost + 1)))
+}
+
+/// decision.toml: the ways of everybody.
+fn wishes(trial: &Trial, speed: f64, ways: &[Vec<Waypoint>]) -> Result<String, Refused> {
+    within("desired speed [m/s]", speed, [0.0, 20.0])?;
+    for Waypoint { x, y, radius } in ways.iter().flatten() {
+        within("x of a way-point [m]", *x, [-1e4, 1e4])?;
+        within("y of a way-point [m]", *y, [-1e4, 1e4])?;
+        within("radius of a way-point [m]", *radius, [0.01, 1000.0])?;
+    }
+    let wishes = Wishes::nearest_of(&Person::all_of(trial), speed, ways);
+    let wishes = wishes.ok_or_else(|| Refused("nobody can walk: there is no way".into()))?;
+    wishes.to_toml().map_err(Refused::of)
+}

@@ -1,0 +1,212 @@
+//! Rooms, changes by hand, and requests that are none.
+
+use crate::{ask, close, crowd, numbers, ok, push, refused, show, square, with};
+use lemons_lab::Lab;
+use lemons_lab::boundary::answer;
+use lemons_lab::frame::COLUMNS;
+use serde_json::{Value, json};
+use std::ops::ControlFlow;
+
+#[test]
+fn a_room_has_obstacles_doors_and_a_part_where_people_are_placed() {
+    let mut lab = Lab::default();
+    let room = json!({
+        "outline": [[0.0, 0.0], [8.0, 0.0], [8.0, 6.0], [0.0, 6.0]],
+        "obstacles": [[[1.5, 2.0], [2.0, 2.0], [2.0, 2.5], [1.5, 2.5]]],
+        "doors": [{"at": [8.1, 3.0], "width": 0.9}],
+    });
+    let region = json!([[0.0, 0.0], [4.0, 0.0], [4.0, 6.0], [0.0, 6.0]]);
+    let base = with(with(crowd(1, room.clone()), "region", region), "number", Value::Null);
+    let (made, first) = ok(&mut lab, show(with(base.clone(), "density", json!(2.0)), json!({"kind": "own"})));
+    // 24 m² less the obstacle.
+    assert!(close(made["made"]["area"].as_f64().unwrap(), 23.75, 1e-9));
+    let poses = numbers(&first);
+    assert_eq!(poses.len() / COLUMNS, 48);
+    assert!(
+        poses
+            .chunks(COLUMNS)
+            .all(|pose| pose[0] < 4.0 && !((1.5..2.0).contains(&pose[0]) && (2.0..2.5).contains(&pose[1])))
+    );
+    let walls: Vec<Vec<[f64; 2]>> = made["scene"]["walls"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|wall| serde_json::from_value(wall["corners"].clone()).unwrap())
+        .collect();
+    assert_eq!(walls.len(), 2);
+    let ends = [walls[0][0], *walls[0].last().unwrap()];
+    assert!(ends.iter().all(|end| close(end[0], 8.0, 1e-12)), "{ends:?}");
+    assert!(close((ends[0][1] - ends[1][1]).abs(), 0.9, 1e-12));
+    for (key, value, words) in [
+        ("region", json!([[0.0, 0.0], [9.0, 0.0], [4.0, 6.0]]), "goes beyond the room"),
+        ("region", json!([[1.7, 0.0], [4.0, 0.0], [4.0, 6.0], [1.7, 6.0]]), "over an obstacle"),
+        (
+            "room",
+            json!({"outline": [[0.0, 0.0], [8.0, 6.0], [8.0, 0.0], [0.0, 4.0]], "obstacles": [], "doors": []}),
+            "cross",
+        ),
+        (
+            "room",
+            json!({"outline": [[0.0, 0.0], [8.0, 0.0], [8.0, 6.0]], "obstacles": [], "doors": [{"at": [0.0, 90.0], "width": 1.0}]}),
+            "door 0",
+        ),
+        ("men", json!(1.5), "men"),
+        ("density", json!(9.0), "either the number"),
+    ] {
+        let base = with(with(base.clone(), "number", json!(40)), key, value);
+        let said = refused(&mut lab, show(base, json!({"kind": "own"})), &[]);
+        assert!(said.contains(words), "{key}: {said}");
+    }
+}
+
+/// A room that is drawn: a door a quarter of the way up the wall on the right, another one in an obstacle's.
+fn drawing() -> Value {
+    json!({
+        "outline": [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]],
+        "obstacles": [[[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]],
+        "doors": [{"at": [4.0, 0.75], "width": 0.5}, {"at": [1.5, 1.0], "width": 0.4}],
+    })
+}
+
+#[test]
+fn a_drawn_room_is_seen_with_its_doors_bounds_and_the_nearest_wall() {
+    let mut lab = Lab::default();
+    let mut drawn =
+        |room: Value, near: Value| ok(&mut lab, json!({"ask": "room", "room": room, "near": near})).0;
+    let seen = drawn(drawing(), json!([4.2, 2.0]));
+    assert_eq!(seen["room"], drawing());
+    let doors: Vec<Vec<[f64; 2]>> = serde_json::from_value(seen["doors"].clone()).unwrap();
+    let by_hand = [[[4.0, 0.5], [4.0, 1.0]], [[1.3, 1.0], [1.7, 1.0]]];
+    for (found, by_hand) in doors.iter().flatten().flatten().zip(by_hand.as_flattened().as_flattened()) {
+        assert!(close(*found, *by_hand, 1e-12), "{doors:?}");
+    }
+    assert_eq!(seen["rings"][0]["bounds"], json!([4.0, 3.0, 0.0, 0.0]));
+    assert_eq!(seen["rings"][1]["bounds"], json!([1.0, 1.0, 1.0, 1.0]));
+    assert_eq!((&seen["rings"][0]["upright"], &seen["rings"][1]["upright"]), (&json!(true), &json!(false)));
+    assert_eq!(seen["rings"][1]["middles"], json!([[1.5, 1.0], [2.0, 1.5], [1.5, 1.5]]));
+    let near = &seen["near"];
+    assert_eq!((&near["ring"], &near["side"], &near["at"]), (&json!(0), &json!(1), &json!([4.0, 2.0])));
+    assert!(close(near["away"].as_f64().unwrap(), 0.2, 1e-12));
+    // On the slope of the obstacle, from (2, 2) to (1, 1): in its middle.
+    let near = &drawn(drawing(), json!([1.4, 1.6]))["near"];
+    assert_eq!((&near["ring"], &near["side"]), (&json!(1), &json!(2)));
+    assert!(close(near["away"].as_f64().unwrap(), 0.02_f64.sqrt(), 1e-12));
+    // What cannot be made can still be drawn: walls that cross, far out, with a door that is wider than they are long.
+    let odd = json!({"outline": [[0.0, 0.0], [9e3, 9e3], [9e3, 0.0], [0.0, 9e3]], "obstacles": [], "doors": [{"at": [0.0, 1.0], "width": 1e9}]});
+    assert_eq!(drawn(odd, Value::Null)["doors"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn doors_of_a_drawn_room_stay_on_their_walls() {
+    let mut lab = Lab::default();
+    let mut edited = |edit: Value| ok(&mut lab, json!({"ask": "room", "room": drawing(), "edit": edit})).0;
+    let moved = edited(json!({"do": "move", "ring": 0, "corner": 2, "to": [6.0, 4.0]}));
+    assert_eq!(moved["room"]["outline"], json!([[0.0, 0.0], [4.0, 0.0], [6.0, 4.0], [0.0, 3.0]]));
+    assert_eq!(moved["room"]["doors"][0]["at"], json!([4.5, 1.0]));
+    assert_eq!(moved["room"]["doors"][1], drawing()["doors"][1]);
+    // Half of its width along the wall, which rises by 2 in 1: from its middle to each end.
+    let ends: Vec<[f64; 2]> = serde_json::from_value(moved["doors"][0].clone()).unwrap();
+    for (end, side) in ends.iter().zip([-0.25, 0.25]) {
+        assert!(close(end[0], 4.5 + side / 5.0_f64.sqrt(), 1e-12), "{ends:?}");
+        assert!(close(end[1], 1.0 + side * 2.0 / 5.0_f64.sqrt(), 1e-12), "{ends:?}");
+    }
+    let stretched = edited(json!({"do": "stretch", "width": 5.0, "height": 6.0}));
+    assert_eq!(stretched["rings"][0]["bounds"], json!([5.0, 6.0, 0.0, 0.0]));
+    assert_eq!(stretched["room"]["doors"][0]["at"], json!([5.0, 1.5]));
+    let inserted = edited(json!({"do": "insert", "ring": 1, "side": 2, "at": [1.4, 1.6]}));
+    assert_eq!(inserted["room"]["obstacles"], json!([[[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.4, 1.6]]]));
+    let removed = edited(json!({"do": "remove", "ring": 0, "corner": 3}));
+    assert_eq!(removed["rings"][0]["middles"].as_array().unwrap().len(), 3);
+    let cleared = edited(json!({"do": "clear", "ring": 1}))["room"].take();
+    assert_eq!((&cleared["obstacles"], &cleared["doors"]), (&json!([]), &json!([drawing()["doors"][0]])));
+    for (edit, words) in [
+        (json!({"do": "move", "ring": 0, "corner": 4, "to": [0.0, 0.0]}), "no corner 4 of ring 0"),
+        (json!({"do": "remove", "ring": 2, "corner": 0}), "no corner 0 of ring 2"),
+        (json!({"do": "clear", "ring": 0}), "has no corners"),
+    ] {
+        let said = refused(&mut lab, json!({"ask": "room", "room": drawing(), "edit": edit}), &[]);
+        assert!(said.contains(words), "{said}");
+    }
+}
+
+#[test]
+fn a_geometry_file_becomes_a_room() {
+    let mut lab = Lab::default();
+    ok(&mut lab, show(crowd(1, square(3.0, 2.0)), json!({"kind": "own"})));
+    let (_, zip) = ok(&mut lab, json!({"ask": "take", "run": 1, "wanted": {"file": "trial"}}));
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(zip)).unwrap();
+    let mut text = Vec::new();
+    std::io::copy(&mut archive.by_name("crowd_1_seed_3/static/Geometry.xml").unwrap(), &mut text).unwrap();
+    let (room, _) = ask(&mut lab, &json!({"ask": "geometry", "name": "Geometry.xml"}), &text);
+    assert_eq!(room["ok"]["outline"], square(3.0, 2.0)["outline"], "{room}");
+    let broken = String::from_utf8(text).unwrap().replacen("Coordinates=\"", "Coordinates=\"east \u{20}", 1);
+    let said = refused(&mut lab, json!({"ask": "geometry", "name": "Geometry.xml"}), broken.as_bytes());
+    assert!(said.contains("Geometry.xml") && said.contains("east"), "{said}");
+}
+
+#[test]
+fn people_are_moved_copied_and_deleted_by_hand() {
+    let mut lab = Lab::default();
+    let base = crowd(3, square(4.0, 4.0));
+    let (_, before) = ok(&mut lab, show(base.clone(), json!({"kind": "own"})));
+    let before = numbers(&before);
+    let mut edited = show(base, json!({"kind": "own"}));
+    edited["edits"] = json!([
+        {"do": "move", "id": "1", "x": before[0] + 0.1, "y": before[1], "theta": 0.5},
+        {"do": "copy", "id": "2", "as": "2 b", "x": 3.9, "y": 3.9, "theta": 0.0},
+        {"do": "delete", "id": "2"},
+    ]);
+    let (made, after) = ok(&mut lab, edited.clone());
+    let (ids, after) = (&made["scene"]["agents"], numbers(&after));
+    assert_eq!((&ids[0]["id"], &ids[1]["id"], &ids[2]["id"]), (&json!("0"), &json!("1"), &json!("2 b")));
+    assert_eq!(&after[COLUMNS..COLUMNS + 3], [before[0] + 0.1, before[1], 0.5]);
+    assert_eq!(after[..6], before[..6], "the others stay");
+    // The moved one overlaps the first; the copy is in the corner's walls.
+    assert_eq!(made["scene"]["overlapping"], json!([0, 1, 2]));
+    assert!(made["scene"]["overlap"].as_f64().unwrap() > 0.05);
+    assert_eq!(made["scene"]["people"].as_array().unwrap().len(), 3);
+    let asked =
+        |x: f64, y: f64| json!({"ask": "overlaps", "run": 2, "agent": 1, "x": x, "y": y, "theta": 0.0});
+    let (here, _) = ok(&mut lab, asked(before[0], before[1]));
+    assert_eq!((&here["agents"], &here["wall"]), (&json!([0]), &json!(false)));
+    assert_eq!(ok(&mut lab, asked(0.05, 2.0)).0["wall"], true);
+    for (edit, words) in [
+        (json!({"do": "delete", "id": "9"}), "nobody with the Id \"9\""),
+        (json!({"do": "copy", "id": "1", "as": "0", "x": 1.0, "y": 1.0, "theta": 0.0}), "there already"),
+        (json!({"do": "move", "id": "1", "x": 1e9, "y": 1.0, "theta": 0.0}), "x [m]"),
+    ] {
+        edited["edits"] = json!([edit]);
+        assert!(refused(&mut lab, edited.clone(), &[]).contains(words));
+    }
+    // A person of a drive file may go; his rows go with him.
+    let mut gone = push();
+    gone["edits"] = json!([{"do": "delete", "id": "0"}]);
+    let (made, _) = ok(&mut lab, gone);
+    assert_eq!(made["scene"]["agents"].as_array().unwrap().len(), 4);
+    assert_eq!(made["scene"]["pushed"], json!([]));
+}
+
+#[test]
+fn requests_that_are_none_are_refused() {
+    let mut lab = Lab::default();
+    for request in [&b""[..], b"\xff\xff\xff\x7f{}", b"\x02\0\0\0{}", b"\x03\0\0\0{]}"] {
+        let answer = answer(&mut lab, request, &mut |_| ControlFlow::Continue(()));
+        assert!(String::from_utf8_lossy(&answer).contains("refused"));
+    }
+    assert!(
+        refused(&mut lab, json!({"ask": "advance", "run": 0, "steps": 1}), &[]).contains("run 0 is over")
+    );
+    ok(&mut lab, push());
+    assert!(
+        refused(&mut lab, json!({"ask": "advance", "run": 1, "steps": 1001}), &[]).contains("at most 1000")
+    );
+    let short = json!({"ask": "take", "run": 1, "wanted": {"file": "fmu", "version": 2, "binaries": [["linux64", 5]]}});
+    assert!(refused(&mut lab, short, b"1234").contains("its content is missing"));
+    let many = show(crowd(40, square(1.0, 1.0)), json!({"kind": "own"}));
+    let said = refused(&mut lab, many, &[]);
+    assert!(said.contains("40 shapes") && said.contains("without overlap"), "{said}");
+    assert!(
+        refused(&mut lab, show(json!({"kind": "example", "name": "moon"}), json!({"kind": "own"})), &[])
+            .contains("moon")
+    );
+}

@@ -1,0 +1,163 @@
+//! People: their shapes, bodies, sections, and crowds of them.
+
+use crate::{close, crowd, numbers, ok, push, refused, show, square, with};
+use lemons_lab::Lab;
+use lemons_lab::boundary::answer;
+use lemons_lab::frame::COLUMNS;
+use serde_json::{Value, json};
+use std::ops::ControlFlow;
+
+#[test]
+fn a_person_has_the_breadth_and_depth_that_are_asked_for_and_a_rank() {
+    let mut lab = Lab::default();
+    let person =
+        json!({"ask": "person", "sex": "male", "breadth": 0.5, "depth": 0.3, "stature": 1.8, "mass": null});
+    let (is, _) = ok(&mut lab, person);
+    let disks: Vec<[f64; 3]> = serde_json::from_value(is["disks"].clone()).unwrap();
+    let most =
+        |along: fn(&[f64; 3]) -> f64| disks.iter().map(|disk| along(disk) + disk[2]).fold(0.0, f64::max);
+    assert!((most(|disk| disk[1]) - 0.25).abs() < 1e-12);
+    let depth = most(|disk| disk[0]) + most(|disk| -disk[0]);
+    assert!((depth - 0.3).abs() < 1e-12, "{depth}");
+    let rank = |k: usize| is["measures"][k]["rank"].as_f64().unwrap();
+    // ANSUR II: men are 1.756 m tall on average, with a standard deviation of 0.069 m, and about normally distributed.
+    assert!((rank(2) - 0.74).abs() < 0.02, "{}", rank(2));
+    assert!((rank(3) - 0.5).abs() < 0.01);
+    let said = refused(
+        &mut lab,
+        json!({"ask": "person", "sex": "male", "breadth": 50, "depth": null, "stature": null, "mass": null}),
+        &[],
+    );
+    assert!(said.contains("50") && said.contains("breadth"), "{said}");
+}
+
+fn area(polygon: &Value) -> f64 {
+    let points: Vec<[f64; 2]> = serde_json::from_value(polygon.clone()).unwrap();
+    let next = points.iter().cycle().skip(1);
+    0.5 * points.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>().abs()
+}
+
+#[test]
+fn a_body_has_the_volume_of_its_mass_and_its_sections_their_breadth() {
+    let mut lab = Lab::default();
+    let of = |ask: &str| json!({"ask": ask, "sex": "female", "breadth": 0.45, "depth": 0.25, "stature": 1.65, "mass": 65.0, "altitude": 1.2});
+    let (counts, bytes) = ok(&mut lab, of("body"));
+    let (vertices, triangles) = (counts["vertices"].as_u64().unwrap(), counts["triangles"].as_u64().unwrap());
+    assert_eq!(bytes.len() as u64, 12 * (vertices + triangles));
+    let (places, corners) = bytes.split_at(12 * vertices as usize);
+    let place =
+        |k: usize, axis: usize| f32::from_le_bytes(places[12 * k + 4 * axis..][..4].try_into().unwrap());
+    let mut volume = 0.0;
+    for triangle in corners.chunks(12) {
+        let [a, b, c] =
+            [0, 4, 8].map(|at| u32::from_le_bytes(triangle[at..at + 4].try_into().unwrap()) as usize);
+        let [a, b, c] = [a, b, c].map(|k| [0, 1, 2].map(|axis| f64::from(place(k, axis))));
+        volume += a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+    assert!(close(volume / 6.0 * 985.0, 65.0, 0.3), "{}", volume / 6.0);
+    let (is, _) = ok(&mut lab, of("person"));
+    let sum: f64 = is["sections"].as_array().unwrap().iter().map(area).sum();
+    assert!((0.05..0.12).contains(&sum), "{sum}");
+    let (bicycle, _) = ok(&mut lab, json!({"ask": "bicycle"}));
+    assert_eq!(bicycle["rectangles"][0].as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn everybody_has_sections_and_bodies_also_where_only_disks_are_known() {
+    let mut lab = Lab::default();
+    ok(&mut lab, show(crowd(3, square(3.0, 3.0)), json!({"kind": "own"})));
+    let (made, _) = ok(&mut lab, json!({"ask": "sections", "run": 1, "altitude": 1.3}));
+    assert_eq!((made["cut"].as_u64(), made["estimated"].as_bool()), (Some(3), Some(false)));
+    let by_hand: f64 =
+        made["bodies"].as_array().unwrap().iter().flat_map(|of| of.as_array().unwrap()).map(area).sum();
+    assert!(close(made["area"].as_f64().unwrap(), by_hand, 1e-9));
+    assert_eq!(ok(&mut lab, json!({"ask": "sections", "run": 1, "altitude": 2.9})).0["cut"], 0);
+    let (counts, bytes) = ok(&mut lab, json!({"ask": "bodies", "run": 1}));
+    let counts: Vec<[usize; 2]> = serde_json::from_value(counts["agents"].clone()).unwrap();
+    assert_eq!(
+        bytes.len(),
+        counts.iter().map(|[vertices, triangles]| 12 * (vertices + triangles)).sum::<usize>()
+    );
+    // An opened Trial: bodies are as broad as the disks.
+    let (shown, _) = ok(&mut lab, push());
+    assert!(shown["scene"]["people"].is_null());
+    let (made, _) = ok(&mut lab, json!({"ask": "sections", "run": 2, "altitude": 1.4}));
+    assert_eq!((made["cut"].as_u64(), made["estimated"].as_bool()), (Some(5), Some(true)));
+    assert!(
+        refused(&mut lab, json!({"ask": "take", "run": 2, "wanted": {"file": "population"}}), &[])
+            .contains("make a crowd")
+    );
+}
+
+#[test]
+fn a_crowd_is_placed_without_overlap_with_progress_and_the_same_for_the_same_seed() {
+    let crowd = show(super::crowd(40, square(4.0, 4.0)), json!({"kind": "own"}));
+    let (made, first) = ok(&mut Lab::default(), crowd.clone());
+    assert!(made["made"]["largest_overlap"].as_f64().unwrap() <= 1e-4);
+    let agents = made["scene"]["agents"].as_array().unwrap();
+    let poses = numbers(&first);
+    assert_eq!((agents.len(), poses.len()), (40, 40 * COLUMNS));
+    // By the page's own numbers: no two disks of different people overlap, none is beyond the walls.
+    let disks = |a: usize| {
+        let [x, y, turn] = [0, 1, 2].map(|k| poses[COLUMNS * a + k]);
+        let disks: Vec<[f64; 3]> = serde_json::from_value(agents[a]["disks"].clone()).unwrap();
+        disks.into_iter().map(move |[u, v, r]| {
+            [x + u * turn.cos() - v * turn.sin(), y + u * turn.sin() + v * turn.cos(), r]
+        })
+    };
+    for a in 0..40 {
+        for [x, y, r] in disks(a) {
+            assert!([x, y].iter().all(|place| (r - 1e-4..=4.0 - r + 1e-4).contains(place)));
+            for b in 0..a {
+                assert!(disks(b).all(|[u, v, s]| (u - x).hypot(v - y) >= r + s - 1e-4), "{a} {b}");
+            }
+        }
+    }
+    assert_eq!(ok(&mut Lab::default(), crowd).1, first);
+    let mut lab = Lab::default();
+    let text = show(super::crowd(100, square(4.0, 4.0)), json!({"kind": "own"})).to_string();
+    let request = [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
+    let mut heard = 0;
+    let stopped = answer(&mut lab, &request, &mut |_| {
+        heard += 1;
+        if heard == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert!(heard == 3 && String::from_utf8_lossy(&stopped).contains("the placing was stopped"));
+    assert!(
+        refused(&mut lab, json!({"ask": "take", "run": 0, "wanted": {"file": "trial"}}), &[])
+            .contains("run 0 is over")
+    );
+}
+
+#[test]
+fn populations_are_the_survey_own_statistics_or_tables() {
+    let mut lab = Lab::default();
+    let base = |people: Value, men: f64| {
+        with(with(crowd(30, square(6.0, 6.0)), "people", people), "men", json!(men))
+    };
+    let four = |breadth: f64| {
+        json!({"breadth": [breadth, 0.01, 0.3, 0.65], "depth": [0.2, 0.01, 0.15, 0.45],
+               "stature": [1.7, 0.05, 1.4, 2.1], "mass": [70.0, 5.0, 30.0, 130.0]})
+    };
+    let own = json!({"kind": "statistics", "male": four(0.6), "female": four(0.4)});
+    let (shown, _) = ok(&mut lab, show(base(own, 1.0), json!({"kind": "own"})));
+    let people = shown["scene"]["people"].as_array().unwrap();
+    let mean = people.iter().map(|person| person["breadth"].as_f64().unwrap()).sum::<f64>() / 30.0;
+    assert!(close(mean, 0.6, 0.01) && people.iter().all(|person| person["sex"] == "male"), "{mean}");
+    let rows = shown["made"]["statistics"].as_array().unwrap();
+    assert!(
+        rows.iter().any(|row| row["kind"] == "male" && row["measure"] == "bideltoid breadth"),
+        "{rows:?}"
+    );
+    let table = "bideltoidbreadth,chestdepth,stature,weightkg\n400,200,1600,600\n";
+    let of = json!({"kind": "table", "files": [["female", "t.csv", table.len()]]});
+    let (shown, _) =
+        crate::ask(&mut lab, &show(base(of.clone(), 0.0), json!({"kind": "own"})), table.as_bytes());
+    assert_eq!(shown["ok"]["scene"]["people"][29]["breadth"], 0.4, "{shown}");
+    let wrong = table.replace("400", "4000");
+    let of = json!({"kind": "table", "files": [["female", "t.csv", wrong.len()]]});
+    let said = refused(&mut lab, show(base(of, 0.0), json!({"kind": "own"})), wrong.as_bytes());
+    assert!(said.contains("t.csv") && said.contains("4000"), "{said}");
+}

@@ -1,0 +1,270 @@
+//! What moves, against the FMU; and what pages ask of frames.
+
+use crate::{ask, close, crowd, numbers, ok, opened, push, refused, show, square, with, zipped_with};
+use lemons_lab::Lab;
+use lemons_lab::frame::COLUMNS;
+use lemons_master::{Error, Observer, Prepared, Reached, Settings, System, own_binary};
+use serde_json::json;
+use std::path::Path;
+
+#[test]
+fn the_push_moves_as_the_fmu_moves_to_the_last_bit() {
+    let mut lab = Lab::default();
+    ok(&mut lab, push());
+    let (value, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 20}));
+    assert_eq!(value["time"], 1.0);
+    let shown = numbers(&frames);
+    assert_eq!(shown.len(), 20 * 5 * COLUMNS);
+
+    let binary = own_binary().unwrap();
+    let library = std::fs::read(&binary.path).unwrap();
+    let wanted = json!({"ask": "take", "run": 1, "wanted": {
+        "file": "fmu", "version": 2, "binaries": [[binary.platform, library.len()]]
+    }});
+    let (value, fmu) = ask(&mut lab, &wanted, &library);
+    assert_eq!(value["ok"]["name"], "push.fmu");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("push.fmu");
+    std::fs::write(&path, fmu).unwrap();
+    let frames = run(&path, 1.0);
+    assert_eq!(frames.len(), 20);
+    for (frame, shown) in frames.iter().zip(shown.chunks(5 * COLUMNS)) {
+        for (a, pose) in frame.iter().enumerate() {
+            assert_eq!(pose, &shown[COLUMNS * a..COLUMNS * a + 3], "agent {a}");
+        }
+    }
+    // It reached the last of the row.
+    assert!((frames[19][4][0] - frames[0][4][0]).abs() > 0.01);
+    // And from the beginning again: the former run is over.
+    ok(&mut lab, push());
+    assert!(
+        refused(&mut lab, json!({"ask": "advance", "run": 1, "steps": 1}), &[]).contains("run 1 is over")
+    );
+    let (_, again) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 20}));
+    assert_eq!(numbers(&again), shown);
+}
+
+#[test]
+fn a_table_is_that_of_the_frames_and_tells_its_progress() {
+    let mut lab = Lab::default();
+    ok(&mut lab, push());
+    let (_, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 8}));
+    let (name, table) =
+        ok(&mut lab, json!({"ask": "take", "run": 1, "wanted": {"file": "trajectories", "steps": 8}}));
+    assert_eq!(name["name"], "push.csv");
+    let text = String::from_utf8(table).unwrap();
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(&rows[0][..8], ["t", "id", "x", "y", "vx", "vy", "theta", "omega"]);
+    assert_eq!(rows.len(), 1 + 9 * 5);
+    let shown = numbers(&frames);
+    let last: Vec<f64> = rows[rows.len() - 1][2..8].iter().map(|number| number.parse().unwrap()).collect();
+    let of = &shown[shown.len() - COLUMNS..];
+    assert_eq!(last, [of[0], of[1], of[3], of[4], of[2], of[5]]);
+}
+
+#[test]
+fn a_pulse_gives_its_momentum_to_those_in_the_circle() {
+    // One person without floor friction to speak of: a half sine of 100 N over 0.5 s has 2/π of 50 N s.
+    let mut lab = Lab::default();
+    let base = crowd(1, square(20.0, 20.0));
+    let (shown, first) = ok(&mut lab, show(base.clone(), json!({"kind": "none"})));
+    let mass = shown["scene"]["agents"][0]["mass"].as_f64().unwrap();
+    let at = numbers(&first)[..2].to_vec();
+    let pulse = |x: f64| json!({"at": [x, at[1]], "radius": 0.1, "direction": 90, "force": 100.0, "start": 0.2, "duration": 0.5});
+    let pushed = show(base.clone(), json!({"kind": "push", "pushes": [pulse(at[0])]}));
+    let (shown, _) = ok(&mut lab, pushed);
+    assert_eq!(shown["scene"]["pushed"], json!(["0"]));
+    let (_, frames) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 400}));
+    // With the floor's friction r = 4.5/s, ∫ m r v dt over all time is the momentum: the way is 2/π · 50 N s / (m r).
+    let frames = numbers(&frames);
+    let way = frames[frames.len() - COLUMNS + 1] - at[1];
+    let expected = 2.0 / std::f64::consts::PI * 50.0 / (mass * 4.5);
+    assert!(close(way / expected, 1.0, 5e-3), "{way} {expected}");
+    let said = refused(&mut lab, show(base, json!({"kind": "push", "pushes": [pulse(at[0] + 1.0)]})), &[]);
+    assert!(said.contains("push 1: nobody stands in its circle"), "{said}");
+    // One that is over before the next communication point is told to have no effect.
+    let mut short = pulse(at[0]);
+    short["duration"] = json!(0.01);
+    let short = show(crowd(1, square(20.0, 20.0)), json!({"kind": "push", "pushes": [short]}));
+    let (shown, _) = ok(&mut lab, short);
+    assert!(shown["notes"][0].as_str().unwrap().contains("are not applied"), "{}", shown["notes"]);
+}
+
+#[test]
+fn people_walk_to_the_nearer_way_and_arrive() {
+    let mut lab = Lab::default();
+    let base =
+        with(crowd(2, square(4.0, 1.5)), "region", json!([[0.0, 0.0], [2.0, 0.0], [2.0, 1.5], [0.0, 1.5]]));
+    let way = json!([{"x": 3.2, "y": 0.75, "radius": 0.9}]);
+    let far = json!([{"x": 50.0, "y": 0.75, "radius": 0.5}]);
+    let motion = json!({"kind": "walk", "speed": 1.3, "ways": [far, way]});
+    let (shown, _) = ok(&mut lab, show(base, motion));
+    assert_eq!(shown["scene"]["ways"], json!([way]));
+    let mut arrived = 0;
+    for _ in 0..20 {
+        arrived =
+            ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 50})).0["arrived"].as_u64().unwrap();
+    }
+    assert_eq!(arrived, 2);
+    // The Trial that is taken says so itself.
+    let (_, zip) = ok(&mut lab, json!({"ask": "take", "run": 1, "wanted": {"file": "trial"}}));
+    let base = json!({"kind": "upload", "name": "w.zip", "files": [["w.zip", zip.len()]]});
+    let (again, _) = ask(&mut lab, &show(base, json!({"kind": "own"})), &zip);
+    assert_eq!(again["ok"]["scene"]["ways"], json!([way]), "{again}");
+    // Without the decision, nobody moves: nothing of the crowd's own drive is left.
+    let run = &again["ok"]["scene"]["run"];
+    let base = json!({"kind": "upload", "name": "w.zip", "files": [["w.zip", zip.len()]]});
+    let mut fewer = show(base, json!({"kind": "own"}));
+    fewer["edits"] = json!([{"do": "delete", "id": "1"}]);
+    let (fewer, _) = ask(&mut lab, &fewer, &zip);
+    assert_eq!(fewer["ok"]["scene"]["agents"].as_array().unwrap().len(), 1, "{run} {fewer}");
+}
+
+#[test]
+fn who_has_left_has_no_place_and_the_rest_is_as_in_the_coupled_fmus() {
+    // Some stand in the exit from the start.
+    let mut lab = Lab::default();
+    let base = with(crowd(8, square(4.0, 3.0)), "direction", json!(0));
+    ok(&mut lab, show(base, json!({"kind": "none"})));
+    let (name, zip) = ok(&mut lab, json!({"ask": "take", "run": 1, "wanted": {"file": "trial"}}));
+    let place = name["name"].as_str().unwrap().trim_end_matches(".zip");
+    let plan = b"exits = [{ name = \"right\", polygon = [[3, 0], [4, 0], [4, 3], [3, 3]] }]";
+    let zip = zipped_with(&zip, &format!("{place}/decision.toml"), plan);
+    let (shown, first) = ask(&mut lab, &opened("leave.zip", &zip), &zip);
+    assert_eq!((&shown["ok"]["scene"]["walk"], &shown["ok"]["scene"]["ways"]), (&json!(true), &json!([])));
+    let (advanced, frames) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 150}));
+    let frames = [first, frames].concat();
+    let take = json!({"ask": "take", "run": 2, "wanted": {"file": "trajectories", "steps": 150}});
+    let table = String::from_utf8(ok(&mut lab, take).1).unwrap();
+
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("leave.zip");
+    std::fs::write(&path, &zip).unwrap();
+    let settings = Settings { until: Some(1.5), ..Settings::of(path) };
+    let mut seen = Seen::default();
+    assert!(Prepared::of(&settings).unwrap().simulate(&mut seen).unwrap().is_continue());
+
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| header.iter().position(|column| *column == name).unwrap();
+    let (x, y, there) = (column("x"), column("y"), column("active"));
+    let rows: Vec<Vec<f64>> =
+        table.lines().skip(1).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!((rows.len(), seen.0.len()), (151 * 8, 150 * 8));
+    let frames_shown = numbers(&frames);
+    let pairs = rows.iter().zip(frames_shown.chunks(COLUMNS)).skip(8).zip(&seen.0);
+    for ((row, shown), (place, active)) in pairs {
+        assert_eq!(([row[x], row[y]], row[there] != 0.0), (*place, *active));
+        if *active {
+            assert_eq!(shown[..2], place[..]);
+        } else {
+            assert!(shown[0].is_nan() && shown[1].is_nan() && shown[6..] == [0.0, 0.0]);
+        }
+    }
+    let left = |row: &[(_, bool)]| row.iter().filter(|(_, active)| !active).count();
+    let (begin, end) = (left(&seen.0[..8]), left(&seen.0[149 * 8..]));
+    assert!(begin > 0 && begin < end && end < 8, "{begin} {end}");
+    assert_eq!(rows[..8].iter().filter(|row| row[there] == 0.0).count(), begin, "from the start");
+    assert!(advanced["arrived"].as_u64().unwrap() as usize >= end);
+
+    // What is asked of such a frame: nobody who has left presses, is drawn, or crosses a line.
+    let last = &frames[frames.len() - 8 * COLUMNS * 8..];
+    let (_, forces) = ask(&mut lab, &json!({"ask": "forces", "run": 2}), last);
+    assert!(numbers(&forces).iter().all(|number| number.is_finite()));
+    let look = json!({"file": "svg", "most": 1.0, "label": "", "unit": "", "time": 1.5, "forces": true});
+    let (_, picture) =
+        ask(&mut lab, &json!({"ask": "take", "run": 2, "wanted": look}), &[last, &[0; 64]].concat());
+    assert_eq!(String::from_utf8(picture).unwrap().matches("<title>").count(), 1 + 8 - end);
+    let line = json!({"ask": "flow", "run": 2, "line": [[3.2, 0.0], [3.2, 3.0]]});
+    assert_eq!(ask(&mut lab, &line, &frames).0["ok"]["crossings"], json!([]));
+    let mesh = json!({"ask": "take", "run": 2, "wanted": {"file": "mesh", "format": "obj"}});
+    let mesh = String::from_utf8(ask(&mut lab, &mesh, last).1).unwrap();
+    let named = mesh.split("agent_").skip(1).filter_map(|rest| rest.split('_').next());
+    assert_eq!(named.collect::<std::collections::BTreeSet<_>>().len(), 8 - end);
+}
+
+/// Where everybody is, and whether they are there.
+#[derive(Default)]
+struct Seen(Vec<([f64; 2], bool)>);
+
+impl Observer<System> for Seen {
+    type Error = Error;
+
+    fn look(&mut self, system: &mut System, _: Reached) -> Result<(), Error> {
+        let crowd = system.components().iter().find(|component| component.name == "crowd").unwrap();
+        let named = |what: &str| (0..8).map(|a| format!("agent[{a}].{what}")).collect::<Vec<_>>();
+        let x = crowd.instance.select(named("Position.x"))?;
+        let y = crowd.instance.select(named("Position.y"))?;
+        let active = crowd.instance.select(named("Active"))?;
+        let (mut of_x, mut of_y, mut of_active) = ([0.0; 8], [0.0; 8], [0; 8]);
+        crowd.instance.get_real(&x, &mut of_x)?;
+        crowd.instance.get_real(&y, &mut of_y)?;
+        crowd.instance.get_boolean(&active, &mut of_active)?;
+        self.0.extend((0..8).map(|a| ([of_x[a], of_y[a]], of_active[a] != 0)));
+        Ok(())
+    }
+}
+
+#[test]
+fn forces_are_those_of_the_contacts_and_crossings_are_counted_once() {
+    let mut lab = Lab::default();
+    let pressed = with(with(crowd(12, square(2.2, 2.2)), "direction", json!(0)), "speed", json!(2.0));
+    ok(&mut lab, show(pressed, json!({"kind": "own"})));
+    let (_, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 300}));
+    let frame = &frames[frames.len() - 8 * COLUMNS * 12..];
+    let (value, bytes) = ask(&mut lab, &json!({"ask": "forces", "run": 1}), frame);
+    assert!(value.get("ok").is_some(), "{value}");
+    let forces = numbers(&bytes);
+    let of: Vec<&[f64]> = forces.chunks(5).collect();
+    // At rest, the mean squeeze of a step is the sum of |F_n| over a body's contacts; those of two count for both.
+    let between = |at: f64, to: f64| close(at, to, 1e-12);
+    let others: Vec<f64> = numbers(frame).chunks(COLUMNS).flat_map(|of| [of[0], of[1]]).collect();
+    let is_body = |x: f64, y: f64| others.chunks(2).any(|of| between(of[0], x) && between(of[1], y));
+    let sum: f64 =
+        of.iter().map(|force| if is_body(force[2], force[3]) { 2.0 * force[4] } else { force[4] }).sum();
+    let squeezes: f64 = numbers(frame).chunks(COLUMNS).map(|of| of[6]).sum();
+    assert!(of.iter().any(|force| (force[2] - 2.2).abs() < 0.01), "a wall bears it");
+    assert!(squeezes > 1000.0 && close(sum / squeezes, 1.0, 0.01), "{sum} {squeezes}");
+
+    // The row is pushed to the right: everybody who gets beyond the line has crossed it once.
+    let mut lab = Lab::default();
+    let (_, first) = ok(&mut lab, push());
+    let (_, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 40}));
+    let all = [first.clone(), frames.clone()].concat();
+    let (x0, x1) = (numbers(&first)[0], numbers(&frames[frames.len() - 8 * 5 * COLUMNS..])[0]);
+    let line = 0.5 * (x0 + x1);
+    let crossing = |from: f64, to: f64| json!({"ask": "flow", "run": 1, "line": [[line, from], [line, to]]});
+    let (value, _) = ask(&mut lab, &crossing(-9.0, 9.0), &all);
+    let crossings = value["ok"]["crossings"].as_array().unwrap();
+    let of_first: Vec<_> = crossings.iter().filter(|of| of[1] == 0).collect();
+    assert_eq!(of_first.len(), 1, "{value}");
+    assert_eq!(of_first[0][2], 1, "from left to right of a line that goes up is along +x");
+    assert!(ask(&mut lab, &crossing(90.0, 99.0), &all).0["ok"]["crossings"].as_array().unwrap().is_empty());
+    assert!(refused(&mut lab, crossing(0.0, 1.0), &all[1..]).contains("are not frames"));
+    assert!(refused(&mut lab, json!({"ask": "forces", "run": 1}), &all).contains("a frame of 5 people"));
+}
+
+/// Notes poses of five people.
+struct Poses(Vec<Vec<[f64; 3]>>);
+
+impl Observer<System> for Poses {
+    type Error = Error;
+
+    fn look(&mut self, system: &mut System, _: Reached) -> Result<(), Error> {
+        let instance = &system.components()[0].instance;
+        let quantities = ["Position.x", "Position.y", "Theta"];
+        let names = (0..5).flat_map(|a| quantities.map(|quantity| format!("agent[{a}].{quantity}")));
+        let selection = instance.select(names)?;
+        let mut values = vec![0.0; selection.len()];
+        instance.get_real(&selection, &mut values)?;
+        self.0.push(values.chunks(3).map(|pose| [pose[0], pose[1], pose[2]]).collect());
+        Ok(())
+    }
+}
+
+/// Poses at the communication points after the first.
+fn run(fmu: &Path, until: f64) -> Vec<Vec<[f64; 3]>> {
+    let settings = Settings { until: Some(until), ..Settings::of(fmu.to_owned()) };
+    let mut poses = Poses(Vec::new());
+    assert!(Prepared::of(&settings).unwrap().simulate(&mut poses).unwrap().is_continue());
+    poses.0
+}

@@ -1,0 +1,296 @@
+// The picture: what is drawn on it, and what the pointer and keys do there.
+
+import { effect, signal, untracked } from "@preact/signals";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import { scaleOf, values } from "./colour";
+import { type Inks, inksOf, Painter, paintBar, paintPush, paintWays } from "./draw";
+import type { Film } from "./film";
+import { canvas, type Layers, show } from "./layout";
+import { paintLine } from "./line";
+import { plan } from "./plan";
+import { COLUMNS, isThere, type Point } from "./protocol";
+import { bases, selected } from "./session";
+import { lineTool, type Pointer, type Tool, tool } from "./tool";
+import { fitting, inMetres, toMetres, type View, zoomed } from "./view";
+
+const view = signal<View>({ scale: 1, x: 0, y: 0 });
+/** All is kept visible until the user zooms or moves the picture. */
+const fits = signal(true);
+
+export function fit() {
+    fits.value = true;
+}
+
+export function zoom(by: number) {
+    const on = canvas.value;
+    if (on) look(zoomed(view.value, by, on.width / 2, on.height / 2));
+}
+
+function look(next: View) {
+    fits.value = false;
+    view.value = next;
+}
+
+// Another scene is seen as a whole at first.
+effect(() => {
+    bases.value;
+    fits.value = true;
+});
+
+/** Of the line, while it is drawn; else of the tab. */
+function active(): Tool | null {
+    return lineTool.value ?? tool.value;
+}
+
+export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
+    const element = useRef<HTMLCanvasElement>(null);
+    const size = useMemo(() => signal(0), []);
+    const inks = useRef<Inks | null>(null);
+    const painter = useMemo(() => new Painter(film.scene), [film]);
+
+    const frame = () => {
+        const now = film.frameAt(film.place.value);
+        return tool.value?.frame?.(now) ?? now;
+    };
+    const paint = () => {
+        size.value;
+        const on = element.current;
+        if (!on || on.width === 0) return;
+        if (fits.value) {
+            const further = [...reach(film), ...(tool.value?.extent?.() ?? [])];
+            const next = fitting(film.scene, film.frame(0), further, on.width, on.height);
+            untracked(() => (view.value = next));
+        }
+        const context = on.getContext("2d")!;
+        const now = view.value;
+        inks.current ??= inksOf(on);
+        context.setTransform(1, 0, 0, 1, 0, 0);
+        context.clearRect(0, 0, on.width, on.height);
+        picture(context, film, painter, frame(), layers, now, inks.current);
+    };
+    // Painted again when something changes that it reads. It has captured this film and these layers.
+    useEffect(() => effect(paint), [film, layers]);
+
+    useEffect(() => {
+        const on = element.current!;
+        const hide = show(on);
+        const measure = () => {
+            inks.current = null;
+            [on.width, on.height] = [Math.round(on.clientWidth * devicePixelRatio), Math.round(on.clientHeight * devicePixelRatio)];
+            size.value += 1;
+        };
+        const observer = new ResizeObserver(measure);
+        observer.observe(on);
+        const scheme = matchMedia("(prefers-color-scheme: dark)");
+        scheme.addEventListener("change", measure);
+        // The page must not scroll at the same time.
+        const wheel = (event: WheelEvent) => {
+            event.preventDefault();
+            const [x, y] = [event.offsetX * devicePixelRatio, event.offsetY * devicePixelRatio];
+            look(zoomed(view.value, Math.exp(-0.0015 * event.deltaY * (event.deltaMode ? 30 : 1)), x, y));
+        };
+        on.addEventListener("wheel", wheel, { passive: false });
+        return () => {
+            observer.disconnect();
+            scheme.removeEventListener("change", measure);
+            on.removeEventListener("wheel", wheel);
+            hide();
+        };
+    }, []);
+
+    const hands = useHands((at: Point) => painter.at(element.current!.getContext("2d")!, frame(), at));
+    const count = film.scene.agents.length;
+    return (
+        <canvas
+            ref={element}
+            class={active()?.draws?.() ? "draws" : undefined}
+            tabIndex={0}
+            role="application"
+            aria-label={`${count} ${count === 1 ? "person" : "people"} from above`}
+            aria-describedby="canvas-keys"
+            onKeyDown={(event) => key(event, film)}
+            {...hands}
+        />
+    );
+}
+
+/** Circles of pushes and ways. */
+function reach({ scene }: Film): Point[] {
+    const around = (x: number, y: number, radius: number): Point[] => [
+        [x - radius, y - radius],
+        [x + radius, y + radius],
+    ];
+    const { motion } = plan.value.made;
+    const pushes = motion.kind === "push" ? motion.pushes.flatMap(({ at, radius }) => around(...at, radius)) : [];
+    return [...scene.ways.flat().flatMap(({ x, y, radius }) => around(x, y, radius)), ...pushes];
+}
+
+function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter, frame: Float64Array, layers: Layers, now: View, inks: Inks) {
+    const { scene } = film;
+    const { tab, colour, unit, view: kind, line } = plan.value;
+    const helper = active();
+    // While it plays, a picture follows anyway: none is needed because frames were computed.
+    const scale = film.playing.value ? untracked(() => scaleOf(film, colour)) : scaleOf(film, colour);
+    const shares = values(film, film.shown.value, colour).map((value) => value / scale.most);
+    const atStart = film.place.value === 0 ? scene.overlapping : [];
+    layers.below(context, now);
+    painter.walls(context, now, inks);
+    painter.people(
+        context,
+        {
+            frame,
+            shares,
+            paths: kind === "section" ? layers.paths() : null,
+            selected: selected.value,
+            overlapping: helper?.overlapping?.() ?? atStart,
+            faint: helper?.faint?.() ?? false,
+        },
+        now,
+        inks,
+    );
+    layers.above(context, now);
+    const { motion } = plan.value.made;
+    const time = film.place.value * scene.step;
+    paintWays(context, scene.ways, now, inks, null, tab === "motion");
+    if (motion.kind === "push") for (const push of motion.pushes) paintPush(context, push, time, now, inks);
+    if (line) paintLine(context, line, now, inks);
+    if (helper?.paint) {
+        inMetres(context, now);
+        helper.paint(context, now, inks);
+    }
+    paintBar(context, now, unit, inks);
+}
+
+/** Selects with arrows, N and P. */
+function key(event: KeyboardEvent, film: Film) {
+    const helper = active();
+    if (helper?.key?.(event)) return event.preventDefault();
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const count = film.scene.agents.length;
+    const step = (by: number) => {
+        const shown = film.frame(film.shown.value);
+        let next = selected.value ?? (by > 0 ? -1 : count);
+        // Past those who have left.
+        for (let tries = 0; tries < count; tries++) {
+            next = (next + by + count) % count;
+            if (isThere(shown, next)) break;
+        }
+        selected.value = count > 0 ? next : null;
+    };
+    const directions: Record<string, Point> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    const direction = directions[event.key];
+    if (direction) towards(film, direction);
+    else if (event.key === "n" || event.key === "N") step(1);
+    else if (event.key === "p" || event.key === "P") step(-1);
+    else if (event.key === "+" || event.key === "=") zoom(1.25);
+    else if (event.key === "-") zoom(0.8);
+    else if (event.key === "0") fit();
+    else if (event.key === "Escape") selected.value = null;
+    else if (event.key === " ") film.playing.value = !film.playing.value;
+    else return;
+    event.preventDefault();
+}
+
+/** The next person that way: near, and not far off the line. */
+function towards(film: Film, [dx, dy]: Point) {
+    const frame = film.frame(film.shown.value);
+    const from = selected.value;
+    if (from === null) {
+        selected.value = 0;
+        return;
+    }
+    let [best, least] = [from, Infinity];
+    for (let a = 0; a < film.scene.agents.length; a++) {
+        const [x, y] = [frame[COLUMNS * a]! - frame[COLUMNS * from]!, frame[COLUMNS * a + 1]! - frame[COLUMNS * from + 1]!];
+        const [along, off] = [x * dx + y * dy, Math.abs(x * dy - y * dx)];
+        if (a !== from && along > off / 2 && along + 2 * off < least) [best, least] = [a, along + 2 * off];
+    }
+    selected.value = best;
+}
+
+/** Fingers and the mouse: a tool's, or else moving, pinching and selecting. */
+function useHands(agentAt: (at: Point) => number | null) {
+    const state = useRef({
+        fingers: new Map<number, Point>(),
+        mode: "none" as "none" | "pressed" | "tool" | "ground" | "moving" | "pinch",
+        /** Who took the press. */
+        tool: null as Tool | null,
+        start: [0, 0] as Point,
+        last: { time: 0, at: [0, 0] as Point },
+    }).current;
+    const pixel = (event: PointerEvent): Point => [event.offsetX * devicePixelRatio, event.offsetY * devicePixelRatio];
+    const pointer = (event: PointerEvent, double = false): Pointer => {
+        const at = toMetres(view.value, ...pixel(event));
+        return {
+            at,
+            reach: ((event.pointerType === "touch" ? 22 : 10) * devicePixelRatio) / view.value.scale,
+            shift: event.shiftKey,
+            get agent() {
+                return agentAt(at);
+            },
+            double,
+        };
+    };
+    const pair = () => {
+        const [one, other] = [...state.fingers.values()] as [Point, Point];
+        return { x: (one[0] + other[0]) / 2, y: (one[1] + other[1]) / 2, wide: Math.hypot(one[0] - other[0], one[1] - other[1]) };
+    };
+    /** What a tool began is as before. */
+    const giveUp = () => {
+        if (state.mode === "pressed" || state.mode === "tool") state.tool?.cancel?.();
+    };
+    const onPointerDown = (event: PointerEvent) => {
+        if (event.button > 1) return;
+        const on = event.currentTarget as HTMLCanvasElement;
+        on.setPointerCapture(event.pointerId);
+        const at = pixel(event);
+        state.fingers.set(event.pointerId, at);
+        if (state.fingers.size >= 2) {
+            giveUp();
+            state.mode = "pinch";
+            return;
+        }
+        const near = Math.hypot(at[0] - state.last.at[0], at[1] - state.last.at[1]) < 8 * devicePixelRatio;
+        const double = near && event.timeStamp - state.last.time < 350;
+        state.last = { time: event.timeStamp, at };
+        state.start = at;
+        state.tool = active();
+        state.mode = event.button === 0 && state.tool?.down?.(pointer(event, double)) ? "pressed" : "ground";
+        // What is drawn on should not move.
+        if (state.mode === "pressed") fits.value = false;
+    };
+    const onPointerMove = (event: PointerEvent) => {
+        const at = pixel(event);
+        const before = state.fingers.get(event.pointerId);
+        if (!before) return active()?.move?.(pointer(event), false);
+        if (state.mode === "pinch" && state.fingers.size === 2) {
+            const from = pair();
+            state.fingers.set(event.pointerId, at);
+            const to = pair();
+            const moved = { ...view.value, x: view.value.x + to.x - from.x, y: view.value.y + to.y - from.y };
+            return look(zoomed(moved, to.wide / Math.max(1, from.wide), to.x, to.y));
+        }
+        state.fingers.set(event.pointerId, at);
+        // A hand trembles: a click moves nothing.
+        if (Math.hypot(at[0] - state.start[0], at[1] - state.start[1]) > 4 * devicePixelRatio) {
+            if (state.mode === "pressed") state.mode = "tool";
+            if (state.mode === "ground") state.mode = "moving";
+        }
+        if (state.mode === "tool") return state.tool?.move?.(pointer(event), true);
+        if (state.mode === "moving") look({ ...view.value, x: view.value.x + at[0] - before[0], y: view.value.y + at[1] - before[1] });
+    };
+    const end = (event: PointerEvent, whole: boolean) => {
+        if (!state.fingers.delete(event.pointerId)) return;
+        const drags = state.mode === "pressed" || state.mode === "tool";
+        if (drags && whole) state.tool?.up?.(pointer(event));
+        else if (drags) giveUp();
+        else if (state.mode === "ground" && whole) selected.value = pointer(event).agent;
+        if (state.fingers.size === 0) state.mode = "none";
+    };
+    return {
+        onPointerDown,
+        onPointerMove,
+        onPointerUp: (event: PointerEvent) => end(event, true),
+        onPointerCancel: (event: PointerEvent) => end(event, false),
+    };
+}

@@ -1,0 +1,107 @@
+// How often the values of a measure are in the survey.
+
+import type { Measure } from "./protocol";
+
+const [WIDTH, HEIGHT, FOOT] = [320, 70, 18];
+/** Most bars and ticks. */
+const [BARS, TICKS] = [40, 8];
+
+/** The share of the people below a value; quantiles have equal distances of rank. */
+function below(quantiles: number[], value: number): number {
+    const last = quantiles.length - 1;
+    if (value <= quantiles[0]!) return 0;
+    if (value >= quantiles[last]!) return 1;
+    const k = quantiles.findIndex((quantile) => quantile > value) - 1;
+    const [from, to] = [quantiles[k]!, quantiles[k + 1]!];
+    return (k + (to > from ? (value - from) / (to - from) : 0)) / last;
+}
+
+/** 1, 2 or 5 times a power of ten. */
+function roundStep(size: number) {
+    const power = 10 ** Math.floor(Math.log10(size));
+    return power * ([1, 2, 5].find((step) => step * power >= size) ?? 10);
+}
+
+interface Bar {
+    from: number;
+    to: number;
+    share: number;
+}
+
+function barsOf(quantiles: number[], by: number): Bar[] {
+    const [low, high] = [by * quantiles[0]!, by * quantiles.at(-1)!];
+    const step = roundStep((high - low) / BARS);
+    const bars: Bar[] = [];
+    for (let k = Math.floor(low / step); k * step < high; k++) {
+        const [from, to] = [k * step, (k + 1) * step];
+        bars.push({ from, to, share: below(quantiles, to / by) - below(quantiles, from / by) });
+    }
+    return bars;
+}
+
+interface DistributionProps {
+    measure: Measure;
+    /** From the measure's unit to the one that is shown. */
+    by: number;
+    unit: string;
+    people: string;
+}
+
+export function Distribution({ measure, by, unit, people }: DistributionProps) {
+    const { name, quantiles, value, rank } = measure;
+    const bars = barsOf(quantiles, by);
+    const [low, high] = [bars[0]!.from, bars.at(-1)!.to];
+    const step = bars[0]!.to - low;
+    const most = Math.max(...bars.map(({ share }) => share));
+    const x = (value: number) => (WIDTH * (value - low)) / (high - low);
+    const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+    const words = (value: number) => value.toFixed(decimals);
+    const here = Math.max(0, Math.min(WIDTH, x(by * value)));
+    const tick = roundStep((high - low) / TICKS);
+    const ticks: number[] = [];
+    for (let k = Math.ceil(low / tick - 1e-9); k * tick <= high + 1e-9; k++) ticks.push(k * tick);
+    const median = (by * quantiles[Math.floor(quantiles.length / 2)]!).toFixed(1);
+    const share = rank <= 0 ? `less than all ${people}` : rank >= 1 ? `more than all ${people}` : `more than ${percent(rank)} of the ${people}`;
+    return (
+        <figure class="distribution">
+            <figcaption>
+                <strong>
+                    {capital(name)} [{unit}]
+                </strong>
+                : {share}
+            </figcaption>
+            <svg
+                viewBox={`-14 0 ${WIDTH + 28} ${HEIGHT + FOOT}`}
+                role="img"
+                aria-label={`${name} in ${unit}, from ${words(low)} to ${words(high)}: ${share}. Half of the ${people} have less than ${median} ${unit}.`}
+            >
+                {bars.map(({ from, to, share }) => {
+                    const height = (HEIGHT * share) / most;
+                    return (
+                        <rect key={from} x={x(from) + 0.5} width={Math.max(0.5, x(to) - x(from) - 1)} y={HEIGHT - height} height={height} class="bar">
+                            <title>
+                                {words(from)} to {words(to)} {unit}: {percent(share)}
+                            </title>
+                        </rect>
+                    );
+                })}
+                <path d={`M0 ${HEIGHT}H${WIDTH}${ticks.map((at) => `M${x(at)} ${HEIGHT}v4`).join("")}`} class="axis" />
+                {ticks.map((at) => (
+                    <text key={at} x={x(at)} y={HEIGHT + 15} text-anchor="middle">
+                        {Number(at.toPrecision(6))}
+                    </text>
+                ))}
+                <path d={`M${here} 0V${HEIGHT}`} class="here" />
+            </svg>
+        </figure>
+    );
+}
+
+export function capital(words: string) {
+    return words[0]!.toUpperCase() + words.slice(1);
+}
+
+function percent(share: number) {
+    const value = 100 * share;
+    return `${value < 1 || value > 99 ? value.toFixed(1) : value.toFixed(0)} %`;
+}

@@ -1,0 +1,42 @@
+// Rooms while they are drawn, by a lab of the page's own: the mouse cannot wait until the worker has time, and a room must
+// be changed before the next key or click. An answer takes a fraction of a millisecond.
+
+import { signal } from "@preact/signals";
+import type { Drawn, Outline, Point, Room, RoomEdit } from "./protocol";
+import { problem } from "./session";
+import { answer, type Lab, load } from "./wasm";
+
+const lab = signal<Lab | null>(null);
+load(() => 0).then(
+    (loaded) => (lab.value = loaded),
+    // Then the worker's may fail, too, which matters more.
+    (error) => (problem.value ||= `Rooms cannot be drawn (${error}). Load this page again.`),
+);
+
+/** Whether rooms can be drawn. */
+export function ready() {
+    return lab.value !== null;
+}
+
+function ask(room: Room, edit: RoomEdit | null, near: Point | null): Drawn {
+    if (!lab.value) throw new Error("the lab is not loaded yet");
+    const { value } = answer(lab.value, { ask: "room", room, edit, near });
+    if ("refused" in value) throw new Error(value.refused);
+    return value.ok;
+}
+
+/** What of it is seen, and which wall is near to a place. */
+export function drawn(room: Room, near: Point | null = null): Drawn {
+    return ask(room, null, near);
+}
+
+export function edited(room: Room, edit: RoomEdit): Room {
+    const { outline, obstacles, doors } = ask(room, edit, null).room;
+    // Plans are compared as text: parts have an order.
+    return { outline, obstacles, doors: doors.map(({ at, width }) => ({ at, width })) };
+}
+
+/** Of an outline alone. */
+export function shape(outline: Point[]): Outline {
+    return drawn({ outline, obstacles: [], doors: [] }).rings[0]!;
+}

@@ -1,0 +1,127 @@
+// Ready scenes to start from.
+
+import { FIRST, type KeptCrowd, type Made, rectangle } from "./plan";
+import type { Motion, Point, Push } from "./protocol";
+
+export interface Example {
+    name: string;
+    sentence: string;
+    made: Made;
+}
+
+function crowd(part: Partial<KeptCrowd>, motion: Motion): Made {
+    return { base: { kind: "crowd", ...FIRST.crowd, speed: 0, ...part }, edits: [], motion };
+}
+
+const shove: Omit<Push, "at"> = { radius: 0.75, direction: 0, force: 600, start: 0.2, duration: 0.6 };
+
+/** A corridor, 5 m wide, narrows to 1.2 m. */
+const bottleneck: Point[] = [
+    [0, 0],
+    [8, 0],
+    [10, 1.9],
+    [14, 1.9],
+    [14, 3.1],
+    [10, 3.1],
+    [8, 5],
+    [0, 5],
+];
+
+/** The ground before a tunnel, 2.5 m wide and 8 m long. */
+const vomitory: Point[] = [
+    [0, 0],
+    [9, 0],
+    [12, 2.75],
+    [20, 2.75],
+    [20, 5.25],
+    [12, 5.25],
+    [9, 8],
+    [0, 8],
+];
+
+export const EXAMPLES: Example[] = [
+    {
+        name: "A push through a row",
+        sentence: "The last of five people in a row is pushed, and the push travels from back to back.",
+        made: FIRST.made,
+    },
+    {
+        name: "A dense square",
+        sentence: "180 people stand on 5 m × 5 m, more than 7 per m². Those at the left are pushed, and a wave of pressure runs to the right.",
+        made: crowd(
+            { number: 180, room: { outline: rectangle(5, 5), obstacles: [], doors: [] }, direction: null },
+            { kind: "push", pushes: [0.8, 2.5, 4.2].map((y) => ({ ...shove, at: [0.4, y] })) },
+        ),
+    },
+    {
+        name: "The door",
+        sentence: "70 people walk to a door 0.9 m wide. Some get out; then those behind press each other and block it.",
+        made: crowd(
+            {
+                number: 70,
+                seed: 8,
+                room: { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3], width: 0.9 }] },
+                region: rectangle(5.5, 5.4, 0.3, 0.3),
+            },
+            {
+                kind: "walk",
+                speed: 1.3,
+                ways: [
+                    [
+                        { x: 8.8, y: 3, radius: 0.5 },
+                        { x: 12.5, y: 3, radius: 2 },
+                    ],
+                ],
+            },
+        ),
+    },
+    {
+        name: "A bottleneck",
+        sentence: "60 people walk along a corridor that narrows from 5 m to 1.2 m. With another seed they may block it.",
+        made: crowd(
+            {
+                number: 60,
+                seed: 5,
+                room: { outline: bottleneck, obstacles: [], doors: [{ at: [14, 2.5], width: 1.2 }] },
+                region: rectangle(6.5, 4.6, 0.2, 0.2),
+            },
+            {
+                kind: "walk",
+                speed: 1.3,
+                ways: [
+                    [
+                        { x: 13, y: 2.5, radius: 0.6 },
+                        { x: 18, y: 2.5, radius: 2 },
+                    ],
+                ],
+            },
+        ),
+    },
+    {
+        name: "A stadium's vomitory",
+        sentence: "130 spectators go round a pillar and leave through a tunnel, 2.5 m wide and 8 m long.",
+        made: crowd(
+            {
+                number: 130,
+                room: { outline: vomitory, obstacles: [rectangle(0.6, 1.6, 9.4, 3.2)], doors: [{ at: [20, 4], width: 2.5 }] },
+                region: rectangle(7, 7.4, 0.3, 0.3),
+            },
+            {
+                kind: "walk",
+                speed: 1.3,
+                ways: [
+                    [
+                        { x: 9.8, y: 2.3, radius: 0.8 },
+                        { x: 12.5, y: 3.6, radius: 0.7 },
+                        { x: 24, y: 3.6, radius: 2.2 },
+                    ],
+                    [
+                        { x: 9.8, y: 5.7, radius: 0.8 },
+                        { x: 12.5, y: 4.4, radius: 0.7 },
+                        { x: 24, y: 4.4, radius: 2.2 },
+                    ],
+                ],
+            },
+        ),
+    },
+];

@@ -1,0 +1,74 @@
+// How many people cross a line, over the time of a run.
+
+import { signal } from "@preact/signals";
+import type { Client } from "./client";
+import type { Film } from "./film";
+import type { Flow as Counted, Point } from "./protocol";
+
+/** Bytes of frames that are sent at once. */
+const MOST_BYTES = 20e6;
+
+/** Frames of the crossings in one direction, ascending. */
+export type Way = 1 | -1;
+
+export class Flow {
+    readonly refused = signal("");
+    /** Frames that are counted. */
+    readonly counted = signal(0);
+    readonly crossings: Record<Way, number[]> = { 1: [], [-1]: [] };
+    #asking = false;
+
+    constructor(
+        readonly client: Client,
+        readonly film: Film,
+        readonly line: [Point, Point],
+    ) {}
+
+    /** Counts over the frames that came since. */
+    async follow() {
+        const { film } = this;
+        if (this.#asking || this.refused.value) return;
+        this.#asking = true;
+        try {
+            const most = Math.max(2, Math.floor(MOST_BYTES / Math.max(1, 8 * film.frames.length)));
+            while (!film.over && this.counted.value < film.frames.count) {
+                // A crossing lies between two frames, so the last one counts again.
+                const from = Math.max(0, this.counted.value - 1);
+                const to = Math.min(film.frames.count, from + most);
+                const request = { ask: "flow", run: film.scene.run, line: this.line } as const;
+                const { value } = await this.client.ask<Counted>(request, film.frames.copy(from, to));
+                for (const [place, , way] of value.crossings) this.crossings[way].push(from + place);
+                this.counted.value = to;
+            }
+        } catch (error) {
+            if (!film.over) this.refused.value = (error as Error).message;
+        } finally {
+            this.#asking = false;
+        }
+    }
+
+    /** How many crossed up to each of the frames (ascending). */
+    counts(way: Way, frames: ArrayLike<number>): number[] {
+        const crossings = this.crossings[way];
+        let n = 0;
+        return Array.from(frames, (frame) => {
+            while (n < crossings.length && crossings[n]! <= frame) n += 1;
+            return n;
+        });
+    }
+
+    /** People per second from the first to the last crossing; null for fewer than two. */
+    mean(way: Way): number | null {
+        const crossings = this.crossings[way];
+        const seconds = ((crossings.at(-1) ?? 0) - (crossings[0] ?? 0)) * this.film.scene.step;
+        return seconds > 0 ? (crossings.length - 1) / seconds : null;
+    }
+
+    /** An arrow that shows the direction on the page. */
+    arrow(way: Way): string {
+        const [[x1, y1], [x2, y2]] = this.line;
+        // To the right of the line, seen along it.
+        const angle = Math.atan2(way * (x1 - x2), way * (y2 - y1));
+        return "→↗↑↖←↙↓↘"[(Math.round(angle / (Math.PI / 4)) + 8) % 8]!;
+    }
+}

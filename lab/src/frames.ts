@@ -1,0 +1,145 @@
+// The frames of a run, and the crowd's numbers over time.
+
+import { COLUMNS } from "./protocol";
+
+/** Frames lie in blocks, so that long runs neither copy nor allocate for each frame. */
+const BLOCK_BYTES = 4e6;
+const SQUEEZE = 6;
+const CONTACTS = 7;
+
+/** Of the whole crowd, one number for each frame. */
+export const CURVES = ["speed", "squeeze", "greatest", "contacts"] as const;
+export type Curve = (typeof CURVES)[number];
+
+export class Frames {
+    /** How many there are. */
+    count = 0;
+    /** Numbers of a frame. */
+    readonly length: number;
+    readonly #perBlock: number;
+    #blocks: Float64Array[] = [];
+    #curves: Record<Curve, Float32Array>;
+    /** The frame that was asked for last: most are asked for several times. */
+    #last: { k: number; numbers: Float64Array } = { k: -1, numbers: new Float64Array() };
+    readonly #between: Float64Array;
+    readonly #means: Float64Array;
+    /** Of which frame and how many before it. */
+    #meansOf: [number, number] = [-1, 0];
+
+    constructor(readonly agents: number) {
+        this.length = COLUMNS * agents;
+        this.#perBlock = Math.max(1, Math.floor(BLOCK_BYTES / (8 * Math.max(1, this.length))));
+        const curve = () => new Float32Array(1024);
+        this.#curves = { speed: curve(), squeeze: curve(), greatest: curve(), contacts: curve() };
+        this.#between = new Float64Array(this.length);
+        this.#means = new Float64Array(agents);
+    }
+
+    /** What a frame occupies. */
+    get bytes() {
+        return 8 * this.length + 4 * CURVES.length;
+    }
+
+    /** Appends so many frames, which lie one after the other. */
+    add(numbers: Float64Array, count: number) {
+        const { length } = this;
+        for (let k = 0; k < count; k++) {
+            const place = this.count % this.#perBlock;
+            if (place === 0) this.#blocks.push(new Float64Array(this.#perBlock * length));
+            const block = this.#blocks.at(-1)!;
+            block.set(numbers.subarray(k * length, (k + 1) * length), place * length);
+            this.#sum(block, place * length);
+            this.count += 1;
+        }
+    }
+
+    #sum(block: Float64Array, start: number) {
+        const k = this.count;
+        if (k === this.#curves.speed.length) {
+            for (const name of CURVES) {
+                const longer = new Float32Array(2 * k);
+                longer.set(this.#curves[name]);
+                this.#curves[name] = longer;
+            }
+        }
+        let [speed, squeeze, greatest, contacts, there] = [0, 0, 0, 0, 0];
+        for (let at = start; at < start + this.length; at += COLUMNS) {
+            if (Number.isNaN(block[at]!)) continue;
+            there += 1;
+            const [vx, vy, squeezed] = [block[at + 3]!, block[at + 4]!, block[at + SQUEEZE]!];
+            speed += Math.sqrt(vx * vx + vy * vy);
+            squeeze += squeezed;
+            if (squeezed > greatest) greatest = squeezed;
+            contacts += block[at + CONTACTS]!;
+        }
+        // Who has left is no part of a mean.
+        const people = Math.max(1, there);
+        this.#curves.speed[k] = speed / people;
+        this.#curves.squeeze[k] = squeeze / people;
+        this.#curves.greatest[k] = greatest;
+        this.#curves.contacts[k] = contacts / people;
+    }
+
+    /** Of those who have not left: mean speed, mean and greatest squeeze, mean number of contacts of a person; `count` of each. */
+    curve(name: Curve): Float32Array {
+        return this.#curves[name].subarray(0, this.count);
+    }
+
+    /** Its numbers, not to be changed. */
+    frame(k: number): Float64Array {
+        const place = Math.max(0, Math.min(k, this.count - 1));
+        if (this.#last.k !== place) {
+            const start = (place % this.#perBlock) * this.length;
+            const block = this.#blocks[Math.floor(place / this.#perBlock)]!;
+            this.#last = { k: place, numbers: block.subarray(start, start + this.length) };
+        }
+        return this.#last.numbers;
+    }
+
+    number(k: number, agent: number, column: number): number {
+        const start = (k % this.#perBlock) * this.length;
+        return this.#blocks[Math.floor(k / this.#perBlock)]![start + COLUMNS * agent + column]!;
+    }
+
+    /** Between two frames: poses in proportion (angles are not wrapped), the rest as in the earlier one. Valid until the
+     * next call. */
+    at(place: number): Float64Array {
+        const k = Math.floor(place);
+        const share = place - k;
+        if (!(share > 0) || k + 1 >= this.count) return this.frame(k);
+        const later = this.frame(k + 1);
+        const earlier = this.frame(k);
+        const out = this.#between;
+        out.set(earlier);
+        for (let at = 0; at < this.length; at += COLUMNS) {
+            for (let column = 0; column < 3; column++) {
+                const from = earlier[at + column]!;
+                out[at + column] = from + share * (later[at + column]! - from);
+            }
+        }
+        return out;
+    }
+
+    /** For each agent the mean squeeze of the last frames up to `k`. Valid until the next call. */
+    squeezeMean(k: number, last: number): Float64Array {
+        if (this.#meansOf[0] === k && this.#meansOf[1] === last) return this.#means;
+        this.#meansOf = [k, last];
+        const means = this.#means.fill(0);
+        // In the first frame, no step was computed yet.
+        const from = Math.min(k, Math.max(1, k - last + 1));
+        for (let j = from; j <= k; j++) {
+            const start = (j % this.#perBlock) * this.length + SQUEEZE;
+            const block = this.#blocks[Math.floor(j / this.#perBlock)]!;
+            for (let a = 0; a < this.agents; a++) means[a]! += block[start + COLUMNS * a]!;
+        }
+        for (let a = 0; a < this.agents; a++) means[a]! /= k - from + 1;
+        return means;
+    }
+
+    /** A copy of frames, from one to before another. */
+    copy(from: number, to: number): Uint8Array<ArrayBuffer> {
+        const numbers = new Float64Array((to - from) * this.length);
+        for (let k = from; k < to; k++) numbers.set(this.frame(k), (k - from) * this.length);
+        return new Uint8Array(numbers.buffer);
+    }
+}

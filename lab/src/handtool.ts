@@ -1,0 +1,237 @@
+// Single people, moved, turned, copied and deleted by hand. Each act is one edit of the plan.
+
+import { computed, signal } from "@preact/signals";
+import { digits } from "./parts";
+import { MOST, plan } from "./plan";
+import { COLUMNS, type Edit, isThere, type Overlaps, type Point } from "./protocol";
+import { choose, client, film, problem, selected, selectNext } from "./session";
+import type { Pointer, Tool } from "./tool";
+import { inMetres } from "./view";
+
+export interface Pose {
+    agent: number;
+    x: number;
+    y: number;
+    theta: number;
+}
+
+/** Of the handle that turns, from the middle of the person, in m. */
+const ARM = 0.5;
+
+/** Where somebody is dragged to; it stays until the scene with it is there. */
+const pose = signal<Pose | null>(null);
+const overlaps = signal<Overlaps | null>(null);
+/** Those whom the dragged person overlapped before. */
+let partners: number[] = [];
+let turning = false;
+let offset: Point = [0, 0];
+let asking = false;
+
+/** People can be moved where they start only. */
+export const movable = computed(() => film.value !== null && film.value.place.value === 0);
+
+/** Where the selected person is. */
+export const chosen = computed<Pose | null>(() => {
+    const shown = film.value;
+    const agent = selected.value;
+    if (!shown || agent === null || agent >= shown.scene.agents.length) return null;
+    if (pose.value?.agent === agent) return pose.value;
+    // What was said last may not be on the stage yet.
+    const { id } = shown.scene.agents[agent]!;
+    for (const edit of [...plan.value.made.edits].reverse()) {
+        if (edit.do === "move" && edit.id === id) return { agent, x: edit.x, y: edit.y, theta: edit.theta };
+    }
+    const frame = shown.frame(0);
+    if (!isThere(frame, agent)) return null;
+    return { agent, x: frame[COLUMNS * agent]!, y: frame[COLUMNS * agent + 1]!, theta: frame[COLUMNS * agent + 2]! };
+});
+
+/** In words, while somebody is dragged. */
+export const said = computed(() => {
+    const found = overlaps.value;
+    if (!pose.value || !found) return "";
+    if (found.depth <= 0) return "No overlap.";
+    const others = found.agents.length;
+    const whom = [others > 0 && `${others} ${others === 1 ? "other" : "others"}`, found.wall && "a wall"].filter(Boolean).join(" and ");
+    return `It overlaps ${whom}, by ${digits(1000 * found.depth, 2)} mm.`;
+});
+
+/** One question at a time; the last place counts. */
+async function ask() {
+    if (asking) return;
+    asking = true;
+    try {
+        for (let at = pose.peek(); at && film.value; at = pose.peek()) {
+            const { value } = await client.ask<Overlaps>({ ask: "overlaps", run: film.value.scene.run, ...at });
+            if (pose.peek()) overlaps.value = value;
+            if (pose.peek() === at) break;
+        }
+    } catch {
+        // The scene is another one by now.
+    } finally {
+        asking = false;
+    }
+}
+
+function begin(at: Pose) {
+    pose.value = at;
+    overlaps.value = null;
+    partners = [];
+    const run = film.value!.scene.run;
+    client
+        .ask<Overlaps>({ ask: "overlaps", run, ...at })
+        .then(({ value }) => {
+            partners = value.agents;
+            if (pose.peek() === at) overlaps.value = value;
+        })
+        .catch(() => {});
+}
+
+function clean(value: number) {
+    return Number(value.toFixed(4));
+}
+
+/** Where somebody stood before the last of several moves does not matter, nor do copies that are deleted. */
+function edited(edits: Edit[], next: Edit): Edit[] {
+    if (next.do === "copy") return [...edits, next];
+    const stays = edits.filter(({ do: what, id }) => !(what === "move" && id === next.id));
+    const copied = stays.some((edit) => edit.do === "copy" && edit.as === next.id);
+    const copies = stays.some((edit) => edit.do === "copy" && edit.id === next.id);
+    if (next.do === "delete" && copied && !copies) return stays.filter((edit) => !(edit.do === "copy" && edit.as === next.id));
+    return [...stays, next];
+}
+
+function act(edit: Edit) {
+    const { edits } = plan.value.made;
+    const after = edited(edits, edit);
+    if (after.length > MOST.edits) {
+        problem.value = `There are ${MOST.edits} changes by hand already.`;
+        pose.value = null;
+        return;
+    }
+    choose({ edits: after }, false);
+}
+
+function idOf(agent: number) {
+    return film.value!.scene.agents[agent]!.id;
+}
+
+export function put(to: Pose) {
+    pose.value = to;
+    act({ do: "move", id: idOf(to.agent), x: clean(to.x), y: clean(to.y), theta: clean(to.theta) });
+}
+
+export function copy({ agent, x, y, theta }: Pose) {
+    // Also not one of an earlier edit: a later one would mean somebody else.
+    const edited = plan.value.made.edits.flatMap((edit) => (edit.do === "copy" ? [edit.id, edit.as] : [edit.id]));
+    const present = film.value!.scene.agents.map(({ id }) => id);
+    const ids = [...present, ...edited].map(Number).filter(Number.isSafeInteger);
+    const as = String(Math.max(-1, ...ids) + 1);
+    selectNext(as);
+    // Beside it: the copy is dragged to its place.
+    const [right, up] = [Math.sin(theta), -Math.cos(theta)];
+    act({ do: "copy", id: idOf(agent), as, x: clean(x + 0.6 * right), y: clean(y + 0.6 * up), theta: clean(theta) });
+}
+
+export function drop({ agent }: Pose) {
+    if (film.value!.scene.agents.length > 1) act({ do: "delete", id: idOf(agent) });
+}
+
+/** After another scene came. */
+export function forget() {
+    pose.value = null;
+    overlaps.value = null;
+}
+
+function handle({ x, y, theta }: Pose): Point {
+    return [x + ARM * Math.cos(theta), y + ARM * Math.sin(theta)];
+}
+
+export const handTool: Tool = {
+    down(pointer: Pointer) {
+        if (!movable.value) return false;
+        const now = chosen.value;
+        if (now) {
+            const [x, y] = handle(now);
+            turning = Math.hypot(pointer.at[0] - x, pointer.at[1] - y) < pointer.reach;
+            if (turning) {
+                begin(now);
+                return true;
+            }
+        }
+        const { agent } = pointer;
+        if (agent === null) return false;
+        selected.value = agent;
+        const at = chosen.value!;
+        offset = [at.x - pointer.at[0], at.y - pointer.at[1]];
+        begin(at);
+        return true;
+    },
+    move({ at, shift }, pressed) {
+        const now = pose.value;
+        if (!pressed || !now) return;
+        if (turning) {
+            const angle = Math.atan2(at[1] - now.y, at[0] - now.x);
+            const step = Math.PI / 12;
+            pose.value = { ...now, theta: shift ? Math.round(angle / step) * step : angle };
+        } else pose.value = { ...now, x: at[0] + offset[0], y: at[1] + offset[1] };
+        void ask();
+    },
+    cancel() {
+        turning = false;
+        forget();
+    },
+    up() {
+        const now = pose.value;
+        turning = false;
+        if (!now) return;
+        const frame = film.value!.frame(0);
+        const [x, y, theta] = [0, 1, 2].map((k) => frame[COLUMNS * now.agent + k]!) as [number, number, number];
+        if (Math.hypot(now.x - x, now.y - y) < 1e-3 && Math.abs(now.theta - theta) < 1e-3) forget();
+        else put(now);
+    },
+    key(event) {
+        const now = chosen.value;
+        if (!now || !movable.value) return false;
+        const steps: Record<string, Point> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+        const step = steps[event.key];
+        if (event.key === "Delete") drop(now);
+        else if (event.shiftKey && step) put({ ...now, x: now.x + 0.05 * step[0], y: now.y + 0.05 * step[1] });
+        else return false;
+        return true;
+    },
+    frame(frame) {
+        const now = pose.value;
+        if (!now) return frame;
+        const moved = frame.slice();
+        moved.set([now.x, now.y, now.theta], COLUMNS * now.agent);
+        return moved;
+    },
+    overlapping() {
+        const now = pose.value;
+        const scene = film.value?.scene;
+        if (!now || !scene) return null;
+        const stays = scene.overlapping.filter((a) => a !== now.agent && !partners.includes(a));
+        const found = overlaps.value;
+        if (!found || found.depth <= 0) return stays;
+        return [...new Set([...stays, ...found.agents, now.agent])];
+    },
+    paint(context, view, inks) {
+        const now = chosen.value;
+        if (!now || !movable.value) return;
+        inMetres(context, view);
+        const pixel = devicePixelRatio / view.scale;
+        const [x, y] = handle(now);
+        context.strokeStyle = inks.pick;
+        context.fillStyle = inks.paper;
+        context.lineWidth = 2 * pixel;
+        context.beginPath();
+        context.moveTo(now.x + 0.2 * (x - now.x), now.y + 0.2 * (y - now.y));
+        context.lineTo(x, y);
+        context.stroke();
+        context.beginPath();
+        context.arc(x, y, 7 * pixel, 0, 2 * Math.PI);
+        context.fill();
+        context.stroke();
+    },
+};

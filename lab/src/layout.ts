@@ -1,0 +1,26 @@
+// What parts of the stage share.
+
+import { signal } from "@preact/signals";
+import type { View } from "./view";
+
+/** The picture that is shown, if there is one. */
+export const canvas = signal<HTMLCanvasElement | null>(null);
+
+/** Returns what ends it. What was shown before may end only after this began. */
+export function show(on: HTMLCanvasElement): () => void {
+    canvas.value = on;
+    return () => {
+        if (canvas.value === on) canvas.value = null;
+    };
+}
+
+/** Changes some times in a second while a run plays: what is read need not change with each picture. */
+export const beat = signal(0);
+
+/** What is drawn besides people and walls. */
+export interface Layers {
+    below(context: CanvasRenderingContext2D, view: View): void;
+    above(context: CanvasRenderingContext2D, view: View): void;
+    /** Instead of disks. */
+    paths(): Path2D[] | null;
+}

@@ -1,0 +1,207 @@
+// What moves the people: their own drive, nothing, pushes, or ways that they walk.
+
+import { effect } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { Choice, LengthField, NumberField } from "./parts";
+import { MOST } from "./plan";
+import { isThere, type Motion, type Push, type Waypoint } from "./protocol";
+import { begin, FIRST_PUSH, FIRST_RADIUS, mode, motion, motionTool, picked, remove, setMotion } from "./motiontool";
+import { bases, film } from "./session";
+import { useTool } from "./tool";
+
+const FAR = 1000;
+
+const KINDS: [Motion["kind"], string][] = [
+    ["own", "As the scene itself says"],
+    ["none", "Nobody moves by themselves"],
+    ["push", "Some are pushed"],
+    ["walk", "All walk along ways"],
+];
+
+const SENTENCES: Record<Motion["kind"], string> = {
+    own: "An example or an opened Trial brings its own drive; people of a crowd walk one way if the tab Crowd says so.",
+    none: "People stand. They move only if they overlap at the start.",
+    push: "A push acts on each whose middle is in its circle at the start. The force on each rises and falls like half a sine.",
+    walk: "Everybody takes the way whose first point is nearest, and goes to the next point when near enough to one.",
+};
+
+/** What was chosen before comes back. */
+const before = new Map<Motion["kind"], Motion>();
+// Not in another place.
+effect(() => {
+    bases.value;
+    before.clear();
+});
+
+function starting(kind: Motion["kind"]): Motion {
+    const known = before.get(kind);
+    if (known) return known;
+    if (kind === "push") return { kind, pushes: [] };
+    if (kind === "walk") return { kind, speed: 1.3, ways: [] };
+    return { kind };
+}
+
+export function MotionTab() {
+    useEffect(() => {
+        begin("change");
+        picked.value = null;
+    }, []);
+    useTool(motionTool);
+    const now = motion.value;
+    return (
+        <section class="panel" aria-label="Motion">
+            <h2>Motion</h2>
+            <Choice
+                label="What moves them"
+                value={now.kind}
+                choices={KINDS}
+                onChange={(kind) => {
+                    before.set(now.kind, now);
+                    begin("change");
+                    picked.value = null;
+                    setMotion(starting(kind));
+                }}
+            />
+            <p class="note">{SENTENCES[now.kind]}</p>
+            {now.kind === "push" && <Pushes pushes={now.pushes} />}
+            {now.kind === "walk" && <Walk speed={now.speed} ways={now.ways} />}
+        </section>
+    );
+}
+
+/** Somewhere in the picture, for those who write numbers. */
+function middle(): [number, number] {
+    const frame = film.value?.frame(0);
+    return frame?.length && isThere(frame, 0) ? [Number(frame[0]!.toFixed(2)), Number(frame[1]!.toFixed(2))] : [0, 0];
+}
+
+function Drawing({ kind, words, hint, onWrite, write }: { kind: "push" | "way"; words: string; hint: string; write: string; onWrite(): void }) {
+    const on = mode.value === kind;
+    return (
+        <>
+            <div class="buttons">
+                <button type="button" aria-pressed={on} onClick={() => begin(on ? "change" : kind)}>
+                    {words}
+                </button>
+                <button type="button" onClick={onWrite}>
+                    {write}
+                </button>
+            </div>
+            <p class="note" role="status">
+                {on ? `${hint} Esc ends it without a change.` : "What is drawn can be dragged on the picture; Delete removes what is marked."}
+            </p>
+        </>
+    );
+}
+
+function Pushes({ pushes }: { pushes: Push[] }) {
+    const set = (k: number, part: Partial<Push>) => setMotion({ kind: "push", pushes: pushes.map((push, j) => (j === k ? { ...push, ...part } : push)) });
+    return (
+        <>
+            {pushes.length < MOST.parts && (
+                <Drawing
+                    kind="push"
+                    words="Draw a push"
+                    hint="Press at the middle of the circle and draw the arrow: 1 m of it is 500 N."
+                    write="Add a push by numbers"
+                    onWrite={() => setMotion({ kind: "push", pushes: [...pushes, { ...FIRST_PUSH, at: middle() }] })}
+                />
+            )}
+            {pushes.length === 0 && <p class="note">There is no push yet: nobody moves.</p>}
+            {pushes.map((push, k) => {
+                const name = `Push ${k + 1}`;
+                return (
+                    <fieldset class={picked.value === k ? "fields marked" : "fields"} key={k} onFocusCapture={() => (picked.value = k)}>
+                        <legend>{name}</legend>
+                        <LengthField label={`${name}, x`} short="x" value={push.at[0]} min={-FAR} max={FAR} onChange={(x) => set(k, { at: [x, push.at[1]] })} />
+                        <LengthField label={`${name}, y`} short="y" value={push.at[1]} min={-FAR} max={FAR} onChange={(y) => set(k, { at: [push.at[0], y] })} />
+                        <LengthField label={`${name}, radius`} short="radius" value={push.radius} min={0.05} max={100} onChange={(radius) => set(k, { radius })} />
+                        <NumberField label={`${name}, direction`} short="direction" unit="°" value={push.direction} min={-360} max={360} step={5} onChange={(direction) => set(k, { direction })} />
+                        <NumberField label={`${name}, greatest force`} short="greatest force" unit="N" value={push.force} min={1} max={1e5} step={50} onChange={(force) => set(k, { force })} />
+                        <NumberField label={`${name}, start`} short="start" unit="s" value={push.start} min={0} max={1000} step={0.1} onChange={(start) => set(k, { start })} />
+                        <NumberField label={`${name}, duration`} short="duration" unit="s" value={push.duration} min={0.01} max={100} step={0.05} onChange={(duration) => set(k, { duration })} />
+                        <Pulse push={push} />
+                        <button type="button" onClick={() => remove(k)}>
+                            Delete push {k + 1}
+                        </button>
+                    </fieldset>
+                );
+            })}
+        </>
+    );
+}
+
+/** Its force over time. */
+function Pulse({ push: { start, duration, force } }: { push: Push }) {
+    const end = 1.15 * (start + duration);
+    const points = Array.from({ length: 41 }, (_, k) => {
+        const share = k / 40;
+        return `${(100 * (start + share * duration)) / end} ${24 - 20 * Math.sin(Math.PI * share)}`;
+    });
+    const words = `The force rises from 0 at ${start} s to ${force} N and is 0 again at ${Number((start + duration).toFixed(3))} s.`;
+    return (
+        <figure class="pulse">
+            <svg viewBox="0 0 100 28" preserveAspectRatio="none" role="img" aria-label={words}>
+                <path d="M0 24H100" class="axis" />
+                <path d={`M0 24H${(100 * start) / end}L${points.join("L")}H100`} class="curve" />
+            </svg>
+            <figcaption class="note">
+                0 to {Number(end.toFixed(2))} s; {force} N at {Number((start + duration / 2).toFixed(3))} s
+            </figcaption>
+        </figure>
+    );
+}
+
+function Walk({ speed, ways }: { speed: number; ways: Waypoint[][] }) {
+    const set = (next: Waypoint[][]) => setMotion({ kind: "walk", speed, ways: next });
+    const setWay = (w: number, way: Waypoint[]) => set(ways.map((old, j) => (j === w ? way : old)).filter(({ length }) => length > 0));
+    const add = () => {
+        const [x, y] = middle();
+        set([...ways, [{ x, y, radius: FIRST_RADIUS }]]);
+    };
+    return (
+        <>
+            <NumberField label="Desired speed" unit="m/s" value={speed} min={0} max={20} step={0.1} onChange={(next) => setMotion({ kind: "walk", speed: next, ways })} />
+            {ways.length < MOST.ways && (
+                <Drawing
+                    kind="way"
+                    words="Draw a way"
+                    hint="Click its points one after the other. Enter or a double click ends it."
+                    write="Add a way by numbers"
+                    onWrite={add}
+                />
+            )}
+            {ways.length === 0 && <p class="note">There is no way yet: nobody walks.</p>}
+            {ways.map((way, w) => (
+                <fieldset class={picked.value === w ? "fields marked" : "fields"} key={w} onFocusCapture={() => (picked.value = w)}>
+                    <legend>Way {w + 1}</legend>
+                    {way.map((point, k) => {
+                        const name = `Way ${w + 1}, point ${k + 1}`;
+                        const put = (part: Partial<Waypoint>) => setWay(w, way.map((old, j) => (j === k ? { ...old, ...part } : old)));
+                        return (
+                            <div class="row" key={k}>
+                                <span class="which">{k + 1}</span>
+                                <LengthField label={`${name}, x`} short="x" value={point.x} min={-FAR} max={FAR} onChange={(x) => put({ x })} />
+                                <LengthField label={`${name}, y`} short="y" value={point.y} min={-FAR} max={FAR} onChange={(y) => put({ y })} />
+                                <LengthField label={`${name}, radius`} short="radius" value={point.radius} min={0.05} max={100} onChange={(radius) => put({ radius })} />
+                                <button type="button" aria-label={`Delete ${name.toLowerCase()}`} onClick={() => setWay(w, way.filter((_, j) => j !== k))}>
+                                    ×
+                                </button>
+                            </div>
+                        );
+                    })}
+                    <div class="buttons">
+                        {way.length < MOST.points && (
+                            <button type="button" onClick={() => setWay(w, [...way, { ...way.at(-1)!, x: way.at(-1)!.x + 1 }])}>
+                                Add a point
+                            </button>
+                        )}
+                        <button type="button" onClick={() => remove(w)}>
+                            Delete way {w + 1}
+                        </button>
+                    </div>
+                </fieldset>
+            ))}
+        </>
+    );
+}

@@ -1,0 +1,93 @@
+// A movie of the frames that were computed, recorded by the browser while they are shown.
+
+import type { Film } from "./film";
+import { compose } from "./picture";
+
+const KINDS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
+const BITS_PER_SECOND = 8e6;
+/** Seconds that the last picture stays, or players would not show it. */
+const STAY = 0.25;
+
+/** Why the browser records no movies; empty if it does. */
+export function whyNoMovie(): string {
+    if (!("MediaRecorder" in globalThis) || !HTMLCanvasElement.prototype.captureStream) return "This browser cannot record a canvas.";
+    return KINDS.some((kind) => MediaRecorder.isTypeSupported(kind)) ? "" : "This browser does not record WebM.";
+}
+
+export class Movie {
+    #stopped = false;
+
+    constructor(
+        readonly film: Film,
+        readonly canvas: () => HTMLCanvasElement | null,
+        /** Simulated seconds in a second. */
+        readonly pace: number,
+        /** Is told which share is recorded. */
+        readonly tell: (share: number) => void,
+    ) {}
+
+    stop() {
+        this.#stopped = true;
+    }
+
+    /** Plays all frames once; null if it was stopped. */
+    async record(): Promise<Blob | null> {
+        const { film } = this;
+        const picture = document.createElement("canvas");
+        const paint = () => {
+            const from = this.canvas();
+            if (from) compose(picture, from, film);
+        };
+        film.show(0);
+        await nextPicture();
+        paint();
+        const stream = picture.captureStream();
+        const recorder = new MediaRecorder(stream, {
+            mimeType: KINDS.find((kind) => MediaRecorder.isTypeSupported(kind)),
+            videoBitsPerSecond: BITS_PER_SECOND,
+        });
+        const parts: Blob[] = [];
+        recorder.ondataavailable = ({ data }) => parts.push(data);
+        const ended = new Promise<void>((done, failed) => {
+            recorder.onstop = () => done();
+            recorder.onerror = () => failed(new Error("the browser could not record the movie"));
+        });
+        // No pictures come while the page is hidden.
+        const hidden = () => {
+            if (document.hidden && recorder.state === "recording") recorder.pause();
+            else if (!document.hidden && recorder.state === "paused") recorder.resume();
+        };
+        document.addEventListener("visibilitychange", hidden);
+        recorder.start(1000);
+        try {
+            await this.#play(paint);
+            if (!this.#stopped) await new Promise((done) => setTimeout(done, 1000 * STAY));
+        } finally {
+            document.removeEventListener("visibilitychange", hidden);
+            if (recorder.state !== "inactive") recorder.stop();
+            for (const track of stream.getTracks()) track.stop();
+        }
+        await ended;
+        return this.#stopped || this.film.over ? null : new Blob(parts, { type: "video/webm" });
+    }
+
+    async #play(paint: () => void) {
+        const { film, pace } = this;
+        const end = film.frames.count - 1;
+        let place = 0;
+        let before = await nextPicture();
+        while (!this.#stopped && !film.over && place < end) {
+            const now = await nextPicture();
+            // After a pause, it goes on where it was.
+            place = Math.min(end, place + (Math.min(0.25, (now - before) / 1000) * pace) / film.scene.step);
+            before = now;
+            film.show(place);
+            paint();
+            this.tell(end ? place / end : 1);
+        }
+    }
+}
+
+function nextPicture() {
+    return new Promise<number>((done) => requestAnimationFrame(done));
+}

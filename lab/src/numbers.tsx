@@ -1,0 +1,105 @@
+// Numbers beside the picture: of the run, and of the person that is selected.
+
+import type { ComponentChildren } from "preact";
+import { meanWords, SMOOTH } from "./colour";
+import type { Film } from "./film";
+import { beat } from "./layout";
+import { digits, Facts, length } from "./parts";
+import { plan } from "./plan";
+import { COLUMNS, isThere } from "./protocol";
+import { selected } from "./session";
+
+export function Numbers({ film }: { film: Film }) {
+    const playing = film.playing.value;
+    // Nobody reads sixty numbers in a second.
+    const k = playing ? (beat.value, film.shown.peek()) : film.shown.value;
+    return (
+        <section class="numbers" aria-label="Numbers">
+            <h2>Run</h2>
+            <Facts rows={ofRun(film, playing)} />
+            <Overlapping film={film} />
+            <h2>Person</h2>
+            <Who film={film} />
+            {selected.value === null && <p class="note">Choose one here, or on the picture.</p>}
+            {selected.value !== null && <Facts rows={ofPerson(film, k, selected.value)} />}
+        </section>
+    );
+}
+
+function ofRun(film: Film, playing: boolean): [string, ComponentChildren][] {
+    const { scene } = film;
+    const advanced = playing ? film.advanced.peek() : film.advanced.value;
+    const cost = film.cost.peek();
+    const perStep = (1e9 * cost * (scene.mechanical_step / scene.step)) / Math.max(1, scene.agents.length);
+    const rows: [string, ComponentChildren][] = [
+        ["People", String(scene.agents.length)],
+        ["Communication step", `${scene.step} s`],
+        ["Mechanical step", scene.stable ? `${scene.mechanical_step} s (stable up to ${digits(scene.stable, 2)} s)` : `${scene.mechanical_step} s`],
+        ["Shown pace", playing ? `${film.pace.peek().toFixed(2)} s per second` : "paused"],
+        ["Time to compute a step", advanced ? `${digits(1000 * cost, 2)} ms` : "–"],
+        ["… per person and mechanical step", advanced ? `${digits(perStep, 2)} ns` : "–"],
+        ["Deepest overlap so far", advanced ? `${digits(1000 * advanced.overlap, 2)} mm` : "–"],
+    ];
+    if (scene.pushed.length > 0) rows.push(["Pushed", people(scene.pushed.length)]);
+    if (scene.walk) rows.push(["Arrived or left", `${advanced?.arrived ?? 0} of ${scene.agents.length}`]);
+    return rows;
+}
+
+function people(count: number) {
+    return `${count} ${count === 1 ? "person" : "people"}`;
+}
+
+function ofPerson(film: Film, k: number, a: number): [string, ComponentChildren][] {
+    const agent = film.scene.agents[a];
+    if (!agent) return [];
+    const { unit } = plan.value;
+    const frame = film.frame(k);
+    const of = (column: number) => frame[COLUMNS * a + column]!;
+    const person = film.scene.people?.[a];
+    const rows: [string, ComponentChildren][] = [
+        ["Id", agent.id],
+        ["Mass", `${digits(agent.mass, 3)} kg`],
+        ["Place", isThere(frame, a) ? `x ${length(of(0), unit)}, y ${length(of(1), unit)}` : "has left"],
+        ["Speed", `${Math.hypot(of(3), of(4)).toFixed(2)} m/s`],
+        [`Squeeze, ${meanWords(film, k)}`, `${Math.round(film.squeezeMean(k, SMOOTH)[a]!).toLocaleString("en")} N`],
+        ["Contacts", String(of(7))],
+    ];
+    if (person) {
+        const sizes = `${length(person.breadth, unit)} × ${length(person.depth, unit)}, ${length(person.stature, unit)} tall`;
+        rows.push(["Body", `${person.sex === "male" ? "man" : "woman"}, ${sizes}`]);
+    }
+    return rows;
+}
+
+function Who({ film }: { film: Film }) {
+    return (
+        <label class="field">
+            <span class="hidden">Person</span>
+            <select
+                value={selected.value === null ? "" : String(selected.value)}
+                onChange={(event) => {
+                    const { value } = event.currentTarget;
+                    selected.value = value === "" ? null : Number(value);
+                }}
+            >
+                <option value="">nobody</option>
+                {film.scene.agents.map(({ id }, a) => (
+                    <option key={id} value={String(a)}>
+                        {id}
+                    </option>
+                ))}
+            </select>
+        </label>
+    );
+}
+
+/** Said also where colours are not seen. */
+function Overlapping({ film: { scene } }: { film: Film }) {
+    const count = scene.overlapping.length;
+    if (count === 0) return null;
+    return (
+        <p class="warning">
+            At the start {people(count)} {count === 1 ? "overlaps" : "overlap"}, by up to {digits(1000 * scene.overlap, 2)} mm. They are hatched.
+        </p>
+    );
+}

@@ -1,0 +1,157 @@
+// Who the people of a crowd are: as surveyed, from statistics of the user's, or measured people.
+
+import { signal } from "@preact/signals";
+import { Choice } from "./parts";
+import { type KeptPeople, MOST, plan } from "./plan";
+import type { Four, Normal } from "./protocol";
+import { FileInput, type Given, taken } from "./upload";
+
+type Statistics = Extract<KeptPeople, { kind: "statistics" }>;
+type Table = Extract<KeptPeople, { kind: "table" }>;
+
+const MEASURES = [
+    ["breadth", "Bideltoid breadth"],
+    ["depth", "Chest depth"],
+    ["stature", "Stature"],
+    ["mass", "Mass"],
+] as const;
+const SEXES = [
+    ["male", "Men"],
+    ["female", "Women"],
+] as const;
+const VALUES = ["mean", "SD", "least", "most"] as const;
+
+const FIRST: Statistics = {
+    kind: "statistics",
+    male: { breadth: [0.51, 0.02, 0.3, 0.65], depth: [0.26, 0.02, 0.15, 0.45], stature: [1.78, 0.08, 1.4, 2.4], mass: [85, 15, 30, 160] },
+    female: { breadth: [0.45, 0.015, 0.3, 0.6], depth: [0.24, 0.015, 0.15, 0.45], stature: [1.64, 0.07, 1.4, 2.1], mass: [67, 11, 30, 130] },
+};
+
+/** What was there before another kind was chosen. */
+const before = signal<{ statistics: Statistics; table: Table | null }>({ statistics: FIRST, table: null });
+/** Tables are wanted, but none is there yet. */
+const waiting = signal(false);
+
+export function People({ people, onChange }: { people: KeptPeople; onChange(people: KeptPeople): void }) {
+    const kind = waiting.value ? "table" : people.kind;
+    const choose = (next: KeptPeople["kind"]) => {
+        if (people.kind === "statistics") before.value = { ...before.value, statistics: people };
+        if (people.kind === "table") before.value = { ...before.value, table: people };
+        waiting.value = next === "table" && !before.value.table;
+        if (next === "survey") onChange({ kind: "survey" });
+        else if (next === "statistics") onChange(before.value.statistics);
+        else if (before.value.table) onChange(before.value.table);
+    };
+    return (
+        <>
+            <Choice
+                label="Who they are"
+                value={kind}
+                choices={[
+                    ["survey", "As in the survey ANSUR II"],
+                    ["statistics", "From statistics of your own"],
+                    ["table", "From tables of measured people"],
+                ]}
+                onChange={choose}
+            />
+            {kind === "statistics" && people.kind === "statistics" && <StatisticsTable people={people} onChange={onChange} />}
+            {kind === "table" && (
+                <>
+                    <p class="note">
+                        {people.kind === "table" ? `They are drawn from ${people.files.map(([, name]) => name).join(" and ")}.` : "Until a table is chosen, people are as in the survey."} Tables
+                        have the columns of ANSUR_II_MALE_Public.csv and ANSUR_II_FEMALE_Public.csv; FEMALE or MALE in the name says whom they hold.
+                    </p>
+                    <FileInput
+                        label="Choose tables (one or two)"
+                        accept=".csv,text/csv"
+                        several
+                        onFiles={async (given) => {
+                            onChange(await table(given));
+                            waiting.value = false;
+                        }}
+                    />
+                </>
+            )}
+        </>
+    );
+}
+
+/** The sex of a table is in its name. */
+function sexOf(name: string): "male" | "female" {
+    if (/female|women/i.test(name)) return "female";
+    if (/male|men/i.test(name)) return "male";
+    throw new Error(`${name}: the name says neither MALE nor FEMALE`);
+}
+
+async function table(given: Given[]): Promise<Table> {
+    const files = given.map(({ file }) => [sexOf(file.name), file.name, file.size] as ["male" | "female", string, number]);
+    if (files.length > 2 || (files.length === 2 && files[0]![0] === files[1]![0])) throw new Error("choose one table of men, one of women, or both");
+    const long = files.find(([, name]) => name.length > MOST.name);
+    if (long) throw new Error(`the name ${long[1].slice(0, 20)}… has more than ${MOST.name} letters`);
+    return { kind: "table", files, key: await taken(given.map(({ file }) => file)) };
+}
+
+function StatisticsTable({ people, onChange }: { people: Statistics; onChange(people: Statistics): void }) {
+    const { unit } = plan.value;
+    const set = (sex: "male" | "female", measure: keyof Four, k: number, value: number) => {
+        const row = people[sex][measure].map((old, j) => (j === k ? value : old)) as Normal;
+        onChange({ ...people, [sex]: { ...people[sex], [measure]: row } });
+    };
+    return (
+        <div class="wide">
+            {SEXES.map(([sex, who]) => (
+                <table class="statistics" key={sex}>
+                    <caption>{who}: normal distributions between the least and the most</caption>
+                    <thead>
+                        <tr>
+                            <th scope="col">Measure</th>
+                            {VALUES.map((words) => (
+                                <th key={words} scope="col">
+                                    {words}
+                                </th>
+                            ))}
+                        </tr>
+                    </thead>
+                    <tbody>
+                        {MEASURES.map(([measure, words]) => (
+                            <tr key={measure}>
+                                <th scope="row">
+                                    {words} <span class="unit">[{measure === "mass" ? "kg" : unit}]</span>
+                                </th>
+                                {VALUES.map((value, k) => (
+                                    <td key={value}>
+                                        <Cell
+                                            label={`${who}, ${words.toLowerCase()}, ${value}`}
+                                            value={people[sex][measure][k]!}
+                                            by={measure === "mass" || unit === "m" ? 1 : 100}
+                                            onChange={(next) => set(sex, measure, k, next)}
+                                        />
+                                    </td>
+                                ))}
+                            </tr>
+                        ))}
+                    </tbody>
+                </table>
+            ))}
+        </div>
+    );
+}
+
+/** The lab says which values make sense together, when the crowd is made. */
+function Cell({ label, value, by, onChange }: { label: string; value: number; by: number; onChange(value: number): void }) {
+    const shown = Number((value * by).toFixed(3));
+    return (
+        <input
+            type="number"
+            aria-label={label}
+            value={shown}
+            min={0}
+            step="any"
+            onChange={(event) => {
+                const number = event.currentTarget.valueAsNumber;
+                if (number >= 0 && number <= 1000) onChange(number / by);
+                else event.currentTarget.value = String(shown);
+            }}
+        />
+    );
+}

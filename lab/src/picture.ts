@@ -1,0 +1,54 @@
+// The canvas of a run as a picture that explains itself: on paper, with the time and what the colours mean.
+
+import { COLOURS, scaleOf } from "./colour";
+import type { Film } from "./film";
+import { digits } from "./parts";
+import { plan } from "./plan";
+
+/** Height of the line below the picture, for a screen with one pixel per pixel of CSS. */
+const FOOT = 30;
+
+/** Draws it on another canvas, which becomes as large as it needs to be (with even sides: movies ask for it). */
+export function compose(onto: HTMLCanvasElement, from: HTMLCanvasElement, film: Film) {
+    // Not its own size: it may be coarser while something moves.
+    const pixel = devicePixelRatio;
+    const even = (size: number) => 2 * Math.ceil(size / 2);
+    const [wide, high] = [from.clientWidth * pixel, from.clientHeight * pixel];
+    const [width, height] = [even(wide), even(high + FOOT * pixel)];
+    // Setting them clears the canvas and costs time.
+    if (onto.width !== width || onto.height !== height) [onto.width, onto.height] = [width, height];
+    const context = onto.getContext("2d")!;
+    const style = getComputedStyle(from);
+    const [ink, paper] = [style.getPropertyValue("--ink"), style.getPropertyValue("--paper")];
+    context.fillStyle = paper;
+    context.fillRect(0, 0, width, height);
+    context.drawImage(from, 0, 0, wide, high);
+    const middle = high + (FOOT * pixel) / 2;
+    context.font = `${13 * pixel}px system-ui, sans-serif`;
+    context.textBaseline = "middle";
+    context.fillStyle = ink;
+    const time = `${(film.place.value * film.scene.step).toFixed(2)} s`;
+    context.fillText(time, 10 * pixel, middle);
+    const { label, unit, most } = scaleOf(film, plan.value.colour);
+    const end = `${digits(most, 3)} ${unit}`.trim();
+    let right = width - 10 * pixel - context.measureText(end).width;
+    context.fillText(end, right, middle);
+    const ramp = Math.min(120 * pixel, width / 4);
+    right -= ramp + 8 * pixel;
+    COLOURS.forEach((colour, k) => {
+        context.fillStyle = colour;
+        context.fillRect(right + (k * ramp) / COLOURS.length, middle - 6 * pixel, ramp / COLOURS.length + 1, 12 * pixel);
+    });
+    const begin = `${label}: 0`;
+    context.fillStyle = ink;
+    right -= context.measureText(begin).width + 8 * pixel;
+    if (right > context.measureText(time).width + 20 * pixel) context.fillText(begin, right, middle);
+}
+
+export async function png(from: HTMLCanvasElement, film: Film): Promise<Blob> {
+    const canvas = document.createElement("canvas");
+    compose(canvas, from, film);
+    const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
+    if (!blob) throw new Error("the browser made no picture");
+    return blob;
+}

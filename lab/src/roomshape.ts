@@ -1,0 +1,36 @@
+// Places as they are clicked: what of a room is near, snapping, and what a sketch shows before it is a room.
+
+import type { Point, Room } from "./protocol";
+
+/** The outline is ring 0; obstacles follow. */
+export function rings({ outline, obstacles }: Room): Point[][] {
+    return [outline, ...obstacles];
+}
+
+export function distance(a: Point, b: Point) {
+    return Math.hypot(a[0] - b[0], a[1] - b[1]);
+}
+
+const SNAP = 0.05;
+
+/** Millimetres are enough. */
+export function snapped(at: Point): Point {
+    return at.map((place) => Number((Math.round(place / SNAP) * SNAP).toFixed(3))) as Point;
+}
+
+/** Level with or straight above another point, whichever is nearer. */
+export function squared(at: Point, from: Point): Point {
+    return Math.abs(at[0] - from[0]) > Math.abs(at[1] - from[1]) ? [at[0], from[1]] : [from[0], at[1]];
+}
+
+/** The rectangle between two corners. */
+export function spanned(a: Point, b: Point): Point[] {
+    const [left, right] = [Math.min(a[0], b[0]), Math.max(a[0], b[0])];
+    const [low, high] = [Math.min(a[1], b[1]), Math.max(a[1], b[1])];
+    return [
+        [left, low],
+        [right, low],
+        [right, high],
+        [left, high],
+    ];
+}

@@ -1,0 +1,190 @@
+// The present run: which plan it shows, how it is opened, what is told about it.
+
+import { batch, computed, effect, signal, untracked } from "@preact/signals";
+import { Client, Stopped } from "./client";
+import { Film } from "./film";
+import { change, FIRST, follow, type KeptBase, keysInUse, type Made as Planned, plan, settle, unread } from "./plan";
+import type { Base, Made, Opened } from "./protocol";
+import { kept, remove } from "./store";
+
+export const client = new Client();
+export const film = signal<Film | null>(null);
+export const selected = signal<number | null>(null);
+/** How the crowd on the stage was placed. */
+export const made = signal<Made | null>(null);
+export const notes = signal<string[]>([]);
+/** What is well. */
+export const said = signal("");
+/** What is not. */
+export const problem = signal("");
+/** Counts the scenes that had another base than the one before. */
+export const bases = signal(0);
+
+/** What the film shows. */
+let present: Planned | null = null;
+/** Whether the next one plays at once. The first example does when the page is opened. */
+let plays = plan.value.made.base.kind === "example" && plan.value.tab === "start";
+
+/** What is said when the next scene is there. */
+let sayNext = "";
+/** Who is selected in the next scene. */
+let nextId: string | undefined;
+
+export function selectNext(id: string) {
+    nextId = id;
+}
+
+/** Scenes are asked for one after the other; only the latest counts. */
+let latest = 0;
+/** Whether it is still waited for. */
+let opening = false;
+
+const same = (one: unknown, other: unknown) => JSON.stringify(one) === JSON.stringify(other);
+
+export async function attempt(what: () => Promise<void>) {
+    problem.value = "";
+    try {
+        await what();
+    } catch (error) {
+        if (error instanceof Stopped) {
+            if (error.message === "stopped") said.value = "Stopped.";
+        } else {
+            problem.value = (error as Error).message;
+            said.value = "";
+        }
+    }
+}
+
+/** Without what only the page needs, and the files' contents. */
+async function sent(base: KeptBase): Promise<[Base, Uint8Array | undefined]> {
+    if (base.kind === "example") return [base, undefined];
+    if (base.kind === "crowd") {
+        const { people } = base;
+        if (people.kind !== "table") return [{ ...base, people }, undefined];
+        const { key, ...table } = people;
+        return [{ ...base, people: table }, await contents(key, table.files.map(([, name]) => name).join(", "))];
+    }
+    const { key, ...upload } = base;
+    return [upload, await contents(key, base.name)];
+}
+
+async function contents(key: string, name: string): Promise<Uint8Array> {
+    const bytes = await kept(key);
+    if (!bytes) throw new Error(`${name} is not kept in this browser: a link holds no files. Open it here.`);
+    return bytes;
+}
+
+function words(opened: Opened, base: KeptBase, seconds: number): string {
+    const count = opened.scene.agents.length;
+    const people = count === 1 ? "person" : "people";
+    if (base.kind === "crowd") return `${count} ${people} placed in ${seconds.toFixed(2)} s`;
+    if (base.kind === "upload") return `${base.name}: ${count} ${people}`;
+    return "";
+}
+
+async function open(wanted: Planned, number: number) {
+    const { edits, motion } = wanted;
+    const [base, bytes] = await sent(wanted.base);
+    if (number !== latest) return;
+    const { value, bytes: first, seconds } = await client.ask<Opened>({ ask: "show", base, edits, motion }, bytes);
+    // The lab has this scene now and not the one that is shown, which is opened again if the later one fails.
+    if (number !== latest) {
+        film.value?.end();
+        if (!opening) back();
+        return;
+    }
+    const other = !same(present?.base, wanted.base);
+    const chosen = nextId ?? (!other && selected.value !== null ? film.value?.scene.agents[selected.value]?.id : undefined);
+    nextId = undefined;
+    const place = value.scene.agents.findIndex(({ id }) => id === chosen);
+    film.value?.end();
+    present = wanted;
+    opening = false;
+    const next = new Film(client, value.scene, first);
+    batch(() => {
+        notes.value = value.notes;
+        made.value = value.made;
+        // Those who were moved by hand were not placed again.
+        const placed = other || !film.value ? words(value, wanted.base, seconds) : "";
+        said.value = [placed, sayNext].filter(Boolean).join(". ");
+        sayNext = "";
+        selected.value = place < 0 ? null : place;
+        film.value = next;
+        next.playing.value = plays && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+        if (other) bases.value += 1;
+    });
+    plays = false;
+}
+
+/** Opens it; if that fails, what was there before is what the plan says. */
+async function show(wanted: Planned) {
+    const number = ++latest;
+    opening = true;
+    problem.value = "";
+    try {
+        await open(wanted, number);
+    } catch (error) {
+        if (number !== latest) return;
+        opening = false;
+        plays = false;
+        nextId = undefined;
+        // Who ended the worker opens what was there again.
+        if (error instanceof Stopped) return;
+        sayNext = "";
+        // A link or a former visit may hold what cannot be made. The effect below shows what could be.
+        if (same(plan.value.made, wanted)) settle(present ?? FIRST.made);
+        // A file that is no Trial need not be kept.
+        const { base } = wanted;
+        if (base.kind === "upload" && !keysInUse().has(base.key)) void remove(base.key);
+        problem.value = (error as Error).message;
+    }
+}
+
+const wanted = computed(() => JSON.stringify(plan.value.made));
+/** Begins to show what the plan says, now and whenever it changes. */
+export function begin() {
+    effect(() => {
+        const next = JSON.parse(wanted.value) as Planned;
+        // Also when it is brought back: by undo, a link, the browser's storage.
+        const shown = !opening && film.peek() && !film.peek()!.over && same(present, next);
+        if (!shown) untracked(() => void show(next));
+    });
+    problem.value = unread;
+    addEventListener("hashchange", () => {
+        const left = follow();
+        if (left) problem.value = left;
+    });
+}
+
+/** Makes it the present run; from its start again, if it is. */
+export function choose(next: Partial<Planned>, playing: boolean, crowd = plan.value.crowd, saying = "") {
+    const before = plan.value.made;
+    const all = { ...before, ...next };
+    plays = playing;
+    sayNext = saying;
+    if (same(before, all)) {
+        change({ crowd });
+        void show(all);
+    } else change({ made: all, crowd });
+}
+
+/** Opens what was there before, because its worker ended. If nothing was, the first example. */
+function back() {
+    const before = present ?? FIRST.made;
+    plays = false;
+    if (same(plan.value.made, before)) void show(before);
+    else settle(before);
+}
+
+/** Ends whatever is computed. */
+export function stop() {
+    client.stop("stopped");
+    sayNext = "Stopped. What was there before is shown from its start.";
+    back();
+}
+
+client.broken = (why) => {
+    const again = client.works;
+    if (again) back();
+    problem.value = `The computation ended (${why}). ${again ? "What was shown is opened again, from its start." : "This browser cannot run the lab, or its files are not complete."}`;
+};

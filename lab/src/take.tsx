@@ -1,0 +1,245 @@
+// Take away: what a run gives to other programs, and to people.
+
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+import "./take.css";
+import { type Client, Stopped } from "./client";
+import { scaleOf, values } from "./colour";
+import type { Film } from "./film";
+import { Movie, whyNoMovie } from "./movie";
+import { digits, NumberField, save } from "./parts";
+import { png } from "./picture";
+import { plan } from "./plan";
+import type { Wanted } from "./protocol";
+
+interface TakeProps {
+    film: Film;
+    client: Client;
+    /** What the stage shows now. */
+    canvas(): HTMLCanvasElement | null;
+    said(words: string): void;
+}
+
+function joined(parts: Uint8Array[]): Uint8Array {
+    const all = new Uint8Array(parts.reduce((sum, part) => sum + part.length, 0));
+    let at = 0;
+    for (const part of parts) {
+        all.set(part, at);
+        at += part.length;
+    }
+    return all;
+}
+
+/** The libraries that this lab packs into FMUs, and their licences. */
+async function libraries(): Promise<[string, Uint8Array][]> {
+    const list = await fetch("binaries.json");
+    if (!list.ok) throw new Error("this lab was built without libraries for FMUs (lab/build.sh says how)");
+    const names = (await list.json()) as Record<string, string>;
+    return Promise.all(
+        Object.entries(names).map(async ([platform, file]): Promise<[string, Uint8Array]> => {
+            const library = await fetch(file);
+            if (!library.ok) throw new Error(`the library for ${platform} is missing here`);
+            return [platform, new Uint8Array(await library.arrayBuffer())];
+        }),
+    );
+}
+
+function bytesOf(numbers: Float64Array) {
+    return new Uint8Array(numbers.slice().buffer);
+}
+
+export function TakeTab({ film, client, canvas, said }: TakeProps) {
+    const busy = useSignal(false);
+    /** The share of the movie that is recorded. */
+    const recorded = useSignal<number | null>(null);
+    const problem = useSignal("");
+    const until = useSignal<number | null>(null);
+    const movie = useRef<Movie | null>(null);
+    useEffect(() => {
+        until.value = null;
+        // A movie is of what the stage shows: it ends where that is left.
+        return () => movie.current?.stop();
+    }, [film]);
+    const { scene } = film;
+    const run = scene.run;
+    /** A Trial with ways needs a second FMU: the crowd alone would not walk. */
+    const decided = scene.walk;
+    const shown = () => film.frames.copy(film.shown.peek(), film.shown.peek() + 1);
+
+    /** What the lab makes and takes long, the page shows and stops (busy.tsx). */
+    const making = async (what: string, make: () => Promise<string | null>) => {
+        problem.value = "";
+        busy.value = true;
+        try {
+            const name = await make();
+            said(name ? `${name} is made.` : "Stopped.");
+        } catch (error) {
+            if (!(error instanceof Stopped)) problem.value = `${what}: ${(error as Error).message}`;
+        } finally {
+            busy.value = false;
+        }
+    };
+    /** A file that the lab makes. */
+    const take = (what: string, wanted: Wanted, bytes?: () => Uint8Array) =>
+        making(what, async () => {
+            const answer = await client.ask<{ name: string }>({ ask: "take", run, wanted }, bytes?.());
+            save(answer.value.name, answer.bytes);
+            return answer.value.name;
+        });
+
+    const fmu = (version: 2 | 3) =>
+        making(`FMU, FMI ${version}.0`, async () => {
+            const files = await libraries();
+            const binaries = files.map(([platform, content]) => [platform, content.length] as [string, number]);
+            const wanted: Wanted = { file: "fmu", version, binaries };
+            const answer = await client.ask<{ name: string }>({ ask: "take", run, wanted }, joined(files.map(([, content]) => content)));
+            const name = answer.value.name.replace(/\.fmu$/, `-fmi${version}.fmu`);
+            save(name, answer.bytes);
+            return name;
+        });
+    const svg = () => {
+        const { most, label, unit } = scaleOf(film, plan.value.colour);
+        const k = film.shown.peek();
+        const wanted: Wanted = { file: "svg", most, label, unit, time: k * scene.step, forces: plan.value.forces };
+        return take("Picture (SVG)", wanted, () => joined([shown(), bytesOf(values(film, k, plan.value.colour))]));
+    };
+    const picture = () =>
+        making("Picture (PNG)", async () => {
+            const from = canvas();
+            if (!from) throw new Error("the stage shows no picture");
+            save(`${scene.name}.png`, await png(from, film));
+            return `${scene.name}.png`;
+        });
+    const record = () =>
+        making("Movie (WebM)", async () => {
+            const made = new Movie(film, canvas, plan.value.pace, (share) => (recorded.value = share));
+            movie.current = made;
+            recorded.value = 0;
+            const blob = await made.record().finally(() => (recorded.value = null));
+            if (!blob) return null;
+            save(`${scene.name}.webm`, blob);
+            return `${scene.name}.webm`;
+        });
+    const end = until.value ?? (film.computed.value - 1) * scene.step;
+    const steps = Math.max(1, Math.round(end / scene.step));
+    const trajectories = () => take("Trajectories (CSV)", { file: "trajectories", steps });
+
+    const noMovie = whyNoMovie();
+    const seconds = ((film.computed.value - 1) * scene.step) / plan.value.pace;
+    const item = (name: string, make: () => Promise<void>, words: ComponentChildren, not = "", field: ComponentChildren = null) => (
+        <li>
+            <button type="button" disabled={busy.value || not !== ""} onClick={() => void make()}>
+                {name}
+            </button>
+            <p class="note">
+                {words} {not && <strong>{not}</strong>}
+            </p>
+            {field}
+        </li>
+    );
+    return (
+        <section class="panel take" aria-label="Take away">
+            {recorded.value !== null && (
+                <div class="work">
+                    <p role="status">The movie is recorded …</p>
+                    <progress aria-label="Movie" value={recorded.value} />
+                    <button type="button" onClick={() => movie.current?.stop()}>
+                        Stop
+                    </button>
+                </div>
+            )}
+            {problem.value && (
+                <p role="alert" class="problem">
+                    {problem.value}
+                </p>
+            )}
+            <h2>To compute with</h2>
+            <ul>
+                {item(
+                    "Trial (zip)",
+                    () => take("Trial (zip)", { file: "trial" }),
+                    decided ? (
+                        <>
+                            The XML files and the ways. <code>lemons decide</code> makes the FMU that decides from this Trial, and <code>lemons connect</code> couples both; this page
+                            opens it again.
+                        </>
+                    ) : (
+                        <>
+                            The XML files and what drives people. <code>lemons run</code> computes the same numbers from it; this page opens it again.
+                        </>
+                    ),
+                )}
+                {item(
+                    "FMU, FMI 2.0",
+                    () => fmu(2),
+                    `For simulation programs that read FMI 2.0: FMPy, OpenModelica, Simulink and others.${decided ? " It holds the crowd only, not who decides." : ""}`,
+                )}
+                {item("FMU, FMI 3.0", () => fmu(3), "The same for programs that read FMI 3.0: all people in a few array variables.")}
+            </ul>
+            <h2>To look at</h2>
+            <ul>
+                {item("Picture (SVG)", svg, "The frame that is shown, as lines and shapes: for papers, and for Inkscape. It shows people from above.")}
+                {item("Picture (PNG)", picture, "What the stage shows now, as pixels: for slides and messages.")}
+                {item(
+                    "Movie (WebM)",
+                    record,
+                    film.computed.value < 2
+                        ? "All frames that are computed, as the stage shows them. Play the run first."
+                        : `All frames that are computed, as the stage shows them: ${digits(seconds, 2)} s at the pace ${plan.value.pace} ×. ` +
+                              "It takes as long as it lasts. Browsers, VLC and ffmpeg read it.",
+                    film.computed.value < 2 ? "" : noMovie,
+                )}
+            </ul>
+            <h2>Bodies</h2>
+            <ul>
+                {item(
+                    "Bodies (OBJ)",
+                    () => take("Bodies (OBJ)", { file: "mesh", format: "obj" }, shown),
+                    "Everybody's body in the frame that is shown, each part with a name: Blender and MeshLab read it.",
+                )}
+                {item(
+                    "Bodies (STL)",
+                    () => take("Bodies (STL)", { file: "mesh", format: "stl" }, shown),
+                    "The same as bare triangles: for printing and for CAD.",
+                )}
+            </ul>
+            <h2>Tables</h2>
+            <ul>
+                {item(
+                    "Trajectories (CSV)",
+                    trajectories,
+                    decided ? (
+                        <>
+                            The run with its ways, computed again from the start, as a table of the form that <code>lemons run</code> writes. R, pandas and spreadsheets read it.
+                        </>
+                    ) : (
+                        <>
+                            The table that <code>lemons run</code> writes from the Trial, to the last bit, computed again from the start. R, pandas and spreadsheets read it.
+                        </>
+                    ),
+                    "",
+                    <NumberField
+                        label="Until"
+                        unit="s"
+                        value={Number((steps * scene.step).toPrecision(12))}
+                        min={scene.step}
+                        max={Number((1e6 * scene.step).toPrecision(12))}
+                        step={scene.step}
+                        onChange={(value) => {
+                            until.value = value;
+                        }}
+                    />,
+                )}
+                {item(
+                    "People (CSV)",
+                    () => take("People (CSV)", { file: "population" }),
+                    <>
+                        Sex and measures of everybody, as <code>lemons crowd</code> writes them.
+                    </>,
+                    scene.people ? "" : "Only of crowds that this page has made: others do not say them.",
+                )}
+            </ul>
+        </section>
+    );
+}

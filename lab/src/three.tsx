@@ -1,0 +1,108 @@
+// The run in three dimensions. A file of its own, which is loaded when it is needed.
+
+import { signal, useSignalEffect } from "@preact/signals";
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Client } from "./client";
+import { scaleOf, values } from "./colour";
+import { Crowd3d } from "./crowd3d";
+import type { Film } from "./film";
+import { plan } from "./plan";
+import type { Bodies } from "./protocol";
+import { NoWebGL, Space } from "./space";
+
+export interface Stage3dProps {
+    film: Film;
+    client: Client;
+    selected: number | null;
+    /** Altitude of a plane that is shown, in m; null: none. */
+    altitude?: number | null;
+    /** Is told the canvas, and null when it goes. */
+    /** Returns what is called when the canvas goes. */
+    onCanvas?(canvas: HTMLCanvasElement): () => void;
+    onSelect?(agent: number | null): void;
+}
+
+const HOW = matchMedia("(pointer: coarse)").matches
+    ? "Drag to turn; with two fingers, move and zoom."
+    : "Drag to turn, with the right button to move, wheel to zoom; click to select.";
+
+const KEYS = "Arrow keys turn the picture, with Shift they move it; plus and minus zoom, 0 shows all.";
+
+/** Pixels that a click may move. */
+const STILL = 4;
+
+export default function Stage3d(props: Stage3dProps) {
+    // A canvas whose place was given back cannot be drawn on again.
+    return <One key={props.film.scene.run} {...props} />;
+}
+
+function One({ film, client, selected, altitude = null, onCanvas, onSelect }: Stage3dProps) {
+    const canvas = useRef<HTMLCanvasElement>(null);
+    const [crowd] = useState(() => signal<Crowd3d | null>(null));
+    const [chosen] = useState(() => signal(selected));
+    const [words, setWords] = useState("Bodies are made …");
+    const [missing, setMissing] = useState("");
+    const [grid, setGrid] = useState(1);
+    useEffect(() => {
+        chosen.value = selected;
+    }, [selected]);
+    useEffect(() => {
+        const on = canvas.current!;
+        let space: Space;
+        try {
+            space = new Space(on);
+        } catch (error) {
+            return setMissing(error instanceof NoWebGL ? error.message : `3D cannot be shown: ${(error as Error).message}`);
+        }
+        const made = new Crowd3d(space, film.scene, film.frame(0));
+        space.onTheme = () => made.recolour();
+        space.look(made.box);
+        setGrid(made.grid);
+        const hide = onCanvas?.(on);
+        let gone = false;
+        client
+            .ask<Bodies>({ ask: "bodies", run: film.scene.run })
+            .then(({ value, bytes }) => {
+                if (gone) return;
+                made.dress(value, bytes);
+                crowd.value = made;
+                setWords(value.estimated ? "Sex and measures are not known: bodies that fit the disks, height and mass." : "");
+            })
+            .catch((error: Error) => !gone && setWords(`No bodies: ${error.message}`));
+        return () => {
+            gone = true;
+            crowd.value = null;
+            hide?.();
+            made.dispose();
+            space.dispose();
+        };
+    }, []);
+    useSignalEffect(() => {
+        const scale = scaleOf(film, plan.value.colour);
+        const frame = film.frameAt(film.place.value);
+        crowd.value?.place(frame, values(film, film.shown.value, plan.value.colour), scale.most, chosen.value);
+    });
+    useEffect(() => crowd.value?.cut(altitude), [crowd.value, altitude]);
+    const pressed = useRef<[number, number]>([0, 0]);
+    if (missing) return <p role="alert">{missing}</p>;
+    return (
+        <div class="space">
+            <canvas
+                ref={canvas}
+                tabIndex={0}
+                role="application"
+                aria-label={`${film.scene.agents.length} people in three dimensions. ${KEYS}`}
+                onPointerDown={(event) => {
+                    pressed.current = [event.offsetX, event.offsetY];
+                }}
+                onClick={(event) => {
+                    const [x, y] = pressed.current;
+                    if (Math.hypot(event.offsetX - x, event.offsetY - y) < STILL) onSelect?.(crowd.value?.at(event.offsetX, event.offsetY) ?? null);
+                }}
+            />
+            <p class="note">
+                Lines on the ground: {grid} m apart. {HOW} <span role="status">{words}</span>
+            </p>
+        </div>
+    );
+}

@@ -1,0 +1,57 @@
+// How a tab takes part in the picture: it hears the pointer and paints over it. All places are in m.
+
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { Inks } from "./draw";
+import type { Point } from "./protocol";
+import type { View } from "./view";
+
+export interface Pointer {
+    at: Point;
+    /** How near is near, in m: about a finger's breadth on the screen. */
+    reach: number;
+    shift: boolean;
+    /** The person under it. */
+    agent: number | null;
+    /** The second press of a double click. */
+    double: boolean;
+}
+
+export interface Tool {
+    /** Whether it takes the pointer; if not, the ground is moved or a person selected. */
+    down?(pointer: Pointer): boolean;
+    /** Also while nothing is pressed. */
+    move?(pointer: Pointer, pressed: boolean): void;
+    up?(pointer: Pointer): void;
+    /** Instead of `up`: the press was none after all. What it began is as before. */
+    cancel?(): void;
+    /** Whether it takes the key. */
+    key?(event: KeyboardEvent): boolean;
+    /** What it reads of signals is painted again when they change. */
+    paint?(context: CanvasRenderingContext2D, view: View, inks: Inks): void;
+    /** What should be visible with it. */
+    extent?(): Point[];
+    /** Poses that are shown instead, while somebody is dragged. */
+    frame?(frame: Float64Array): Float64Array;
+    /** Who is marked as overlapping instead of those who overlap at the start. */
+    overlapping?(): readonly number[] | null;
+    /** People are faint, because something else is looked at. */
+    faint?(): boolean;
+    /** Whether the next press draws: the pointer is a cross. */
+    draws?(): boolean;
+}
+
+/** Of the present tab. */
+export const tool = signal<Tool | null>(null);
+/** It is the tool while the component is there. What a former tab leaves may be tidied up only after this tab began. */
+export function useTool(own: Tool) {
+    useEffect(() => {
+        tool.value = own;
+        return () => {
+            if (tool.value === own) tool.value = null;
+        };
+    }, [own]);
+}
+
+/** Takes precedence for a while, whatever the tab. */
+export const lineTool = signal<Tool | null>(null);

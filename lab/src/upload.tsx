@@ -1,0 +1,98 @@
+// Files that the user opens: a zip or a folder, chosen or dropped. They stay on this machine.
+
+import { change, keysInUse, MOST, plan } from "./plan";
+import { attempt, choose, said } from "./session";
+import { joined, keep, remove } from "./store";
+
+const MOST_BYTES = 50e6;
+const MOST_DEPTH = 10;
+
+export interface Given {
+    path: string;
+    file: File;
+}
+
+/** Files as a request holds them, kept for a reload. */
+export async function taken(given: File[]): Promise<string> {
+    const size = given.reduce((sum, file) => sum + file.size, 0);
+    if (size > MOST_BYTES) throw new Error(`${given.length === 1 ? given[0]!.name : "the files"}: more than ${MOST_BYTES / 1e6} MB`);
+    return keep(await joined(given), keysInUse());
+}
+
+/** Shows the Trial in a zip, or in the files of a folder. */
+export async function openTrial(given: Given[]) {
+    const first = given[0];
+    if (!first) throw new Error("there is no file in it");
+    if (given.length > MOST.files) throw new Error(`more than ${MOST.files} files: a Trial has fewer than ten`);
+    const name = first.path.split("/")[0]!;
+    // What is longer would not be there again after a reload.
+    const long = given.find(({ path }) => path.length > MOST.path);
+    if (name.length > MOST.name) throw new Error(`the name ${name.slice(0, 20)}… has more than ${MOST.name} letters`);
+    if (long) throw new Error(`the path ${long.path.slice(0, 40)}… has more than ${MOST.path} letters`);
+    const { made } = plan.value;
+    const key = await taken(given.map(({ file }) => file));
+    if (plan.value.made !== made) {
+        said.value = `${name} was not opened: another scene was chosen meanwhile.`;
+        return remove(key);
+    }
+    change({ line: null });
+    const files = given.map(({ path, file }) => [path, file.size] as [string, number]);
+    choose({ base: { kind: "upload", name, files, key }, edits: [], motion: { kind: "own" } }, false, plan.value.crowd);
+}
+
+interface FileProps {
+    label: string;
+    accept?: string;
+    folder?: boolean;
+    several?: boolean;
+    onFiles(given: Given[]): Promise<void>;
+}
+
+export function FileInput({ label, accept, folder, several, onFiles }: FileProps) {
+    return (
+        <label class="upload">
+            {label}
+            <input
+                type="file"
+                accept={accept}
+                {...{ webkitdirectory: folder }}
+                multiple={several}
+                onChange={(event) => {
+                    // Those of a folder know their path.
+                    const files = [...(event.currentTarget.files ?? [])];
+                    event.currentTarget.value = "";
+                    const given = files.map((file) => ({ path: file.webkitRelativePath || file.name, file }));
+                    if (given.length > 0) void attempt(() => onFiles(given));
+                }}
+            />
+        </label>
+    );
+}
+
+/** What was dropped: files, or folders with all that is in them. */
+export async function dropped(data: DataTransfer): Promise<Given[]> {
+    const files = [...data.files];
+    const entries = [...data.items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
+    const found: Given[] = [];
+    // Some browsers tell no folders, only files.
+    if (entries.length === 0) return files.map((file) => ({ path: file.name, file }));
+    for (const entry of entries) await collect(entry, entry.name, found, 0);
+    return found;
+}
+
+async function collect(entry: FileSystemEntry, path: string, found: Given[], depth: number) {
+    if (found.length > MOST.files || depth > MOST_DEPTH) throw new Error(`more than ${MOST.files} files, or folders in folders too deep`);
+    if (entry.isFile) {
+        const file = await new Promise<File>((done, failed) => (entry as FileSystemFileEntry).file(done, failed));
+        found.push({ path, file });
+        return;
+    }
+    const reader = (entry as FileSystemDirectoryEntry).createReader();
+    // It gives some at a time.
+    for (;;) {
+        const some = await new Promise<FileSystemEntry[]>((done, failed) => reader.readEntries(done, failed));
+        if (some.length === 0) return;
+        for (const one of some) await collect(one, `${path}/${one.name}`, found, depth + 1);
+    }
+}
+

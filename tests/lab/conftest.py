@@ -1,0 +1,49 @@
+"""A visitor of the lab: `lemons lab`, and a new page in Chromium."""
+
+import shutil
+import signal
+import subprocess
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page, expect, sync_playwright
+from visit import LEMONS
+
+# In ms. A machine may have much else to do.
+expect.set_options(timeout=20_000)
+
+
+@pytest.fixture(scope="session")
+def url() -> Iterator[str]:
+    command = subprocess.Popen([LEMONS, "lab", "--no-browser"], stdout=subprocess.PIPE, text=True)
+    assert command.stdout
+    line = command.stdout.readline()
+    assert line.startswith("the lab is at http://127.0.0.1:"), line
+    yield line.split()[4].rstrip(",")
+    command.send_signal(signal.SIGINT)
+    assert command.wait(5) == 0
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        # Root may not use Chromium's sandbox. 3D is drawn without a GPU.
+        arguments = ["--no-sandbox", "--enable-unsafe-swiftshader"]
+        chromium = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=arguments)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def page(browser: Browser, url: str) -> Iterator[Page]:
+    """A new visitor. Nothing may be refused by the policy for contents, or fail in the background."""
+    context = browser.new_context(viewport={"width": 1280, "height": 860}, accept_downloads=True)
+    page = context.new_page()
+    said: list[str] = []
+    page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.goto(url)
+    page.wait_for_selector("canvas")
+    yield page
+    context.close()
+    assert not said

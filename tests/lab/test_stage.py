@@ -1,0 +1,101 @@
+"""What the stage shows, against the table of the command."""
+
+import math
+import re
+from pathlib import Path
+
+import matplotlib
+import pytest
+from playwright.sync_api import Page, expect
+from visit import Picture, download, lemons, make, play_until, rows, wait
+
+#: Frames in which everybody is looked at.
+EARLY, LATE = 60, 140
+
+
+def pixels(page: Page) -> str:
+    """As a data URL."""
+    return page.locator("canvas").first.evaluate("canvas => canvas.toDataURL()")
+
+
+def scrub(page: Page, frame: int) -> None:
+    page.get_by_role("slider", name="Time").fill(str(frame))
+    expect(page.locator(".time")).to_have_text(f"{frame / 100:.2f} s")
+
+
+def painted(picture: Picture, at: tuple[float, float]) -> list[int]:
+    """Red, green and blue of a pixel."""
+    read = "(canvas, at) => [...canvas.getContext('2d').getImageData(...at, 1, 1).data].slice(0, 3)"
+    return picture.canvas.evaluate(read, [round(along) for along in at])
+
+
+def wanted(page: Page, value: float) -> list[float]:
+    """As viridis has it, up to the end of the scale."""
+    end = re.search(r"([\d.,]+)( N| m/s|)$", page.locator(".scale").inner_text().strip())
+    assert end
+    shade = matplotlib.colormaps["viridis"](value / float(end[1].replace(",", "")))
+    return [255 * part for part in shade[:3]]
+
+
+def test_scrubbing_shows_what_the_command_computes(page: Page, tmp_path: Path) -> None:
+    make(page, 40, 400, 400)
+    picture = Picture(page)
+    play_until(page, LATE / 100)
+    table = tmp_path / "run.csv"
+    lemons("run", download(page, "Trial (zip)", tmp_path), "--until", LATE / 100, "-o", table)
+    known = {(round(100 * float(row["t"])), row["id"]): row for row in rows(table)}
+    contacts = lambda frame, name: sum(int(known[frame, name][f"{of}_contacts"]) for of in ("agent", "wall"))
+    number = lambda frame, name, column: float(known[frame, name][column])
+    squeeze = lambda frame, name: sum(number(k, name, "mean_normal_force") for k in range(frame - 9, frame + 1)) / 10
+    speed = lambda frame, name: math.hypot(number(frame, name, "vx"), number(frame, name, "vy"))
+    person = page.get_by_role("combobox", name="Person")
+    fact = lambda name: page.get_by_role("region", name="Numbers").get_by_role("row", name=name).get_by_role("cell").inner_text()
+
+    # Back and forth, for those who are pressed most.
+    for frame in (LATE, EARLY, LATE):
+        scrub(page, frame)
+        pressed = sorted((name for k, name in known if k == frame), key=lambda name: -squeeze(frame, name))
+        for name in pressed[:3]:
+            person.select_option(label=name)
+            x, y = (float(value) for value in re.findall(r"[-\d.]+", fact("Place")))
+            assert (x, y) == pytest.approx((100 * number(frame, name, "x"), 100 * number(frame, name, "y")), abs=0.051)
+            assert float(fact("Speed").split()[0]) == pytest.approx(speed(frame, name), abs=0.0051)
+            assert float(fact("Squeeze").split()[0].replace(",", "")) == pytest.approx(squeeze(frame, name), abs=0.51)
+            assert int(fact("Contacts")) == contacts(frame, name)
+        # Those who are selected have a mark of their own.
+        person.select_option(label="nobody")
+        for colour, value in (
+            ("Squeeze", squeeze(frame, pressed[0])),
+            ("Speed", speed(frame, pressed[0])),
+            ("Contacts", contacts(frame, pressed[0])),
+        ):
+            page.get_by_label("Colour").select_option(label=colour)
+            # Behind the mark of where they look.
+            x, y, turn = (number(frame, pressed[0], column) for column in ("x", "y", "theta"))
+            at = picture.pixel(x - 0.05 * math.cos(turn), y - 0.05 * math.sin(turn))
+            wait(page, lambda: painted(picture, at) == pytest.approx(wanted(page, value), abs=12), 20)
+
+
+def test_trails_and_forces_are_drawn(page: Page) -> None:
+    make(page, 40, 400, 400)
+    page.get_by_label("Pace").select_option(label="2 ×")
+    play_until(page, 1)
+    # Frames that are still computed would stretch the scale.
+    page.get_by_label("Fix this scale").check()
+    scrub(page, 90)
+    plain = pixels(page)
+    note = page.get_by_text("The widest is")
+    for layer in ("Trails", "Forces"):
+        page.get_by_label(layer).check()
+        wait(page, lambda: pixels(page) != plain, 20)
+        expect(note).to_have_count(1 if layer == "Forces" else 0)
+        page.get_by_label(layer).uncheck()
+        wait(page, lambda: pixels(page) == plain, 20)
+    # Where they begin nobody has left a trail.
+    scrub(page, 0)
+    start = pixels(page)
+    page.get_by_label("Trails").check()
+    page.get_by_role("button", name="Step", exact=True).click()
+    wait(page, lambda: pixels(page) != start, 20)
+    page.get_by_role("button", name="Step back").click()
+    wait(page, lambda: pixels(page) == start, 20)

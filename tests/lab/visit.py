@@ -1,0 +1,180 @@
+"""What a visitor of the lab does."""
+
+import csv
+import json
+import os
+import subprocess
+import time
+import urllib.parse
+import xml.etree.ElementTree as ElementTree
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import FloatRect, Page, expect
+
+ROOT = Path(__file__).parents[2]
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+LEMONS = Path(os.environ.get("LEMONS", TARGET / "release/lemons"))
+#: Of the page, in the browser's storage.
+KEY = "lemons-lab plan 2"
+
+
+def tab(page: Page, name: str) -> None:
+    page.get_by_role("navigation").get_by_role("button", name=name, exact=True).click()
+
+
+def fill(page: Page, label: str, value: float) -> None:
+    field = page.get_by_role("spinbutton", name=label)
+    field.fill(str(value))
+    field.press("Tab")
+
+
+def make(page: Page, number: int, width: float, height: float) -> None:
+    """A crowd in a room, sizes in cm."""
+    tab(page, "Room")
+    fill(page, "Room width", width)
+    fill(page, "Room height", height)
+    tab(page, "Crowd")
+    page.get_by_role("spinbutton", name="People").fill(str(number))
+    page.get_by_role("spinbutton", name="People").press("Tab")
+    page.get_by_role("button", name="Make this crowd").click()
+    expect(page.get_by_text(f"{number} people placed in")).to_be_visible(timeout=30_000)
+
+
+def example(page: Page, name: str, number: int) -> None:
+    tab(page, "Start")
+    page.get_by_role("button", name=name).click()
+    expect(page.get_by_text(f"{number} people placed in")).to_be_visible(timeout=30_000)
+
+
+def download(page: Page, name: str, to: Path) -> Path:
+    tab(page, "Take away")
+    with page.expect_download(timeout=120_000) as waiting:
+        page.get_by_role("button", name=name, exact=True).click()
+    path = to / waiting.value.suggested_filename
+    waiting.value.save_as(path)
+    return path
+
+
+def seconds(page: Page) -> float:
+    return float(page.locator(".time").inner_text().split()[0])
+
+
+def wait(page: Page, holds: Callable[[], bool], limit: float = 120) -> None:
+    """Asks again and again. (The policy for contents allows no conditions as text in the page.)"""
+    begun = time.monotonic()
+    while not holds():
+        assert time.monotonic() - begun < limit
+        page.wait_for_timeout(50)
+
+
+def becomes(page: Page, asked: Callable[[], object], wanted: object, limit: float = 20) -> None:
+    """As `wait`, but a failure shows both."""
+    begun = time.monotonic()
+    while (found := asked()) != wanted and time.monotonic() - begun < limit:
+        page.wait_for_timeout(50)
+    assert found == wanted
+
+
+def play_until(page: Page, end: float) -> None:
+    if not page.get_by_role("button", name="Pause").count():
+        page.get_by_role("button", name="Play").click()
+    wait(page, lambda: seconds(page) >= end)
+    page.get_by_role("button", name="Pause").click()
+
+
+def plan(page: Page) -> dict[str, Any]:
+    """What the page keeps of its visitor's work."""
+    return json.loads(page.evaluate(f"localStorage.getItem('{KEY}')"))
+
+
+def link(url: str, plan: object) -> str:
+    return f"{url}#{urllib.parse.quote(json.dumps(plan))}"
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def lemons(*arguments: object) -> str:
+    said = subprocess.run([LEMONS, *map(str, arguments)], capture_output=True, text=True)
+    assert said.returncode == 0, said
+    return said.stdout + said.stderr
+
+
+def same_table(mine: Path, theirs: Path) -> None:
+    """To the last bit, as far as both go."""
+    texts = [path.read_text().splitlines() for path in (mine, theirs)]
+    count = min(map(len, texts))
+    assert count > 100 and texts[0][:count] == texts[1][:count]
+
+
+def held(trial: Path) -> dict[str, str]:
+    """The files of a zipped Trial, by their last name."""
+    with zipfile.ZipFile(trial) as archive:
+        return {name.split("/")[-1]: archive.read(name).decode() for name in archive.namelist()}
+
+
+def places(trial: Path) -> dict[str, tuple[float, float, float]]:
+    """Where people are at the start: x and y in m, and where they look in rad."""
+    found = {}
+    for agent in ElementTree.fromstring(held(trial)["AgentDynamics.xml"]):
+        pose = agent.find("Kinematics")
+        assert pose is not None
+        x, y = map(float, pose.attrib["Position"].split(","))
+        found[agent.attrib["Id"]] = x, y, float(pose.attrib["Theta"])
+    return found
+
+
+class Picture:
+    """The stage as a map. Its scale is read off the page's own line, whose ends the page tells in m. It holds until
+    another scene is opened, or the picture is zoomed."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.canvas = page.locator("canvas").first
+        page.get_by_role("button", name="Count over a line").click()
+        box = self.box()
+        ends = [(round(share * box["width"]), round(share * box["height"])) for share in (0.2, 0.8)]
+        self._drag(ends[0], ends[1])
+        wait(page, lambda: plan(page)["line"] is not None)
+        (left, top), (right, foot) = plan(page)["line"]
+        page.get_by_role("button", name="Remove the line").click()
+        self.scale = (ends[1][0] - ends[0][0]) / (right - left)
+        self.origin = ends[0][0] - self.scale * left, ends[0][1] + self.scale * top
+        assert abs(ends[1][1] - self.origin[1] + self.scale * foot) < 1
+
+    def box(self) -> FloatRect:
+        self.canvas.scroll_into_view_if_needed()
+        box = self.canvas.bounding_box()
+        assert box
+        return box
+
+    def pixel(self, x: float, y: float) -> tuple[float, float]:
+        """On the canvas, of a place in m."""
+        return self.origin[0] + self.scale * x, self.origin[1] - self.scale * y
+
+    def move(self, x: float, y: float) -> None:
+        self._move(self.pixel(x, y))
+
+    def click(self, x: float, y: float) -> None:
+        self.move(x, y)
+        self.page.mouse.down()
+        self.page.mouse.up()
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
+        self._drag(self.pixel(*start), self.pixel(*end))
+
+    def _move(self, at: tuple[float, float], steps: int = 1) -> None:
+        box = self.box()
+        assert 0 < at[0] < box["width"] and 0 < at[1] < box["height"], at
+        self.page.mouse.move(box["x"] + at[0], box["y"] + at[1], steps=steps)
+
+    def _drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
+        self._move(start)
+        self.page.mouse.down()
+        self._move(end, steps=4)
+        self.page.mouse.up()
