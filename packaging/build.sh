@@ -4,8 +4,10 @@
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 need_time
-choose_compiler "${all[@]}"
+choose_compiler "${all[@]}" "$page"
 tools
+# Commands hold the page.
+lab/build.sh
 for platform; do
     packages=(-p crowd-mechanics -p lemons-decision-fmu)
     program=$(program "$platform")

@@ -20,13 +20,14 @@ want git git
 want script bsdutils
 want objdump binutils
 want python3 python3
+want npm npm nodejs
 python3 -c 'import ensurepip, venv' 2>/dev/null || packages+=(python3-venv)
 ! has win64 || want x86_64-w64-mingw32-gcc gcc-mingw-w64-x86-64
 want cc build-essential
 ! has win64 || [[ -x /usr/lib/wine/wine64 ]] || packages+=(wine64)
 ! has aarch64-linux || want qemu-aarch64 qemu-user libc6-arm64-cross
-if [[ -z ${PACKAGING_WITH:-} ]] && have_rustup "${all[@]}"; then export PACKAGING_WITH=rustup; fi
-[[ ${PACKAGING_WITH:-} == rustup ]] || have_debian "${all[@]}" || packages+=("${debian_packages[@]}")
+if [[ -z ${PACKAGING_WITH:-} ]] && have_rustup "${all[@]}" "$page"; then export PACKAGING_WITH=rustup; fi
+[[ ${PACKAGING_WITH:-} == rustup ]] || have_debian "${all[@]}" "$page" || packages+=("${debian_packages[@]}")
 if ((${#packages[@]})); then
     [[ $(id -u) == 0 ]] && command -v apt-get >/dev/null ||
         fail "missing: ${packages[*]} (only root can install them, with apt-get)"
@@ -35,15 +36,23 @@ if ((${#packages[@]})); then
     apt-get install -qq -y --no-install-recommends "${packages[@]}" </dev/null
 fi
 
-choose_compiler "${all[@]}"
+choose_compiler "${all[@]}" "$page"
 packaging/release.sh "$@"
 note "made after $((SECONDS - begin)) s"
 ls -l "$dist" "$dist"/*/ | awk 'NF > 8 { printf "%12d  %s\n", $5, $9 }'
 (cd "$dist" && sha256sum --quiet -c SHA256SUMS)
-for file in "$dist"/*_fmi?.fmu; do
-    python3 -m zipfile -l "$file" | grep "^documentation/licenses/THIRD-PARTY.txt " >/dev/null ||
-        fail "$file: no THIRD-PARTY.txt"
-done
+# FMUs hold the licences of what is in their libraries: `licensed FILE…`
+licensed() {
+    python3 - "$dist/THIRD-PARTY.txt" "$@" <<'END'
+import sys, zipfile
+
+licences = open(sys.argv[1], "rb").read()
+for name in sys.argv[2:]:
+    with zipfile.ZipFile(name) as fmu:
+        assert fmu.read("documentation/licenses/THIRD-PARTY.txt") == licences, name
+END
+}
+licensed "$dist"/*_fmi?.fmu
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -189,6 +198,8 @@ wheel=$(echo "$dist"/lemons_fmu-"$version"-*manylinux_2_17_x86_64*.whl)
 # The command in a directory packs FMUs for all platforms: `packs PLATFORM DIRECTORY HOW…`
 packs() {
     (cd "$work" && "${@:3}" "$2/$(program "$1")" pack "$root/resources/Trial_push" --force -o "$1.fmu")
+    (cd "$work" && "${@:3}" "$2/$(program "$1")" decide "$root/resources/Trial_door" --force -o "$1_decision.fmu")
+    licensed "$work/$1.fmu" "$work/$1_decision.fmu"
     "$lemons" info "$work/$1.fmu" --only "no such" >"$work/info"
     local platform
     for platform in "${given[@]}"; do
@@ -215,6 +226,41 @@ if has win64; then
     other win64 win_amd64 "$wine"
     packs win64 "$work/archives/lemons-$version-win64" "$wine"
 fi
+
+# `serves COMMAND…`: the lab, to this machine.
+serves() {
+    "$@" lab --no-browser >"$work/lab" 2>&1 </dev/null &
+    local server=$! asked=0
+    python3 - "$work/lab" "$dist/lemons-$version-lab.zip" "${given[@]}" <<'END' || asked=$?
+import json, re, sys, time, urllib.request, zipfile
+
+said, archive, *platforms = sys.argv[1:]
+for _ in range(300):
+    found = re.search(r"http://127\.0\.0\.1:\d+/", open(said, errors="replace").read())
+    if found:
+        break
+    time.sleep(0.1)
+else:
+    sys.exit("the lab does not start: " + open(said, errors="replace").read())
+address = found.group()
+ask = lambda path: urllib.request.urlopen(address + path, timeout=30).read()
+# The command gives the files that the archive for web hosts has.
+with zipfile.ZipFile(archive) as site:
+    names = site.namelist()
+    assert json.loads(ask("binaries.json")) == json.loads(site.read("binaries.json"))
+    assert {"index.html", "page.js", "worker.js", "lemons_lab.wasm", "licences.txt"} < set(names), names
+    for name in names:
+        assert ask(name) == site.read(name) or name == "binaries.json", name
+    assert set(platforms) < set(json.loads(site.read("binaries.json")))
+END
+    kill "$server" 2>/dev/null
+    wait "$server" 2>/dev/null || true
+    ((asked == 0)) || fail "$* lab: not the page that it should give"
+}
+serves "$work/archives/lemons-$version-linux64/lemons"
+! has aarch64-linux || serves "${qemu[@]}" "$work/archives/lemons-$version-aarch64-linux/lemons"
+! has win64 || serves "$wine" "$work/archives/lemons-$version-win64/lemons.exe"
+note "the lab, served by the commands of $*"
 
 note "the same bytes again"
 made_of=$("$lemons" --version | sed -n 's/^commit //p')

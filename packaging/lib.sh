@@ -1,10 +1,10 @@
 # For the scripts of this directory: where things are, and how a platform is compiled for. Sourced, not run. Gives a
 # script without arguments those of all platforms, and the list of their targets, `all`.
 #
-# A platform has FMI's name. Needed are python3 >= 3.11 with venv (zig's linker and cargo-zigbuild come from PyPI), and
-# one of
+# A platform has FMI's name. Needed are python3 >= 3.11 with venv (zig's linker and cargo-zigbuild come from PyPI),
+# for commands Node.js >= 18 with npm (the lab's page), and one of
 # - rustup, which has the targets or can get them (and mingw-w64 for win64);
-# - Debian's packages in `debian_packages` (for wasm32 in `debian_packages_wasm`): the standard library is then built
+# - Debian's packages in `debian_packages` (for wasm32 alone in `debian_packages_wasm`): the standard library is then built
 #   from its source.
 # PACKAGING_WITH=rustup or PACKAGING_WITH=debian decides which. The target directory is not the one of other builds.
 # shellcheck shell=bash disable=SC2034
@@ -22,8 +22,10 @@ export LC_ALL=C.UTF-8 TZ=UTC CARGO_INCREMENTAL=0
 
 # darwin64 (libraries only) is built when it is named: nobody has tried it yet, and no Mac was there to load the result.
 platforms=(linux64 aarch64-linux win64)
-debian_packages=(rustc-web cargo-web rust-web-src gcc-mingw-w64-x86-64)
+debian_packages=(rustc-web cargo-web rust-web-src gcc-mingw-w64-x86-64 lld-19)
 debian_packages_wasm=(rustc-web cargo-web rust-web-src lld-19)
+# The lab's page, which commands hold.
+page=wasm32-unknown-unknown
 # The oldest glibc that is served: that of manylinux_2_17.
 glibc=2.17
 
@@ -102,7 +104,7 @@ debian_source() {
 # One compiler for all targets that are named: sets `with`.
 choose_compiler() {
     local needed=("${debian_packages[@]}")
-    [[ $* != *wasm32* ]] || needed=("${debian_packages_wasm[@]}")
+    [[ $* != wasm32* ]] || needed=("${debian_packages_wasm[@]}")
     case ${PACKAGING_WITH:-any} in
         rustup | any) if have_rustup "$@"; then with=rustup; fi ;;&
         debian | any) if [[ -z ${with:-} ]] && have_debian "$@"; then with=debian; fi ;;
@@ -121,18 +123,23 @@ choose_compiler() {
     fi
 }
 
-# Builds for a target: `compile TARGET ARGUMENTS…`, with cargo's arguments. No place of this machine gets into a
-# binary.
+# No place of this machine gets into a binary: sets `flags`, for a target directory.
+without_places() {
+    local home=${CARGO_HOME:-${HOME:-/root}/.cargo}
+    flags=(--remap-path-prefix="$1"=target --remap-path-prefix="$root"=lemons --remap-path-prefix="$home"=cargo)
+    if [[ $with == debian ]]; then flags+=(--remap-path-prefix="$(debian_source)"=rust); fi
+}
+
+# Builds for a target: `compile TARGET ARGUMENTS…`, with cargo's arguments.
 compile() {
     local target=$1 cargo=("$CARGO") flags places home=${CARGO_HOME:-${HOME:-/root}/.cargo}
     shift
-    flags=(--remap-path-prefix="$directory"=target --remap-path-prefix="$root"=lemons --remap-path-prefix="$home"=cargo)
+    without_places "$directory"
     # Quoted, because directories may have spaces; the crate cc reads them so with CC_SHELL_ESCAPED_FLAGS.
     places=("-ffile-prefix-map=$root=lemons" "-ffile-prefix-map=$home=cargo")
     local arguments=(build --locked --profile dist --target-dir "$directory" "$@")
     if [[ $with == debian && $target != x86_64-unknown-linux-gnu ]]; then
         arguments+=(-Zbuild-std=std,panic_unwind)
-        flags+=(--remap-path-prefix="$(debian_source)"=rust)
     fi
     case $target in
         *-windows-gnu) export CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER=x86_64-w64-mingw32-gcc ;;
@@ -146,14 +153,15 @@ compile() {
 
 # Builds for a page: `compile_wasm ARGUMENTS…`, with cargo's arguments. Without default features: SQLite and zstd are C.
 compile_wasm() {
-    local target=wasm32-unknown-unknown
+    local target=wasm32-unknown-unknown flags
     local arguments=(build --locked --target "$target" --lib --no-default-features "$@")
     choose_compiler "$target"
+    without_places "${CARGO_TARGET_DIR:-$root/target}/wasm"
     if [[ $with == debian ]]; then
         export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld-19
         arguments+=(-Zbuild-std=std,panic_abort)
     fi
-    "$CARGO" "${arguments[@]}"
+    CARGO_ENCODED_RUSTFLAGS=$(IFS=$'\x1f' && printf %s "${flags[*]}") "$CARGO" "${arguments[@]}"
 }
 
 # For those who make files of a release, which have the time of the commit.

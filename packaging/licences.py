@@ -3,12 +3,14 @@ their texts).
 
     licences.py DIRECTORY TARGET…
 
-These are the packages that cargo links for the targets. Fails if a package has a licence that is not in ALLOWED, or no
+These are the packages that cargo links for the targets; with wasm32 among them, also those of npm that the lab's page
+is bundled with (lab/package-lock.json, after `npm ci`). Fails if a package has a licence that is not in ALLOWED, or no
 file with its text, or comes from elsewhere than crates.io. Where a package has no such file, packaging/licences/
 NAME.txt is one: the text of a licence that its Cargo.toml names, with the authors. Says nothing of known
-vulnerabilities: `cargo deny check advisories` (deny.toml) does.
+vulnerabilities: `cargo deny --workspace check advisories` (deny.toml) does.
 """
 
+import base64
 import hashlib
 import json
 import os
@@ -59,7 +61,20 @@ def linked(target: str) -> dict[str, dict]:
         for dependency in nodes[i]["deps"]:
             if any(kind["kind"] is None for kind in dependency["dep_kinds"]):
                 waiting.append(dependency["pkg"])
+    # The metadata have the features of the whole workspace; those of the page alone are fewer.
+    if shipped is IN_PAGES:
+        there = tree(shipped, target)
+        found = {i: package for i, package in found.items() if (package["name"], package["version"]) in there}
     return found
+
+
+def tree(packages: list[str], target: str) -> set[tuple[str, str]]:
+    """Names and versions of what is linked with packages alone."""
+    options = ["--locked", f"--target={target}", "--edges=normal,no-proc-macro", "--prefix=none", "--format={p}"]
+    command = [os.environ.get("CARGO", "cargo"), "tree", *options, *(f"--package={name}" for name in packages)]
+    said = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    lines = [line.split() for line in said.splitlines() if line]
+    return {(line[0], line[1].removeprefix("v")) for line in lines}
 
 
 def allowed(expression: str) -> bool:
@@ -117,10 +132,24 @@ def texts(package: dict) -> list[tuple[str, str]]:
     return sorted((file.relative_to(directory).as_posix(), file.read_text(errors="replace").strip()) for file in named)
 
 
+def bundled() -> list[dict]:
+    """What npm gives the lab's page."""
+    lock = json.loads((ROOT / "lab" / "package-lock.json").read_text())["packages"]
+    found = []
+    for place, package in lock.items():
+        if place and not package.get("dev"):
+            manifest = str(ROOT / "lab" / place / "package.json")
+            name = place.removeprefix("node_modules/")
+            found.append({**package, "name": name, "manifest_path": manifest})
+    return found
+
+
 def main() -> None:
     directory, *targets = sys.argv[1:]
     packages = {i: package for target in targets for i, package in linked(target).items()}
-    others = sorted((p for p in packages.values() if p["source"]), key=lambda p: (p["name"], p["version"]))
+    crates = [p for p in packages.values() if p["source"]]
+    pages = bundled() if any(target.startswith("wasm32") for target in targets) else []
+    others = sorted([*crates, *pages], key=lambda p: (p["name"], p["version"]))
     wrong = []
     for package in others:
         name = f"{package['name']} {package['version']}"
@@ -129,7 +158,7 @@ def main() -> None:
         if not any(text for _, text in texts(package)):
             ours = f"packaging/licences/{package['name']}.txt"
             wrong.append(f"{name}: no text of {package['license']}; {ours} could have it")
-        if "crates.io-index" not in package["source"]:
+        if package not in pages and "crates.io-index" not in package["source"]:
             wrong.append(f"{name}: from {package['source']}")
     if wrong:
         sys.exit("licences.py: not allowed:\n" + "\n".join(wrong))
@@ -139,14 +168,21 @@ def main() -> None:
     components = []
     for package in others:
         name, number = package["name"], package["version"]
+        if package in pages:
+            # npm's form of hashes: the algorithm, then base64.
+            algorithm, _, digest = package["integrity"].partition("-")
+            kind, hashed = "npm", (f"SHA-{algorithm.removeprefix('sha')}", base64.b64decode(digest).hex())
+        else:
+            kind, hashed = "cargo", ("SHA-256", sums[name, number])
+        reference = f"pkg:{kind}/{name.replace('@', '%40')}@{number}"
         components.append({
             "type": "library",
-            "bom-ref": f"pkg:cargo/{name}@{number}",
+            "bom-ref": reference,
             "name": name,
             "version": number,
-            "purl": f"pkg:cargo/{name}@{number}",
+            "purl": reference,
             "licenses": [{"expression": package["license"].replace("/", " OR ")}],
-            "hashes": [{"alg": "SHA-256", "content": sums[name, number]}],
+            "hashes": [dict(zip(("alg", "content"), hashed))],
         })
     epoch = int(os.environ["SOURCE_DATE_EPOCH"])
     about = {

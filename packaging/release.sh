@@ -6,7 +6,7 @@
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 need_time
-choose_compiler "${all[@]}"
+choose_compiler "${all[@]}" "$page"
 [[ -n ${BUILT:-} ]] || packaging/build.sh "$@"
 
 # The command of this machine.
@@ -18,7 +18,10 @@ esac
 lemons=$dist/$host/lemons
 [[ -x $lemons ]] || fail "$lemons is missing: build.sh $host"
 
-python3 packaging/licences.py "$dist" "${all[@]}"
+[[ -f lab/dist/lemons_lab.wasm ]] || fail "lab/dist is missing: lab/build.sh"
+
+# Before FMUs: they hold THIRD-PARTY.txt, too.
+python3 packaging/licences.py "$dist" "${all[@]}" "$page"
 
 crowd=() decision=()
 for platform; do
@@ -32,18 +35,6 @@ for fmi in 2 3; do
     done
     "$lemons" decide resources/Trial_door --fmi $fmi "${decision[@]}" --force -o "$dist/decision_fmi$fmi.fmu"
 done
-
-# What else is in their libraries, with the licences. A fixed date: the same bytes.
-python3 - "$dist" <<'END'
-import pathlib, sys, zipfile
-
-dist = pathlib.Path(sys.argv[1])
-for path in sorted(dist.glob("*_fmi?.fmu")):
-    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED, compresslevel=9) as fmu:
-        entry = zipfile.ZipInfo("documentation/licenses/THIRD-PARTY.txt")
-        entry.compress_type, entry.create_system, entry.external_attr = zipfile.ZIP_DEFLATED, 3, 0o100644 << 16
-        fmu.writestr(entry, (dist / "THIRD-PARTY.txt").read_bytes())
-END
 
 rm -f "$dist"/*.whl "$dist"/*.tar.gz "$dist"/*.zip
 python3 packaging/wheels.py "$dist" "$@"

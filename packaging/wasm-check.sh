@@ -6,7 +6,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 target=wasm32-unknown-unknown
 directory=${CARGO_TARGET_DIR:-target/wasm}
 packages=(lemons-plane lemons-files lemons-xml lemons-trial crowd-mechanics lemons-people lemons-picture lemons-record
-    lemons-ssp lemons-decision lemons-lab)
+    lemons-measure lemons-ssp lemons-decision lemons-lab)
 
 compile_wasm --target-dir "$directory" "${packages[@]/#/-p}"
 

@@ -10,7 +10,8 @@ import re
 import shutil
 import subprocess
 import sys
-from importlib.metadata import version
+import zipfile
+from importlib.metadata import distribution, version
 from pathlib import Path
 
 import fmpy
@@ -52,6 +53,14 @@ assert len(crowd) == 150 and crowd.disks.shape == (750, 4)
 with lemons_fmu.Crowd(crowd.pack("crowd.fmu", fmi=3, platforms=["linux64"])) as packed:
     run = packed.run(until=0.05)
 assert lemons_fmu.plot(run, trial=crowd).data.startswith(b"<")
+
+# FMUs hold the licences of what is in their libraries, whoever has them packed.
+licences = distribution("lemons-fmu").read_text("licenses/THIRD-PARTY.txt")
+assert licences
+lemons("decide", repository / "resources/Trial_door", "-o", "decision.fmu", "--force")
+for name in ("push.fmu", "crowd.fmu", "decision.fmu"):
+    with zipfile.ZipFile(name) as fmu:
+        assert fmu.read("documentation/licenses/THIRD-PARTY.txt").decode() == licences, name
 
 # As a user runs them.
 subprocess.run([sys.executable, repository / "examples/push_fmpy.py", "push.fmu", "plot.png"], check=True)

@@ -64,6 +64,8 @@ def content(dist: Path, platform: str, platforms: list[str], project: dict) -> d
                 files[f"{COMMAND}/{path.name}"] = (path.read_bytes(), True)
             elif not is_command:
                 files[f"{COMMAND}/{directory.name}/{path.name}"] = (path.read_bytes(), True)
+    # FMUs that the command packs hold it, too.
+    files[f"{COMMAND}/THIRD-PARTY.txt"] = ((dist / "THIRD-PARTY.txt").read_bytes(), False)
     about = f"lemons_fmu-{project['version']}.dist-info"
     wheel = ["Wheel-Version: 1.0", "Generator: lemons-fmu packaging", "Root-Is-Purelib: false"]
     wheel += [f"Tag: py3-none-{tag}" for tag in TAGS[platform]]
