@@ -37,11 +37,12 @@ pub enum Block {
 }
 
 /// Name, quantities, and the description where it is not that of the one quantity.
-const OF_AGENTS: [(&str, &[AgentQuantity], &str); 17] = {
+const OF_AGENTS: [(&str, &[AgentQuantity], &str); 18] = {
     use AgentQuantity::*;
     [
         ("Fp", &[FpX, FpY], "propulsion force along x and y"),
         ("Mp", &[Mp], ""),
+        ("Active", &[Active], ""),
         ("Position", &[PositionX, PositionY], "x and y of the centre of mass"),
         ("Theta", &[Theta], ""),
         ("Velocity", &[VelocityX, VelocityY], "velocity along x and y"),
@@ -146,7 +147,7 @@ pub fn sizes(trial: &Trial) -> Vec<u64> {
     vec![trial.agents.len() as u64, trial.materials.intrinsic.len() as u64]
 }
 
-/// Returns the quantity behind an element of an array of Reals; `None` for a pair of materials that Materials.xml does
+/// Returns the quantity behind an element of an array of numbers; `None` for a pair of materials that Materials.xml does
 /// not have.
 pub fn element(trial: &Trial, block: Block, k: usize) -> Option<Quantity> {
     Some(match block {

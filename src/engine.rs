@@ -10,6 +10,7 @@
 mod balls;
 mod begin_and_end;
 mod blocks;
+mod chains;
 mod circle;
 pub mod contact_law;
 mod contacts;
@@ -33,6 +34,7 @@ mod state;
 mod threads;
 mod world;
 
+pub use chains::Chain;
 pub use contact_law::Regime;
 pub use contacts::Work;
 pub use exposure::Exposure;
@@ -43,9 +45,7 @@ pub use lemons_plane::{Pose, Rotation, Twist, Vec2, vec2};
 pub use neighbours::Crowded;
 pub use overlap::{Meeting, Overlap};
 pub use report::{BodyContacts, Contact, ContactReport, Pair};
-pub use scene::{
-    Body, BodySpec, Corner, Disk, DiskSpec, LawTable, PairLaw, Scene, SceneError, WallSpec, shown_orientation,
-};
+pub use scene::{Body, BodySpec, Corner, Disk, DiskSpec, LawTable, PairLaw, Scene, SceneError, WallSpec};
 pub use shortlist::Shortlisting;
 pub use springs::elongation_vector;
 pub use state::{DiskSpring, FacePart, FaceSpring, State, Wrench};

@@ -99,7 +99,7 @@ impl Model for CrowdModel {
     type Error = ModelError;
 
     const INTERPOLATES_INPUTS: bool = true;
-    const STATE_VERSION: u32 = 6;
+    const STATE_VERSION: u32 = 7;
 
     fn load(location: Location<'_>) -> Result<CrowdModel, ModelError> {
         let resources = Resources::at(location)?;
@@ -172,8 +172,17 @@ impl Model for CrowdModel {
         }
     }
 
-    fn set_integer(&mut self, quantity: Quantity, value: i32) {
+    fn set_integer(&mut self, quantity: Quantity, value: i32, phase: Phase) {
         match quantity {
+            Quantity::Agent(i, AgentQuantity::Active) => match &mut self.world {
+                Some(world) if phase == Phase::StepComplete => {
+                    world.set_present(BodyId::from(i as usize), value != 0);
+                }
+                _ => {
+                    self.world = None;
+                    self.edit(quantity, value.into());
+                }
+            },
             Quantity::Threads => {
                 self.threads = value;
                 self.world = None;
@@ -301,9 +310,25 @@ impl CrowdModel {
             self.choose_step();
             let mut world = Setup::of(&self.trial).world()?;
             give_threads(&mut world, self.threads, None)?;
+            self.dismiss(&mut world)?;
             self.world = Some(world);
         }
         Ok(self.world.as_mut().expect("made above"))
+    }
+
+    /// Takes those out of a new world who are not there at the start.
+    fn dismiss(&self, world: &mut World) -> Result<(), ModelError> {
+        let absent = self.settings.iter().filter_map(|(quantity, value)| match quantity {
+            Quantity::Agent(i, AgentQuantity::Active) if *value == 0.0 => Some(BodyId::from(*i as usize)),
+            _ => None,
+        });
+        let absent: Vec<BodyId> = absent.collect();
+        if absent.is_empty() {
+            return Ok(());
+        }
+        absent.into_iter().for_each(|body| world.set_present(body, false));
+        let restored = world.restore(world.state().clone());
+        Ok(restored.map_err(|crowded| Setup::of(&self.trial).too_crowded(crowded))?)
     }
 
     /// Whether the importer's tolerance chooses the mechanical step.
@@ -541,6 +566,7 @@ fn count(world: &World, quantity: Quantity) -> Option<i32> {
         Quantity::Agent(i, quantity) => {
             let body = &contacts.bodies[i as usize];
             match quantity {
+                AgentQuantity::Active => world.is_present(BodyId::from(i as usize)).into(),
                 AgentQuantity::AgentContacts => body.agent_contacts,
                 AgentQuantity::WallContacts => body.wall_contacts,
                 AgentQuantity::ContactingAgents => body.touching_bodies,

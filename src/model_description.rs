@@ -2,7 +2,7 @@
 
 use crate::arrays::{Block, sizes, starts};
 use crate::model::CrowdModel;
-use crate::variables::{MOST_MECHANICAL_STEPS, Quantity, Variable, in_documents, table};
+use crate::variables::{AgentQuantity, MOST_MECHANICAL_STEPS, Quantity, Variable, in_documents, table};
 use lemons_fmi::v2::description::{Description, Naming};
 use lemons_fmi::v3;
 use lemons_fmi::v3::description::Start;
@@ -49,7 +49,7 @@ pub fn terminals(icon: bool) -> String {
     let terminal = Terminal {
         name: CROWD,
         description: "drives in, motion out",
-        variables: &["Fp", "Mp", "Position", "Theta", "Velocity", "Omega"],
+        variables: &["Fp", "Mp", "Active", "Position", "Theta", "Velocity", "Omega"],
     };
     terminals_xml::<CrowdModel>(&terminal, icon)
 }
@@ -69,8 +69,8 @@ pub fn model_description(trial: &Trial, naming: Naming) -> String {
         table: &table,
         start: &|place| start(trial, &table[place]),
         // Inputs at a communication point do not affect outputs at the same point: no dependencies.
-        dependencies: &|_| Vec::new(),
-        initial_dependencies: &|_| Vec::new(),
+        dependencies: &|_| Some(Vec::new()),
+        initial_dependencies: &|_| Some(Vec::new()),
     }
     .xml()
 }
@@ -78,6 +78,7 @@ pub fn model_description(trial: &Trial, naming: Naming) -> String {
 fn start(trial: &Trial, variable: &Variable) -> Option<String> {
     match variable.quantity {
         Quantity::Threads => Some("1".into()),
+        Quantity::Agent(_, AgentQuantity::Active) => Some("true".into()),
         Quantity::MostMechanicalSteps => Some(number(MOST_MECHANICAL_STEPS)),
         Quantity::Trial => Some(trial.name.clone()),
         Quantity::OutputDirectory => Some(String::new()),
@@ -92,6 +93,7 @@ fn start_of_array(trial: &Trial, block: Block) -> Option<Start> {
         Block::One(Quantity::MostMechanicalSteps) => Some(Start::Numbers(vec![MOST_MECHANICAL_STEPS])),
         Block::One(Quantity::Trial) => Some(Start::Texts(vec![trial.name.clone()])),
         Block::One(Quantity::OutputDirectory) => Some(Start::Texts(vec![String::new()])),
+        Block::Agents([AgentQuantity::Active]) => Some(Start::Numbers(vec![1.0; trial.agents.len()])),
         Block::AgentIds | Block::MaterialIds => None,
         block => starts(trial, block).map(Start::Numbers),
     }

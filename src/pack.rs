@@ -13,7 +13,7 @@ use lemons_files::Staged;
 use lemons_files::source::{Disk, Source};
 pub use lemons_fmi::Format;
 use lemons_fmi::archive::{Archive, ArchiveError, Version, read};
-pub use lemons_fmi::archive::{Binary, host_directory, host_platform, library_file, platforms};
+pub use lemons_fmi::archive::{Binary, THIRD_PARTY, host_directory, host_platform, library_file, platforms};
 pub use lemons_fmi::v2::description::Naming;
 use lemons_fmi::v3;
 use lemons_trial::{DRIVE_FILE, FileNames, Problems, Trial};

@@ -3,6 +3,7 @@
 mod advice;
 mod plausible;
 mod steps;
+mod surroundings;
 mod within;
 mod world;
 

@@ -51,6 +51,7 @@ pub enum AgentQuantity {
     FpX,
     FpY,
     Mp,
+    Active,
     PositionX,
     PositionY,
     Theta,
@@ -92,7 +93,7 @@ pub type Variable = lemons_fmi::variables::Variable<Quantity>;
 
 type AgentRow = (AgentQuantity, &'static str, Kind, Role, Domain, &'static str);
 
-const AGENT_ROWS: [AgentRow; 20] = {
+const AGENT_ROWS: [AgentRow; 21] = {
     use AgentQuantity::*;
     use Domain::*;
     use Role::*;
@@ -100,6 +101,14 @@ const AGENT_ROWS: [AgentRow; 20] = {
         (FpX, "Fp.x", Kind::Real(NEWTON), Input, Finite, "propulsion force along x"),
         (FpY, "Fp.y", Kind::Real(NEWTON), Input, Finite, "propulsion force along y"),
         (Mp, "Mp", Kind::Real(NEWTON_METRE), Input, Finite, "propulsion torque"),
+        (
+            Active,
+            "Active",
+            Kind::Boolean,
+            Input,
+            Finite,
+            "whether it is there from the next step on; if not, it touches nothing and does not move",
+        ),
         (PositionX, "Position.x", Kind::Real(METRE), Exact, Finite, "x of the centre of mass"),
         (PositionY, "Position.y", Kind::Real(METRE), Exact, Finite, "y of the centre of mass"),
         (Theta, "Theta", Kind::Real(RADIAN), Exact, Finite, "orientation: angle from the x axis to the gaze"),
@@ -392,7 +401,8 @@ macro_rules! place {
                     AgentQuantity::MomentOfInertia => $($borrow)+ agent.moment_of_inertia,
                     AgentQuantity::FloorDamping => $($borrow)+ agent.floor_damping,
                     AgentQuantity::AngularDamping => $($borrow)+ agent.angular_damping,
-                    AgentQuantity::AgentContacts
+                    AgentQuantity::Active
+                    | AgentQuantity::AgentContacts
                     | AgentQuantity::WallContacts
                     | AgentQuantity::ContactingAgents
                     | AgentQuantity::NormalForce
@@ -443,10 +453,10 @@ pub fn domain(trial: &Trial, quantity: Quantity) -> Option<Domain> {
     }
 }
 
-/// Returns whether a quantity is an input: part of an agent's drive.
+/// Returns whether a quantity is an input: part of an agent's drive, or whether it is there.
 pub fn is_input(quantity: Quantity) -> bool {
-    use AgentQuantity::{FpX, FpY, Mp};
-    matches!(quantity, Quantity::Agent(_, FpX | FpY | Mp))
+    use AgentQuantity::{Active, FpX, FpY, Mp};
+    matches!(quantity, Quantity::Agent(_, FpX | FpY | Mp | Active))
 }
 
 /// Returns the value of a quantity in a Trial's documents, which is its start value. `None` if it is computed or not a

@@ -226,7 +226,7 @@ impl<D: Course> CommunicationStep<'_, D> {
             let b = mover.body.index();
             circles[b] = self.circle_now(b);
         }
-        let mut grid = CellGrid::new(&circles, 0..circles.len(), SKIN);
+        let mut grid = self.grid(&circles);
         if self.shortlist.activity.contains(&Activity::Free) {
             let mut promoted = Vec::new();
             for mover in self.movers.iter().flatten() {
@@ -245,7 +245,7 @@ impl<D: Course> CommunicationStep<'_, D> {
                 circles[b] = self.circle_now(b);
             }
             if !promoted.is_empty() {
-                grid = CellGrid::new(&circles, 0..circles.len(), SKIN);
+                grid = self.grid(&circles);
             }
         }
         let Scratch { blocks, listed_at, .. } = &mut *self.scratch;
@@ -255,6 +255,12 @@ impl<D: Course> CommunicationStep<'_, D> {
         }
         let activity = &self.shortlist.activity;
         blocks.list(self.scene, self.threads, &grid, &circles, |b| activity[b] == Activity::Active)
+    }
+
+    /// Those who are not there meet nobody.
+    fn grid(&self, circles: &[Circle]) -> CellGrid {
+        let activity = &self.shortlist.activity;
+        CellGrid::new(circles, (0..circles.len()).filter(|&b| activity[b] != Activity::Absent), SKIN)
     }
 
     /// Makes the list of near pairs from the candidates.
@@ -297,6 +303,7 @@ impl<D: Course> CommunicationStep<'_, D> {
                     let flight = &flights[body.flyer as usize];
                     self.drives[b].fly(flight, self.start.poses[b], self.start.twists[b])
                 }
+                Activity::Absent => (self.start.poses[b], Twist::default()),
             };
             blocks.put(b, pose, twist);
             state.poses.push(pose);

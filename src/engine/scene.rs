@@ -3,6 +3,7 @@
 use super::face::Face;
 use super::face_grid::FaceGrid;
 use super::{BodyId, CornerId, DiskId, FaceId, LineId, Rotation, Vec2, WallId};
+use lemons_plane::shown_orientation;
 use std::collections::HashMap;
 use std::ops::Range;
 use thiserror::Error;
@@ -167,13 +168,6 @@ pub enum SceneError {
     /// There are more disks or faces than an index can represent.
     #[error("too many {0}")]
     TooMany(&'static str),
-}
-
-/// The orientation \[rad\] that the disks themselves define: the normal to the line from the first to the last disk
-/// (paper, fig. 6c). Zero if the two coincide.
-pub fn shown_orientation(first: Vec2, last: Vec2) -> f64 {
-    let line = last - first;
-    if line == Vec2::ZERO { 0.0 } else { libm::atan2(line.x, -line.y) }
 }
 
 impl Scene {
@@ -391,16 +385,6 @@ fn check_laws(bodies: &[BodySpec], walls: &[WallSpec], laws: &LawTable) -> Resul
 mod tests {
     use super::super::vec2;
     use super::*;
-
-    #[test]
-    fn gaze_is_normal_to_the_shoulders() {
-        // Left shoulder at +y, right shoulder at −y: gaze along +x.
-        assert_eq!(shown_orientation(vec2(0.0, 0.2), vec2(0.0, -0.2)), 0.0);
-        // Left at −x, right at +x: gaze along +y.
-        let quarter = shown_orientation(vec2(-0.2, 0.0), vec2(0.2, 0.0));
-        assert!((quarter - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
-        assert_eq!(shown_orientation(vec2(0.1, 0.1), vec2(0.1, 0.1)), 0.0);
-    }
 
     #[test]
     fn closed_wall_shares_its_first_corner() {

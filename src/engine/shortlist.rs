@@ -22,6 +22,8 @@ pub(super) enum Activity {
     Free,
     /// By mechanical steps.
     Active,
+    /// Not at all: it is not there.
+    Absent,
 }
 
 /// Whether bodies may be shortlisted.
@@ -46,6 +48,7 @@ impl Shortlist {
     pub fn decide<D: Course>(
         scene: &Scene,
         state: &State,
+        present: &[bool],
         drives: &[D],
         duration: f64,
         shortlisting: Shortlisting,
@@ -72,13 +75,18 @@ impl Shortlist {
             })
             .collect();
         if shortlisting == Shortlisting::Off {
-            return Shortlist { activity: vec![Activity::Active; swept.len()], swept };
+            let activity = |&present: &bool| if present { Activity::Active } else { Activity::Absent };
+            return Shortlist { activity: present.iter().map(activity).collect(), swept };
         }
         let largest = scene.bodies.iter().map(|body| body.bounding_radius).fold(0.0, f64::max);
         let mut activity: Vec<Activity> = swept
             .iter()
             .zip(&scene.bodies)
-            .map(|(circle, body)| {
+            .zip(present)
+            .map(|((circle, body), present)| {
+                if !present {
+                    return Activity::Absent;
+                }
                 // A body whose path is not a number is not free.
                 if circle.radius - body.bounding_radius <= LONGEST_HALF_PATH * largest {
                     Activity::Free
@@ -121,7 +129,7 @@ mod tests {
     fn outside<D: Course>(scene: &Scene, velocity: Vec2, drive: D, duration: f64) -> f64 {
         let (pose, twist) = (Pose::default(), Twist { velocity, angular_velocity: 0.0 });
         let state = State::new(vec![pose], vec![twist]);
-        let circle = Shortlist::decide(scene, &state, &[drive], duration, Shortlisting::On).swept[0];
+        let circle = Shortlist::decide(scene, &state, &[true], &[drive], duration, Shortlisting::On).swept[0];
         let body = &scene.bodies[0];
         (0..=200)
             .map(|k| {

@@ -94,6 +94,8 @@ pub struct World {
     /// A communication step is left to one thread if, at its start, the number of bodies that move by mechanical
     /// steps plus twice the number of contacts is less than this. Results do not depend on it.
     pub share_from: usize,
+    /// Of each body, whether it is there.
+    present: Vec<bool>,
     threads: Threads,
     /// Number of communication steps that several threads have shared.
     shared: u64,
@@ -120,6 +122,7 @@ impl World {
             mechanical_step,
             shortlisting: Shortlisting::On,
             share_from: SHARE_FROM,
+            present: vec![true; scene.bodies.len()],
             threads: Threads::default(),
             shared: 0,
             contacts: ContactReport::default(),
@@ -140,6 +143,25 @@ impl World {
     /// Poses, twists and springs.
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    /// Whether a body is there.
+    pub fn is_present(&self, body: BodyId) -> bool {
+        self.present[body.index()]
+    }
+
+    /// Of each body, whether it is there.
+    pub fn present(&self) -> &[bool] {
+        &self.present
+    }
+
+    /// From the next step on, a body is there or not. One that is not there touches nothing, does not move, and costs
+    /// almost nothing. When it comes back, it stands where it was.
+    ///
+    /// The [`World::contacts`] are still those of the step before. Like the drive, this is not part of the [`State`]:
+    /// it must be set before [`World::restore`].
+    pub fn set_present(&mut self, body: BodyId, present: bool) {
+        self.present[body.index()] = present;
     }
 
     /// Shares the work among this number of threads, of a pool that belongs to this world and its clones. The results
@@ -214,15 +236,16 @@ impl World {
     /// # Errors
     /// More pairs are near each other than the limit of memory allows. The world is then unchanged.
     pub fn restore(&mut self, mut state: State) -> Result<(), Crowded> {
-        let (scene, blocks) = (&self.scene, &mut self.scratch.blocks);
+        let (scene, present, blocks) = (&self.scene, &self.present, &mut self.scratch.blocks);
         blocks.load(scene, &state);
         let mut circles = Vec::with_capacity(state.poses.len());
         for (b, (pose, twist)) in state.poses.iter().zip(&state.twists).enumerate() {
             blocks.put(b, *pose, *twist);
             circles.push(Circle { centre: pose.position, radius: scene.bodies[b].bounding_radius });
         }
-        let (grid, alone) = (CellGrid::new(&circles, 0..circles.len(), SKIN), Threads::default());
-        blocks.list(scene, &alone, &grid, &circles, |_| true)?;
+        let there = (0..circles.len()).filter(|&b| present[b]);
+        let (grid, alone) = (CellGrid::new(&circles, there, SKIN), Threads::default());
+        blocks.list(scene, &alone, &grid, &circles, |b| present[b])?;
         blocks.renew(scene, &alone, Near::default());
         // Finds which pairs touch and how deeply; the forces are not used.
         blocks.evaluate(scene, &alone, Stretch::Hold, |_, bodies| {
@@ -304,7 +327,8 @@ impl World {
 
     /// Computes the state after a communication step under drives of one kind.
     fn moved<D: Course>(&mut self, drives: &[D], duration: f64, steps: u64) -> Result<State, Crowded> {
-        let shortlist = Shortlist::decide(&self.scene, &self.state, drives, duration, self.shortlisting);
+        let shortlist =
+            Shortlist::decide(&self.scene, &self.state, &self.present, drives, duration, self.shortlisting);
         let active = shortlist.activity.iter().filter(|activity| **activity == Activity::Active).count();
         let alone = Threads::default();
         let work = active + 2 * self.contacts.contacts.len();
@@ -392,6 +416,67 @@ mod tests {
             assert!(world.work().refreshes > 12 && world.work().contacts > 0, "{:?}", world.work());
         }
         assert!([31, 32, 33, 65].iter().all(|pairs| seen.contains(pairs)), "{seen:?}");
+    }
+
+    /// Balls that knock against each other in a row; `count` of them are there from the start.
+    fn row(count: usize) -> World {
+        let scene = Ball { mass: 1.0, radius: 0.1, relaxation: 0.5, stiffness: 1e4 }.scene(count);
+        let poses = (0..count).map(|k| Pose { position: vec2(0.19 * k as f64, 0.0), orientation: 0.0 });
+        let speed = |k: usize| if k.is_multiple_of(3) { 2.0 } else { -1.0 };
+        let twists = (0..count).map(|k| Twist { velocity: vec2(speed(k), 0.0), angular_velocity: 0.0 });
+        World::new(scene, State::new(poses.collect(), twists.collect()), 1e-4).unwrap()
+    }
+
+    /// The outside: a world that never had that body. The last of a row, so that all others have the same numbers.
+    #[test]
+    fn who_is_not_there_changes_nothing_for_the_others() {
+        for shortlisting in [Shortlisting::On, Shortlisting::Off] {
+            let (mut with, mut without) = (row(6), row(5));
+            let last = BodyId(5);
+            with.set_present(last, false);
+            with.restore(with.state().clone()).unwrap();
+            let start = with.state().poses[5];
+            for world in [&mut with, &mut without] {
+                (world.shortlisting, world.drive[2].force) = (shortlisting, vec2(300.0, 10.0));
+            }
+            with.drive[5].force = vec2(1e5, 0.0);
+            for _ in 0..20 {
+                with.advance(0.01).unwrap();
+                without.advance(0.01).unwrap();
+            }
+            assert_eq!(with.state().poses[..5], without.state().poses);
+            assert_eq!(with.state().twists[..5], without.state().twists);
+            assert_eq!(with.state().disk_springs, without.state().disk_springs);
+            assert_eq!(with.exposures()[..5], *without.exposures());
+            assert_eq!(with.contacts().agent_contacts, without.contacts().agent_contacts);
+            assert_eq!((with.state().poses[5], with.state().twists[5]), (start, Twist::default()));
+            assert_eq!(with.exposures()[5], Exposure::default());
+            assert!(without.work().contacts > 0);
+        }
+    }
+
+    /// In the middle of a run. The total momentum of the others changes no more, and the one who comes back begins
+    /// again with what it touches there.
+    #[test]
+    fn who_leaves_lets_go_and_may_come_back() {
+        let mut world = row(3);
+        let middle = BodyId(1);
+        assert_eq!(world.contacts().bodies[1].touching_bodies, 2);
+        world.set_present(middle, false);
+        assert_eq!(world.contacts().bodies[1].touching_bodies, 2, "from the next step on");
+        world.advance(0.001).unwrap();
+        assert_eq!((world.contacts().agent_contacts, world.state().disk_springs.len()), (0, 0));
+        assert_eq!(world.state().poses[1].position, vec2(0.19, 0.0));
+        world.set_present(middle, true);
+        world.advance(0.001).unwrap();
+        assert_eq!(world.contacts().bodies[1].touching_bodies, 2);
+        // Elongations begin from zero: as in a world that is made from these poses.
+        let mut anew = World::new(world.scene().clone(), world.state().clone(), 1e-4).unwrap();
+        let state = world.state().clone();
+        anew.advance(0.01).unwrap();
+        world.restore(state).unwrap();
+        world.advance(0.01).unwrap();
+        assert_eq!(anew.state(), world.state());
     }
 
     #[test]

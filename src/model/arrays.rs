@@ -91,9 +91,11 @@ impl ArrayModel for CrowdModel {
         }
     }
 
-    fn write_integers(&mut self, block: Block, values: &[i32]) {
-        if let (Block::One(quantity), &[value]) = (block, values) {
-            self.set_integer(quantity, value);
+    fn write_integers(&mut self, block: Block, values: &[i32], phase: Phase) {
+        for (k, &value) in values.iter().enumerate() {
+            if let Some(quantity) = element(&self.trial, block, k) {
+                self.set_integer(quantity, value, phase);
+            }
         }
     }
 

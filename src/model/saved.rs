@@ -1,7 +1,7 @@
 //! The crowd's part of FMI's "FMU state": saving and restoring.
 
 use super::{CrowdModel, ModelError, Settings, by_tolerance, edited, give_threads, make_directory};
-use crate::engine::{Exposure, State, World, Wrench};
+use crate::engine::{BodyId, Exposure, State, World, Wrench};
 use crate::setup::Setup;
 use crate::variables::{Quantity, domain, guid, table};
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,7 @@ pub struct Saved {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Running {
     drive: Vec<Wrench>,
+    present: Vec<bool>,
     state: State,
     /// Outputs; the future does not depend on them.
     exposures: Vec<Exposure>,
@@ -46,6 +47,7 @@ impl CrowdModel {
             tolerance: self.tolerance,
             running: self.world.as_ref().map(|world| Running {
                 drive: world.drive.clone(),
+                present: world.present().to_vec(),
                 state: world.state().clone(),
                 exposures: world.exposures().to_vec(),
             }),
@@ -97,6 +99,8 @@ impl CrowdModel {
                 let mut world = Setup::of(&trial).world()?;
                 check_running(&world, running)?;
                 give_threads(&mut world, saved.threads, self.world.as_ref())?;
+                let bodies = running.present.iter().enumerate();
+                bodies.for_each(|(b, &present)| world.set_present(BodyId::from(b), present));
                 world
                     .restore_with(running.state.clone(), running.exposures.clone())
                     .map_err(|_| ModelError::Saved("more agents in one place than can be held"))?;
@@ -128,6 +132,7 @@ fn check_running(world: &World, running: &Running) -> Result<(), ModelError> {
     let fits = state.poses.len() == bodies
         && state.twists.len() == bodies
         && running.drive.len() == bodies
+        && running.present.len() == bodies
         && running.exposures.len() == bodies
         && state.disk_springs.iter().all(|s| s.first.index() < disks && s.second.index() < disks)
         && state.face_springs.iter().all(|s| s.disk.index() < disks && s.face.index() < faces);

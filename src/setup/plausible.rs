@@ -2,9 +2,10 @@
 //! of a minute, people outside of the walls or inside a pillar.
 
 use super::Setup;
-use super::within::{Inside, within_pillars};
-use crate::engine::{Scene, Vec2, vec2};
-use lemons_plane::{Bounds, ConvexHull};
+use super::surroundings::Surroundings;
+use super::within::{Inside, outside_rooms, within_pillars};
+use crate::engine::{Scene, Vec2};
+use lemons_plane::Bounds;
 use lemons_trial::quoted;
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
@@ -15,13 +16,15 @@ const LARGE_HALL: f64 = 50.0;
 /// would have 10 per m².
 const FEW_PEOPLE: f64 = 1e-3;
 /// \[s\] Usual range of TimeStep. A drive is constant, and results are written, once in a TimeStep.
-const TIME_STEP: [f64; 2] = [1e-5, 2.0];
+const TIME_STEP: [f64; 2] = [1e-5, 1.0];
 /// Mechanical steps in a TimeStep that take some seconds for each agent.
 const MANY_STEPS: f64 = 1e8;
 /// \[m\] A person this close to the outside of a room may be about to enter.
 const OUTSIDE: f64 = 2.0;
 /// \[m\] Distance from all other people and walls that is taken for a mistake.
 const FAR_AWAY: f64 = 1000.0;
+/// People outside of all walls who take this many times their length may have places in centimetres.
+const SPREAD: f64 = 10.0;
 /// Number of directions in which walls are searched, and number of them in which a person in a room sees one: a room
 /// may have doors.
 const DIRECTIONS: u32 = 32;
@@ -119,17 +122,25 @@ impl Setup<'_> {
                 name(b)
             )));
         }
-        let outside: Vec<usize> = walls?.beyond(OUTSIDE, places.iter().enumerate()).collect();
+        let walls = walls?;
+        let outside: Vec<usize> = walls.beyond(OUTSIDE, places.iter().enumerate()).collect();
         let inside = places.len() - outside.len();
+        let spread = Bounds::of(places.iter().copied())?.size();
+        if inside == 0 && spread.x.max(spread.y) > SPREAD * walls.bounds.size().x.max(walls.bounds.size().y) {
+            return Some(Doubt::Dynamics(format!(
+                "nobody is between the walls, and people span {:.3} m × {:.3} m: are their Positions in metres?",
+                spread.x, spread.y
+            )));
+        }
         // If most people are outside, or no person is in a room, being outside is intended.
         if outside.is_empty() || 2 * outside.len() > places.len() || outside.len() == places.len() {
-            return None;
+            return self.doubts_of_closed_rooms(scene, places);
         }
         let insiders = (0..places.len()).filter(|b| outside.binary_search(b).is_err());
         let sample: Vec<usize> = insiders.step_by(inside.div_ceil(SAMPLE)).collect();
         let enclosed = sample.iter().filter(|&&b| is_enclosed(scene, places[b])).count();
         if 2 * enclosed <= sample.len() {
-            return None;
+            return self.doubts_of_closed_rooms(scene, places);
         }
         let who = match outside.len() {
             1 => format!("agent {} stands", name(outside[0])),
@@ -137,6 +148,21 @@ impl Setup<'_> {
         };
         Some(Doubt::Dynamics(format!(
             "{who} outside of all walls, but the others are inside: is this intended?"
+        )))
+    }
+
+    /// Of people who are near closed rooms that they cannot enter.
+    fn doubts_of_closed_rooms(&self, scene: &Scene, places: &[Vec2]) -> Option<Doubt> {
+        let (mut outside, inside) = outside_rooms(&self.geometry.walls, places)?;
+        // Other walls, with doors, may be around both.
+        outside.retain(|&b| !is_enclosed(scene, places[b]));
+        let first = quoted(&self.agents[*outside.first()?].id);
+        let who = match outside.len() {
+            1 => format!("agent {first} stands"),
+            count => format!("{count} agents stand (first {first})"),
+        };
+        Some(Doubt::Dynamics(format!(
+            "{who} outside of the closed walls in which {inside} others stand: is this intended?"
         )))
     }
 
@@ -153,55 +179,6 @@ impl Setup<'_> {
         };
         Some(Doubt::Dynamics(format!("{who}, {others}: is it a pillar?")))
     }
-}
-
-/// The area of the walls.
-struct Surroundings {
-    bounds: Bounds,
-    hull: ConvexHull,
-}
-
-impl Surroundings {
-    /// `None` without walls.
-    fn of(scene: &Scene) -> Option<Surroundings> {
-        let corners = || scene.corners.iter().map(|corner| corner.position);
-        Some(Surroundings { bounds: Bounds::of(corners())?, hull: ConvexHull::of(corners())? })
-    }
-
-    /// Returns those of some indexed places that are further \[m\] than a distance from the walls' convex hull (at its
-    /// corners by up to 2 % more). Each place needs some binary searches; computing its distance would visit each
-    /// corner.
-    fn beyond<'a>(
-        &self,
-        far: f64,
-        places: impl Iterator<Item = (usize, &'a Vec2)>,
-    ) -> impl Iterator<Item = usize> {
-        let mut around = None;
-        let outside = places.filter(move |(_, place)| {
-            // Nearly all people are between the walls.
-            let between = self.bounds.contains(**place) && self.hull.contains(**place);
-            !between
-                && around
-                    .get_or_insert_with(|| grown(&self.hull, far))
-                    .as_ref()
-                    .is_none_or(|around| !around.contains(**place))
-        });
-        outside.map(|(b, _)| b)
-    }
-}
-
-/// Returns the hull enlarged by a distance \[m\], at its corners by up to 2 % more.
-fn grown(hull: &ConvexHull, by: f64) -> Option<ConvexHull> {
-    const SIDES: u32 = 16;
-    let turn = std::f64::consts::TAU / f64::from(SIDES);
-    // The polygon contains the circle.
-    let reach = by / libm::cos(0.5 * turn);
-    let offset = |k: u32| {
-        let angle = f64::from(k) * turn;
-        vec2(reach * libm::cos(angle), reach * libm::sin(angle))
-    };
-    let around: Vec<Vec2> = (0..SIDES).map(offset).collect();
-    ConvexHull::of(hull.corners().iter().flat_map(|corner| around.iter().map(|offset| *corner + *offset)))
 }
 
 /// Returns the median of each coordinate.
@@ -232,6 +209,7 @@ fn is_enclosed(scene: &Scene, place: Vec2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::vec2;
     use lemons_trial::Trial;
 
     /// The paper's five in a room of 6 m × 4 m with a door of 1.2 m in its right wall.
@@ -299,21 +277,43 @@ mod tests {
         assert_eq!(super::tests::said(&trial), [""; 0]);
     }
 
+    /// An L-shaped room: its hull has the agents in the notch in it.
     #[test]
-    fn a_hull_grows_by_the_distance() {
-        let circle =
-            |k: u32| vec2(50.0 * libm::cos(f64::from(k) * 1e-2), 50.0 * libm::sin(f64::from(k) * 1e-2));
-        let corners: [Vec<Vec2>; 3] =
-            [vec![vec2(50.0, 0.0)], vec![vec2(50.0, 0.0), vec2(0.0, 0.0)], (0..629).map(circle).collect()];
-        for corners in corners {
-            let hull = ConvexHull::of(corners).unwrap();
-            let grown = grown(&hull, 2.0).unwrap();
-            for k in 0..2000 {
-                let place = vec2(45.0 + 5e-3 * f64::from(k), 3.0 - 3e-3 * f64::from(k));
-                let (away, within) = (hull.distance(place), grown.contains(place));
-                assert!(if within { away < 2.04 } else { away > 1.999 }, "{place:?} {away}");
-            }
+    fn agents_beside_a_closed_room_are_named() {
+        let mut trial = room();
+        let shape = [(0.0, 0.0), (6.0, 0.0), (6.0, 2.5), (3.0, 2.5), (3.0, 6.0), (0.0, 6.0), (0.0, 0.0)];
+        trial.geometry.walls[0].corners = shape.map(|(x, y)| vec2(x, y)).to_vec();
+        assert_eq!(said(&trial), [""; 0]);
+        trial.dynamics[4].position = vec2(4.0, 4.0);
+        says(
+            &trial,
+            "agent \"4\" stands outside of the closed walls in which 4 others stand: is this intended?",
+        );
+        trial.dynamics[2].position = vec2(2.8, -1.0);
+        says(&trial, "2 agents stand (first \"2\") outside of the closed walls in which 3 others stand");
+        // More outside than inside: the others are asked about.
+        trial.dynamics[1].position = vec2(1.8, -1.0);
+        says(&trial, "around which 3 others stand: is it a pillar?");
+        // A pen in a hall with a door: those beside it are in the hall.
+        let mut hall = room();
+        let mut pen = hall.geometry.walls[0].clone();
+        pen.id = "pen".into();
+        pen.corners =
+            [(0.2, 1.0), (4.3, 1.0), (4.3, 3.0), (0.2, 3.0), (0.2, 1.0)].map(|(x, y)| vec2(x, y)).to_vec();
+        hall.geometry.walls.push(pen);
+        assert_eq!(said(&hall), [""; 0]);
+    }
+
+    #[test]
+    fn places_in_centimetres_are_doubted() {
+        let mut trial = room();
+        for dynamics in &mut trial.dynamics {
+            dynamics.position = dynamics.position * 100.0;
         }
+        says(
+            &trial,
+            "nobody is between the walls, and people span 400.000 m × 0.000 m: are their Positions in metres?",
+        );
     }
 
     #[test]

@@ -75,6 +75,15 @@ pub(super) fn within_pillars(walls: &[Wall], places: &[Vec2]) -> Option<Inside> 
     told
 }
 
+/// Returns the agents who stand outside of all closed walls, and the number of those inside one, if these are more.
+pub(super) fn outside_rooms(walls: &[Wall], places: &[Vec2]) -> Option<(Vec<usize>, usize)> {
+    let (outside, inside): (Vec<_>, Vec<_>) =
+        chains(walls, places, MOST_LOOKS).0.into_iter().partition(|(_, chain)| chain.is_empty());
+    let mut outside: Vec<usize> = outside.into_iter().map(|(agent, _)| agent).collect();
+    outside.sort_unstable();
+    (outside.len() < inside.len()).then_some((outside, inside.len()))
+}
+
 /// The people in an area inside closed walls.
 #[derive(Default)]
 struct Area {

@@ -1,7 +1,7 @@
 //! Writes an `.fmu`. The same content gives the same bytes, so that FMUs can be compared.
 
 use lemons_files::input;
-use lemons_files::source::Source;
+use lemons_files::source::{Disk, Source};
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -31,6 +31,24 @@ pub struct Binary {
     pub platform: String,
     /// The library.
     pub path: PathBuf,
+}
+
+impl Binary {
+    /// The file [`THIRD_PARTY`] beside it, or in the directory above, where releases have it.
+    pub fn third_party(&self) -> Option<PathBuf> {
+        self.third_party_in(&Disk)
+    }
+
+    fn third_party_in(&self, files: &dyn Source) -> Option<PathBuf> {
+        let beside = self.path.parent()?;
+        // Above `linux64` is the working directory, above that and above `..` is what `..` leads to.
+        let above = beside.parent().filter(|_| beside.file_name().is_some());
+        let above = above.map_or_else(|| beside.join(".."), Path::to_owned);
+        [beside, &above]
+            .map(|directory| directory.join(THIRD_PARTY))
+            .into_iter()
+            .find(|path| !files.lacks(path))
+    }
 }
 
 /// A version of FMI.
@@ -92,6 +110,9 @@ pub fn host_directory() -> Option<&'static str> {
     platform(host_platform()?, Version::V3).map(|(directory, _)| directory)
 }
 
+/// Names what is linked into released libraries, with the licences.
+pub const THIRD_PARTY: &str = "THIRD-PARTY.txt";
+
 /// An FMU being written.
 pub struct Archive<W: Write + Seek> {
     zip: ZipWriter<W>,
@@ -118,7 +139,7 @@ impl<W: Write + Seek> Archive<W> {
         Ok(archive)
     }
 
-    /// Adds the binaries, which are in these files.
+    /// Adds the binaries, which are in these files, and the first one's [`THIRD_PARTY`] with the licences, if there is one.
     ///
     /// # Errors
     /// There is none, or one cannot be read.
@@ -136,6 +157,9 @@ impl<W: Write + Seek> Archive<W> {
                 .ok_or_else(|| ArchiveError::Platform(binary.platform.clone()))?;
             let name = format!("binaries/{platform}/{model_identifier}.{extension}");
             self.add(&name, &read(files, &binary.path)?)?;
+        }
+        if let Some(path) = binaries[0].third_party_in(files) {
+            self.add(&format!("documentation/licenses/{THIRD_PARTY}"), &read(files, &path)?)?;
         }
         Ok(())
     }

@@ -62,7 +62,7 @@ pub trait Model: Sized + Send {
     /// The values that were set do not fit together, so that the Real cannot be computed.
     fn real(&mut self, quantity: Self::Quantity) -> Result<f64, Self::Error>;
 
-    /// Returns the value of an Integer.
+    /// Returns the value of an Integer, or of a Boolean: 0 or 1.
     ///
     /// # Errors
     /// Those of [`Model::real`].
@@ -74,8 +74,8 @@ pub trait Model: Sized + Send {
     /// Sets a Real that can be set in the present phase to a value of its domain.
     fn set_real(&mut self, quantity: Self::Quantity, value: f64, phase: Phase);
 
-    /// Sets an Integer, as [`Model::set_real`].
-    fn set_integer(&mut self, quantity: Self::Quantity, value: i32);
+    /// Sets an Integer, or a Boolean to 0 or 1, as [`Model::set_real`].
+    fn set_integer(&mut self, quantity: Self::Quantity, value: i32, phase: Phase);
 
     /// Sets Strings, all or none.
     ///

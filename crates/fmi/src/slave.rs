@@ -391,6 +391,7 @@ pub(crate) struct Row<Q> {
 pub(crate) enum BareKind {
     Real,
     Integer,
+    Boolean,
     String,
 }
 
@@ -399,6 +400,7 @@ impl From<Kind> for BareKind {
         match kind {
             Kind::Real(_) => BareKind::Real,
             Kind::Integer => BareKind::Integer,
+            Kind::Boolean => BareKind::Boolean,
             Kind::String => BareKind::String,
         }
     }

@@ -3,7 +3,7 @@
 /// Causality, variability and `initial` of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// Continuous input; it can be set at any time.
+    /// Input; it can be set at any time. A Real is continuous, all others are discrete.
     Input,
     /// Output whose start value can be set until initialization ends (`initial="exact"`).
     Exact,
@@ -22,6 +22,8 @@ pub enum Kind {
     Real(Unit),
     /// `fmi2Integer`
     Integer,
+    /// `fmi2Boolean`; models give and take it as 0 or 1.
+    Boolean,
     /// `fmi2String`
     String,
 }
@@ -32,6 +34,7 @@ impl Kind {
         match self {
             Kind::Real(_) => "Real",
             Kind::Integer => "Integer",
+            Kind::Boolean => "Boolean",
             Kind::String => "String",
         }
     }

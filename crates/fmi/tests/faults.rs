@@ -71,7 +71,7 @@ impl Model for Brittle {
         self.x = value;
     }
 
-    fn set_integer(&mut self, (): (), _: i32) {}
+    fn set_integer(&mut self, (): (), _: i32, _: Phase) {}
 
     fn set_strings(&mut self, _: &[((), &str)]) -> Result<(), Never> {
         Ok(())

@@ -280,6 +280,7 @@ fn groups_of(run: &Run) -> Groups {
     Groups {
         contacts: seen.is_some(),
         of_step: seen.is_some_and(|seen| seen.of_step.is_some()),
+        active: first.active.is_some(),
         totals: first.totals.is_some(),
     }
 }
@@ -396,8 +397,11 @@ fn kept(points: &Points, measures: &[String], path: &Path) {
     };
     let rows: Vec<Finished> =
         (0..points.count).map(|point| Finished { point, outcome: outcome(point) }).collect();
-    let open = || Directory::open(path, Default::default(), points, measures, "a fuzzer");
-    let directory = open().unwrap_or_else(|error| panic!("{error:?}"));
+    let open = || {
+        let directory = Directory::open(path, Default::default(), points, measures, "a fuzzer");
+        directory.unwrap_or_else(|error| panic!("{error:?}"))
+    };
+    let directory = open();
     let (before, after) = rows.split_at(rows.len() / 2);
     for part in [after, before] {
         directory.add(part).unwrap_or_else(|error| panic!("{error:?}"));
@@ -407,7 +411,7 @@ fn kept(points: &Points, measures: &[String], path: &Path) {
     directory.finish(&rows).unwrap_or_else(|error| panic!("{error:?}"));
     assert_eq!(read(&directory), rows);
     drop(directory);
-    let directory = open().unwrap_or_else(|error| panic!("{error:?}"));
+    let directory = open();
     assert_eq!(read(&directory), rows);
     let text = path.with_extension("csv");
     directory.write_csv(Staged::beside(&text).expect("a file")).unwrap_or_else(|error| panic!("{error:?}"));

@@ -4,8 +4,8 @@ use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::setup;
 use crowd_mechanics::variables::{Quantity, table};
 use lemons_decision::decision::PLAN_FILE;
-use lemons_decision::plan::{Person, Plan, Wishes};
 use lemons_decision::{Decision, rule::Pose};
+use lemons_decision::{Person, Plan, Wishes};
 use lemons_fmi::Model;
 use lemons_fmi::v2::guid;
 use lemons_fmi::variables::{Kind, Variable};
@@ -156,6 +156,7 @@ pub(crate) fn people() -> Vec<Person> {
         floor_damping: 2.0,
         angular_damping: 4.0,
         pose: Pose { x, y: 0.0, theta: 0.0 },
+        disks: Vec::new(),
     };
     vec![person("0", 0.0), person("two words", 1.0)]
 }

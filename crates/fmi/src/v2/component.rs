@@ -184,16 +184,18 @@ pub unsafe fn get_integer<M: Model>(
     })
 }
 
-/// `fmi2GetBoolean`: there are no Booleans.
+/// `fmi2GetBoolean`
 pub unsafe fn get_boolean<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
-    _values: *mut c_int,
+    values: *mut c_int,
 ) -> Status {
     call::<M>(instance, "fmi2GetBoolean", |component| {
         // SAFETY: as many elements as said.
-        no_booleans(component, Function::Get, unsafe { array(references, count, "vr")? })
+        let (references, values) =
+            unsafe { (array(references, count, "vr")?, array_mut(values, count, "value")?) };
+        Ok(component.slave.get_boolean(references, values)?)
     })
 }
 
@@ -244,29 +246,19 @@ pub unsafe fn set_integer<M: Model>(
     })
 }
 
-/// `fmi2SetBoolean`: there are no Booleans.
+/// `fmi2SetBoolean`
 pub unsafe fn set_boolean<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
-    _values: *const c_int,
+    values: *const c_int,
 ) -> Status {
     call::<M>(instance, "fmi2SetBoolean", |component| {
         // SAFETY: as many elements as said.
-        no_booleans(component, Function::Set, unsafe { array(references, count, "vr")? })
+        let (references, values) =
+            unsafe { (array(references, count, "vr")?, array(values, count, "value")?) };
+        Ok(component.slave.set_boolean(references, values)?)
     })
-}
-
-fn no_booleans<M: Model>(
-    component: &Component<M, Table<M>>,
-    function: Function,
-    references: &[c_uint],
-) -> Result<(), Refusal<M>> {
-    component.slave.check(function)?;
-    match references.first() {
-        None => Ok(()),
-        Some(&reference) => Err(SlaveError::UnknownReference { kind: "Boolean", reference }.into()),
-    }
 }
 
 /// `fmi2SetString`

@@ -40,9 +40,11 @@ pub struct Description<'a, Q> {
     /// Returns the start value, as text for XML, of the variable at a place of the table; `None` if it is computed.
     pub start: &'a dyn Fn(usize) -> Option<String>,
     /// Returns the places of the inputs on which an output depends at a communication point, ascending.
-    pub dependencies: &'a dyn Fn(usize) -> Vec<usize>,
+    /// `None` if it depends on all.
+    pub dependencies: &'a dyn Fn(usize) -> Option<Vec<usize>>,
     /// Returns the places of the inputs and start values on which a computed output depends in initialization.
-    pub initial_dependencies: &'a dyn Fn(usize) -> Vec<usize>,
+    /// `None` if it depends on all.
+    pub initial_dependencies: &'a dyn Fn(usize) -> Option<Vec<usize>>,
 }
 
 impl<Q> Description<'_, Q> {
@@ -143,16 +145,20 @@ impl<Q> Description<'_, Q> {
         out: &mut Out,
         name: &str,
         wanted: fn(Role) -> bool,
-        dependencies: &dyn Fn(usize) -> Vec<usize>,
+        dependencies: &dyn Fn(usize) -> Option<Vec<usize>>,
     ) {
         out.element(name, &[], |out| {
             let unknowns = self.table.iter().enumerate().filter(|(_, variable)| wanted(variable.role));
             for (place, _) in unknowns {
                 // FMI counts from 1.
-                let known: Vec<String> =
-                    dependencies(place).iter().map(|place| (place + 1).to_string()).collect();
-                let (index, known) = ((place + 1).to_string(), known.join(" "));
-                out.empty("Unknown", &[("index", &index), ("dependencies", &known)]);
+                let index = (place + 1).to_string();
+                match dependencies(place) {
+                    None => out.empty("Unknown", &[("index", &index)]),
+                    Some(known) => {
+                        let known: Vec<String> = known.iter().map(|place| (place + 1).to_string()).collect();
+                        out.empty("Unknown", &[("index", &index), ("dependencies", &known.join(" "))]);
+                    }
+                }
             }
         });
     }

@@ -46,6 +46,7 @@ fn name_of(kind: BareKind) -> &'static str {
     match kind {
         BareKind::Real => "Real",
         BareKind::Integer => "Integer",
+        BareKind::Boolean => "Boolean",
         BareKind::String => "String",
     }
 }
@@ -83,9 +84,21 @@ impl<M: Model> Slave<M> {
     /// # Errors
     /// Those of [`Slave::get_real`].
     pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
+        self.get_whole(references, BareKind::Integer, values)
+    }
+
+    /// `fmi2GetBoolean`: 0 or 1.
+    ///
+    /// # Errors
+    /// Those of [`Slave::get_real`].
+    pub fn get_boolean(&mut self, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
+        self.get_whole(references, BareKind::Boolean, values)
+    }
+
+    fn get_whole(&mut self, references: &[u32], kind: BareKind, values: &mut [i32]) -> Answer<M, ()> {
         self.check(Function::Get)?;
         for (&reference, value) in references.iter().zip(values) {
-            let quantity = self.row(reference, BareKind::Integer)?.quantity;
+            let quantity = self.row(reference, kind)?.quantity;
             *value = self.model.integer(quantity)?;
         }
         Ok(())
@@ -150,7 +163,25 @@ impl<M: Model> Slave<M> {
             self.check_number(reference, BareKind::Integer, value.into())?;
         }
         for (&reference, &value) in references.iter().zip(values) {
-            self.model.set_integer(self.interface.rows[reference as usize].quantity, value);
+            let quantity = self.interface.rows[reference as usize].quantity;
+            self.model.set_integer(quantity, value, self.phase);
+        }
+        Ok(())
+    }
+
+    /// `fmi2SetBoolean`: everything but 0 is true.
+    ///
+    /// # Errors
+    /// Those of [`Slave::set_real`].
+    pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Answer<M, ()> {
+        self.check(Function::Set)?;
+        for &reference in references {
+            let role = self.row(reference, BareKind::Boolean)?.role;
+            self.check_settable(reference, role)?;
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            let quantity = self.interface.rows[reference as usize].quantity;
+            self.model.set_integer(quantity, (value != 0).into(), self.phase);
         }
         Ok(())
     }

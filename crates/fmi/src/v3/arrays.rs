@@ -88,7 +88,7 @@ pub trait ArrayModel: Model {
     /// The values that were set do not fit together, so that the Reals cannot be computed.
     fn read_reals(&mut self, block: Self::Block, values: &mut [f64]) -> Result<(), Self::Error>;
 
-    /// Reads an array of Integers.
+    /// Reads an array of Integers, or of Booleans as 0 and 1.
     ///
     /// # Errors
     /// Those of [`ArrayModel::read_reals`].
@@ -108,8 +108,8 @@ pub trait ArrayModel: Model {
     /// Sets an array of Reals that can be set in the present phase.
     fn write_reals(&mut self, block: Self::Block, values: &[f64], phase: Phase);
 
-    /// Sets an array of Integers.
-    fn write_integers(&mut self, block: Self::Block, values: &[i32]);
+    /// Sets an array of Integers, or of Booleans to 0 and 1.
+    fn write_integers(&mut self, block: Self::Block, values: &[i32], phase: Phase);
 
     /// Sets texts, all or none.
     ///
@@ -123,9 +123,9 @@ pub trait ArrayModel: Model {
     }
 
     /// Returns the inputs on which the elements of an output depend at a communication point; before initialization has
-    /// ended, also the parameters that are listed.
-    fn dependencies(&self, _block: Self::Block, _known: Known) -> Vec<Dependency<Self::Block>> {
-        Vec::new()
+    /// ended, also the parameters that are listed. `None` if they are too many to be listed: each element depends on all.
+    fn dependencies(&self, _block: Self::Block, _known: Known) -> Option<Vec<Dependency<Self::Block>>> {
+        Some(Vec::new())
     }
 
     /// Returns the lengths \[s\] of the parts of a communication step \[s\] after which values are wanted; one part if

@@ -359,6 +359,40 @@ pub unsafe fn set_string<M: ArrayModel>(
     })
 }
 
+/// `fmi3GetBoolean`
+pub unsafe fn get_boolean<M: ArrayModel>(
+    instance: *mut c_void,
+    references: *const u32,
+    count: usize,
+    values: *mut bool,
+    value_count: usize,
+) -> Status {
+    call::<M>(instance, "fmi3GetBoolean", |component| {
+        // SAFETY: as many elements as said; a bool is a byte, and 0 and 1 are written.
+        let (references, values) = unsafe {
+            (array(references, count, "valueReferences")?, array_mut(values.cast(), value_count, "values")?)
+        };
+        Ok(component.slave.get_boolean(references, values)?)
+    })
+}
+
+/// `fmi3SetBoolean`
+pub unsafe fn set_boolean<M: ArrayModel>(
+    instance: *mut c_void,
+    references: *const u32,
+    count: usize,
+    values: *const bool,
+    value_count: usize,
+) -> Status {
+    call::<M>(instance, "fmi3SetBoolean", |component| {
+        // SAFETY: as many elements as said. They are read as bytes: an importer may write others than 0 and 1.
+        let (references, values) = unsafe {
+            (array(references, count, "valueReferences")?, array(values.cast(), value_count, "values")?)
+        };
+        Ok(component.slave.set_boolean(references, values)?)
+    })
+}
+
 /// Functions for types that no variable has: right only without variables.
 fn no_variables<M: ArrayModel>(
     instance: *mut c_void,
@@ -404,7 +438,6 @@ without_variables! {
     get_uint16(*mut u16) = "fmi3GetUInt16", "UInt16", Get;
     get_uint32(*mut u32) = "fmi3GetUInt32", "UInt32", Get;
     get_int64(*mut i64) = "fmi3GetInt64", "Int64", Get;
-    get_boolean(*mut bool) = "fmi3GetBoolean", "Boolean", Get;
     set_float32(*const f32) = "fmi3SetFloat32", "Float32", Set;
     set_int8(*const i8) = "fmi3SetInt8", "Int8", Set;
     set_uint8(*const u8) = "fmi3SetUInt8", "UInt8", Set;
@@ -412,7 +445,6 @@ without_variables! {
     set_uint16(*const u16) = "fmi3SetUInt16", "UInt16", Set;
     set_uint32(*const u32) = "fmi3SetUInt32", "UInt32", Set;
     set_int64(*const i64) = "fmi3SetInt64", "Int64", Set;
-    set_boolean(*const bool) = "fmi3SetBoolean", "Boolean", Set;
 }
 
 /// `fmi3GetClock`: no variable has this type.

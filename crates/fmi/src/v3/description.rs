@@ -130,6 +130,7 @@ impl<B: Copy + PartialEq> Description<'_, B> {
                 "Float64"
             }
             Kind::Integer => "Int32",
+            Kind::Boolean => "Boolean",
             Kind::String => "String",
         };
         let (start, texts) = match (self.start)(array.block) {
@@ -216,6 +217,7 @@ fn write_size(out: &mut Out, place: usize, name: &str, description: &str, value:
 fn compact(values: &[f64], kind: Kind) -> String {
     let written = |value: &f64| match kind {
         Kind::Integer => format!("{value:.0}"),
+        Kind::Boolean => (*value != 0.0).to_string(),
         _ => number(*value),
     };
     match values {

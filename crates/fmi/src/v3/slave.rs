@@ -53,6 +53,7 @@ fn name_of(kind: BareKind) -> &'static str {
     match kind {
         BareKind::Real => "Float64",
         BareKind::Integer => "Int32",
+        BareKind::Boolean => "Boolean",
         BareKind::String => "String",
     }
 }
@@ -196,11 +197,26 @@ impl<M: ArrayModel> Slave<M> {
     /// # Errors
     /// Those of [`Slave::get_float64`].
     pub fn get_int32(&mut self, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
+        self.get_whole(references, BareKind::Integer, values)
+    }
+
+    /// `fmi3GetBoolean`: 0 or 1.
+    ///
+    /// # Errors
+    /// Those of [`Slave::get_float64`].
+    pub fn get_boolean(&mut self, references: &[u32], values: &mut [u8]) -> Answer<M, ()> {
+        let mut whole = vec![0; values.len()];
+        self.get_whole(references, BareKind::Boolean, &mut whole)?;
+        values.iter_mut().zip(whole).for_each(|(value, whole)| *value = (whole != 0).into());
+        Ok(())
+    }
+
+    fn get_whole(&mut self, references: &[u32], kind: BareKind, values: &mut [i32]) -> Answer<M, ()> {
         self.check(Function::Get)?;
-        self.check_count(references, BareKind::Integer, values.len())?;
+        self.check_count(references, kind, values.len())?;
         let mut rest = values;
         for &reference in references {
-            let array = self.array(reference, BareKind::Integer)?;
+            let array = self.array(reference, kind)?;
             let (these, others) = rest.split_at_mut(self.length(&array)?);
             self.model.read_integers(array.block, these)?;
             rest = others;
@@ -313,12 +329,25 @@ impl<M: ArrayModel> Slave<M> {
     /// # Errors
     /// Those of [`Slave::set_float64`].
     pub fn set_int32(&mut self, references: &[u32], values: &[i32]) -> Answer<M, ()> {
+        self.set_whole(references, BareKind::Integer, values)
+    }
+
+    /// `fmi3SetBoolean`: everything but 0 is true.
+    ///
+    /// # Errors
+    /// Those of [`Slave::set_float64`].
+    pub fn set_boolean(&mut self, references: &[u32], values: &[u8]) -> Answer<M, ()> {
+        let whole: Vec<i32> = values.iter().map(|value| (*value != 0).into()).collect();
+        self.set_whole(references, BareKind::Boolean, &whole)
+    }
+
+    fn set_whole(&mut self, references: &[u32], kind: BareKind, values: &[i32]) -> Answer<M, ()> {
         self.check(Function::Set)?;
-        self.check_count(references, BareKind::Integer, values.len())?;
+        self.check_count(references, kind, values.len())?;
         let mut arrays = Vec::with_capacity(references.len());
         let mut rest = values;
         for &reference in references {
-            let array = self.array(reference, BareKind::Integer)?;
+            let array = self.array(reference, kind)?;
             self.check_settable(&array)?;
             let (these, others) = rest.split_at(self.length(&array)?);
             for (element, &value) in these.iter().enumerate() {
@@ -332,7 +361,7 @@ impl<M: ArrayModel> Slave<M> {
             rest = others;
         }
         for (block, these) in arrays {
-            self.model.write_integers(block, these);
+            self.model.write_integers(block, these, self.phase);
         }
         Ok(())
     }
@@ -405,7 +434,10 @@ impl<M: ArrayModel> Slave<M> {
             Phase::Instantiated | Phase::Configuration | Phase::Initialization => Known::InputsAndParameters,
             _ => Known::Inputs,
         };
-        let dependencies = self.model.dependencies(array.block, known).into_iter();
+        let many = "each element depends on those of all agents, which are too many to be listed";
+        let dependencies =
+            self.model.dependencies(array.block, known).ok_or(SlaveError::Unsupported(many))?;
+        let dependencies = dependencies.into_iter();
         Ok(dependencies.filter_map(|on| Some((on.dependent, reference_of(on.on)?, on.element))).collect())
     }
 
