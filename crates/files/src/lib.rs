@@ -17,6 +17,6 @@ mod written;
 
 pub use written::{
     Before, Change, Changed, Scratch, Staged, StagedDirectory, WriteError, change_all, give_up, guard,
-    names_beside, only_path, placed, reader_left, remove_file, unnamed, wait_no_longer, waited_in_vain,
-    write_atomically,
+    make_directories, names_beside, only_path, placed, reader_left, remove_file, unnamed, wait_no_longer,
+    waited_in_vain, write_atomically,
 };

@@ -23,7 +23,7 @@ pub use scratch::{Scratch, unnamed};
 pub use staged::{Staged, StagedDirectory, reader_left, wait_no_longer, waited_in_vain};
 use std::io;
 use std::path::{Path, PathBuf};
-pub use temporary::give_up;
+pub use temporary::{give_up, make_directories};
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]

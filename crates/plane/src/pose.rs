@@ -55,3 +55,26 @@ impl Motion {
         }
     }
 }
+
+/// The orientation \[rad\] that the disks of a body define, given the centres of the first and of the last: the normal
+/// to the line between them (paper, fig. 6c). Zero if the two coincide.
+pub fn shown_orientation(first: Vec2, last: Vec2) -> f64 {
+    let line = last - first;
+    if line == Vec2::ZERO { 0.0 } else { libm::atan2(line.x, -line.y) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vec2;
+
+    #[test]
+    fn gaze_is_normal_to_the_shoulders() {
+        // Left shoulder at +y, right shoulder at −y: gaze along +x.
+        assert_eq!(shown_orientation(vec2(0.0, 0.2), vec2(0.0, -0.2)), 0.0);
+        // Left at −x, right at +x: gaze along +y.
+        let quarter = shown_orientation(vec2(-0.2, 0.0), vec2(0.2, 0.0));
+        assert!((quarter - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        assert_eq!(shown_orientation(vec2(0.1, 0.1), vec2(0.1, 0.1)), 0.0);
+    }
+}

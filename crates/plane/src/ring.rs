@@ -1,12 +1,25 @@
 //! Closed polygons.
 
-use crate::{Bounds, Vec2, ray_crosses, segments_touch, turn, vec2};
+use crate::{Bounds, Vec2, nearest_on_segment, ray_crosses, segments_touch, turn, vec2};
 
 /// A closed polygon, clockwise or counter-clockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ring {
     /// The first corner is repeated at the end.
     corners: Vec<Vec2>,
+}
+
+/// The place on a rim that is nearest to a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Foot {
+    /// The side that it is on: 0 begins at the first corner.
+    pub side: usize,
+    /// \[m\] From the beginning of that side.
+    pub along: f64,
+    /// \[m\]
+    pub place: Vec2,
+    /// \[m\] From the point.
+    pub distance: f64,
 }
 
 impl Ring {
@@ -71,6 +84,30 @@ impl Ring {
         self.sides().filter(|&(a, b)| ray_crosses(p, a, b)).count() % 2 == 1
     }
 
+    /// Returns the place on the rim nearest to a point \[m\]: of several, that on the first side. A point that is not a
+    /// number is infinitely far.
+    pub fn nearest(&self, p: Vec2) -> Foot {
+        let far = Foot { side: 0, along: 0.0, place: self.corners[0], distance: f64::INFINITY };
+        self.sides().enumerate().fold(far, |best, (side, (start, end))| {
+            let place = nearest_on_segment(start, end, p);
+            let distance = (p - place).norm();
+            if distance < best.distance {
+                Foot { side, along: (place - start).norm(), place, distance }
+            } else {
+                best
+            }
+        })
+    }
+
+    /// Returns whether it is a rectangle parallel to the axes, corner by corner.
+    pub fn is_upright(&self) -> bool {
+        let level = |first: usize| {
+            let mut sides = self.sides().enumerate();
+            sides.all(|(k, (a, b))| if k % 2 == first { a.y == b.y } else { a.x == b.x })
+        };
+        self.corners().len() == 4 && (level(0) || level(1))
+    }
+
     /// Returns whether the rims have a common point.
     pub fn touches(&self, other: &Ring) -> bool {
         self.sides().any(|(a, b)| other.sides().any(|(c, d)| segments_touch(a, b, c, d)))
@@ -114,6 +151,27 @@ mod tests {
         // The first corner given twice is the same ring.
         assert_eq!(ring(&[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, 0.0)]).corners().len(), 3);
         assert_eq!(Ring::through(Vec::new()), None);
+    }
+
+    #[test]
+    fn the_nearest_place_is_on_the_nearest_side() {
+        let room = ring(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]);
+        let foot = room.nearest(vec2(4.5, 1.0));
+        assert_eq!(foot, Foot { side: 1, along: 1.0, place: vec2(4.0, 1.0), distance: 0.5 });
+        // Beyond a corner, that corner: the end of one side and the beginning of the next.
+        let foot = room.nearest(vec2(7.0, -4.0));
+        assert_eq!(foot, Foot { side: 0, along: 4.0, place: vec2(4.0, 0.0), distance: 5.0 });
+        assert_eq!(room.nearest(vec2(f64::NAN, 1.0)).distance, f64::INFINITY);
+        // Corners that lie on each other.
+        assert_eq!(ring(&[(1.0, 1.0), (1.0, 1.0), (1.0, 1.0)]).nearest(vec2(1.0, 3.0)).distance, 2.0);
+    }
+
+    #[test]
+    fn upright_is_what_has_four_corners_and_only_level_and_upright_sides() {
+        assert!(ring(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]).is_upright());
+        assert!(ring(&[(4.0, 3.0), (4.0, 0.0), (0.0, 0.0), (0.0, 3.0)]).is_upright());
+        assert!(!ring(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.001)]).is_upright());
+        assert!(!ring(&[(0.0, 0.0), (2.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]).is_upright());
     }
 
     #[test]

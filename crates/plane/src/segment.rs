@@ -20,6 +20,11 @@ pub fn segments_touch(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
     !parts(c_side, d_side) && !parts(turn(c, d, a), turn(c, d, b))
 }
 
+/// Returns whether the segments `a b` and `c d` cross, and do not only touch.
+pub fn segments_cross(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
+    turn(a, b, c) * turn(a, b, d) < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0
+}
+
 /// Returns whether the ray from `p` in the direction of x crosses the segment `a b`. Of a segment's ends, only the lower
 /// one belongs to it, so a ray through a corner crosses one of two sides, or both or neither.
 #[inline]
@@ -51,6 +56,8 @@ mod tests {
         assert!(!segments_touch(o, e, n, ne));
         assert!(!segments_touch(o, e, vec2(1.5, 0.0), vec2(2.0, 0.0)));
         assert!(!segments_touch(o, e, vec2(0.5, 1e-9), vec2(0.5, 1.0)));
+        assert!(segments_cross(o, ne, e, n) && !segments_cross(o, e, e, ne));
+        assert!(!segments_cross(o, e, vec2(0.5, 0.0), vec2(0.5, 2.0)));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::problem::Problems;
 use crate::xml::{Bound, Element, Ids, Kind, document, vector};
-use lemons_plane::Vec2;
+use lemons_plane::{Rotation, Vec2, shown_orientation};
 use lemons_xml::{Problem, number, quoted};
 
 pub(crate) static AGENTS: Kind = Kind { name: "Agents", attributes: &[], children: &[&AGENT] };
@@ -31,6 +31,16 @@ pub struct Agent {
     pub angular_damping: f64,
     /// The disks, at least one, in order from the left shoulder to the right one.
     pub shapes: Vec<Shape>,
+}
+
+impl Agent {
+    /// Returns centre \[m\] and radius \[m\] of the disks, relative to the centre of mass, when the gaze is along x.
+    pub fn disks_facing_x(&self) -> Vec<(Vec2, f64)> {
+        let ends = self.shapes.first().zip(self.shapes.last());
+        let turn = ends.map_or(0.0, |(first, last)| shown_orientation(first.position, last.position));
+        let back = Rotation::by(-turn);
+        self.shapes.iter().map(|shape| (shape.position.rotated(back), shape.radius)).collect()
+    }
 }
 
 /// `<Shape>`: a disk.

@@ -11,6 +11,7 @@ mod interactions;
 mod materials;
 mod parameters;
 mod problem;
+mod pulse;
 mod trial;
 mod xml;
 
@@ -23,4 +24,5 @@ pub use lemons_xml::{Problem, Severity, quoted};
 pub use materials::{Contact, Material, Materials, stiffness};
 pub use parameters::Parameters;
 pub use problem::Problems;
+pub use pulse::{Pulse, drive_of_pulses};
 pub use trial::{FileNames, INTERACTIONS, Places, Trial, output_names};

@@ -28,6 +28,23 @@ impl Parameters {
     pub fn dynamic_path(&self) -> &Path {
         Path::new(self.dynamic_directory.trim())
     }
+
+    /// Returns the file's text.
+    pub fn xml(&self) -> String {
+        document("Parameters", |out| {
+            out.empty(
+                "Directories",
+                &[("Static", &self.static_directory), ("Dynamic", &self.dynamic_directory)],
+            );
+            out.empty(
+                "Times",
+                &[
+                    ("TimeStep", &number(self.time_step)),
+                    ("TimeStepMechanical", &number(self.time_step_mechanical)),
+                ],
+            );
+        })
+    }
 }
 
 pub(crate) static PARAMETERS: Kind =
@@ -56,20 +73,4 @@ pub(crate) fn read(root: Element<'_>, problems: &mut Problems) -> Parameters {
         }
     }
     parameters
-}
-
-pub(crate) fn xml(parameters: &Parameters) -> String {
-    document("Parameters", |out| {
-        out.empty(
-            "Directories",
-            &[("Static", &parameters.static_directory), ("Dynamic", &parameters.dynamic_directory)],
-        );
-        out.empty(
-            "Times",
-            &[
-                ("TimeStep", &number(parameters.time_step)),
-                ("TimeStepMechanical", &number(parameters.time_step_mechanical)),
-            ],
-        );
-    })
 }

@@ -289,7 +289,7 @@ impl Trial {
     pub fn fingerprint(&self) -> u128 {
         let mut content = Vec::new();
         for text in [
-            parameters::xml(&self.parameters),
+            self.parameters.xml(),
             materials::xml(&self.materials),
             geometry::xml(&self.geometry),
             agents::xml(&self.agents),
@@ -315,7 +315,7 @@ impl Trial {
         let names = FileNames::default();
         let dynamics = dynamics_xml(&self.agents, &self.dynamics, DynamicsElement::Written);
         let mut texts = vec![
-            (directory.join(names.parameters), parameters::xml(&parameters)),
+            (directory.join(names.parameters), parameters.xml()),
             (fixed.join(names.materials), materials::xml(&self.materials)),
             (fixed.join(names.geometry), geometry::xml(&self.geometry)),
             (fixed.join(names.agents), agents::xml(&self.agents)),
@@ -335,7 +335,8 @@ impl Trial {
     pub fn write(&self, directory: &Path) -> Result<(), WriteError> {
         let (_, fixed, moving) = self.places_in(directory);
         for path in [directory, &fixed, &moving] {
-            std::fs::create_dir_all(path).map_err(|error| WriteError { path: path.to_owned(), error })?;
+            lemons_files::make_directories(path)
+                .map_err(|error| WriteError { path: path.to_owned(), error })?;
         }
         for (path, text) in self.texts(directory) {
             write_atomically(&path, &text)?;

@@ -23,6 +23,16 @@ pub fn give_up() {
     std::mem::forget(all);
 }
 
+/// Creates a directory and those that lead to it, unless they exist. Like all here it waits for ever after [`give_up`]:
+/// `std::fs::create_dir_all` would make a temporary directory again that was just removed.
+///
+/// # Errors
+/// It cannot be created.
+pub fn make_directories(path: &Path) -> io::Result<()> {
+    let _none_is_removed_meanwhile = begun();
+    std::fs::create_dir_all(path)
+}
+
 /// Removes a directory or file to which other threads may still write. If it cannot be removed, it stays under its
 /// hidden name.
 fn remove_under_way(path: &Path) {
@@ -158,7 +168,7 @@ impl Drop for Temporary {
             let mut all = begun();
             // If it cannot be removed now (no file handle is left), [`give_up`](crate::give_up) tries again at the end.
             match remove(&self.0) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => {}
+                Err(_) if self.0.symlink_metadata().is_ok() => {}
                 _ => forget(&mut all, &self.0),
             }
         }
