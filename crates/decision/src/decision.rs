@@ -1,186 +1,28 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
-use crate::plan::{Plan, PlanError};
+use crate::error::PlanError;
+use crate::gait::{Walking, Wanted};
+use crate::patience::{Advice, Patience};
+use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
+use crate::target::{Arrival, Destination, Ways};
 use lemons_files::input;
 use lemons_fmi::location::{Location, LocationError};
-use lemons_fmi::v3::Known;
-use lemons_fmi::variables::units::*;
-use lemons_fmi::variables::{Domain, Kind, Role, Unit, Variable};
+use lemons_fmi::variables::Variable;
 use lemons_fmi::{Model, Phase, StepError, fingerprint};
+use lemons_plane::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use std::sync::Arc;
 use thiserror::Error;
 
 pub mod arrays;
+pub mod table;
+
+pub use table::{AgentQuantity, Quantity, table};
 
 /// Name of the plan's file in the FMU's resources.
 pub const PLAN_FILE: &str = "decision.toml";
-
-/// The quantity of a variable; most belong to an agent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    /// A quantity of one agent.
-    Agent(usize, AgentQuantity),
-    /// Number of agents that have reached their last way-point.
-    Arrived,
-}
-
-/// A quantity of one agent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // the names of the variables
-pub enum AgentQuantity {
-    PositionX,
-    PositionY,
-    Theta,
-    FpX,
-    FpY,
-    Mp,
-    NextWaypoint,
-    Mass,
-    MomentOfInertia,
-    FloorDamping,
-    AngularDamping,
-    DesiredSpeed,
-    WaypointX(usize),
-    WaypointY(usize),
-    WaypointRadius(usize),
-}
-
-type Row = (AgentQuantity, &'static str, Kind, Role, Domain, &'static str);
-
-const ROWS: [Row; 12] = {
-    use AgentQuantity::*;
-    use Domain::*;
-    use Role::*;
-    const fn real(unit: Unit) -> Kind {
-        Kind::Real(unit)
-    }
-    [
-        (PositionX, "Position.x", real(METRE), Input, Finite, "x of the centre of mass"),
-        (PositionY, "Position.y", real(METRE), Input, Finite, "y of the centre of mass"),
-        (Theta, "Theta", real(RADIAN), Input, Finite, "orientation: angle from the x axis to the gaze"),
-        (FpX, "Fp.x", real(NEWTON), Calculated, Finite, "propulsion force along x"),
-        (FpY, "Fp.y", real(NEWTON), Calculated, Finite, "propulsion force along y"),
-        (Mp, "Mp", real(NEWTON_METRE), Calculated, Finite, "propulsion torque"),
-        (
-            NextWaypoint,
-            "NextWaypoint",
-            Kind::Integer,
-            Calculated,
-            Finite,
-            "which way-point it walks to; their number after the last one",
-        ),
-        (Mass, "Mass", real(KILOGRAM), Parameter, Positive, "mass"),
-        (
-            MomentOfInertia,
-            "MomentOfInertia",
-            real(KILOGRAM_METRE_SQUARED),
-            Parameter,
-            Positive,
-            "moment of inertia about the centre of mass",
-        ),
-        (
-            FloorDamping,
-            "FloorDamping",
-            real(PER_SECOND),
-            Parameter,
-            NonNegative,
-            "relaxation rate of the velocity, 1/t_transl",
-        ),
-        (
-            AngularDamping,
-            "AngularDamping",
-            real(PER_SECOND),
-            Parameter,
-            NonNegative,
-            "relaxation rate of the angular velocity, 1/t_rot",
-        ),
-        (DesiredSpeed, "DesiredSpeed", real(METRE_PER_SECOND), Parameter, NonNegative, "desired speed v0"),
-    ]
-};
-
-/// Returns the variables of a plan's FMU; the value reference of a variable is its index.
-pub fn table(plan: &Plan) -> Vec<Variable<Quantity>> {
-    let mut table = vec![Variable {
-        name: "Arrived".into(),
-        quantity: Quantity::Arrived,
-        kind: Kind::Integer,
-        role: Role::Calculated,
-        domain: Domain::Finite,
-        description: "how many agents have reached their last way-point".into(),
-    }];
-    for (i, agent) in plan.agents.iter().enumerate() {
-        let mut add = |quantity, name: String, kind, role, domain, description: &str| {
-            table.push(Variable {
-                name: format!("agent[{i}].{name}"),
-                quantity: Quantity::Agent(i, quantity),
-                kind,
-                role,
-                domain,
-                description: format!("agent Id {}: {description}", agent.id),
-            });
-        };
-        for (quantity, name, kind, role, domain, description) in ROWS {
-            add(quantity, name.to_owned(), kind, role, domain, description);
-        }
-        for k in 0..agent.walker.waypoints.len() {
-            use AgentQuantity::{WaypointRadius, WaypointX, WaypointY};
-            for (quantity, name, domain, description) in [
-                (WaypointX(k), "x", Domain::Finite, "x of a way-point"),
-                (WaypointY(k), "y", Domain::Finite, "y of a way-point"),
-                (
-                    WaypointRadius(k),
-                    "Radius",
-                    Domain::NonNegative,
-                    "it is reached when the agent is this near",
-                ),
-            ] {
-                let name = format!("Waypoint[{k}].{name}");
-                add(quantity, name, Kind::Real(METRE), Role::Parameter, domain, description);
-            }
-        }
-    }
-    table
-}
-
-/// Whether an output depends on an input or a parameter of the same agent.
-fn needs(output: Quantity, on: AgentQuantity) -> bool {
-    use AgentQuantity::*;
-    matches!(
-        (on, output),
-        (PositionX | PositionY | WaypointX(_) | WaypointY(_) | WaypointRadius(_), _)
-            | (Mass | FloorDamping | DesiredSpeed, Quantity::Agent(_, FpX | FpY))
-            | (Theta | MomentOfInertia | AngularDamping, Quantity::Agent(_, Mp))
-    )
-}
-
-/// Returns the indices of the known variables on which an output depends, ascending.
-pub fn dependencies(table: &[Variable<Quantity>], output: usize, known: Known) -> Vec<usize> {
-    let agent_of = |variable: &Variable<Quantity>| match variable.quantity {
-        Quantity::Arrived => None,
-        Quantity::Agent(i, _) => Some(i),
-    };
-    // The variables of an agent are adjacent. A variable of no agent depends on all.
-    let places = match agent_of(&table[output]) {
-        None => 0..table.len(),
-        agent => {
-            table.partition_point(|row| agent_of(row) < agent)
-                ..table.partition_point(|row| agent_of(row) <= agent)
-        }
-    };
-    let counts = |row: &Variable<Quantity>| match row.role {
-        Role::Input => true,
-        Role::Parameter => known == Known::InputsAndParameters,
-        _ => false,
-    };
-    places
-        .filter(|&place| match table[place].quantity {
-            Quantity::Agent(_, quantity) => counts(&table[place]) && needs(table[output].quantity, quantity),
-            Quantity::Arrived => false,
-        })
-        .collect()
-}
 
 /// Why the FMU fails.
 #[derive(Debug, Error)]
@@ -194,6 +36,8 @@ pub enum DecisionError {
     Read { path: PathBuf, error: std::io::Error },
     #[error("{path}: {error}", path = path.display())]
     Plan { path: PathBuf, error: PlanError },
+    #[error("no ways to exits and goals: {0}")]
+    Ways(PlanError),
     #[error("agent {agent:?} has only {count} way-points: what is beyond them must be 0")]
     NoWaypoint { agent: String, count: usize },
     #[error("the state belongs to another model, with another plan")]
@@ -221,6 +65,11 @@ pub struct Agent {
     walker: Walker,
     /// Index of the next way-point. It is updated by steps: a way-point that was reached stays reached.
     next: usize,
+    /// Whether the agent has left by an exit, at the last step or before.
+    left: bool,
+    /// \[m\] Where the agent was at the last step.
+    last: Option<[f64; 2]>,
+    patience: Patience,
 }
 
 impl Agent {
@@ -228,9 +77,28 @@ impl Agent {
     fn next(&self) -> usize {
         self.walker.next(self.next, self.pose)
     }
+
+    fn at(&self) -> Vec2 {
+        vec2(self.pose.x, self.pose.y)
+    }
+
+    /// \[m\] Where the agent came from.
+    fn from(&self) -> Vec2 {
+        self.last.map_or(self.at(), |[x, y]| vec2(x, y))
+    }
 }
 
-/// The paper's eq. 4 for a crowd.
+/// What an agent does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Act {
+    /// Its force and torque.
+    pub drive: Propulsion,
+    /// Whether it is there: it has not left by an exit.
+    pub active: bool,
+}
+
+/// A crowd that walks.
+#[derive(Debug, Clone)]
 pub struct Decision {
     plan: Plan,
     /// Fingerprint of the plan.
@@ -238,23 +106,213 @@ pub struct Decision {
     agents: Vec<Agent>,
     /// Largest number of way-points of an agent, at least 1.
     most_waypoints: usize,
+    /// Of the walls.
+    faces: Arc<Vec<[Vec2; 2]>>,
+    /// Found when they are first needed; `None` inside if nobody needs any.
+    ways: Option<Option<Arc<Ways>>>,
+    /// What all agents want by the model at their present poses, if people see each other and nothing has changed since.
+    wanted: Option<Vec<Wanted>>,
 }
 
 impl Decision {
     /// Makes the model at the start of a plan.
     pub fn new(plan: Plan) -> Decision {
-        let agents =
-            plan.agents.iter().map(|agent| Agent { pose: agent.pose, walker: agent.walker.clone(), next: 0 });
+        let agents = plan.agents.iter().map(|agent| Agent {
+            pose: agent.pose,
+            walker: agent.walker.clone(),
+            next: 0,
+            left: false,
+            last: None,
+            patience: Patience::default(),
+        });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
         let most_waypoints = most.unwrap_or(0).max(1);
-        Decision { agents: agents.collect(), plan, fingerprint, most_waypoints }
+        let agents = agents.collect();
+        let walls = plan.polylines();
+        let faces = walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
+        let faces = Arc::new(faces);
+        Decision { agents, plan, fingerprint, most_waypoints, faces, ways: None, wanted: None }
+    }
+
+    /// Everybody is seen at these poses, in their order; without FMI. Who walks decides at [`Decision::acts`], and
+    /// [`Decision::pass`] ends the step.
+    pub fn see(&mut self, poses: impl Iterator<Item = Pose>) {
+        self.agents.iter_mut().zip(poses).for_each(|(agent, pose)| agent.pose = pose);
+        self.wanted = None;
+    }
+
+    /// What everybody does at the present poses.
+    ///
+    /// # Errors
+    /// No ways to exits and goals can be found: the area is too large.
+    pub fn acts(&mut self) -> Result<Vec<Act>, DecisionError> {
+        let ways = self.ways()?;
+        let mut acts = Vec::with_capacity(self.agents.len());
+        for i in 0..self.agents.len() {
+            let active = self.arrival(i, ways.as_deref()) != Some(Arrival::Leaves);
+            acts.push(Act { drive: self.drive(i)?, active });
+        }
+        Ok(acts)
+    }
+
+    /// A step \[s\] passes. Way-points that were reached at its beginning stay reached, and who has left stays away.
+    ///
+    /// # Errors
+    /// Those of [`Decision::acts`].
+    pub fn pass(&mut self, step: f64) -> Result<(), DecisionError> {
+        let ways = self.ways()?;
+        for i in 0..self.agents.len() {
+            let arrival = self.arrival(i, ways.as_deref());
+            let leaves = arrival == Some(Arrival::Leaves);
+            // Who is at a goal is not stuck there.
+            let goes = self.goes(i, ways.as_deref()).filter(|_| arrival.is_none());
+            let sees = self.plan.gait.sees_others();
+            let queues = sees && self.wanted(i, ways.as_deref()).queues;
+            let agent = &mut self.agents[i];
+            let (next, way, at) = (agent.next(), agent.at() - agent.from(), agent.at());
+            // The paper's rule has no patience; and who queues is not stuck.
+            if agent.next == agent.walker.waypoints.len() || sees {
+                let moved = agent.last.is_some();
+                agent.patience.follow(step, way, goes.filter(|_| moved && !queues), self.plan.seed, i as u64);
+            }
+            (agent.next, agent.left, agent.last) = (next, leaves, Some([at.x, at.y]));
+        }
+        Ok(())
+    }
+
+    /// How many have arrived: at their last way-point, at a goal, or have left.
+    ///
+    /// # Errors
+    /// Those of [`Decision::acts`].
+    pub fn arrived(&mut self) -> Result<usize, DecisionError> {
+        let ways = self.ways()?;
+        let arrived = |i: &usize| match self.plan.agents[*i].destination {
+            Destination::None => self.agents[*i].next() == self.agents[*i].walker.waypoints.len(),
+            _ => self.arrival(*i, ways.as_deref()).is_some(),
+        };
+        Ok((0..self.agents.len()).filter(arrived).count())
+    }
+
+    /// The same at its start.
+    fn anew(&self) -> Decision {
+        Decision { ways: self.ways.clone(), ..Decision::new(self.plan.clone()) }
+    }
+
+    /// The ways to exits and goals.
+    fn ways(&mut self) -> Result<Option<Arc<Ways>>, DecisionError> {
+        if self.ways.is_none() {
+            self.ways = Some(self.plan.ways().map_err(DecisionError::Ways)?.map(Arc::new));
+        }
+        Ok(self.ways.clone().flatten())
+    }
+
+    /// Whether an agent has arrived at its exit or goal at the present pose, and what it does there.
+    fn arrival(&self, i: usize, ways: Option<&Ways>) -> Option<Arrival> {
+        let agent = &self.agents[i];
+        if agent.left {
+            return Some(Arrival::Leaves);
+        }
+        let there = agent.next() == agent.walker.waypoints.len();
+        ways.filter(|_| there)?.arrived(self.plan.agents[i].destination, agent.from(), agent.at())
+    }
+
+    /// Where an agent wants to go from its present pose: a unit vector, and the speed \[m/s\].
+    fn goes(&self, i: usize, ways: Option<&Ways>) -> Option<(Vec2, f64)> {
+        let (agent, destination) = (&self.agents[i], self.plan.agents[i].destination);
+        if let Some(waypoint) = agent.walker.waypoints.get(agent.next()) {
+            let way = vec2(waypoint.x, waypoint.y) - agent.at();
+            let norm = way.norm();
+            return (norm > 0.0).then(|| (way * (1.0 / norm), agent.walker.desired_speed));
+        }
+        if destination == Destination::None || self.arrival(i, ways) == Some(Arrival::Leaves) {
+            return None;
+        }
+        let leg = ways?.leg(destination, agent.at());
+        Some((leg.direction?, leg.share * agent.walker.desired_speed))
+    }
+
+    /// \[m\] How far it is along the way-points and to the exit or goal.
+    fn to_go(&self, i: usize, ways: Option<&Ways>) -> f64 {
+        let (agent, destination) = (&self.agents[i], self.plan.agents[i].destination);
+        let (mut at, mut sum) = (agent.at(), 0.0);
+        for waypoint in &agent.walker.waypoints[agent.next()..] {
+            let next = vec2(waypoint.x, waypoint.y);
+            sum += (next - at).norm();
+            at = next;
+        }
+        match destination {
+            Destination::None => sum,
+            _ => sum + ways.map_or(0.0, |ways| ways.distance(destination, at)),
+        }
     }
 
     /// The drive of an agent at its present pose.
-    fn drive(&self, i: usize) -> Propulsion {
+    fn drive(&mut self, i: usize) -> Result<Propulsion, DecisionError> {
+        let ways = self.ways()?;
+        if self.plan.gait.sees_others() {
+            let wanted = self.wanted(i, ways.as_deref());
+            return Ok(self.propulsion(i, wanted, ways.as_deref()));
+        }
         let agent = &self.agents[i];
-        agent.walker.drive(agent.next(), agent.pose)
+        // Towards way-points, the paper's rule as it is.
+        if agent.next() < agent.walker.waypoints.len() {
+            return Ok(agent.walker.drive(agent.next(), agent.pose));
+        }
+        let walking = self.walking(i, ways.as_deref());
+        let wanted = walking.map(|walking| self.plan.gait.wanted(&[Some(walking)], &[])[0]);
+        Ok(self.propulsion(i, wanted.unwrap_or_default(), ways.as_deref()))
+    }
+
+    /// An agent as others see it; `None` if it has left.
+    fn walking(&self, i: usize, ways: Option<&Ways>) -> Option<Walking<'_>> {
+        if self.arrival(i, ways) == Some(Arrival::Leaves) {
+            return None;
+        }
+        let agent = &self.agents[i];
+        let (direction, speed) = self.goes(i, ways).unzip();
+        Some(Walking {
+            at: agent.at(),
+            theta: agent.pose.theta,
+            disks: &self.plan.agents[i].disks,
+            direction,
+            speed: speed.unwrap_or(0.0),
+            to_go: self.to_go(i, ways),
+            destination: match self.plan.agents[i].destination {
+                Destination::None => usize::MAX,
+                Destination::NearestExit => usize::MAX - 1,
+                Destination::Target(k) => k,
+            },
+        })
+    }
+
+    /// What an agent wants by a model in which people see each other.
+    fn wanted(&mut self, i: usize, ways: Option<&Ways>) -> Wanted {
+        if let Some(wanted) = &self.wanted {
+            return wanted[i];
+        }
+        let people: Vec<Option<Walking<'_>>> =
+            (0..self.agents.len()).map(|i| self.walking(i, ways)).collect();
+        let all = self.plan.gait.wanted(&people, &self.faces);
+        let own = all[i];
+        self.wanted = Some(all);
+        own
+    }
+
+    /// The drive for what an agent wants by the model, or does because it is stuck.
+    fn propulsion(&self, i: usize, mut wanted: Wanted, ways: Option<&Ways>) -> Propulsion {
+        let Agent { walker, pose, patience, .. } = &self.agents[i];
+        if let Some((direction, speed)) = self.goes(i, ways) {
+            match patience.advice(direction, speed) {
+                Advice::Walk => {}
+                Advice::Step(velocity) => (wanted.velocity, wanted.force) = (velocity, Vec2::ZERO),
+                Advice::Insist(speed) => {
+                    wanted =
+                        Wanted { velocity: direction * speed, facing: Some(direction), ..Wanted::default() };
+                }
+            }
+        }
+        walker.towards(*pose, wanted.velocity, wanted.force, wanted.facing)
     }
 
     /// Returns the number behind a quantity that can be set; `None` for a computed one.
@@ -273,9 +331,11 @@ impl Decision {
             AgentQuantity::WaypointX(k) => &mut walker.waypoints.get_mut(k)?.x,
             AgentQuantity::WaypointY(k) => &mut walker.waypoints.get_mut(k)?.y,
             AgentQuantity::WaypointRadius(k) => &mut walker.waypoints.get_mut(k)?.radius,
-            AgentQuantity::FpX | AgentQuantity::FpY | AgentQuantity::Mp | AgentQuantity::NextWaypoint => {
-                return None;
-            }
+            AgentQuantity::FpX
+            | AgentQuantity::FpY
+            | AgentQuantity::Mp
+            | AgentQuantity::Active
+            | AgentQuantity::NextWaypoint => return None,
         })
     }
 }
@@ -293,7 +353,7 @@ impl Model for Decision {
     type Error = DecisionError;
 
     const INTERPOLATES_INPUTS: bool = false;
-    const STATE_VERSION: u32 = 2;
+    const STATE_VERSION: u32 = 3;
 
     fn load(location: Location<'_>) -> Result<Decision, DecisionError> {
         let candidates = location.directories()?;
@@ -320,7 +380,7 @@ impl Model for Decision {
             return Ok(*place);
         }
         let Quantity::Agent(i, quantity) = quantity else { return Ok(0.0) };
-        let drive = self.drive(i);
+        let drive = self.drive(i)?;
         match quantity {
             AgentQuantity::FpX => finite(i, "Fp.x", drive.force[0]),
             AgentQuantity::FpY => finite(i, "Fp.y", drive.force[1]),
@@ -330,8 +390,10 @@ impl Model for Decision {
 
     fn integer(&mut self, quantity: Quantity) -> Result<i32, DecisionError> {
         let number = match quantity {
-            Quantity::Arrived => {
-                self.agents.iter().filter(|agent| agent.next() == agent.walker.waypoints.len()).count()
+            Quantity::Arrived => self.arrived()?,
+            Quantity::Agent(i, AgentQuantity::Active) => {
+                let ways = self.ways()?;
+                (self.arrival(i, ways.as_deref()) != Some(Arrival::Leaves)).into()
             }
             Quantity::Agent(i, _) => self.agents[i].next(),
         };
@@ -345,29 +407,27 @@ impl Model for Decision {
     fn set_real(&mut self, quantity: Quantity, value: f64, _: Phase) {
         if let Some(place) = self.place(quantity) {
             *place = value;
+            self.wanted = None;
         }
     }
 
-    fn set_integer(&mut self, _: Quantity, _: i32) {}
+    fn set_integer(&mut self, _: Quantity, _: i32, _: Phase) {}
 
     fn set_strings(&mut self, _: &[(Quantity, &str)]) -> Result<(), DecisionError> {
         Ok(())
     }
 
     fn initialize(&mut self) -> Result<(), DecisionError> {
-        Ok(())
+        self.ways().map(|_| ())
     }
 
-    /// The poses are those at the beginning of the step; way-points reached there stay reached.
-    fn advance(&mut self, _: f64, _: f64) -> Result<(), StepError<DecisionError>> {
-        for agent in &mut self.agents {
-            agent.next = agent.next();
-        }
-        Ok(())
+    /// The poses are those at the beginning of the step.
+    fn advance(&mut self, step: f64, _: f64) -> Result<(), StepError<DecisionError>> {
+        self.pass(step).map_err(StepError::Refused)
     }
 
     fn reset(&mut self) -> Result<(), DecisionError> {
-        *self = Decision::new(self.plan.clone());
+        *self = self.anew();
         Ok(())
     }
 
@@ -382,18 +442,19 @@ impl Model for Decision {
         }
         let alike = |(a, b): (&Agent, &Agent)| {
             let count = b.walker.waypoints.len();
-            a.walker.waypoints.len() == count && a.next <= count
+            let last = a.last.unwrap_or_default().iter().all(|number| number.is_finite());
+            a.walker.waypoints.len() == count && a.next <= count && last && a.patience.is_sound()
         };
         if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
             return Err(DecisionError::Saved);
         }
-        let mut restored = Decision { agents: saved.clone(), ..Decision::new(self.plan.clone()) };
+        let mut restored = Decision { agents: saved.clone(), ..self.anew() };
         for row in self.table() {
             if restored.place(row.quantity).is_some_and(|value| row.domain.check(*value).is_err()) {
                 return Err(DecisionError::Saved);
             }
         }
-        self.agents = restored.agents;
+        (self.agents, self.wanted) = (restored.agents, None);
         Ok(())
     }
 }
@@ -401,7 +462,8 @@ impl Model for Decision {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Person, Wishes};
+    use crate::person::Person;
+    use crate::wishes::Wishes;
 
     fn decision(wishes: &str) -> Decision {
         let person = Person {
@@ -411,6 +473,7 @@ mod tests {
             floor_damping: 2.0,
             angular_damping: 4.0,
             pose: Pose::default(),
+            disks: Vec::new(),
         };
         let wishes = Wishes::from_toml(wishes).unwrap();
         Decision::new(Plan::new(&[person], &wishes, 0.05).unwrap())

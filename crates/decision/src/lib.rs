@@ -1,26 +1,44 @@
-//! Propulsion of people: the paper's eq. 4 with way-points, as an FMU, FMI 2.0 or 3.0.
-//!
-//! Each agent walks from way-point to way-point at its desired speed:
+//! Where people want to go, as an FMU, FMI 2.0 or 3.0: the paper's eq. 4 with way-points, ways around walls to exits and
+//! goals, and models of walking (docs/walking.md).
 //!
 //! ```text
-//! Fp = m v₀ e_target / t_transl        Mp = −I δθ / t_rot²
+//! Fp = m v* / t_transl + F        Mp = −I δθ / t_rot²
 //! ```
 //!
-//! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 4). `e_target` is the unit vector to the way-point. `δθ` is the angle from
-//! this direction to the gaze, in (−π, π]. After the last way-point the drive is zero.
+//! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 4). In the paper `v*` is the desired speed towards the next way-point and
+//! `F` is zero; models of walking give others. `δθ` is the angle from the direction to the gaze, in (−π, π]. After the
+//! last way-point the drive is zero.
 //!
-//! Poses are inputs, drives are outputs. They have the same names as in the crowd's FMU, so that the two can be
-//! connected by name. The modules; each imports only from those above it:
+//! Poses are inputs, drives are outputs, and whether somebody has not left. They have the same names as in the crowd's
+//! FMU, so that the two can be connected by name. The modules; each imports only from those above it:
 //!
 //! - [`rule`]: eq. 4 and the way-points
-//! - [`plan`]: the data before the start, as TOML
-//! - [`decision`]: the model of the FMU; [`decision::arrays`]: the same as arrays (FMI 3.0)
+//! - [`field`]: how far it is around walls
+//! - [`target`]: exits and goals
+//! - [`patience`]: what people do who are stuck
+//! - [`error`]: what is wrong with a plan
+//! - [`person`]: the people of a Trial
+//! - [`gait`]: how people walk among others
+//! - [`wishes`]: a user's `decision.toml`
+//! - [`plan`]: the data before the start, of everybody
+//! - [`decision`]: the model of the FMU; [`decision::table`](mod@decision::table), [`decision::arrays`]: its variables
+//!   in FMI 2.0 and 3.0
 //! - [`pack`]: writes an `.fmu` from a plan and binaries
 
 pub mod decision;
+pub mod error;
+pub mod field;
+pub mod gait;
 pub mod pack;
+pub mod patience;
+pub mod person;
 pub mod plan;
 pub mod rule;
+pub mod target;
+pub mod wishes;
 
 pub use decision::Decision;
-pub use plan::{Person, Plan, PlanError, Wishes};
+pub use error::PlanError;
+pub use person::Person;
+pub use plan::Plan;
+pub use wishes::{WISHES_FILE, Wishes};

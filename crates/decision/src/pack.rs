@@ -1,8 +1,10 @@
 //! Writes an `.fmu` from a plan and binaries.
 
 use crate::decision::arrays::starts;
-use crate::decision::{Decision, PLAN_FILE, dependencies, table};
-use crate::plan::{Plan, PlanError};
+use crate::decision::table::{dependencies, table};
+use crate::decision::{Decision, PLAN_FILE};
+use crate::error::PlanError;
+use crate::plan::Plan;
 use lemons_files::source::Disk;
 use lemons_fmi::Format;
 use lemons_fmi::archive::{Archive, ArchiveError, Binary, Version};
@@ -68,8 +70,8 @@ pub fn model_description(plan: &Plan, naming: Naming) -> String {
         step_size: plan.time_step,
         table: &table,
         start: &|place| starts[place].map(number),
-        dependencies: &|place| dependencies(&table, place, Known::Inputs),
-        initial_dependencies: &|place| dependencies(&table, place, Known::InputsAndParameters),
+        dependencies: &|place| dependencies(plan, &table, place, Known::Inputs),
+        initial_dependencies: &|place| dependencies(plan, &table, place, Known::InputsAndParameters),
     }
     .xml()
 }
@@ -87,8 +89,9 @@ pub fn model_description_3(plan: &Plan) -> String {
         step_size: plan.time_step,
         sizes: &decision.sizes(),
         start: &|block| starts(&mut Decision::new(plan.clone()), block).map(Start::Numbers),
-        dependencies: &|block| decision.dependencies(block, Known::Inputs),
-        initial_dependencies: &|block| decision.dependencies(block, Known::InputsAndParameters),
+        // Here arrays count, not their elements.
+        dependencies: &|block| decision.dependencies_on(block, Known::Inputs, false),
+        initial_dependencies: &|block| decision.dependencies_on(block, Known::InputsAndParameters, false),
     }
     .xml::<Decision>()
 }
@@ -98,7 +101,7 @@ fn terminals() -> String {
     let terminal = Terminal {
         name: CROWD,
         description: "motion in, drives out",
-        variables: &["Position", "Theta", "Fp", "Mp"],
+        variables: &["Position", "Theta", "Fp", "Mp", "Active"],
     };
     terminals_xml::<Decision>(&terminal, false)
 }
@@ -158,7 +161,7 @@ fn documentation_3(plan: &Plan) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Person, Wishes};
+    use crate::person::Person;
     use crate::rule::Pose;
 
     #[test]
@@ -170,11 +173,12 @@ mod tests {
             floor_damping: 2.0,
             angular_damping: 4.0,
             pose: Pose::default(),
+            disks: Vec::new(),
         };
         let people: Vec<Person> = (0..3000).map(person).collect();
         let route = "{ x = 1, y = 2 },".repeat(4000);
         let wishes = format!("waypoints = [{{ x = 1, y = 2 }}]\n[agents.7]\nwaypoints = [{route}]");
-        let plan = Plan::new(&people, &Wishes::from_toml(&wishes).unwrap(), 0.05).unwrap();
+        let plan = Plan::new(&people, &crate::wishes::Wishes::from_toml(&wishes).unwrap(), 0.05).unwrap();
         let error = write_fmu(&plan, Format::Fmi3, &[], std::io::Cursor::new(Vec::new())).unwrap_err();
         assert!(matches!(error, PackError::TooLarge { agents: 3000, waypoints: 4000 }), "{error}");
     }

@@ -2,6 +2,7 @@
 //!
 //! It uses `libm` instead of the platform's arctangent, so that the result is the same bits on every machine.
 
+use lemons_plane::Vec2;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -82,6 +83,17 @@ impl Walker {
             force: [push * (dx / distance), push * (dy / distance)],
             torque: -self.moment_of_inertia * mismatch * self.angular_damping * self.angular_damping,
         }
+    }
+}
+
+impl Walker {
+    /// Returns the propulsion whose force, with the floor's friction alone, leads to a velocity \[m/s\] (eq. 4), with a
+    /// further force \[N\], and which turns the body to face a direction.
+    pub fn towards(&self, pose: Pose, velocity: Vec2, force: Vec2, facing: Option<Vec2>) -> Propulsion {
+        let force = velocity * (self.mass * self.floor_damping) + force;
+        let mismatch = facing.map_or(0.0, |facing| wrapped(pose.theta - libm::atan2(facing.y, facing.x)));
+        let torque = -self.moment_of_inertia * mismatch * self.angular_damping * self.angular_damping;
+        Propulsion { force: [force.x, force.y], torque }
     }
 }
 

@@ -40,6 +40,7 @@ fn plan() -> Plan {
         floor_damping: 2.0,
         angular_damping: 4.0,
         pose: Pose { x, y: 0.5, theta: 0.25 * x },
+        disks: Vec::new(),
     };
     let people = [person("0", 0.0), person("two words", 1.0), person("7", 2.0)];
     let wishes = "waypoints = [{ x = 5, y = 2 }, { x = 6, y = -4, radius = 1 }]\n\

@@ -4,7 +4,8 @@
 //! may have different numbers of way-points: an agent's row is as long as the longest, and `WaypointCount` says how much
 //! of it counts. What is beyond is 0 and stays 0.
 
-use super::{AgentQuantity, Decision, DecisionError, Quantity, ROWS, finite, needs};
+use super::table::{ARRIVED, AgentQuantity, Quantity, ROWS, needs, needs_all};
+use super::{Decision, DecisionError, finite};
 use lemons_fmi::v3::arrays::Dependency;
 use lemons_fmi::v3::{Array, ArrayModel, Dimension, Known, Size};
 use lemons_fmi::variables::units::METRE;
@@ -18,6 +19,9 @@ const SIZES: [Size; 2] = [
 ];
 const AGENTS: Dimension = Dimension::Size(0);
 const WAYPOINTS: Dimension = Dimension::Size(1);
+
+/// Dependencies of each on all are listed for up to so many agents.
+const MOST_LISTED: usize = 1000;
 
 /// An array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,13 +41,14 @@ pub enum Block {
 }
 
 /// Name, quantities, and the description where it is not that of the one quantity.
-const OF_AGENTS: [(&str, &[AgentQuantity], &str); 10] = {
+const OF_AGENTS: [(&str, &[AgentQuantity], &str); 11] = {
     use AgentQuantity::*;
     [
         ("Position", &[PositionX, PositionY], "x and y of the centre of mass"),
         ("Theta", &[Theta], ""),
         ("Fp", &[FpX, FpY], "propulsion force along x and y"),
         ("Mp", &[Mp], ""),
+        ("Active", &[Active], ""),
         ("NextWaypoint", &[NextWaypoint], ""),
         ("Mass", &[Mass], ""),
         ("MomentOfInertia", &[MomentOfInertia], ""),
@@ -61,7 +66,7 @@ fn arrays() -> Vec<Array<Block>> {
         role: Role::Calculated,
         domain: Domain::Finite,
         dimensions: &[],
-        description: "how many agents have reached their last way-point",
+        description: ARRIVED,
     }];
     for (name, quantities, of_both) in OF_AGENTS {
         let row = ROWS.into_iter().find(|row| row.0 == quantities[0]);
@@ -133,10 +138,10 @@ pub(crate) fn starts(decision: &mut Decision, block: Block) -> Option<Vec<f64>> 
 
 /// One of the quantities of an output.
 fn representative(block: Block) -> Option<Quantity> {
-    use AgentQuantity::{FpX, Mp, NextWaypoint};
+    use AgentQuantity::{Active, FpX, Mp, NextWaypoint};
     match block {
         Block::Arrived => Some(Quantity::Arrived),
-        Block::Agents(&[of @ (FpX | Mp | NextWaypoint), ..]) => Some(Quantity::Agent(0, of)),
+        Block::Agents(&[of @ (FpX | Mp | Active | NextWaypoint), ..]) => Some(Quantity::Agent(0, of)),
         _ => None,
     }
 }
@@ -177,6 +182,44 @@ impl Decision {
         })
     }
 
+    /// The dependencies of an output; with those of other agents if `all`.
+    pub(crate) fn dependencies_on(&self, block: Block, known: Known, all: bool) -> Vec<Dependency<Block>> {
+        let Some(output) = representative(block) else { return Vec::new() };
+        let counts = |array: &Array<Block>| match array.role {
+            Role::Input => true,
+            Role::Parameter => known == Known::InputsAndParameters,
+            _ => false,
+        };
+        // Of others, the outline counts, too.
+        let needed = |block: &Block| {
+            let seen = needs_all(&self.plan, output) && *block == Block::Agents(&[AgentQuantity::Theta]);
+            seen || block.quantities().iter().any(|on| needs(output, *on))
+        };
+        let on: Vec<Block> =
+            arrays().into_iter().filter(counts).map(|array| array.block).filter(needed).collect();
+        let mut dependencies = Vec::new();
+        for dependent in 0..self.length(block) {
+            // The number of all depends on everybody, the others on their own agent.
+            let agents = match block {
+                Block::Agents(quantities) if !all => {
+                    let i = dependent / quantities.len();
+                    i..i + 1
+                }
+                _ => 0..self.agents.len(),
+            };
+            for i in agents {
+                for &on in &on {
+                    let of_each = self.length(on) / self.agents.len();
+                    // Not on way-points that it does not have.
+                    let elements =
+                        (i * of_each..(i + 1) * of_each).filter(|k| self.element(on, *k).is_some());
+                    dependencies.extend(elements.map(|element| Dependency { dependent, on, element }));
+                }
+            }
+        }
+        dependencies
+    }
+
     /// The number of elements of an array.
     fn length(&self, block: Block) -> usize {
         let agents = self.agents.len();
@@ -207,7 +250,7 @@ impl ArrayModel for Decision {
         if let Block::Agents([AgentQuantity::FpX, AgentQuantity::FpY]) = block {
             // Both from one evaluation of the rule.
             for (i, value) in values.as_chunks_mut().0.iter_mut().enumerate() {
-                let [x, y] = self.drive(i).force;
+                let [x, y] = self.drive(i)?.force;
                 *value = [finite(i, "Fp.x", x)?, finite(i, "Fp.y", y)?];
             }
             return Ok(());
@@ -228,7 +271,8 @@ impl ArrayModel for Decision {
                 Block::WaypointCount => {
                     i32::try_from(self.agents[i].walker.waypoints.len()).unwrap_or(i32::MAX)
                 }
-                _ => self.integer(Quantity::Agent(i, AgentQuantity::NextWaypoint))?,
+                Block::Agents(&[of]) => self.integer(Quantity::Agent(i, of))?,
+                _ => 0,
             };
         }
         Ok(())
@@ -257,43 +301,18 @@ impl ArrayModel for Decision {
         }
     }
 
-    fn write_integers(&mut self, _: Block, _: &[i32]) {}
+    fn write_integers(&mut self, _: Block, _: &[i32], _: Phase) {}
 
     fn write_texts(&mut self, _: &[(Block, &str)]) -> Result<(), DecisionError> {
         Ok(())
     }
 
-    fn dependencies(&self, block: Block, known: Known) -> Vec<Dependency<Block>> {
-        let Some(output) = representative(block) else { return Vec::new() };
-        let counts = |array: &Array<Block>| match array.role {
-            Role::Input => true,
-            Role::Parameter => known == Known::InputsAndParameters,
-            _ => false,
-        };
-        let needed = |block: &Block| block.quantities().iter().any(|on| needs(output, *on));
-        let on: Vec<Block> =
-            arrays().into_iter().filter(counts).map(|array| array.block).filter(needed).collect();
-        let mut dependencies = Vec::new();
-        for dependent in 0..self.length(block) {
-            // The number of all depends on everybody, the others on their own agent.
-            let agents = match block {
-                Block::Agents(quantities) => {
-                    let i = dependent / quantities.len();
-                    i..i + 1
-                }
-                _ => 0..self.agents.len(),
-            };
-            for i in agents {
-                for &on in &on {
-                    let of_each = self.length(on) / self.agents.len();
-                    // Not on way-points that it does not have.
-                    let elements =
-                        (i * of_each..(i + 1) * of_each).filter(|k| self.element(on, *k).is_some());
-                    dependencies.extend(elements.map(|element| Dependency { dependent, on, element }));
-                }
-            }
+    fn dependencies(&self, block: Block, known: Known) -> Option<Vec<Dependency<Block>>> {
+        let all = representative(block).is_some_and(|output| needs_all(&self.plan, output));
+        if all && self.agents.len() > MOST_LISTED {
+            return None;
         }
-        dependencies
+        Some(self.dependencies_on(block, known, all))
     }
 
     fn advance_part(

@@ -1,0 +1,78 @@
+//! What is wrong with wishes or a plan.
+
+use crate::field::TooLarge;
+use thiserror::Error;
+
+/// Each needs a field of distances in memory.
+pub(crate) const MOST_TARGETS: usize = 50;
+/// Of one agent: each is some variables of the FMU.
+pub(crate) const MOST_WAYPOINTS: usize = 10_000;
+
+/// What is wrong with wishes or a plan. The messages do not name the file.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum PlanError {
+    #[error("{0}")]
+    Toml(String),
+    #[error("{place}: {key} = {value}: must be {must}")]
+    Value { place: String, key: &'static str, value: String, must: &'static str },
+    #[error("agents.{0}: there is no agent with this Id")]
+    UnknownAgent(String),
+    #[error(
+        "agent {0:?} has no way-point and no exit: give `waypoints` or `exits` for all agents, or in [agents.{0}]"
+    )]
+    NoWaypoint(String),
+    #[error("there are no agents")]
+    Empty,
+    #[error("[{key}]: the model is another one: say `model = \"{key}\"`, or leave this section out")]
+    OtherModel { key: &'static str },
+    #[error("{place}: give a `line` or a `polygon`, one of the two")]
+    LineOrPolygon { place: String },
+    #[error("{place}: the name {name:?} is that of another exit or goal")]
+    SameName { place: String, name: String },
+    #[error("agents.{agent}: {key} = {name:?}: there is no {key} with this name; there are {known}")]
+    UnknownTarget { agent: String, key: &'static str, name: String, known: String },
+    #[error("agents.{0}: has an exit and a goal; give one of the two")]
+    Both(String),
+    #[error("exits: give a `share` for each or for none")]
+    SomeShares,
+    #[error("{0} exits and goals; at most {MOST_TARGETS} are allowed")]
+    TooManyTargets(usize),
+    #[error("{place}: lies on walls, or is shut in by them: nobody can reach it from anywhere")]
+    Shut { place: String },
+    #[error("agent {agent:?}: {count} way-points; at most {MOST_WAYPOINTS} are allowed")]
+    TooManyWaypoints { agent: String, count: usize },
+    #[error("agent {agent:?} at ({x}, {y}) m: no way leads to {to}: walls are between")]
+    NoWay { agent: String, x: String, y: String, to: String },
+    #[error(
+        "the walls, people, exits and goals lie in an area of {0} m: too large to find ways in it; are they in metres?"
+    )]
+    TooLarge(String),
+}
+
+impl From<TooLarge> for PlanError {
+    fn from(TooLarge { size }: TooLarge) -> PlanError {
+        PlanError::TooLarge(format!("{:.0} x {:.0}", size.x, size.y))
+    }
+}
+
+pub(crate) fn number(
+    place: &str,
+    key: &'static str,
+    value: f64,
+    good: impl Fn(f64) -> bool,
+    must: &'static str,
+) -> Result<(), PlanError> {
+    if value.is_finite() && good(value) {
+        return Ok(());
+    }
+    Err(PlanError::Value { place: place.to_owned(), key, value: format!("{value:?}"), must })
+}
+
+pub(crate) fn positive(place: &str, key: &'static str, value: f64) -> Result<(), PlanError> {
+    number(place, key, value, |value| value > 0.0, "positive and finite")
+}
+
+pub(crate) fn not_negative(place: &str, key: &'static str, value: f64) -> Result<(), PlanError> {
+    number(place, key, value, |value| value >= 0.0, "finite and at least 0")
+}

@@ -1,0 +1,409 @@
+//! Ways around walls: how far it is to a target from everywhere, on a grid.
+//!
+//! The distance T solves the eikonal equation |∇T| = 1/f with T = 0 on the target, by fast marching (Sethian, PNAS 93
+//! (1996) 1591). Everybody walks down T: the cost of a step does not depend on the number of people. The factor f is 1
+//! in the open and falls towards walls, so that ways keep some distance from them where there is room. Walls are pieces
+//! without thickness: two nodes of the grid are neighbours if no wall lies between them.
+//!
+//! Only sums, products and roots are used, so the result is the same bits on every machine.
+
+use lemons_plane::{Bounds, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+/// \[m\] Distance of two nodes.
+const STEP: f64 = 0.1;
+/// \[m\] Coarser grids would not find doors.
+const COARSEST: f64 = 0.25;
+/// Most nodes of a grid.
+const MOST_NODES: f64 = 4e6;
+/// \[m\] Nearer than this to a wall, a metre counts as more.
+const CLEARANCE: f64 = 0.35;
+/// \[m\] No centre of mass is nearer to a wall. So gaps of twice as much are closed.
+const NEAREST: f64 = 0.1;
+/// By how much more at most: right beside a wall.
+const DEAREST: f64 = 4.0;
+/// \[m\] Free space around everything.
+const MARGIN: f64 = 1.0;
+/// Of a step: nodes do not lie on walls with round coordinates.
+const SHIFT: Vec2 = Vec2 { x: 0.382, y: 0.417 };
+
+/// Where people can walk: nodes, and which of them are neighbours.
+#[derive(Debug, Clone)]
+pub struct Grid {
+    origin: Vec2,
+    step: f64,
+    columns: usize,
+    rows: usize,
+    /// Of each node: whether there is no wall before the next one to the right.
+    right: Vec<bool>,
+    /// Of each node: whether there is no wall before the next one above.
+    above: Vec<bool>,
+    /// Of each node: how many metres a metre counts; infinite where nobody can be.
+    price: Vec<f64>,
+    faces: Vec<[Vec2; 2]>,
+    /// Faces in or near the square to the upper right of a node.
+    beside: HashMap<usize, Vec<u32>>,
+}
+
+/// How far it is from each node of a grid.
+#[derive(Debug, Clone)]
+pub struct Field {
+    distance: Vec<f64>,
+}
+
+/// The area is so large that doors would be missed on a grid of a size that can be kept in memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TooLarge {
+    /// \[m\] Width and height.
+    pub size: Vec2,
+}
+
+impl Grid {
+    /// Makes a grid that contains these places and walls, given as polylines.
+    ///
+    /// # Errors
+    /// They take too large an area.
+    pub fn new(walls: &[Vec<Vec2>], places: impl Iterator<Item = Vec2>) -> Result<Grid, TooLarge> {
+        let faces: Vec<[Vec2; 2]> =
+            walls.iter().flat_map(|wall| wall.windows(2).map(|ends| [ends[0], ends[1]])).collect();
+        let all = Bounds::of(faces.iter().flatten().copied().chain(places));
+        let all = all.unwrap_or(Bounds { low: Vec2::ZERO, high: Vec2::ZERO }).grown(MARGIN);
+        let size = all.size();
+        let step = STEP.max((size.x * size.y / MOST_NODES).sqrt());
+        // Also if a number is not finite.
+        if !(step <= COARSEST && size.x.max(size.y) / step < MOST_NODES) {
+            return Err(TooLarge { size });
+        }
+        let [columns, rows] = [size.x, size.y].map(|length| (length / step) as usize + 2);
+        let nodes = columns * rows;
+        let origin = all.low - vec2(SHIFT.x * step, SHIFT.y * step);
+        let mut grid = Grid {
+            origin,
+            step,
+            columns,
+            rows,
+            right: vec![true; nodes],
+            above: vec![true; nodes],
+            price: vec![f64::INFINITY; nodes],
+            faces,
+            beside: HashMap::new(),
+        };
+        for k in 0..grid.faces.len() {
+            grid.put_face(k);
+        }
+        // Until here the distance to the nearest wall.
+        for price in &mut grid.price {
+            let near = (*price / CLEARANCE).min(1.0);
+            let dear = 1.0 + (DEAREST - 1.0) * (1.0 - near) * (1.0 - near);
+            *price = if *price < NEAREST { f64::INFINITY } else { dear };
+        }
+        Ok(grid)
+    }
+
+    /// Number of nodes.
+    pub fn nodes(&self) -> usize {
+        self.price.len()
+    }
+
+    /// The error for fields that are too many for an area.
+    pub fn too_large(&self) -> TooLarge {
+        TooLarge { size: vec2(self.columns as f64, self.rows as f64) * self.step }
+    }
+
+    /// Parts what the face lies between.
+    fn put_face(&mut self, k: usize) {
+        let [from, to] = self.faces[k];
+        let around = Bounds::of([from, to]).expect("two points").grown(CLEARANCE + self.step);
+        for node in self.nodes_in(around) {
+            let at = self.place(node);
+            let away = (nearest_on_segment(from, to, at) - at).norm();
+            self.price[node] = self.price[node].min(away);
+            let (next, up) = (at + vec2(self.step, 0.0), at + vec2(0.0, self.step));
+            self.right[node] &= !segments_touch(at, next, from, to);
+            self.above[node] &= !segments_touch(at, up, from, to);
+            let middle = at + vec2(0.5 * self.step, 0.5 * self.step);
+            if (nearest_on_segment(from, to, middle) - middle).norm() < 0.75 * self.step {
+                self.beside.entry(node).or_default().push(k as u32);
+            }
+        }
+    }
+
+    fn place(&self, node: usize) -> Vec2 {
+        let (row, column) = (node / self.columns, node % self.columns);
+        self.origin + vec2(column as f64 * self.step, row as f64 * self.step)
+    }
+
+    /// Column and row of the square that contains a place, which may be outside.
+    fn square(&self, at: Vec2) -> (f64, f64) {
+        let share = (at - self.origin) * (1.0 / self.step);
+        (libm::floor(share.x), libm::floor(share.y))
+    }
+
+    fn nodes_in(&self, bounds: Bounds) -> impl Iterator<Item = usize> + use<> {
+        let columns = self.columns;
+        let range = |low: f64, high: f64, count: usize| {
+            let end = (high.max(-1.0) as usize + 1).min(count - 1);
+            (low.max(0.0) as usize).min(count - 1)..=end
+        };
+        let (low, high) = (self.square(bounds.low), self.square(bounds.high));
+        let across = range(low.0, high.0, self.columns);
+        range(low.1, high.1, self.rows)
+            .flat_map(move |row| across.clone().map(move |column| row * columns + column))
+    }
+
+    /// Whether no wall lies between two places that are near each other.
+    fn sees(&self, from: Vec2, to: Vec2) -> bool {
+        let between = Bounds::of([from, to]).expect("two points").grown(self.step);
+        let mut near = self.nodes_in(between).filter_map(|node| self.beside.get(&node)).flatten();
+        !near.any(|&face| {
+            let [a, b] = self.faces[face as usize];
+            segments_touch(from, to, a, b)
+        })
+    }
+
+    /// Whether somebody can be at some lines, or in an area.
+    pub fn begins(&self, lines: &[[Vec2; 2]], area: Option<&Ring>) -> bool {
+        !self.first(lines, area.map(std::slice::from_ref).unwrap_or_default()).is_empty()
+    }
+
+    /// How far it is to the nearest of some lines, and of the areas that rings enclose.
+    pub fn field(&self, lines: &[[Vec2; 2]], areas: &[Ring]) -> Field {
+        let mut field = Field { distance: vec![f64::INFINITY; self.price.len()] };
+        let mut front = BinaryHeap::new();
+        for (node, distance) in self.first(lines, areas) {
+            if distance < field.distance[node] {
+                field.distance[node] = distance;
+                front.push(Reverse((distance.to_bits(), node)));
+            }
+        }
+        self.march(&mut field, front);
+        field
+    }
+
+    /// Nodes at lines and in areas, with their distances.
+    fn first(&self, lines: &[[Vec2; 2]], areas: &[Ring]) -> Vec<(usize, f64)> {
+        let mut first = Vec::new();
+        let mut begin = |node: usize, distance: f64| {
+            if self.price[node].is_finite() {
+                first.push((node, distance));
+            }
+        };
+        let sides = areas.iter().flat_map(|ring| ring.sides().map(|(a, b)| [a, b]));
+        for [from, to] in lines.iter().copied().chain(sides) {
+            let around = Bounds::of([from, to]).expect("two points").grown(1.5 * self.step);
+            for node in self.nodes_in(around) {
+                let at = self.place(node);
+                let nearest = nearest_on_segment(from, to, at);
+                let distance = (nearest - at).norm();
+                if distance < 1.5 * self.step && self.sees(at, nearest) {
+                    begin(node, distance);
+                }
+            }
+        }
+        for ring in areas {
+            for node in self.nodes_in(ring.bounds()).filter(|node| ring.contains(self.place(*node))) {
+                begin(node, 0.0);
+            }
+        }
+        first
+    }
+
+    /// Fast marching. Distances are not negative, so they have the order of their bits.
+    fn march(&self, field: &mut Field, mut front: BinaryHeap<Reverse<(u64, usize)>>) {
+        let mut done = vec![false; field.distance.len()];
+        while let Some(Reverse((_, node))) = front.pop() {
+            if std::mem::replace(&mut done[node], true) {
+                continue;
+            }
+            for next in self.neighbours(node).into_iter().flatten() {
+                if done[next] {
+                    continue;
+                }
+                let distance = self.arrival(field, &done, next);
+                // Infinite where nobody can be.
+                if distance < field.distance[next] {
+                    field.distance[next] = distance;
+                    front.push(Reverse((distance.to_bits(), next)));
+                }
+            }
+        }
+    }
+
+    /// To the left, right, below and above, where no wall is between.
+    fn neighbours(&self, node: usize) -> [Option<usize>; 4] {
+        let (row, column) = (node / self.columns, node % self.columns);
+        let (columns, rows) = (self.columns, self.rows);
+        [
+            (column > 0 && self.right[node.wrapping_sub(1)]).then(|| node - 1),
+            (column + 1 < columns && self.right[node]).then(|| node + 1),
+            (row > 0 && self.above[node.wrapping_sub(columns)]).then(|| node - columns),
+            (row + 1 < rows && self.above[node]).then(|| node + columns),
+        ]
+    }
+
+    /// The distance of a node by those of its neighbours that are known.
+    fn arrival(&self, field: &Field, done: &[bool], node: usize) -> f64 {
+        let known = |next: Option<usize>| match next {
+            Some(next) if done[next] => field.distance[next],
+            _ => f64::INFINITY,
+        };
+        let [left, right, below, above] = self.neighbours(node).map(known);
+        let (a, b) = (left.min(right), below.min(above));
+        let way = self.step * self.price[node];
+        if (a - b).abs() < way {
+            0.5 * (a + b + (2.0 * way * way - (a - b) * (a - b)).sqrt())
+        } else {
+            a.min(b) + way
+        }
+    }
+
+    /// \[m\] How far it is from a place: the mean of the nodes around it that are on the same side of all walls. Beside
+    /// walls, metres count more. Infinite where no way leads from, and outside of the grid.
+    pub fn distance(&self, field: &Field, at: Vec2) -> f64 {
+        let (mut sum, mut shares) = (0.0, 0.0);
+        for (node, share) in self.around(at) {
+            if field.distance[node].is_finite() {
+                sum += share * field.distance[node];
+                shares += share;
+            }
+        }
+        if shares > 0.0 { sum / shares } else { f64::INFINITY }
+    }
+
+    /// The direction in which the distance falls fastest, as a unit vector; `None` where no way leads from, and outside
+    /// of the grid.
+    pub fn direction(&self, field: &Field, at: Vec2) -> Option<Vec2> {
+        let mut sum = Vec2::ZERO;
+        for (node, share) in self.around(at) {
+            if let Some(down) = self.down(field, node) {
+                sum += down * share;
+            }
+        }
+        let norm = sum.norm();
+        (norm > 1e-9).then(|| sum * (1.0 / norm))
+    }
+
+    /// The nodes around a place that are on the same side of all walls, with their bilinear shares.
+    fn around(&self, at: Vec2) -> impl Iterator<Item = (usize, f64)> {
+        let (column, row) = self.square(at);
+        let inside =
+            column >= 0.0 && row >= 0.0 && column + 1.0 < self.columns as f64 && row + 1.0 < self.rows as f64;
+        let first = if inside { row as usize * self.columns + column as usize } else { 0 };
+        let share = (at - self.origin) * (1.0 / self.step) - vec2(column, row);
+        let corners = [(0, 1.0 - share.x, 1.0 - share.y), (1, share.x, 1.0 - share.y)];
+        let upper = [(self.columns, 1.0 - share.x, share.y), (self.columns + 1, share.x, share.y)];
+        let faces = if inside { self.beside.get(&first) } else { None };
+        corners.into_iter().chain(upper).filter(move |_| inside).filter_map(move |(offset, x, y)| {
+            let node = first + offset;
+            let hidden = faces.is_some_and(|faces| {
+                faces.iter().any(|&face| {
+                    let [a, b] = self.faces[face as usize];
+                    segments_touch(at, self.place(node), a, b)
+                })
+            });
+            // Also a node in whose very place somebody stands counts a little.
+            (!hidden).then_some((node, x * y + 1e-6))
+        })
+    }
+
+    /// Down the distance at a node: against the gradient by the lower neighbours.
+    fn down(&self, field: &Field, node: usize) -> Option<Vec2> {
+        let here = field.distance[node];
+        if !here.is_finite() {
+            return None;
+        }
+        let [left, right, below, above] =
+            self.neighbours(node).map(|next| next.map_or(f64::INFINITY, |next| field.distance[next]));
+        let fall = |low: f64, high: f64| {
+            let (back, on) = ((here - low).max(0.0), (here - high).max(0.0));
+            if back > on { -back } else { on }
+        };
+        let down = vec2(fall(left, right), fall(below, above));
+        let norm = down.norm();
+        (norm > 0.0).then(|| down * (1.0 / norm))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn places(at: &[(f64, f64)]) -> impl Iterator<Item = Vec2> {
+        at.iter().map(|&(x, y)| vec2(x, y)).collect::<Vec<_>>().into_iter()
+    }
+
+    fn polyline(at: &[(f64, f64)]) -> Vec<Vec2> {
+        places(at).collect()
+    }
+
+    /// The outside: straight lines. Fast marching of first order is some steps too long.
+    #[test]
+    fn in_the_open_the_distance_is_that_of_the_straight_line() {
+        let grid = Grid::new(&[], places(&[(0.0, 0.0), (10.0, 6.0)])).unwrap();
+        let field = grid.field(&[[vec2(5.0, 1.0), vec2(5.0, 2.0)]], &[]);
+        for at in [vec2(0.3, 5.1), vec2(9.0, 1.5), vec2(5.2, 0.1), vec2(2.0, 1.2)] {
+            let nearest = nearest_on_segment(vec2(5.0, 1.0), vec2(5.0, 2.0), at);
+            let (wanted, found) = ((nearest - at).norm(), grid.distance(&field, at));
+            assert!((found - wanted).abs() < 0.15, "{at:?}: {found} instead of {wanted}");
+            let direction = grid.direction(&field, at).unwrap();
+            assert!(direction.dot((nearest - at) * (1.0 / wanted)) > 0.99, "{at:?}: {direction:?}");
+        }
+    }
+
+    /// The outside: the shortest way round a wall is two straight lines over its end.
+    #[test]
+    fn ways_lead_round_walls_and_keep_off_them() {
+        let wall = polyline(&[(5.0, -1.0), (5.0, 4.0)]);
+        let barrier = polyline(&[(-1.0, -1.0), (11.0, -1.0)]);
+        let grid = Grid::new(&[wall, barrier], places(&[(0.0, 0.0), (10.0, 8.0)])).unwrap();
+        let exit = Ring::through(polyline(&[(8.0, 0.0), (9.0, 0.0), (9.0, 1.0), (8.0, 1.0)])).unwrap();
+        let field = grid.field(&[], &[exit]);
+        let (from, end, to) = (vec2(2.0, 0.5), vec2(5.0, 4.0), vec2(8.0, 1.0));
+        let shortest = (end - from).norm() + (to - end).norm();
+        let found = grid.distance(&field, from);
+        assert!(shortest < found && found < shortest + 1.2, "{found} instead of {shortest}");
+        // Down the field one arrives, and never crosses the wall.
+        let (mut at, mut walked, mut nearest) = (from, 0.0, f64::INFINITY);
+        while grid.distance(&field, at) > 0.05 {
+            let next = at + grid.direction(&field, at).unwrap() * 0.05;
+            assert!(!segments_touch(at, next, vec2(5.0, -1.0), end), "through the wall at {at:?}");
+            (at, walked) = (next, walked + 0.05);
+            nearest = nearest.min((at - end).norm());
+            assert!(walked < 12.0, "lost at {at:?}");
+        }
+        assert!((0.15..0.5).contains(&nearest), "{nearest} m off the end of the wall");
+        assert!(walked < shortest + 0.5, "{walked} instead of {shortest}");
+    }
+
+    #[test]
+    fn a_door_is_found_and_a_closed_room_has_none() {
+        let closed = polyline(&[(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0)]);
+        let exit = [[vec2(7.0, 1.0), vec2(7.0, 3.0)]];
+        let grid = Grid::new(&[closed], places(&[(8.0, 0.0)])).unwrap();
+        let field = grid.field(&exit, &[]);
+        assert_eq!(grid.distance(&field, vec2(3.0, 2.0)), f64::INFINITY);
+        assert_eq!(grid.direction(&field, vec2(3.0, 2.0)), None);
+        assert_eq!(grid.distance(&field, vec2(1e9, 2.0)), f64::INFINITY);
+        // Nobody fits through a slit.
+        let slit = polyline(&[(6.0, 2.09), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.91)]);
+        let grid = Grid::new(&[slit], places(&[(8.0, 0.0)])).unwrap();
+        assert_eq!(grid.distance(&grid.field(&exit, &[]), vec2(3.0, 2.0)), f64::INFINITY);
+        for width in [0.4, 0.8, 2.0] {
+            let (low, high) = (2.0 - 0.5 * width, 2.0 + 0.5 * width);
+            let open = polyline(&[(6.0, high), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, low)]);
+            let grid = Grid::new(&[open], places(&[(8.0, 0.0)])).unwrap();
+            let field = grid.field(&exit, &[]);
+            let found = grid.distance(&field, vec2(3.0, 2.0));
+            assert!((3.99..5.5).contains(&found), "{width}: {found}");
+        }
+    }
+
+    #[test]
+    fn an_area_beyond_all_measure_is_refused() {
+        assert!(Grid::new(&[], places(&[(0.0, 0.0), (400.0, 400.0)])).is_ok());
+        for far in [1e4, 1e300] {
+            assert!(Grid::new(&[], places(&[(0.0, 0.0), (far, far)])).is_err(), "{far}");
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Exits and goals: lines and areas to which people walk around walls.
+
+use crate::field::{Field, Grid, TooLarge};
+use lemons_plane::{Ring, Vec2, nearest_on_segment, segments_touch, vec2};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// \[m\] Whoever is this near to the line of a goal is there.
+const NEAR: f64 = 0.3;
+/// \[m\] Nearer than this to the line or the middle of a goal, people walk more and more slowly.
+const SLOW: f64 = 1.0;
+/// Most nodes of all fields together: 0.3 GB.
+const MOST_NODES: usize = 40_000_000;
+
+/// An exit or a goal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Target {
+    /// No two targets have the same.
+    pub name: String,
+    /// Whether people stay there; else they leave.
+    pub stay: bool,
+    /// \[m\] The corners (x, y): two of a line, more of an area.
+    pub corners: Vec<[f64; 2]>,
+}
+
+/// Where an agent goes after the last way-point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Destination {
+    /// Nowhere.
+    #[default]
+    None,
+    /// To the exit that is nearest on foot, wherever the agent is.
+    NearestExit,
+    /// To the target with this index.
+    Target(usize),
+}
+
+impl Target {
+    fn points(&self) -> Vec<Vec2> {
+        self.corners.iter().map(|&[x, y]| vec2(x, y)).collect()
+    }
+
+    /// `None` for a line.
+    pub fn area(&self) -> Option<Ring> {
+        if self.corners.len() > 2 { Ring::through(self.points()) } else { None }
+    }
+}
+
+/// The shape of a target.
+#[derive(Debug, Clone)]
+enum Shape {
+    Line([Vec2; 2]),
+    /// With its middle: the inner point that is furthest from the sides.
+    Area(Ring, Vec2),
+}
+
+impl Shape {
+    fn of(target: &Target) -> Shape {
+        let points = target.points();
+        match target.area() {
+            Some(ring) => {
+                let middle = middle_of(&ring);
+                Shape::Area(ring, middle)
+            }
+            None => Shape::Line([points[0], points.get(1).copied().unwrap_or(points[0])]),
+        }
+    }
+
+    fn lines(&self) -> Vec<[Vec2; 2]> {
+        match self {
+            Shape::Line(ends) => vec![*ends],
+            Shape::Area(..) => Vec::new(),
+        }
+    }
+
+    fn area(&self) -> Option<&Ring> {
+        match self {
+            Shape::Line(_) => None,
+            Shape::Area(ring, _) => Some(ring),
+        }
+    }
+
+    fn nearest(&self, at: Vec2) -> Vec2 {
+        match self {
+            Shape::Line([from, to]) => nearest_on_segment(*from, *to, at),
+            Shape::Area(ring, _) if ring.contains(at) => at,
+            Shape::Area(ring, _) => ring.nearest(at).place,
+        }
+    }
+
+    /// Whether somebody who walked from one place to the other is there, or was on the way: over a line, or at one
+    /// where people stay.
+    fn holds(&self, from: Vec2, to: Vec2, stay: bool) -> bool {
+        match self {
+            Shape::Line(_) if stay => (self.nearest(to) - to).norm() <= NEAR,
+            Shape::Line([a, b]) => segments_touch(from, to, *a, *b),
+            Shape::Area(ring, _) => ring.contains(to),
+        }
+    }
+}
+
+/// The best of a grid of points: as exact as a step in a room need be.
+fn middle_of(ring: &Ring) -> Vec2 {
+    let (bounds, count) = (ring.bounds(), 32);
+    let size = bounds.size();
+    let points = (0..count * count).map(|k| {
+        let share = |k: i32| (f64::from(k) + 0.5) / f64::from(count);
+        bounds.low + vec2(share(k % count) * size.x, share(k / count) * size.y)
+    });
+    let depth = |at: &Vec2| ring.nearest(*at).distance;
+    let inside = points.filter(|at| ring.contains(*at));
+    inside.max_by(|a, b| depth(a).total_cmp(&depth(b))).unwrap_or(ring.corners()[0])
+}
+
+/// Ways to all targets of a plan.
+#[derive(Debug, Clone)]
+pub struct Ways {
+    grid: Grid,
+    shapes: Vec<Shape>,
+    stay: Vec<bool>,
+    /// To each target, if somebody goes there.
+    to_each: Vec<Option<Field>>,
+    /// To the nearest exit, if somebody goes there.
+    to_nearest: Option<Field>,
+}
+
+/// What a destination asks of somebody.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leg {
+    /// Unit vector; `None` on the middle of a goal.
+    pub direction: Option<Vec2>,
+    /// Part of the desired speed.
+    pub share: f64,
+}
+
+impl Ways {
+    /// Finds the ways around walls, given as polylines, for people who start at these places.
+    ///
+    /// # Errors
+    /// The area is too large.
+    pub fn new(
+        walls: &[Vec<Vec2>],
+        targets: &[Target],
+        people: impl Iterator<Item = (Vec2, Destination)> + Clone,
+    ) -> Result<Ways, TooLarge> {
+        let shapes: Vec<Shape> = targets.iter().map(Shape::of).collect();
+        let places = targets.iter().flat_map(Target::points).chain(people.clone().map(|(at, _)| at));
+        let grid = Grid::new(walls, places)?;
+        let field = |wanted: &[usize]| {
+            let (mut lines, mut areas) = (Vec::new(), Vec::new());
+            for &k in wanted {
+                match &shapes[k] {
+                    Shape::Line(ends) => lines.push(*ends),
+                    Shape::Area(ring, _) => areas.push(ring.clone()),
+                }
+            }
+            grid.field(&lines, &areas)
+        };
+        let fields = people.clone().map(|(_, to)| to).collect::<BTreeSet<_>>().len();
+        if fields * grid.nodes() > MOST_NODES {
+            return Err(grid.too_large());
+        }
+        let goes = |to: Destination| people.clone().any(|(_, destination)| destination == to);
+        let to_each = (0..targets.len()).map(|k| goes(Destination::Target(k)).then(|| field(&[k])));
+        let to_each = to_each.collect();
+        let exits: Vec<usize> = (0..targets.len()).filter(|k| !targets[*k].stay).collect();
+        let to_nearest = goes(Destination::NearestExit).then(|| field(&exits));
+        let stay = targets.iter().map(|target| target.stay).collect();
+        Ok(Ways { grid, shapes, stay, to_each, to_nearest })
+    }
+
+    /// Targets that no place is near enough to: they lie on walls. Only those to which somebody goes.
+    pub fn shut(&self) -> Vec<usize> {
+        let wanted = |k: &usize| self.to_each[*k].is_some() || (self.to_nearest.is_some() && !self.stay[*k]);
+        let all = (0..self.shapes.len()).filter(wanted);
+        all.filter(|k| !self.grid.begins(&self.shapes[*k].lines(), self.shapes[*k].area())).collect()
+    }
+
+    fn field(&self, to: Destination) -> Option<&Field> {
+        match to {
+            Destination::None => None,
+            Destination::NearestExit => self.to_nearest.as_ref(),
+            Destination::Target(k) => self.to_each.get(k)?.as_ref(),
+        }
+    }
+
+    fn targets(&self, to: Destination) -> impl Iterator<Item = usize> {
+        let wanted = move |k: &usize| match to {
+            Destination::None => false,
+            Destination::NearestExit => !self.stay[*k],
+            Destination::Target(target) => *k == target,
+        };
+        (0..self.shapes.len()).filter(wanted)
+    }
+
+    /// \[m\] How far it is on foot; infinite if no way leads there.
+    pub fn distance(&self, to: Destination, at: Vec2) -> f64 {
+        self.field(to).map_or(f64::INFINITY, |field| self.grid.distance(field, at))
+    }
+
+    /// Whether somebody who walked from one place to another has arrived; if it is an exit, to leave.
+    pub fn arrived(&self, to: Destination, from: Vec2, at: Vec2) -> Option<Arrival> {
+        let target = self.targets(to).find(|k| self.shapes[*k].holds(from, at, self.stay[*k]))?;
+        Some(if self.stay[target] { Arrival::Stays } else { Arrival::Leaves })
+    }
+
+    /// Which way to go. Where the grid knows none (behind a wall, or far outside), straight on.
+    pub fn leg(&self, to: Destination, at: Vec2) -> Leg {
+        let towards = |place: Vec2| {
+            let way = place - at;
+            let norm = way.norm();
+            (norm > 1e-9).then(|| way * (1.0 / norm))
+        };
+        if let Destination::Target(k) = to
+            && let Some(Shape::Area(ring, middle)) = self.shapes.get(k)
+            && self.stay[k]
+            && ring.contains(at)
+        {
+            let share = ((*middle - at).norm() / SLOW).min(1.0);
+            return Leg { direction: towards(*middle), share };
+        }
+        let mut share = 1.0;
+        if let Destination::Target(k) = to
+            && let Some(line @ Shape::Line(_)) = self.shapes.get(k)
+            && self.stay[k]
+        {
+            let nearest = line.nearest(at);
+            share = ((nearest - at).norm() / SLOW).min(1.0);
+            // The grid is too coarse for the last steps.
+            if (nearest - at).norm() <= NEAR {
+                return Leg { direction: towards(nearest), share };
+            }
+        }
+        let found = self.field(to).and_then(|field| self.grid.direction(field, at));
+        let straight = || {
+            let nearest = self.targets(to).map(|k| self.shapes[k].nearest(at));
+            let nearest = nearest.min_by(|a, b| (*a - at).norm().total_cmp(&(*b - at).norm()))?;
+            towards(nearest)
+        };
+        Leg { direction: found.or_else(straight), share }
+    }
+}
+
+/// What somebody does at a target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arrival {
+    /// At a goal.
+    Stays,
+    /// At an exit.
+    Leaves,
+}

@@ -1,0 +1,161 @@
+//! A user's wishes: `decision.toml` in a Trial's directory.
+//!
+//! Way-points, exits and speeds, for all agents or for some agents by their Id:
+//!
+//! ```toml
+//! model = "collision-free-speed"
+//! desired_speed = 1.34                               # [m/s]
+//! waypoints = [{ x = 6.0, y = 2.5, radius = 0.45 }]  # [m]; radius 0.3 if it is not said
+//! exits = [{ name = "door", line = [[8.0, 2.5], [8.0, 3.5]] }]
+//!
+//! [agents.7]
+//! desired_speed = 0.9
+//! ```
+
+use crate::error::PlanError;
+use crate::gait::{CollisionFreeSpeed, Gait, SocialForce};
+use crate::person::Person;
+use crate::rule::Waypoint;
+use lemons_files::words;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Name of the wishes in a Trial directory.
+pub const WISHES_FILE: &str = "decision.toml";
+
+/// How people walk among others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GaitName {
+    /// Straight on, whoever is in the way.
+    #[default]
+    Straight,
+    /// See [`CollisionFreeSpeed`].
+    CollisionFreeSpeed,
+    /// See [`SocialForce`].
+    SocialForce,
+}
+
+/// A user's settings for the FMU.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wishes {
+    pub(crate) model: Option<GaitName>,
+    pub(crate) desired_speed: Option<f64>,
+    pub(crate) seed: Option<u64>,
+    pub(crate) waypoints: Option<Vec<WantedWaypoint>>,
+    pub(crate) exits: Option<Vec<WantedTarget>>,
+    pub(crate) goals: Option<Vec<WantedTarget>>,
+    #[serde(rename = "collision-free-speed")]
+    pub(crate) collision_free_speed: Option<CollisionFreeSpeed>,
+    #[serde(rename = "social-force")]
+    pub(crate) social_force: Option<SocialForce>,
+    #[serde(default)]
+    pub(crate) agents: BTreeMap<String, Wish>,
+}
+
+/// Settings of one agent; missing ones are those of all agents.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Wish {
+    pub desired_speed: Option<f64>,
+    pub waypoints: Option<Vec<WantedWaypoint>>,
+    pub exit: Option<String>,
+    pub goal: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WantedWaypoint {
+    pub x: f64,
+    pub y: f64,
+    pub radius: Option<f64>,
+}
+
+/// An exit, where people leave, or a goal, where they stay.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WantedTarget {
+    pub name: Option<String>,
+    /// \[m\] Ends of a line.
+    pub line: Option<[[f64; 2]; 2]>,
+    /// \[m\] Corners of an area.
+    pub polygon: Option<Vec<[f64; 2]>>,
+    /// Part of the people who take it, instead of the nearest.
+    pub share: Option<f64>,
+}
+
+impl Wishes {
+    /// Reads TOML.
+    ///
+    /// # Errors
+    /// The text is not TOML, or has unknown keys or values of the wrong type; with line and column.
+    pub fn from_toml(text: &str) -> Result<Wishes, PlanError> {
+        toml::from_str(text).map_err(|error| PlanError::Toml(explained(&error)))
+    }
+
+    /// Returns TOML. Every number is read back as the same double.
+    ///
+    /// # Errors
+    /// The wishes cannot be written.
+    pub fn to_toml(&self) -> Result<String, PlanError> {
+        toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
+    }
+
+    /// The same without wishes of those who are not among these people; `None` if there are none of others.
+    pub fn without_others(&self, people: &[Person]) -> Option<Wishes> {
+        let mut fewer = self.clone();
+        fewer.agents.retain(|id, _| people.iter().any(|person| person.id == *id));
+        (fewer != *self).then_some(fewer)
+    }
+
+    /// Everybody walks at one speed \[m/s\], on the way whose first point is nearest. `None` if no way has a point.
+    pub fn nearest_of(people: &[Person], speed: f64, ways: &[Vec<Waypoint>]) -> Option<Wishes> {
+        let ways: Vec<&Vec<Waypoint>> = ways.iter().filter(|way| !way.is_empty()).collect();
+        let wanted = |way: &[Waypoint]| {
+            let point = |w: &Waypoint| WantedWaypoint { x: w.x, y: w.y, radius: Some(w.radius) };
+            way.iter().map(point).collect::<Vec<_>>()
+        };
+        let first = ways.first()?;
+        let mut agents = BTreeMap::new();
+        for Person { id, pose, .. } in people {
+            let far = |way: &Vec<Waypoint>| libm::hypot(way[0].x - pose.x, way[0].y - pose.y);
+            let nearest = ways.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
+            if nearest != first {
+                agents.insert(id.clone(), Wish { waypoints: Some(wanted(nearest)), ..Wish::default() });
+            }
+        }
+        let waypoints = Some(wanted(first));
+        Some(Wishes { desired_speed: Some(speed), waypoints, agents, ..Wishes::default() })
+    }
+
+    /// The model with its constants.
+    pub(crate) fn gait(&self) -> Result<Gait, PlanError> {
+        let unused = |key: &'static str| PlanError::OtherModel { key };
+        let (free, social) = (self.collision_free_speed, self.social_force);
+        let model = self.model.unwrap_or_default();
+        if free.is_some() && model != GaitName::CollisionFreeSpeed {
+            return Err(unused("collision-free-speed"));
+        }
+        if social.is_some() && model != GaitName::SocialForce {
+            return Err(unused("social-force"));
+        }
+        Ok(match model {
+            GaitName::Straight => Gait::Straight,
+            GaitName::CollisionFreeSpeed => Gait::CollisionFreeSpeed(free.unwrap_or_default()),
+            GaitName::SocialForce => Gait::SocialForce(social.unwrap_or_default()),
+        })
+    }
+}
+
+/// Returns the message, with a suggestion for an unknown key.
+fn explained(error: &toml::de::Error) -> String {
+    // The keys are between backticks: first the unknown one, then the expected ones.
+    let said = error.to_string();
+    let mut expected = error.message().split('`').skip(1).step_by(2);
+    let unknown = expected.next().filter(|_| error.message().starts_with("unknown field"));
+    match unknown.and_then(|unknown| words::meant(unknown, expected)) {
+        Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
+        None => said,
+    }
+}

@@ -1,0 +1,243 @@
+//! Exits, goals and models, without FMUs: bodies that go exactly where they want to go.
+
+use lemons_decision::decision::Act;
+use lemons_decision::rule::Pose;
+use lemons_decision::{Decision, Person, Plan, PlanError, Wishes};
+use lemons_plane::{Vec2, segments_cross, vec2};
+
+const STEP: f64 = 0.05;
+
+fn person(id: usize, x: f64, y: f64) -> Person {
+    Person {
+        id: id.to_string(),
+        mass: 80.0,
+        moment_of_inertia: 1.5,
+        floor_damping: 2.0,
+        angular_damping: 4.0,
+        pose: Pose { x, y, theta: 0.0 },
+        // Shoulders across the gaze, 0.46 m wide and 0.24 m deep.
+        disks: vec![[0.0, 0.11, 0.12], [0.0, 0.0, 0.12], [0.0, -0.11, 0.12]],
+    }
+}
+
+/// A room of 6 m by 4 m whose door, 1 m wide, is in the middle of its right side.
+fn room() -> Vec<Vec2> {
+    [(6.0, 2.5), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.5)].map(|(x, y)| vec2(x, y)).to_vec()
+}
+
+const DOOR: &str = "exits = [{ name = \"door\", line = [[6.5, 1.5], [6.5, 2.5]] }]\n";
+
+fn plan(walls: &[Vec<Vec2>], people: &[Person], wishes: &str) -> Result<Plan, PlanError> {
+    Plan::among(walls.iter().map(|wall| &wall[..]), people, &Wishes::from_toml(wishes)?, STEP)
+}
+
+/// Everybody goes where the force leads in the end: v = F / (m / t). Returns the places at each step, while they are
+/// there.
+fn walk(plan: Plan, steps: usize) -> Vec<Vec<Option<Vec2>>> {
+    let mut poses: Vec<Pose> = plan.agents.iter().map(|agent| agent.pose).collect();
+    let mut decision = Decision::new(plan);
+    let mut ways = Vec::new();
+    for _ in 0..steps {
+        decision.see(poses.iter().copied());
+        let acts = decision.acts().unwrap();
+        ways.push(
+            poses.iter().zip(&acts).map(|(pose, act)| act.active.then(|| vec2(pose.x, pose.y))).collect(),
+        );
+        decision.pass(STEP).unwrap();
+        for (pose, Act { drive, active }) in poses.iter_mut().zip(acts) {
+            if active {
+                let [x, y] = drive.force.map(|force| force / (80.0 * 2.0));
+                (pose.x, pose.y) = (pose.x + STEP * x, pose.y + STEP * y);
+                pose.theta += 4.0 * STEP * drive.torque / (1.5 * 16.0);
+            }
+        }
+    }
+    ways
+}
+
+fn alone(way: &[Vec<Option<Vec2>>], who: usize) -> Vec<Vec2> {
+    way.iter().map_while(|all| all[who]).collect()
+}
+
+#[test]
+fn one_person_leaves_by_the_door_on_the_shortest_way() {
+    for model in ["straight", "collision-free-speed", "social-force"] {
+        let wishes = format!("model = \"{model}\"\n{DOOR}");
+        let plan = plan(&[room()], &[person(0, 1.0, 3.5)], &wishes).unwrap();
+        let way = alone(&walk(plan, 400), 0);
+        // To the door's upper post, and on to the line.
+        let shortest = (vec2(6.0, 2.5) - vec2(1.0, 3.5)).norm() + 0.5;
+        let seconds = way.len() as f64 * STEP;
+        assert!(way.len() < 400, "{model}: still there");
+        assert!((shortest / 1.34..1.25 * shortest / 1.34 + 0.2).contains(&seconds), "{model}: {seconds} s");
+        for (a, b) in way.iter().zip(&way[1..]) {
+            let walls = room();
+            let crossed = walls.windows(2).any(|ends| segments_cross(*a, *b, ends[0], ends[1]));
+            assert!(!crossed, "{model}: through a wall at {a:?}");
+        }
+        assert!(way.last().unwrap().x > 6.3, "{model}");
+    }
+}
+
+/// The outside: the model's own formula for two people one behind the other.
+#[test]
+fn behind_somebody_one_is_as_fast_as_the_gap_over_the_time_gap() {
+    let wishes = format!("model = \"collision-free-speed\"\n{DOOR}[collision-free-speed]\ntime_gap = 0.8\n");
+    // They face along x: half of each body's depth is 0.12 m.
+    let people = [person(0, 2.0, 2.0), person(1, 2.9, 2.0)];
+    let mut decision = Decision::new(plan(&[], &people, &wishes).unwrap());
+    let acts = decision.acts().unwrap();
+    let speed = |act: &Act| (act.drive.force[0] / 160.0).hypot(act.drive.force[1] / 160.0);
+    let gap = 0.9 - 0.24;
+    assert!((speed(&acts[0]) - gap / 0.8).abs() < 1e-9, "{}", speed(&acts[0]));
+    assert!((speed(&acts[1]) - 1.34).abs() < 1e-9, "nobody is in front of the other");
+    // Behind a wall they do not see each other.
+    let wall = vec![vec2(2.45, 1.0), vec2(2.45, 3.0)];
+    let mut decision = Decision::new(plan(&[wall], &people, &wishes).unwrap());
+    assert!((speed(&decision.acts().unwrap()[0]) - 1.34).abs() < 1e-9);
+}
+
+/// The outside: the formula, A exp(−gap/B), besides the force for the desired speed.
+#[test]
+fn the_social_force_is_that_of_the_paper() {
+    let wishes = format!("model = \"social-force\"\n{DOOR}[social-force]\nstrength = 1500\nrange = 0.1\n");
+    let people = [person(0, 2.0, 2.0), person(1, 2.5, 2.0)];
+    let mut decision = Decision::new(plan(&[], &people, &wishes).unwrap());
+    let act = decision.acts().unwrap()[0];
+    let wanted = 80.0 * 1.34 * 2.0 - 1500.0 * (-(0.5 - 0.24) / 0.1f64).exp();
+    assert!((act.drive.force[0] - wanted).abs() < 1e-6, "{} instead of {wanted}", act.drive.force[0]);
+}
+
+#[test]
+fn people_take_the_nearest_exit_their_own_or_one_by_shares() {
+    let exits = "exits = [{ name = \"left\", line = [[-1, 1], [-1, 3]]SHARE1 }, { name = \"right\", line = [[11, 1], [11, 3]]SHARE2 }]\n";
+    let people: Vec<Person> = (0..10).map(|k| person(k, 0.5 + k as f64, 2.0)).collect();
+    let leaves_right = |wishes: &str| {
+        let way = walk(plan(&[], &people, wishes).unwrap(), 400);
+        (0..10).map(|k| alone(&way, k).last().unwrap().x > 5.0).collect::<Vec<bool>>()
+    };
+    let plain = exits.replace("SHARE1", "").replace("SHARE2", "");
+    assert_eq!(leaves_right(&plain), [0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(|k| k > 4));
+    let own = format!("{plain}[agents.0]\nexit = \"right\"\n");
+    assert!(leaves_right(&own)[0]);
+    let shared = exits.replace("SHARE1", ", share = 3").replace("SHARE2", ", share = 7");
+    let right = |seed: u32| leaves_right(&format!("seed = {seed}\n{shared}"));
+    assert_eq!(right(1).iter().filter(|right| **right).count(), 7);
+    assert_eq!(right(1), right(1));
+    assert!((2..10).any(|seed| right(seed) != right(1)), "the seed chooses who");
+}
+
+#[test]
+fn at_a_goal_people_stay_and_come_together_in_its_middle() {
+    // At a line they come to rest.
+    let line = "goals = [{ line = [[5, 0], [5, 4]] }]";
+    let way = walk(plan(&[], &[person(0, 3.0, 2.0)], line).unwrap(), 400);
+    let (before, last) = (way[398][0].unwrap(), way[399][0].unwrap());
+    assert!((last - before).norm() < 1e-4 && (last.x - 5.0).abs() < 0.3, "{last:?}");
+    let goal = "goals = [{ polygon = [[4, 1], [6, 1], [6, 3], [4, 3]] }]";
+    let people = [person(0, 1.0, 2.0), person(1, 0.2, 1.0)];
+    let way = walk(plan(&[], &people, goal).unwrap(), 400);
+    let last = way.last().unwrap();
+    for place in last {
+        assert!((place.unwrap() - vec2(5.0, 2.0)).norm() < 0.5, "{place:?}");
+    }
+    let mut decision = Decision::new(plan(&[], &people, goal).unwrap());
+    assert_eq!(decision.arrived().unwrap(), 0);
+    decision.see(last.iter().map(|at| Pose { x: at.unwrap().x, y: at.unwrap().y, theta: 0.0 }));
+    assert_eq!(decision.arrived().unwrap(), 2);
+    assert!(decision.acts().unwrap().iter().all(|act| act.active));
+}
+
+#[test]
+fn who_has_left_stays_away_and_is_not_seen() {
+    let wishes = format!("model = \"collision-free-speed\"\n{DOOR}");
+    let people = [person(0, 6.5, 2.0), person(1, 5.9, 2.0)];
+    let mut decision = Decision::new(plan(&[room()], &people, &wishes).unwrap());
+    assert_eq!(decision.arrived().unwrap(), 1, "on the line");
+    decision.pass(STEP).unwrap();
+    // Carried back into the room.
+    let back = Pose { x: 3.0, y: 2.0, theta: 0.0 };
+    decision.see([back, Pose { x: 2.6, y: 2.0, theta: 0.0 }].into_iter());
+    let acts = decision.acts().unwrap();
+    assert_eq!(acts[0], Act { drive: Default::default(), active: false });
+    let speed = acts[1].drive.force[0] / 160.0;
+    assert!((speed - 1.34).abs() < 0.05, "nobody is in the way: {speed}");
+    // From one step to the next over the line, and far beyond it.
+    let mut decision = Decision::new(plan(&[room()], &people[1..], &wishes).unwrap());
+    decision.see(std::iter::once(Pose { x: 6.1, y: 2.0, theta: 0.0 }));
+    decision.pass(STEP).unwrap();
+    decision.see(std::iter::once(Pose { x: 7.5, y: 2.1, theta: 0.0 }));
+    assert!(!decision.acts().unwrap()[0].active);
+}
+
+/// Way-points first, then the exit; and nobody who only has way-points leaves.
+#[test]
+fn waypoints_come_before_the_exit() {
+    let wishes = format!("waypoints = [{{ x = 1.0, y = 1.0 }}]\n{DOOR}");
+    let way = alone(&walk(plan(&[room()], &[person(0, 4.0, 2.0)], &wishes).unwrap(), 600), 0);
+    let nearest = way.iter().map(|at| (*at - vec2(1.0, 1.0)).norm()).fold(f64::INFINITY, f64::min);
+    assert!(nearest < 0.35 && way.len() < 600, "{nearest}, {} steps", way.len());
+}
+
+#[test]
+fn mistakes_are_named() {
+    let closed = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0)].map(|(x, y)| vec2(x, y));
+    for (wishes, words) in [
+        ("exits = [{ name = \"a\" }]", ["exits[0]", "line"]),
+        (
+            "exits = [{ line = [[0, 0], [1, 1]], polygon = [[0, 0], [1, 0], [1, 1]] }]",
+            ["exits[0]", "one of the two"],
+        ),
+        ("exits = [{ line = [[7, 1], [7, 1]] }]", ["exit \"exit 0\"", "a line of some length"]),
+        ("exits = [{ polygon = [[7, 1], [8, 1]] }]", ["exits[0]", "three corners"]),
+        ("goals = [{ polygon = [[7, 1], [8, 2], [8, 1], [7, 2]] }]", ["goal \"goal 0\"", "do not cross"]),
+        ("exits = [{ line = [[7, 1], [nan, 1]] }]", ["exit \"exit 0\"", "NaN"]),
+        (
+            "exits = [{ name = \"a\", line = [[7, 1], [7, 3]] }]\n[agents.0]\nexit = \"b\"",
+            ["exit = \"b\"", "there are \"a\""],
+        ),
+        (
+            "exits = [{ name = \"a\", line = [[7, 1], [7, 3]] }]\n[agents.0]\ngoal = \"a\"",
+            ["goal = \"a\"", "there are none"],
+        ),
+        (
+            "exits = [{ name = \"a\", line = [[7, 1], [7, 3]] }, { name = \"a\", line = [[8, 1], [8, 3]] }]",
+            ["exits[1]", "another exit"],
+        ),
+        (
+            "exits = [{ line = [[5, 1], [5, 3]], share = 1 }, { line = [[4, 1], [4, 3]] }]",
+            ["share", "for each or for none"],
+        ),
+        ("exits = [{ line = [[5, 1], [5, 3]], share = -1 }]", ["exits[0]", "share = -1.0"]),
+        (
+            "exits = [{ line = [[7, 1], [7, 3]] }]",
+            ["agent \"0\" at (2.00, 2.00) m", "no way leads to any exit"],
+        ),
+        ("exits = [{ name = \"w\", line = [[6, 1], [6, 3]] }]", ["exit \"w\"", "lies on walls"]),
+        ("exits = [{ line = [[7, 1], [1e6, 3]] }]", ["too large", "m"]),
+        ("model = \"crawl\"\nwaypoints = [{ x = 1, y = 1 }]", ["crawl", "line 1"]),
+        ("exit = [{ line = [[5, 1], [5, 3]] }]", ["unknown field `exit`", "did you mean `exits`"]),
+        ("exits = [{ lines = [[5, 1], [5, 3]] }]", ["unknown field `lines`", "did you mean `line`"]),
+        (
+            "waypoints = [{ x = 1, y = 1 }]\n[social-force]\nstrength = 1",
+            ["[social-force]", "the model is another one"],
+        ),
+        (
+            "model = \"collision-free-speed\"\nwaypoints = [{ x = 1, y = 1 }]\n[collision-free-speed]\ntime_gap = 0",
+            ["time_gap = 0.0", "positive"],
+        ),
+    ] {
+        let message = plan(&[closed.to_vec()], &[person(0, 2.0, 2.0)], wishes).unwrap_err().to_string();
+        assert!(words.iter().all(|word| message.contains(word)), "{wishes}: {message}");
+    }
+}
+
+/// A plan is what the FMU gets: it must say the same after it was written.
+#[test]
+fn a_plan_with_exits_reads_back() {
+    let wishes = format!(
+        "seed = 5\nmodel = \"collision-free-speed\"\n{DOOR}goals = [{{ polygon = [[1, 1], [2, 1], [2, 2]] }}]\n[agents.1]\ngoal = \"goal 0\""
+    );
+    let plan = plan(&[room()], &[person(0, 1.0, 3.5), person(1, 2.0, 3.0)], &wishes).unwrap();
+    assert_eq!(Plan::from_toml(&plan.to_toml().unwrap()).unwrap(), plan);
+}
