@@ -42,6 +42,23 @@ impl MeasureStatistics {
         }
     }
 
+    /// Returns the fraction of the people below a value \[m or kg\], by bisection of [`quantile`](Self::quantile). Where
+    /// many have the same value: in their middle.
+    pub fn rank(&self, value: f64) -> f64 {
+        if value < self.min() {
+            return 0.0;
+        }
+        let from = |below: &dyn Fn(f64) -> bool| {
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                if below(self.quantile(middle)) { low = middle } else { high = middle }
+            }
+            if below(self.quantile(1.0)) { 1.0 } else { high }
+        };
+        0.5 * (from(&|found| found < value) + from(&|found| found <= value))
+    }
+
     /// Returns the smallest value of the survey \[m or kg\].
     pub fn min(&self) -> f64 {
         self.quantiles[0]
@@ -148,6 +165,13 @@ mod tests {
             for (place, &value) in statistics.quantiles.iter().enumerate() {
                 assert!((values[500 * place] - value).abs() < 1e-9, "{place}");
             }
+            for rank in [0.1234, 0.5, 0.8765] {
+                // Many people may have the same value: their middle rank has it, too.
+                let value = statistics.quantile(rank);
+                assert!((statistics.quantile(statistics.rank(value)) - value).abs() < 1e-9);
+            }
+            assert_eq!(statistics.rank(statistics.min() - 1.0), 0.0);
+            assert_eq!(statistics.rank(statistics.max() + 1.0), 1.0);
             // Half way between two knots.
             let middle = 0.5 * (statistics.quantiles[100] + statistics.quantiles[101]);
             assert!((statistics.quantile(0.5025) - middle).abs() < 1e-12);

@@ -1,9 +1,13 @@
 //! A person, described by four measures.
 
+use lemons_plane::{Rotation, Vec2, shown_orientation};
+use lemons_trial::Agent;
+use serde::Deserialize;
 use thiserror::Error;
 
 /// Sex, which selects the statistics.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Sex {
     /// A man.
     Male,
@@ -93,7 +97,29 @@ pub enum PersonError {
     TooDeep { breadth: f64, depth: f64 },
 }
 
+/// \[m\] Stature of somebody whose height is not known.
+const USUAL_STATURE: f64 = 1.75;
+
 impl Person {
+    /// A person whose measures fit an agent of a Trial: its disks' extents are breadth and depth. The sex cannot be known:
+    /// it is taken for a man.
+    pub fn fitting(agent: &Agent) -> Person {
+        let ends = agent.shapes.first().zip(agent.shapes.last());
+        let turn = ends.map_or(0.0, |(first, last)| shown_orientation(first.position, last.position));
+        let back = Rotation::by(-turn);
+        let extent = |along: fn(Vec2) -> f64| {
+            let places = agent.shapes.iter().map(|disk| (along(disk.position.rotated(back)), disk.radius));
+            let none = (f64::INFINITY, f64::NEG_INFINITY);
+            let (low, high) = places.fold(none, |(low, high), (place, radius)| {
+                (f64::min(low, place - radius), f64::max(high, place + radius))
+            });
+            high - low
+        };
+        let (depth, breadth) = (extent(|place| place.x), extent(|place| place.y));
+        let stature = agent.height.unwrap_or(USUAL_STATURE);
+        Person { sex: Sex::Male, breadth, depth: depth.min(breadth), stature, mass: agent.mass }
+    }
+
     /// Makes a person from measures in the order of [`Measure::ALL`].
     pub fn from_measures(sex: Sex, [breadth, depth, stature, mass]: [f64; 4]) -> Person {
         Person { sex, breadth, depth, stature, mass }

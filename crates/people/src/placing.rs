@@ -1,5 +1,6 @@
 //! Places shapes: on a [`grid()`], by the [`paper()`]'s algorithm, or [`dense()`]ly without overlap.
 
+mod among;
 mod dense;
 mod fire;
 mod grid;
@@ -10,17 +11,20 @@ mod paper;
 mod pile;
 mod random;
 mod region;
+mod region_error;
 
 use crate::shape::Shape;
 use lemons_plane::{Disk, Pose, Rotation, Vec2};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+pub use among::Part;
 pub use dense::{Dense, dense};
 pub use grid::{Grid, grid};
 pub use measure::{Measure, measure};
 pub use paper::{Paper, paper};
-pub use region::{Region, RegionError};
+pub use region::Region;
+pub use region_error::RegionError;
 
 /// \[m\] Overlaps up to this count as none: clothes yield far more.
 pub const TOLERANCE: f64 = 1e-4;

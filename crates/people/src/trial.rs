@@ -284,24 +284,44 @@ pub fn may_write(directory: &Path, overwrite: Overwrite) -> Result<(), TrialErro
 /// The existing files may not be or cannot be overwritten; they are then unchanged. If another program changed guarded
 /// files, the Trial is beside them ([`lemons_files::Changed`]).
 pub fn write_trial(trial: &Trial, directory: &Path, overwrite: Overwrite) -> Result<(), TrialError> {
+    write_trial_with(trial, &[], directory, overwrite)
+}
+
+/// As [`write_trial`], with further files of the Trial's directory: their names and texts.
+///
+/// # Errors
+/// As [`write_trial`].
+pub fn write_trial_with(
+    trial: &Trial,
+    others: &[(&str, &str)],
+    directory: &Path,
+    overwrite: Overwrite,
+) -> Result<(), TrialError> {
     may_write(directory, overwrite)?;
     let stage = StagedDirectory::beside(directory).map_err(WriteError::at(directory))?;
     trial.write(stage.path())?;
+    for (name, text) in others {
+        let place = stage.path().join(name);
+        std::fs::write(&place, text).map_err(WriteError::at(&place))?;
+    }
     if !directory.exists() {
         return Ok(stage.persist(directory).map_err(WriteError::at(directory))?);
     }
-    let stage = stage.unless_changed(directory, &TRIAL_FILES.map(|file| directory.join(file)))?;
+    let parts = || PARTS.iter().copied().chain(others.iter().map(|(name, _)| *name));
+    let stale = directory.join("dynamic").join(INTERACTIONS);
+    let replaced: Vec<PathBuf> = parts().map(|file| directory.join(file)).chain([stale.clone()]).collect();
+    let stage = stage.unless_changed(directory, &replaced)?;
     let mut changes = Vec::new();
-    for &part in PARTS {
+    for part in parts() {
         let text = input::read_text(&stage.path().join(part), input::LARGEST_TRIAL_FILE)
             .map_err(WriteError::at(directory))?;
         let place = directory.join(part);
         if let Some(parent) = place.parent() {
-            std::fs::create_dir_all(parent).map_err(WriteError::at(parent))?;
+            lemons_files::make_directories(parent).map_err(WriteError::at(parent))?;
         }
         changes.push(Change::Write(place, text));
     }
-    changes.push(Change::Remove(directory.join("dynamic").join(INTERACTIONS)));
+    changes.push(Change::Remove(stale));
     Ok(change_all(&changes)?)
 }
 
@@ -318,18 +338,18 @@ pub const TRIAL_FILES: [&str; 6] = [
 /// The files that it makes.
 const PARTS: &[&str] = TRIAL_FILES.split_at(5).0;
 
-/// Writes a Trial as a zip archive that contains its directory. The same Trial gives the same bytes.
+/// Writes a Trial as a zip archive that contains its directory. The same Trial gives the same bytes. `others` are further
+/// files of the directory, with their names.
 ///
 /// # Errors
 /// The file cannot be written; an existing one is then unchanged.
-pub fn write_trial_zip(trial: &Trial, file: &Path) -> Result<(), TrialError> {
+pub fn write_trial_zip(trial: &Trial, others: &[(&str, &str)], file: &Path) -> Result<(), TrialError> {
     let staged = Staged::beside(file).map_err(WriteError::at(file))?;
-    let staged = zip_trial(trial, &[], staged).map_err(WriteError::at(file))?;
+    let staged = zip_trial(trial, others, staged).map_err(WriteError::at(file))?;
     Ok(staged.persist().map_err(WriteError::at(file))?)
 }
 
-/// Writes the archive of [`write_trial_zip`] to `output`, and returns it. `others` are further files of the Trial's
-/// directory, with their names.
+/// Writes the archive of [`write_trial_zip`] to `output`, and returns it.
 ///
 /// # Errors
 /// It cannot be written.
@@ -432,8 +452,8 @@ mod tests {
         let directory = TempDir::new().unwrap();
         let trial = two(&TrialSettings::default()).unwrap();
         let (a, b) = (directory.path().join("a.zip"), directory.path().join("b.zip"));
-        write_trial_zip(&trial, &a).unwrap();
-        write_trial_zip(&trial, &b).unwrap();
+        write_trial_zip(&trial, &[], &a).unwrap();
+        write_trial_zip(&trial, &[], &b).unwrap();
         assert!(std::fs::read(&a).unwrap() == std::fs::read(&b).unwrap());
         zip::ZipArchive::new(std::fs::File::open(&a).unwrap()).unwrap().extract(directory.path()).unwrap();
         let (mut read, _) = crowd_mechanics::setup::read(&directory.path().join("two")).unwrap();

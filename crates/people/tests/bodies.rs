@@ -173,6 +173,13 @@ fn meshes_are_closed_and_face_outwards() {
         }
         assert!((sum / body.volume() - 1.0).abs() < 0.01, "{sum} {}", body.volume());
         assert!((mesh.volume() / sum - 1.0).abs() < 1e-9);
+        let coarse = body.coarse_mesh();
+        for part in &coarse.parts {
+            assert_closed(part.vertices.len(), &indices(part), &part.name);
+        }
+        assert!((coarse.volume() / body.volume() - 1.0).abs() < 0.05, "{}", coarse.volume());
+        let triangles = |mesh: &Mesh| mesh.parts.iter().map(|part| part.triangles.len()).sum::<usize>();
+        assert!(10 * triangles(&coarse) < triangles(&mesh));
         // The area integrated apart from Simpson's exact slabs.
         let stack = body.stack(0.002);
         let mean: f64 =

@@ -2,7 +2,7 @@
 
 use super::outline::POINTS;
 use super::skin::Ring;
-use super::{Body3d, Placed};
+use super::{Body3d, Placed, Tube};
 use lemons_plane::{Pose, Rotation, Vec2};
 
 /// A closed surface of one part of a body.
@@ -25,17 +25,20 @@ pub struct Mesh {
 }
 
 impl MeshPart {
-    /// The surface through rings, closed at both ends.
-    fn through(name: &str, rings: &[Ring]) -> MeshPart {
+    /// The surface through rings, closed at both ends. Of each ring it takes every `stride`-th point.
+    fn through(name: &str, rings: &[&Ring], stride: usize) -> MeshPart {
         let mut part = MeshPart { name: name.to_owned(), vertices: Vec::new(), triangles: Vec::new() };
-        let mut below: Option<[u32; POINTS]> = None;
+        let mut below: Option<Vec<u32>> = None;
         for (k, ring) in rings.iter().enumerate() {
             // In a flat step most points are the same in both rings: they share a vertex.
             let stands = |i: usize| rings[k - 1].z == ring.z && rings[k - 1].points[i] == ring.points[i];
-            let indices: [u32; POINTS] = std::array::from_fn(|i| match below {
-                Some(below) if stands(i) => below[i],
-                _ => part.vertex(ring.points[i], ring.z),
-            });
+            let places = (0..POINTS).step_by(stride).enumerate();
+            let indices: Vec<u32> = places
+                .map(|(k, i)| match &below {
+                    Some(below) if stands(i) => below[k],
+                    _ => part.vertex(ring.points[i], ring.z),
+                })
+                .collect();
             match below {
                 None => part.cap(ring, &indices, Cap::Bottom),
                 Some(below) => part.band(&below, &indices),
@@ -54,9 +57,9 @@ impl MeshPart {
     }
 
     /// The band between two rings: two triangles for each side, fewer where points are shared.
-    fn band(&mut self, low: &[u32; POINTS], high: &[u32; POINTS]) {
-        for i in 0..POINTS {
-            let next = (i + 1) % POINTS;
+    fn band(&mut self, low: &[u32], high: &[u32]) {
+        for i in 0..low.len() {
+            let next = (i + 1) % low.len();
             // Cut along the shorter diagonal: creases stay sharp, and left and right are mirror images.
             let [a, b, c, d] = [low[i], low[next], high[next], high[i]];
             let halves = if self.distance(a, c) <= self.distance(b, d) {
@@ -80,11 +83,11 @@ impl MeshPart {
     }
 
     /// Closes a ring with a fan about the mean of its points. All of them are visible from there.
-    fn cap(&mut self, ring: &Ring, indices: &[u32; POINTS], side: Cap) {
+    fn cap(&mut self, ring: &Ring, indices: &[u32], side: Cap) {
         let sum = ring.points.iter().fold(Vec2::ZERO, |sum, &point| sum + point);
         let centre = self.vertex(sum * (1.0 / POINTS as f64), ring.z);
-        for i in 0..POINTS {
-            let (a, b) = (indices[i], indices[(i + 1) % POINTS]);
+        for i in 0..indices.len() {
+            let (a, b) = (indices[i], indices[(i + 1) % indices.len()]);
             self.triangles.push(match side {
                 Cap::Bottom => [centre, b, a],
                 Cap::Top => [centre, a, b],
@@ -123,6 +126,19 @@ impl Mesh {
         self.parts.iter().map(MeshPart::volume).sum()
     }
 
+    /// Returns numbers of vertices and triangles; and as bytes, little-endian, the coordinates \[m\] in single precision,
+    /// then the corners' indices: what graphics cards take.
+    pub fn packed(&self) -> ([usize; 2], Vec<u8>) {
+        let (mut places, mut corners, mut first) = (Vec::new(), Vec::new(), 0);
+        for part in &self.parts {
+            places.extend(part.vertices.iter().flatten().flat_map(|number| (*number as f32).to_le_bytes()));
+            corners.extend(part.triangles.iter().flatten().flat_map(|corner| (first + corner).to_le_bytes()));
+            first += part.vertices.len() as u32;
+        }
+        let counts = [places.len() / 12, corners.len() / 12];
+        (counts, [places, corners].concat())
+    }
+
     /// Returns the mesh of a body at a pose, in world coordinates.
     pub fn at(mut self, pose: &Pose) -> Mesh {
         let turn = Rotation::by(pose.orientation);
@@ -146,7 +162,25 @@ pub fn crowd_parts(crowd: &[Placed<'_>]) -> impl Iterator<Item = MeshPart> + Clo
 impl Body3d {
     /// Returns its surface in the body's frame: one closed part each for the trunk with head, the arms and the legs.
     pub fn mesh(&self) -> Mesh {
-        let parts = self.tubes.iter().map(|tube| MeshPart::through(tube.part.name(), &tube.rings));
-        Mesh { parts: parts.collect() }
+        self.surface(1, 1)
+    }
+
+    /// Returns the same with about a sixteenth of the triangles, to be looked at: its corners are on the surface, and its
+    /// volume is up to 5 % smaller.
+    pub fn coarse_mesh(&self) -> Mesh {
+        self.surface(4, 4)
+    }
+
+    /// The surface through every `rings`-th ring, the first and the last ones and flat steps, and every `points`-th point.
+    fn surface(&self, rings: usize, points: usize) -> Mesh {
+        let part = |tube: &Tube| {
+            let last = tube.rings.len().saturating_sub(1);
+            let flat = |k: usize| k < last && tube.rings[k].z == tube.rings[k + 1].z;
+            let kept =
+                |k: &usize| k.is_multiple_of(rings) || *k == last || flat(*k) || (*k > 0 && flat(k - 1));
+            let chosen: Vec<&Ring> = (0..=last).filter(kept).map(|k| &tube.rings[k]).collect();
+            MeshPart::through(tube.part.name(), &chosen, points)
+        };
+        Mesh { parts: self.tubes.iter().map(part).collect() }
     }
 }

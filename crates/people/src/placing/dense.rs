@@ -42,6 +42,8 @@ const ASKEW: f64 = PI / 6.0;
 const STUCK_TO_A_PLACE: usize = 60;
 /// Shaking is useless if the shapes overlap on average by more than this fraction of their size.
 const HOPELESS: f64 = 0.05;
+/// ... unless fewer than this fraction of them does so, in a region with places that are too narrow for them.
+const A_FEW: f64 = 0.1;
 /// Fraction of the shapes that is removed in a round (first), and number of rounds (second), if not all shapes fit.
 const TAKEN_AWAY: f64 = 0.01;
 const TAKING_ROUNDS: u32 = 150;
@@ -168,6 +170,7 @@ impl Packer<'_, '_> {
     fn in_region(&mut self, shapes: &[Shape], region: &Region, settings: &Dense) -> (Vec<Body>, Ended) {
         let mut pile = Pile::new(shapes, Boundary::Region(region), settings.orientation, PAD);
         self.strew(&mut pile, settings.orientation, |u, v, _| region.point_at(u, v));
+        self.take_off_walls(&mut pile, region, settings.orientation);
         let mut slide = self.grow(&mut pile);
         if slide == Slide::AtRest {
             slide = self.shake(&mut pile, settings.orientation);
@@ -259,6 +262,21 @@ impl Packer<'_, '_> {
         }
     }
 
+    /// Moves the shapes that stand across a wall to other places: they would hold on to both of its sides.
+    fn take_off_walls(&mut self, pile: &mut Pile, region: &Region, orientation: Orientation) {
+        for who in 0..pile.bodies.len() {
+            for _ in 0..TRIALS {
+                if !pile.is_across(who, region) {
+                    break;
+                }
+                pile.bodies[who].position = region.random_point(&mut self.random);
+                if orientation == Orientation::Free {
+                    pile.bodies[who].angle = self.random.within(PI);
+                }
+            }
+        }
+    }
+
     fn grow(&mut self, pile: &mut Pile) -> Slide {
         self.stage = Stage::Growing;
         for size in SIZES {
@@ -313,7 +331,7 @@ impl Packer<'_, '_> {
         self.stage = Stage::Shaking;
         let mut best = (pile.press().energy, pile.bodies.clone());
         let size = pile.bodies.iter().map(|b| b.reach * b.reach).sum::<f64>();
-        if 2.0 * best.0 > HOPELESS * HOPELESS * size {
+        if 2.0 * best.0 > HOPELESS * HOPELESS * size && !a_few(pile) {
             return Slide::AtRest;
         }
         let (mut vain, mut round) = (0, 0);
@@ -446,6 +464,13 @@ impl Packer<'_, '_> {
         }
         (pile.bodies[who].position, pile.bodies[who].angle) = (best.1, best.2);
     }
+}
+
+/// Whether only some shapes overlap, in a region where some places are too narrow.
+fn a_few(pile: &mut Pile) -> bool {
+    let Boundary::Region(region) = pile.boundary else { return false };
+    let stuck = |loads: Vec<(f64, f64)>| loads.iter().filter(|load| load.1 > PAD).count() as f64;
+    region.is_left() && stuck(pile.loads()) <= (A_FEW * pile.bodies.len() as f64).max(2.0)
 }
 
 /// The point of a circle at two fractions of its area: from the centre outwards, and around.

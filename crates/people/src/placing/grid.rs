@@ -137,7 +137,7 @@ fn in_the_open(count: usize, spacing: Vec2) -> Vec<Vec2> {
 /// offsets of the grid it uses the one with most places, and as few rows as the shapes need.
 fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Extent], wanted: usize) -> Vec<Vec2> {
     let back = Rotation { sin: -turn.sin, cos: turn.cos };
-    let corners = region.rings()[0].corners().iter().map(|c| c.rotated(back));
+    let corners = region.rings().iter().flat_map(|ring| ring.corners()).map(|c| c.rotated(back));
     let Some(Bounds { low, high }) = Bounds::of(corners) else { return Vec::new() };
     // The smallest box that contains every shape, each box centred at the origin.
     let half = extents.iter().fold(Vec2::ZERO, |half, e| {

@@ -214,8 +214,8 @@ impl<'a> Crowd<'a> {
             self.poses[i].orientation = super::wrapped(self.poses[i].orientation + turn);
         }
         let wanted = self.poses[i].position + force;
-        // The paper's `valid_position`: the centroid stays inside.
-        if self.region.contains(wanted) {
+        // The paper's `valid_position`: the centroid stays inside, and here on its side of a wall.
+        if self.region.contains(wanted) && !self.region.parted(self.poses[i].position, wanted) {
             self.cells.remove(i, self.poses[i].position);
             self.cells.add(i, wanted);
             self.poses[i].position = wanted;

@@ -6,7 +6,7 @@ use super::neighbours::CellGrid;
 use super::region::Edge;
 use super::{Circle, Orientation, Region};
 use crate::shape::Shape;
-use lemons_plane::{Bounds, Pose, Rotation, Vec2, vec2};
+use lemons_plane::{Bounds, Pose, Rotation, Vec2, segments_cross, vec2};
 
 /// \[m\] The list of near pairs is made again when something has moved by half of this. Results do not depend on it.
 const SKIN: f64 = 0.08;
@@ -146,6 +146,15 @@ impl<'a> Pile<'a> {
             }));
         }
         circles
+    }
+
+    /// Whether a body, at full size, has disks on both sides of a wall.
+    pub fn is_across(&self, who: usize, region: &Region) -> bool {
+        let body = &self.bodies[who];
+        let turn = Rotation::by(body.angle);
+        let own = self.disks[body.first..body.last].iter();
+        own.map(|disk| body.position + disk.centre.rotated(turn))
+            .any(|disk| region.parted(body.position, disk))
     }
 
     /// Moves all bodies.
@@ -324,10 +333,11 @@ impl<'a> Pile<'a> {
                 self.edges.truncate(first);
                 continue;
             }
-            if self.edges.len() == first {
+            if !inside && self.edges[first..].iter().all(|edge| edge.is_wall) {
                 // Far outside, the nearest edge pulls it in.
                 let far = |e: &Edge| (body.position - e.nearest(body.position)).norm_squared();
-                self.edges.extend(region.edges().iter().copied().min_by(|a, b| far(a).total_cmp(&far(b))));
+                let own = region.edges().iter().copied().filter(|edge| !edge.is_wall);
+                self.edges.extend(own.min_by(|a, b| far(a).total_cmp(&far(b))));
             }
             let side = if inside { Side::Inside } else { Side::Outside };
             self.near_edges.push((k as u32, side, first..self.edges.len()));
@@ -393,7 +403,10 @@ impl<'a> Pile<'a> {
                 }
                 for edge in edges {
                     let way = centre - edge.nearest(centre);
-                    if way.norm_squared() < radius * radius {
+                    // A wall with space behind it: the disk goes back to where its body is.
+                    if edge.is_wall && segments_cross(body.position, centre, edge.start, edge.end) {
+                        push(-way, radius + way.norm());
+                    } else if way.norm_squared() < radius * radius {
                         push(way, radius - way.norm());
                     }
                 }
@@ -436,7 +449,7 @@ fn add(force: &mut Coordinates, push: Vec2, torque: f64) {
 fn side_of(edges: &[Edge], point: Vec2, within: f64, origin: Side) -> (Side, Vec2) {
     let mut nearest = (f64::INFINITY, point);
     let mut left_of = 0.0;
-    for edge in edges {
+    for edge in edges.iter().filter(|edge| !edge.is_wall) {
         let at = edge.nearest(point);
         let square = (point - at).norm_squared();
         let along = edge.end - edge.start;

@@ -1,22 +1,22 @@
 //! The region in which people may stand.
 
 use super::random::Random;
-use lemons_plane::{Bounds, Ring, Vec2, ray_crosses, segments_touch, vec2};
+use super::region_error::{FARTHEST, MOST_CORNERS, RegionError, SMALLEST_AREA};
+use lemons_plane::{Bounds, Ring, Vec2, ray_crosses, segments_cross, segments_touch, vec2};
 use lemons_trial::Geometry;
 
-/// \[m\] Corners further from the origin are refused: up to there a millimetre is exact.
-const FARTHEST: f64 = 1e6;
-/// \[m²\] Smallest allowed area of a polygon or hole.
-const SMALLEST_AREA: f64 = 1e-6;
-/// Largest number of corners of all rings together: all pairs of edges are compared.
-const MOST_CORNERS: usize = 10_000;
-
-/// A part of the plane: all of it, or a simple polygon with holes.
+/// A part of the plane: all of it, or a simple polygon with holes. What walls leave of a polygon ([`Region::among`]) may
+/// be several polygons, and may have walls in it.
 #[derive(Debug, Clone)]
 pub struct Region {
-    /// The outer polygon, then the holes; the inside is to their left. Empty for the open plane.
+    /// The outer polygon, then its holes, then the next one; the inside is to their left. Empty for the open plane.
     rings: Vec<Ring>,
+    /// Those of the rings, then the walls.
     edges: Vec<Edge>,
+    /// Number of edges of the rings.
+    of_rings: usize,
+    /// Whether it is what walls left of a polygon: some places in it may be too narrow for anybody.
+    is_left: bool,
     area: f64,
     slabs: Vec<Slab>,
 }
@@ -26,11 +26,17 @@ pub struct Region {
 pub(super) struct Edge {
     pub start: Vec2,
     pub end: Vec2,
+    /// A wall: the region is on both sides of it.
+    pub is_wall: bool,
     /// One over the squared length.
     inverse_square: f64,
 }
 
 impl Edge {
+    fn new(start: Vec2, end: Vec2, is_wall: bool) -> Edge {
+        Edge { start, end, is_wall, inverse_square: 1.0 / (end - start).norm_squared() }
+    }
+
     /// The point of the edge nearest to a point.
     #[inline]
     pub fn nearest(&self, point: Vec2) -> Vec2 {
@@ -51,80 +57,11 @@ struct Slab {
     area_to_top: f64,
 }
 
-/// Why a polygon cannot be a region.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RegionError {
-    /// A corner that is not finite or too far out.
-    #[error("{ring}: corner {corner} at ({x}, {y}) m is not within {FARTHEST} m of the origin")]
-    Corner {
-        /// Name of the polygon.
-        ring: String,
-        /// Index of the corner.
-        corner: usize,
-        /// \[m\] x of the corner.
-        x: f64,
-        /// \[m\] y of the corner.
-        y: f64,
-    },
-    /// A polygon with fewer than three different corners.
-    #[error("{ring}: has {corners} different corners; at least 3 are needed")]
-    TooFewCorners {
-        /// Name of the polygon.
-        ring: String,
-        /// Number of corners that differ from the one before.
-        corners: usize,
-    },
-    /// Too many corners.
-    #[error("{corners} corners; at most {MOST_CORNERS} are allowed")]
-    TooManyCorners {
-        /// Number of corners of all polygons together.
-        corners: usize,
-    },
-    /// A polygon without an inside.
-    #[error("{ring}: its area is {area} m²; at least {SMALLEST_AREA} m² is needed")]
-    NoArea {
-        /// Name of the polygon.
-        ring: String,
-        /// \[m²\] Its area.
-        area: f64,
-    },
-    /// Two edges cross or touch.
-    #[error("{first} and {second} cross or touch near ({x}, {y}) m")]
-    Crossing {
-        /// Name of an edge.
-        first: String,
-        /// Name of the other edge.
-        second: String,
-        /// \[m\] x of the place.
-        x: f64,
-        /// \[m\] y of the place.
-        y: f64,
-    },
-    /// A hole outside the outer polygon or in another hole.
-    #[error("{ring} does not lie inside the outer polygon and outside the other holes")]
-    HoleOutside {
-        /// Name of the hole.
-        ring: String,
-    },
-    /// A wall of a Trial that does not end at its first corner.
-    #[error("wall {id} is not closed: its first corner is {first:?}, its last corner {last:?}")]
-    OpenWall {
-        /// Id of the wall.
-        id: String,
-        /// \[m\] first corner.
-        first: (f64, f64),
-        /// \[m\] last corner.
-        last: (f64, f64),
-    },
-    /// A Trial without walls.
-    #[error("no walls: nothing bounds the region")]
-    NoWalls,
-}
-
 impl Region {
     /// Returns the open plane.
     pub fn plane() -> Region {
-        Region { rings: Vec::new(), edges: Vec::new(), area: f64::INFINITY, slabs: Vec::new() }
+        let (rings, edges, slabs) = (Vec::new(), Vec::new(), Vec::new());
+        Region { rings, edges, of_rings: 0, is_left: false, area: f64::INFINITY, slabs }
     }
 
     /// Returns the rectangle between two opposite corners \[m\].
@@ -171,6 +108,24 @@ impl Region {
         Region::of_rings(&named)
     }
 
+    /// Returns the part inside another simple polygon \[m\]. Holes in it are its own; the others do not matter to it.
+    ///
+    /// # Errors
+    /// The polygon does not bound a region, or goes beyond this one or over a hole.
+    pub fn part(&self, outer: &[Vec2]) -> Result<Region, RegionError> {
+        let ring = Ring::through(outer.to_vec());
+        let inside =
+            |hole: &&Ring| ring.as_ref().is_some_and(|ring| hole.corners().iter().all(|c| ring.contains(*c)));
+        let holes = self.rings.iter().skip(1).filter(inside).map(|hole| hole.corners().to_vec());
+        let part = Region::polygon(outer, &holes.collect::<Vec<_>>())?;
+        let crossed = |(a, b)| self.edges.iter().any(|edge| segments_cross(a, b, edge.start, edge.end));
+        let over = part.rings[0].sides().any(crossed);
+        if over || outer.iter().any(|corner| self.depth(*corner) < -1e-9) {
+            return Err(RegionError::Beyond);
+        }
+        Ok(part)
+    }
+
     fn of_rings(named: &[(String, &[Vec2])]) -> Result<Region, RegionError> {
         let corners = named.iter().map(|(_, ring)| ring.len()).sum();
         if corners > MOST_CORNERS {
@@ -195,10 +150,21 @@ impl Region {
         let inside_to_the_left = |(k, ring): (usize, Ring)| {
             if (ring.signed_area() > 0.0) == (k == 0) { ring } else { ring.reversed() }
         };
-        let rings: Vec<Ring> = rings.into_iter().enumerate().map(inside_to_the_left).collect();
+        Ok(Region::of_sides(rings.into_iter().enumerate().map(inside_to_the_left).collect(), area))
+    }
+
+    /// Rings with the inside to their left, and its area \[m²\].
+    fn of_sides(rings: Vec<Ring>, area: f64) -> Region {
         let edges: Vec<Edge> = rings.iter().flat_map(edges).collect();
-        let slabs = slabs(&edges);
-        Ok(Region { rings, edges, area, slabs })
+        let (of_rings, slabs) = (edges.len(), slabs(&edges));
+        Region { rings, edges, of_rings, is_left: false, area, slabs }
+    }
+
+    /// What walls left of a polygon: rings with the inside to their left, walls in it, and its area \[m²\].
+    pub(super) fn left(rings: Vec<Ring>, walls: &[(Vec2, Vec2)], area: f64) -> Region {
+        let mut left = Region { is_left: true, ..Region::of_sides(rings, area) };
+        left.edges.extend(walls.iter().map(|(start, end)| Edge::new(*start, *end, true)));
+        left
     }
 
     /// Returns the area \[m²\], infinite for the open plane.
@@ -211,22 +177,24 @@ impl Region {
         self.rings.is_empty()
     }
 
-    /// Returns the outer polygon, then the holes \[m\]; empty for the open plane.
+    /// Returns the outer polygon, then its holes, then the next polygon \[m\]; empty for the open plane.
     pub fn rings(&self) -> &[Ring] {
         &self.rings
     }
 
     /// Returns the lowest and the highest coordinates \[m\]; `None` for the open plane.
     pub fn bounds(&self) -> Option<Bounds> {
-        self.rings.first().map(Ring::bounds)
+        Bounds::of(self.rings.iter().flat_map(|ring| ring.corners().iter().copied()))
     }
 
     /// Returns whether a point \[m\] lies inside. On the boundary the result may be either.
     pub fn contains(&self, point: Vec2) -> bool {
-        self.is_plane() || self.edges.iter().filter(|e| ray_crosses(point, e.start, e.end)).count() % 2 == 1
+        let crossed = |e: &&Edge| ray_crosses(point, e.start, e.end);
+        self.is_plane() || self.edges[..self.of_rings].iter().filter(crossed).count() % 2 == 1
     }
 
-    /// Returns the distance \[m\] of a point inside from the boundary; negative outside, infinite in the open plane.
+    /// Returns the distance \[m\] of a point inside from the boundary and from walls; negative outside, infinite in the
+    /// open plane.
     pub fn depth(&self, point: Vec2) -> f64 {
         if self.is_plane() {
             return f64::INFINITY;
@@ -245,6 +213,15 @@ impl Region {
         &self.edges
     }
 
+    pub(super) fn is_left(&self) -> bool {
+        self.is_left
+    }
+
+    /// Whether a wall in it is between two points.
+    pub(super) fn parted(&self, a: Vec2, b: Vec2) -> bool {
+        self.edges[self.of_rings..].iter().any(|wall| segments_cross(a, b, wall.start, wall.end))
+    }
+
     /// The point at two fractions in \[0, 1) of the area: from the bottom up, then from left to right. It maps points
     /// evenly spread over the unit square to points evenly spread over the region.
     pub(super) fn point_at(&self, upwards: f64, across: f64) -> Vec2 {
@@ -259,7 +236,7 @@ impl Region {
         let t = if w0 + root > 0.0 { (2.0 * part / (w0 + root)).clamp(0.0, 1.0) } else { 0.5 };
         // Avoid the exact heights of corners, where an edge may be missed.
         let y = slab.low + height * t.clamp(1e-9, 1.0 - 1e-9);
-        let crossings = crossings(&self.edges, y);
+        let crossings = crossings(&self.edges[..self.of_rings], y);
         let width: f64 = crossings.chunks_exact(2).map(|c| c[1] - c[0]).sum();
         let mut left = across * width;
         for c in crossings.chunks_exact(2) {
@@ -308,7 +285,7 @@ fn slabs(edges: &[Edge]) -> Vec<Slab> {
 }
 
 fn edges(ring: &Ring) -> impl Iterator<Item = Edge> + '_ {
-    ring.sides().map(|(start, end)| Edge { start, end, inverse_square: 1.0 / (end - start).norm_squared() })
+    ring.sides().map(|(start, end)| Edge::new(start, end, false))
 }
 
 fn checked_ring(name: &str, corners: &[Vec2]) -> Result<Ring, RegionError> {

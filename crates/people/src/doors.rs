@@ -1,0 +1,307 @@
+//! Walls with doors: gaps where people can pass.
+
+use lemons_plane::{Foot, Ring, Vec2};
+use lemons_trial::{Geometry, Wall};
+use thiserror::Error;
+
+/// \[m\] A door further from all walls is a mistake.
+const FARTHEST: f64 = 1.0;
+
+/// \[m\] Shorter pieces between doors are rounding errors.
+const SHORTEST: f64 = 1e-6;
+
+/// A gap in the wall that is nearest to a point. It may go round a corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Door {
+    /// \[m\] The wall's point that is nearest to this one is the middle of the gap.
+    pub at: Vec2,
+    /// \[m\] Width, along the wall.
+    pub width: f64,
+}
+
+/// Why there cannot be such a door.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum DoorError {
+    #[error("door {door}: width = {width} m: must be positive and finite")]
+    Width { door: usize, width: f64 },
+    #[error(
+        "door {door} at ({x}, {y}) m is {distance:.2} m from the nearest wall; at most {FARTHEST} m is allowed"
+    )]
+    Far { door: usize, x: f64, y: f64, distance: f64 },
+    #[error("door {door}: there is no wall left beside its {width} m")]
+    NoWall { door: usize, width: f64 },
+}
+
+/// A gap along a ring: from and to \[m\] from its first corner, going round.
+pub(crate) struct Gap {
+    pub(crate) ring: usize,
+    from: f64,
+    to: f64,
+}
+
+/// Cuts doors into closed walls. Walls without a door stay as they are; of the others, the pieces between doors follow in
+/// the order of the corners. Ids are numbers from 0.
+///
+/// # Errors
+/// A door is far from all walls, has no positive width, or leaves nothing of its wall.
+pub fn with_doors(geometry: Geometry, rings: &[Ring], doors: &[Door]) -> Result<Geometry, DoorError> {
+    let gaps =
+        doors.iter().enumerate().map(|(k, door)| gap(rings, k, *door)).collect::<Result<Vec<Gap>, _>>()?;
+    if gaps.is_empty() {
+        return Ok(geometry);
+    }
+    let material = geometry.walls.first().map(|wall| wall.material_id.clone()).unwrap_or_default();
+    let pieces = rings.iter().enumerate().flat_map(|(place, ring)| {
+        let own: Vec<&Gap> = gaps.iter().filter(|gap| gap.ring == place).collect();
+        if own.is_empty() { vec![ring.closed().to_vec()] } else { pieces(ring, &own) }
+    });
+    let wall = |(id, corners): (usize, Vec<Vec2>)| Wall {
+        id: id.to_string(),
+        material_id: material.clone(),
+        corners,
+    };
+    let walls = pieces.enumerate().map(wall).collect();
+    Ok(Geometry { walls, ..geometry })
+}
+
+/// The door's place along the ring whose wall is nearest.
+pub(crate) fn gap(rings: &[Ring], number: usize, door: Door) -> Result<Gap, DoorError> {
+    let Door { at, width } = door;
+    if !(width > 0.0 && width.is_finite()) {
+        return Err(DoorError::Width { door: number, width });
+    }
+    let on = nearest_wall(rings, at);
+    let distance = on.map_or(f64::INFINITY, |(_, foot)| foot.distance);
+    // A place that is not a number is infinitely far.
+    let Some((ring, foot)) = on.filter(|(_, foot)| foot.distance <= FARTHEST) else {
+        return Err(DoorError::Far { door: number, x: at.x, y: at.y, distance });
+    };
+    if width >= length(&rings[ring]) {
+        return Err(DoorError::NoWall { door: number, width });
+    }
+    let middle = place(&rings[ring], foot);
+    Ok(Gap { ring, from: middle - 0.5 * width, to: middle + 0.5 * width })
+}
+
+/// Returns the ring that is nearest to a point \[m\], and where on it; `None` without rings.
+pub fn nearest_wall(rings: &[Ring], at: Vec2) -> Option<(usize, Foot)> {
+    let feet = rings.iter().map(|ring| ring.nearest(at)).enumerate();
+    feet.min_by(|a, b| a.1.distance.total_cmp(&b.1.distance))
+}
+
+impl Door {
+    /// Returns the way \[m\] along the wall from one end of the gap to the other: corners of the ring lie between them
+    /// where it goes round them. At most it goes once round. Empty without rings.
+    pub fn course(&self, rings: &[Ring]) -> Vec<Vec2> {
+        let Some((ring, foot)) = nearest_wall(rings, self.at) else { return Vec::new() };
+        let ring = &rings[ring];
+        let width = self.width.max(0.0).min(length(ring));
+        piece(ring, place(ring, foot) - 0.5 * width, 0.0, width)
+    }
+
+    /// Returns the door after corners of its wall were moved: at the same share of the same side. Where its wall is as it
+    /// was or has other corners, so is the door.
+    #[must_use]
+    pub fn carried(self, before: &[Ring], after: &[Ring]) -> Door {
+        let Some((ring, Foot { side, along, .. })) = nearest_wall(before, self.at) else { return self };
+        let (old, Some(new)) = (&before[ring], after.get(ring)) else { return self };
+        if new == old || new.closed().len() != old.closed().len() {
+            return self;
+        }
+        let ends = |ring: &Ring| [ring.closed()[side], ring.closed()[side + 1]];
+        let ([from, to], [start, end]) = (ends(old), ends(new));
+        let long = (to - from).norm();
+        let share = if long > 0.0 { along / long } else { 0.0 };
+        Door { at: start + (end - start) * share, ..self }
+    }
+}
+
+/// \[m\] From the ring's first corner, going round.
+fn place(ring: &Ring, foot: Foot) -> f64 {
+    ring.sides().take(foot.side).map(|(start, end)| (end - start).norm()).sum::<f64>() + foot.along
+}
+
+fn length(ring: &Ring) -> f64 {
+    ring.sides().map(|(start, end)| (end - start).norm()).sum()
+}
+
+/// What gaps leave of a ring.
+pub(crate) fn pieces(ring: &Ring, gaps: &[&Gap]) -> Vec<Vec<Vec2>> {
+    let round = length(ring);
+    // From the first gap's end on, once round: no piece goes over the beginning.
+    let origin = gaps[0].to;
+    let mut closed: Vec<(f64, f64)> = gaps
+        .iter()
+        .map(|gap| ((gap.from - origin).rem_euclid(round), gap.to - gap.from))
+        .flat_map(|(from, width)| [(from, from + width), (0.0, from + width - round)])
+        .filter(|(from, to)| from < to)
+        .collect();
+    closed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut pieces = Vec::new();
+    let mut from = 0.0;
+    for (start, end) in closed {
+        if start - from > SHORTEST {
+            pieces.push(piece(ring, origin, from, start));
+        }
+        from = f64::max(from, end);
+    }
+    if round - from > SHORTEST {
+        pieces.push(piece(ring, origin, from, round));
+    }
+    pieces
+}
+
+/// The part of a ring between two places \[m\] after an origin, which is itself a place after the first corner.
+fn piece(ring: &Ring, origin: f64, from: f64, to: f64) -> Vec<Vec2> {
+    let round = length(ring);
+    let mut corners = Vec::new();
+    let mut along = 0.0;
+    for (corner, next) in ring.sides() {
+        let place = (along - origin).rem_euclid(round);
+        if place > from && place < to {
+            corners.push((place, corner));
+        }
+        along += (next - corner).norm();
+    }
+    corners.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let ends = [from, to].map(|place| point_at(ring, (origin + place).rem_euclid(round)));
+    std::iter::once(ends[0]).chain(corners.into_iter().map(|(_, corner)| corner)).chain([ends[1]]).collect()
+}
+
+/// The point at a place \[m\] after the first corner.
+fn point_at(ring: &Ring, place: f64) -> Vec2 {
+    let mut left = place;
+    for (start, end) in ring.sides() {
+        let side = (end - start).norm();
+        if left <= side && side > 0.0 {
+            return start + (end - start) * (left / side);
+        }
+        left -= side;
+    }
+    ring.corners()[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::walls;
+    use lemons_plane::{Bounds, vec2};
+
+    fn room() -> Vec<Ring> {
+        vec![
+            Ring::around(Bounds { low: Vec2::ZERO, high: vec2(4.0, 3.0) }),
+            Ring::around(Bounds { low: vec2(1.0, 1.0), high: vec2(2.0, 2.0) }),
+        ]
+    }
+
+    fn cut(doors: &[Door]) -> Vec<Vec<Vec2>> {
+        let geometry = with_doors(walls(&room(), "concrete"), &room(), doors).unwrap();
+        geometry.walls.into_iter().map(|wall| wall.corners).collect()
+    }
+
+    fn long(corners: &[Vec2]) -> f64 {
+        corners.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+    }
+
+    #[test]
+    fn without_doors_nothing_changes() {
+        let geometry = walls(&room(), "concrete");
+        assert_eq!(with_doors(geometry.clone(), &room(), &[]).unwrap(), geometry);
+    }
+
+    #[test]
+    fn a_door_is_a_gap_with_its_middle_at_the_wall() {
+        let found = cut(&[Door { at: vec2(4.2, 1.5), width: 0.8 }]);
+        assert_eq!(found.len(), 2);
+        let (first, last) = (found[0][0], *found[0].last().unwrap());
+        assert!(
+            (first - vec2(4.0, 1.9)).norm() < 1e-12 && (last - vec2(4.0, 1.1)).norm() < 1e-12,
+            "{found:?}"
+        );
+        assert!((long(&found[0]) - (14.0 - 0.8)).abs() < 1e-12);
+        // All corners are where they were; the other wall is untouched.
+        for corner in [vec2(0.0, 0.0), vec2(4.0, 0.0), vec2(4.0, 3.0), vec2(0.0, 3.0)] {
+            assert!(found[0].contains(&corner), "{corner:?}");
+        }
+        assert_eq!(found[1], room()[1].closed());
+    }
+
+    #[test]
+    fn doors_may_be_many_overlap_and_go_round_corners() {
+        let found = cut(&[
+            Door { at: vec2(2.0, 0.0), width: 1.0 },
+            Door { at: vec2(2.6, 0.0), width: 1.0 },
+            Door { at: vec2(0.0, 0.0), width: 1.0 },
+            Door { at: vec2(2.0, 1.5), width: 0.2 },
+        ]);
+        assert_eq!(found.len(), 3, "{found:?}");
+        let left: f64 = found.iter().map(|corners| long(corners)).sum();
+        assert!((left - (14.0 - 1.6 - 1.0 + 4.0 - 0.2)).abs() < 1e-9, "{left}");
+        let corner = vec2(0.0, 0.0);
+        assert!(!found.iter().flatten().any(|point| (*point - corner).norm() < 0.49));
+    }
+
+    #[test]
+    fn doors_edge_to_edge_are_one() {
+        // Along the lower wall, with places and widths whose sums are rounded.
+        for k in 0..200 {
+            let (place, first, second) = (0.9 + 0.003 * f64::from(k), 0.31 + 0.001 * f64::from(k), 0.47);
+            let door = |from: f64, width: f64| Door { at: vec2(from + 0.5 * width, -0.1), width };
+            let found = cut(&[door(place, first), door(place + first, second)]);
+            assert_eq!(found.len(), 2, "{k}: {found:?}");
+            assert!((long(&found[0]) - (14.0 - first - second)).abs() < 1e-9);
+        }
+    }
+
+    fn course(at: Vec2, width: f64) -> Vec<Vec2> {
+        Door { at, width }.course(&room())
+    }
+
+    #[test]
+    fn the_course_of_a_door_is_what_it_takes_of_the_wall() {
+        let near = |found: &[Vec2], by_hand: &[Vec2]| {
+            found.len() == by_hand.len() && found.iter().zip(by_hand).all(|(a, b)| (*a - *b).norm() < 1e-12)
+        };
+        assert!(near(&course(vec2(4.2, 1.5), 0.8), &[vec2(4.0, 1.1), vec2(4.0, 1.9)]));
+        assert!(near(&course(vec2(1.5, 1.2), 0.4), &[vec2(1.3, 1.0), vec2(1.7, 1.0)]));
+        // Round a corner, also the one where the ring begins.
+        assert!(near(&course(vec2(3.9, 0.0), 1.0), &[vec2(3.4, 0.0), vec2(4.0, 0.0), vec2(4.0, 0.4)]));
+        assert!(near(&course(vec2(0.0, 0.1), 1.0), &[vec2(0.0, 0.6), Vec2::ZERO, vec2(0.4, 0.0)]));
+        // As wide as can be, and wider.
+        assert!((long(&course(vec2(2.0, 0.0), 99.0)) - 14.0).abs() < 1e-12);
+        // Far doors have one, too; doors and walls left together have the length of the walls.
+        assert!(near(&course(vec2(9.0, 1.5), 1.0), &[vec2(4.0, 1.0), vec2(4.0, 2.0)]));
+        assert!(Door { at: Vec2::ZERO, width: 1.0 }.course(&[]).is_empty());
+        let point = Ring::through(vec![vec2(1.0, 1.0); 3]).unwrap();
+        let nothing = Door { at: Vec2::ZERO, width: 1.0 }.course(&[point]);
+        assert!(nothing.iter().all(|end| *end == vec2(1.0, 1.0)), "{nothing:?}");
+    }
+
+    #[test]
+    fn a_door_goes_along_with_its_wall() {
+        let door = Door { at: vec2(4.1, 0.75), width: 0.8 };
+        let mut moved = room();
+        moved[0] = Ring::around(Bounds { low: Vec2::ZERO, high: vec2(6.0, 5.0) });
+        let after = door.carried(&room(), &moved);
+        // A quarter of the way up, as before.
+        assert_eq!(after, Door { at: vec2(6.0, 1.25), width: 0.8 });
+        let inner = Door { at: vec2(1.5, 1.0), width: 0.2 };
+        assert_eq!(inner.carried(&room(), &moved), inner);
+        assert_eq!(door.carried(&room(), &room()), door);
+        assert_eq!(door.carried(&room(), &[]), door);
+        let fewer = Ring::through(vec![Vec2::ZERO, vec2(4.0, 0.0), vec2(4.0, 3.0)]).unwrap();
+        assert_eq!(door.carried(&room(), &[fewer]), door);
+    }
+
+    #[test]
+    fn impossible_doors_are_refused() {
+        let refused = |at, width| {
+            with_doors(walls(&room(), "concrete"), &room(), &[Door { at, width }]).unwrap_err().to_string()
+        };
+        assert!(refused(vec2(9.0, 9.0), 1.0).contains("door 0 at (9, 9) m is 7.81 m from"));
+        assert!(refused(vec2(f64::NAN, 0.0), 1.0).contains("door 0"));
+        assert!(refused(vec2(4.0, 1.0), -1.0).contains("must be positive"));
+        assert!(refused(vec2(1.5, 1.0), 4.0).contains("no wall left"));
+    }
+}

@@ -1,0 +1,229 @@
+//! A room as it is drawn: its corners and doors, changes that leave doors on their walls, and the walls in the end.
+
+use crate::placing::{Region, RegionError};
+use crate::{Door, DoorError, nearest_wall, walls, with_doors};
+use lemons_plane::{Bounds, Ring, Vec2, vec2};
+use lemons_trial::Geometry;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A room. Outlines may go round in either direction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Room {
+    /// \[m\] Corners (x, y), the first one not repeated.
+    pub outline: Vec<[f64; 2]>,
+    /// \[m\] The corners of each.
+    pub obstacles: Vec<Vec<[f64; 2]>>,
+    /// Gaps in the walls.
+    pub doors: Vec<Gap>,
+}
+
+/// A gap in the wall nearest to a place: a [`Door`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gap {
+    /// \[m\] Its middle (x, y).
+    pub at: [f64; 2],
+    /// \[m\]
+    pub width: f64,
+}
+
+/// A change of a room. Ring 0 is its outline, obstacles follow; side 0 begins at corner 0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(missing_docs)] // places are x, y in m
+pub enum Edit {
+    /// A corner goes elsewhere.
+    Move { ring: usize, corner: usize, to: [f64; 2] },
+    /// A side gets a corner.
+    Insert { ring: usize, side: usize, at: [f64; 2] },
+    /// A corner goes away.
+    Remove { ring: usize, corner: usize },
+    /// An obstacle goes away, with its doors.
+    Clear { ring: usize },
+    /// The outline gets this width and height \[m\]; its left and low ends stay.
+    Stretch { width: f64, height: f64 },
+}
+
+/// Why there is no such room.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum RoomError {
+    #[error("there is no corner {corner} of ring {ring}")]
+    Corner { ring: usize, corner: usize },
+    #[error("the outline or an obstacle has no corners")]
+    Empty,
+    #[error("the room: {0} (the holes are obstacles)")]
+    Region(#[from] RegionError),
+    #[error(transparent)]
+    Door(#[from] DoorError),
+}
+
+impl Gap {
+    /// Returns the same door.
+    pub fn door(&self) -> Door {
+        let [x, y] = self.at;
+        Door { at: vec2(x, y), width: self.width }
+    }
+}
+
+impl Room {
+    /// Returns the outline, then the obstacles. Each has as many sides as corners, also if two of them lie on each other.
+    ///
+    /// # Errors
+    /// One has no corners.
+    pub fn rings(&self) -> Result<Vec<Ring>, RoomError> {
+        let ring = |corners: &Vec<[f64; 2]>| {
+            let closed = vectors(corners).into_iter().chain(vectors(corners).first().copied());
+            Ring::through(closed.collect()).ok_or(RoomError::Empty)
+        };
+        std::iter::once(&self.outline).chain(&self.obstacles).map(ring).collect()
+    }
+
+    /// Changes it. Where corners of a wall go elsewhere, so do its doors: to the same share of the same side, to the
+    /// millimetre.
+    ///
+    /// # Errors
+    /// There is no such corner, or none would be left. The room is then of no use.
+    pub fn change(&mut self, edit: Edit) -> Result<(), RoomError> {
+        let before = self.rings()?;
+        match edit {
+            Edit::Move { ring, corner, to } => self.corners(ring, corner)?[corner] = to,
+            Edit::Insert { ring, side, at } => self.corners(ring, side)?.insert(side + 1, at),
+            Edit::Remove { ring, corner } => drop(self.corners(ring, corner)?.remove(corner)),
+            Edit::Clear { ring } => {
+                self.corners(ring, 0)?.clear();
+                self.obstacles.retain(|obstacle| !obstacle.is_empty());
+                let on = |gap: &Gap| nearest_wall(&before, gap.door().at).is_some_and(|(on, _)| on == ring);
+                self.doors.retain(|gap| !on(gap));
+                // Others have another number now, but are where they were.
+                return self.rings().map(|_| ());
+            }
+            Edit::Stretch { width, height } => {
+                let Bounds { low, high } = before[0].bounds();
+                for [x, y] in &mut self.outline {
+                    *x = stretched(*x, [low.x, high.x], width);
+                    *y = stretched(*y, [low.y, high.y], height);
+                }
+            }
+        }
+        let after = self.rings()?;
+        for gap in &mut self.doors {
+            let door = gap.door();
+            let carried = door.carried(&before, &after);
+            if carried != door {
+                gap.at = [carried.at.x, carried.at.y].map(|place| (place * 1000.0).round() / 1000.0);
+            }
+        }
+        Ok(())
+    }
+
+    /// The corners of a ring that has this one.
+    fn corners(&mut self, ring: usize, corner: usize) -> Result<&mut Vec<[f64; 2]>, RoomError> {
+        let mut rings = std::iter::once(&mut self.outline).chain(&mut self.obstacles);
+        let found = rings.nth(ring).filter(|corners| corner < corners.len());
+        found.ok_or(RoomError::Corner { ring, corner })
+    }
+
+    /// Returns its inside, and its walls with doors, of a material.
+    ///
+    /// # Errors
+    /// Walls cross, an obstacle is not inside, or a door is not at a wall.
+    pub fn built(&self, material: &str) -> Result<(Region, Geometry), RoomError> {
+        let holes: Vec<Vec<Vec2>> = self.obstacles.iter().map(|hole| vectors(hole)).collect();
+        let inside = Region::polygon(&vectors(&self.outline), &holes)?;
+        let doors: Vec<Door> = self.doors.iter().map(Gap::door).collect();
+        let geometry = with_doors(walls(inside.rings(), material), inside.rings(), &doors)?;
+        Ok((inside, geometry))
+    }
+}
+
+/// A place on a side of a bounding rectangle that gets another length. Its ends are exact.
+fn stretched(at: f64, [low, high]: [f64; 2], length: f64) -> f64 {
+    if high > low { low + (at - low) / (high - low) * length } else { low }
+}
+
+fn vectors(corners: &[[f64; 2]]) -> Vec<Vec2> {
+    corners.iter().map(|[x, y]| vec2(*x, *y)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 4 m by 3 m, with an obstacle, and a door in the wall on the right, on the left and in the obstacle.
+    fn room() -> Room {
+        let gap = |x, y| Gap { at: [x, y], width: 0.5 };
+        Room {
+            outline: vec![[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]],
+            obstacles: vec![vec![[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]],
+            doors: vec![gap(4.0, 0.75), gap(0.0, 1.5), gap(1.5, 1.0)],
+        }
+    }
+
+    fn changed(edit: Edit) -> Room {
+        let mut room = room();
+        room.change(edit).unwrap();
+        room
+    }
+
+    #[test]
+    fn doors_stay_on_walls_whose_corners_move() {
+        let after = changed(Edit::Move { ring: 0, corner: 2, to: [6.0, 4.0] });
+        assert_eq!(after.outline, [[0.0, 0.0], [4.0, 0.0], [6.0, 4.0], [0.0, 3.0]]);
+        // A quarter of the way from (4, 0) to (6, 4).
+        assert_eq!(after.doors[0], Gap { at: [4.5, 1.0], width: 0.5 });
+        assert_eq!(after.doors[1..], room().doors[1..]);
+        let after = changed(Edit::Move { ring: 1, corner: 0, to: [1.0, 0.5] });
+        assert_eq!(after.doors[2].at, [1.5, 0.75]);
+        // Millimetres: a third of the way.
+        let mut third = room();
+        third.doors[0].at = [4.0, 1.0];
+        third.change(Edit::Move { ring: 0, corner: 2, to: [4.0, 3.1] }).unwrap();
+        assert_eq!(third.doors[0].at, [4.0, 1.033]);
+        // Back and forth, also over its neighbour.
+        for to in [[4.0, 0.0], [9.0, 9.0]] {
+            let mut room = room();
+            room.change(Edit::Move { ring: 0, corner: 2, to }).unwrap();
+            assert!(room.doors[0].at.iter().all(|place| place.is_finite()));
+        }
+    }
+
+    #[test]
+    fn the_outline_is_stretched_with_its_doors() {
+        let mut far = room();
+        for corner in &mut far.outline {
+            *corner = [corner[0] - 1.0, corner[1] + 10.0];
+        }
+        far.doors = vec![Gap { at: [3.0, 10.75], width: 0.5 }];
+        far.change(Edit::Stretch { width: 5.5, height: 6.0 }).unwrap();
+        assert_eq!(far.outline, [[-1.0, 10.0], [4.5, 10.0], [4.5, 16.0], [-1.0, 16.0]]);
+        assert_eq!(far.doors[0].at, [4.5, 11.5]);
+        let mut flat = room();
+        flat.outline = vec![[1.0, 0.0], [1.0, 3.0], [1.0, 1.0]];
+        flat.change(Edit::Stretch { width: 5.0, height: 6.0 }).unwrap();
+        assert_eq!(flat.outline, [[1.0, 0.0], [1.0, 6.0], [1.0, 2.0]]);
+    }
+
+    #[test]
+    fn corners_and_obstacles_come_and_go() {
+        let after = changed(Edit::Insert { ring: 0, side: 3, at: [-1.0, 2.0] });
+        assert_eq!(after.outline[3..], [[0.0, 3.0], [-1.0, 2.0]]);
+        assert_eq!(after.doors, room().doors);
+        let after = changed(Edit::Remove { ring: 0, corner: 0 });
+        assert_eq!(after.outline, room().outline[1..]);
+        let after = changed(Edit::Clear { ring: 1 });
+        assert_eq!((after.obstacles.len(), &after.doors[..]), (0, &room().doors[..2]));
+        let refused = |edit| room().change(edit).unwrap_err();
+        assert_eq!(refused(Edit::Remove { ring: 0, corner: 4 }), RoomError::Corner { ring: 0, corner: 4 });
+        assert_eq!(refused(Edit::Clear { ring: 2 }), RoomError::Corner { ring: 2, corner: 0 });
+        assert_eq!(refused(Edit::Clear { ring: 0 }), RoomError::Empty);
+    }
+
+    #[test]
+    fn corners_on_each_other_keep_their_numbers() {
+        let after = changed(Edit::Move { ring: 0, corner: 3, to: [0.0, 0.0] });
+        assert_eq!(after.rings().unwrap()[0].sides().count(), 4);
+    }
+}
