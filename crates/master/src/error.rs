@@ -195,6 +195,12 @@ pub enum Error {
     /// The communication points of a run are impossible.
     #[error(transparent)]
     Clock(#[from] ClockError),
+    /// What people want (`decision.toml`) is wrong.
+    #[error(transparent)]
+    Plan(#[from] lemons_decision::PlanError),
+    /// A Decision FMU cannot be packed.
+    #[error(transparent)]
+    Decision(#[from] lemons_decision::pack::PackError),
     /// A drive file is wrong.
     #[error(transparent)]
     Drive(#[from] DriveError),

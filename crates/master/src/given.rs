@@ -5,6 +5,7 @@ use crate::kind::Kind;
 use crate::unzip::unzip_trial;
 use crowd_mechanics::pack::{Binary, Check, Draw, Format, PackError, Package};
 use crowd_mechanics::setup;
+use lemons_decision::WISHES_FILE;
 use lemons_files::Scratch;
 use lemons_trial::{DriveChoice, DriveTable};
 use lemons_trial::{Problem, Problems, Severity, Trial};
@@ -57,6 +58,12 @@ impl Given {
     /// Where its files are.
     pub fn directory(&self) -> &Path {
         &self.directory
+    }
+
+    /// Its file that says where its people walk, if there is one: a link that leads nowhere, too, which is an error for
+    /// whoever reads it, and must not mean that nobody walks.
+    pub fn wishes(&self) -> Option<PathBuf> {
+        Some(self.directory.join(WISHES_FILE)).filter(|path| path.symlink_metadata().is_ok())
     }
 
     /// The Trial with its warnings.

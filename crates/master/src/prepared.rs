@@ -3,25 +3,22 @@
 
 use crate::assemble::{Assembled, assemble};
 use crate::clock::Clock;
+use crate::decider::PlanChoice;
 use crate::error::{Error, Place, Result};
-use crate::fmu::Fmu;
-use crate::given::{Given, pack};
-use crate::kind::{Kind, Unexpected};
-use crate::own::own_binary;
+use crate::instance::Instance;
+use crate::kind::Kind;
+use crate::model::Model;
 use crate::progress::Progress;
 use crate::pushes::Pushes;
+use crate::refusal::{PrepareError, Warning};
 use crate::saved::Saved;
 use crate::settings::Settings;
 use crate::simulate::{Observer, simulate};
 use crate::system::{Component, System};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
-use crowd_mechanics::pack::{Binary, Format};
-use lemons_files::Scratch;
-use lemons_trial::Trial;
-use lemons_trial::{DriveChoice, Missed};
-use std::fmt;
+use lemons_trial::{DriveChoice, Trial};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A run that is ready: initialized, and at its first communication point, or at that of the saved run.
 ///
@@ -50,7 +47,7 @@ use std::path::{Path, PathBuf};
 /// # Ok::<(), PrepareError>(())
 /// ```
 pub struct Prepared {
-    /// One FMU as the component `crowd`, or those of the SSP.
+    /// One FMU as the component `crowd`, with `decision` before it if people walk; or those of the SSP.
     pub system: System,
     /// What the components simulate, for those whose FMU contains Trials.
     pub trials: Vec<Option<Trial>>,
@@ -60,127 +57,10 @@ pub struct Prepared {
     pub progress: Progress,
     /// The run that this one goes on from.
     pub before: Option<Saved>,
-    /// Whether the input is an SSP.
+    /// Whether FMUs are coupled: those of an SSP, or of people who walk.
     pub coupled: bool,
     /// What is probably not meant.
     pub warnings: Vec<Warning>,
-}
-
-/// What is probably not meant.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Warning {
-    /// A parameter value of an SSP for which no component has a variable: file, line and name.
-    Ignored(String),
-    /// A connection of the SSP feeds what is set.
-    Overwritten {
-        /// Of the parameter, as it was given.
-        name: String,
-        /// Its value.
-        value: String,
-        /// The input that is fed.
-        input: String,
-    },
-    /// Rows of the drive are never applied.
-    Missed(Missed),
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Warning::Ignored(text) => f.write_str(text),
-            Warning::Overwritten { name, value, input } => {
-                write!(f, "{name}={value}: overwritten by the connection that feeds {input}")
-            }
-            Warning::Missed(missed) => write!(f, "drive: {missed}"),
-        }
-    }
-}
-
-/// Why there is no such run.
-#[derive(Debug, thiserror::Error)]
-pub enum PrepareError {
-    /// The saved run contains the parameters.
-    #[error("{name}={value}: the saved run contains its parameters, and they cannot be changed")]
-    Parameter {
-        /// Of the first one.
-        name: String,
-        /// Its value.
-        value: String,
-    },
-    /// The saved run contains the number of threads.
-    #[error("{0} threads: the saved run contains its parameters, and they cannot be changed")]
-    Threads(i32),
-    /// The saved run contains the tolerance, or what was chosen by it.
-    #[error("a tolerance of {0:?}: the saved run contains its mechanical step, which cannot be changed")]
-    Tolerance(f64),
-    /// In an SSP the number of threads is a parameter of each component.
-    #[error("a number of threads is for a Trial or an FMU: in an SSP, set NAME.Threads={0}")]
-    ThreadsOfCoupled(i32),
-    /// In an SSP there is no drive.
-    #[error("a drive is for a Trial or an FMU: in an SSP inputs are fed by connections")]
-    DriveOfCoupled,
-    /// What goes on is not a saved run.
-    #[error(transparent)]
-    NotSaved(Unexpected),
-    /// A parameter names no component of the SSP.
-    #[error("{name}={value}: expected COMPONENT.NAME; components are {}", components.join(", "))]
-    Component {
-        /// Of the parameter.
-        name: String,
-        /// Its value.
-        value: String,
-        /// Names of all of them.
-        components: Vec<String>,
-    },
-    /// An FMU cannot save its state.
-    #[error("the run cannot be saved: component {component:?} says {flag}=\"false\"")]
-    CannotSave {
-        /// Its name.
-        component: String,
-        /// The flag of its model description.
-        flag: &'static str,
-    },
-    /// The end is not after the beginning.
-    #[error(
-        "nothing to simulate: {} {first:?} s and stops at {until:?} s",
-        if *resumed { "the saved run is at" } else { "it starts at" }
-    )]
-    Nothing {
-        /// \[s\]
-        first: f64,
-        /// \[s\]
-        until: f64,
-        /// Whether a saved run is to go on.
-        resumed: bool,
-    },
-    /// Nothing says how long a communication step is.
-    #[error("no FMU has a DefaultExperiment with a stepSize")]
-    NoStep,
-    /// The saved run has another communication step.
-    #[error("a communication step of {step:?} s: the saved run has a communication step of {saved:?} s")]
-    OtherStep {
-        /// \[s\]
-        step: f64,
-        /// \[s\]
-        saved: f64,
-    },
-    /// The saved run has recorded other communication points.
-    #[error("one communication point in {every}: the saved run has one in {saved}")]
-    OtherEvery {
-        /// What is wanted.
-        every: u64,
-        /// What is recorded.
-        saved: u64,
-    },
-    /// No communication point would be recorded.
-    #[error("one communication point in 0 cannot be recorded: the number must be at least 1")]
-    Every,
-    /// The saved run had another drive.
-    #[error("the saved run had another drive")]
-    OtherDrive,
-    /// An FMU, an SSP, the drive or the saved run.
-    #[error(transparent)]
-    Run(#[from] Error),
 }
 
 impl Prepared {
@@ -197,16 +77,18 @@ impl Prepared {
         let saved = settings.resume.as_deref().map(read_saved).transpose()?;
         let (before, states) = saved.unzip();
         let parameters = match &before {
-            Some(before) => before.chosen(is_coupled(settings)),
+            Some(before) => before.chosen(is_ssp(settings)),
             None => settings.parameters.clone(),
         };
-        let Opened { mut system, start, stop, coupled, mut warnings } = open(settings, &parameters)?;
-        set_parameters(&system, &parameters, settings.threads, coupled, &mut warnings)?;
+        let Opened { mut system, start, stop, model, mut warnings } = open(settings, &parameters)?;
+        let coupled = is_ssp(settings) || system.components().len() > 1;
+        set_parameters(&system, &parameters, settings.threads, model.as_ref(), &mut warnings)?;
         if settings.saves || before.is_some() {
             check_saves(&system)?;
         }
         let of_saved = || settings.resume.as_deref().map(named).unwrap_or_default();
         if let Some(before) = &before {
+            check_walk(before, model.as_ref())?;
             before.check_system(&system).place(of_saved)?;
         }
         let start = before.as_ref().map_or(start, |before| before.start);
@@ -223,9 +105,11 @@ impl Prepared {
         }
         let trials = system.components().iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
 
-        let none = DriveChoice::None;
         let first = &system.components()[0];
-        let drive = first.fmu.drive(trials[0].as_ref(), if coupled { &none } else { &settings.drive })?;
+        let drive = match &model {
+            Some(model) => model.drive(trials[0].as_ref(), &settings.drive)?,
+            None => first.fmu.drive(None, &DriveChoice::None)?,
+        };
         let agents = trials[0].as_ref().map_or(&[][..], |trial| &trial.agents);
         let pushes = Pushes::new(&first.instance, agents, drive)?;
         let (step, every) = match &before {
@@ -234,6 +118,10 @@ impl Prepared {
         };
         let clock = Clock::new(start, step, until).place(|| settings.input.display().to_string())?;
         warnings.extend(pushes.missed(start, step).map(Warning::Missed));
+        let undriven = !coupled && before.is_none() && pushes.end().is_none();
+        if undriven && trials[0].is_some() && is_still(&system.components()[0].instance, agents.len())? {
+            warnings.push(Warning::Still);
+        }
         let progress = Progress { clock, every, index: before.as_ref().map_or(0, |before| before.index) };
         Ok(Prepared { system, trials, pushes, progress, before, coupled, warnings })
     }
@@ -254,12 +142,22 @@ struct Opened {
     start: f64,
     /// \[s\] if the input says when it stops.
     stop: Option<f64>,
-    coupled: bool,
+    /// What names of parameters mean; none in an SSP.
+    model: Option<Model>,
     warnings: Vec<Warning>,
 }
 
+/// Whether nobody has a speed or a propulsion at the start.
+fn is_still(crowd: &Instance, agents: usize) -> Result<bool> {
+    let of_one = ["Fp.x", "Fp.y", "Mp", "Velocity.x", "Velocity.y", "Omega"];
+    let all = crowd.select((0..agents).flat_map(|i| of_one.map(|name| format!("agent[{i}].{name}"))))?;
+    let mut values = vec![0.0; all.len()];
+    crowd.get_real(&all, &mut values)?;
+    Ok(values.iter().all(|value| *value == 0.0))
+}
+
 /// Whether the input is an SSP.
-fn is_coupled(settings: &Settings) -> bool {
+fn is_ssp(settings: &Settings) -> bool {
     settings.input.extension().is_some_and(|end| end.eq_ignore_ascii_case("ssp"))
 }
 
@@ -267,60 +165,22 @@ fn open(settings: &Settings, parameters: &[(String, String)]) -> Result<Opened, 
     let input = &settings.input;
     let runs = [Kind::Trial, Kind::Fmu, Kind::Ssp, Kind::Archive, Kind::Stream];
     Kind::expect(input, &runs, "a Trial directory, an FMU or an SSP").map_err(Error::from)?;
-    if !is_coupled(settings) {
-        let mut fmu = Runnable::of(input, settings.binary.as_ref())?.open()?;
-        fmu.configure(parameters.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
-        let system = System::of_one("crowd", fmu, settings.algorithm)?;
-        return Ok(Opened { system, start: 0.0, stop: None, coupled: false, warnings: Vec::new() });
+    if !is_ssp(settings) {
+        let mut model = Model::of(input, &settings.plan, settings.binary.as_ref())?;
+        model.configure(parameters.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
+        let system = model.system(settings.algorithm)?;
+        let warnings = model.warning(&settings.drive).into_iter().collect();
+        return Ok(Opened { system, start: 0.0, stop: None, model: Some(model), warnings });
+    }
+    if matches!(settings.plan, PlanChoice::File(_)) {
+        return Err(PrepareError::PlanWithoutTrial);
     }
     if matches!(settings.drive, DriveChoice::File(_)) {
         return Err(PrepareError::DriveOfCoupled);
     }
     let Assembled { system, start, stop, ignored } = assemble(input, settings.algorithm, parameters)?;
     let warnings = ignored.into_iter().map(Warning::Ignored).collect();
-    Ok(Opened { system, start: start.unwrap_or(0.0), stop, coupled: true, warnings })
-}
-
-/// The file of an FMU that is to run: one that was given, or that of a Trial. A Trial is packed first, into a temporary
-/// file: it runs as everybody's FMU of it would.
-pub struct Runnable {
-    path: PathBuf,
-    /// The Trial as it was given, and the directory in which its FMU is.
-    packed: Option<(PathBuf, Scratch)>,
-}
-
-impl Runnable {
-    /// Packs a Trial, with this library of the crowd, by default [`own_binary`]; anything else may be an FMU.
-    ///
-    /// # Errors
-    /// As [`pack`](crate::pack).
-    pub fn of(input: &Path, binary: Option<&Binary>) -> Result<Runnable> {
-        let Some(trial) = Given::find(input)? else {
-            return Ok(Runnable { path: input.to_owned(), packed: None });
-        };
-        let scratch = Scratch::new().map_err(Error::io("cannot make a temporary directory"))?;
-        let path = scratch.path().join("crowd.fmu");
-        let binary = binary.cloned().map_or_else(own_binary, Ok)?;
-        pack(&[trial], vec![binary], Format::default(), None, false, &path)?;
-        Ok(Runnable { path, packed: Some((input.to_owned(), scratch)) })
-    }
-
-    /// The file, which exists as long as this does.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Unzips it. In messages, the files of a packed Trial have the names that the user knows.
-    ///
-    /// # Errors
-    /// There is no FMU.
-    pub fn open(&self) -> Result<Fmu> {
-        let fmu = Fmu::open(&self.path)?;
-        Ok(match &self.packed {
-            Some((trial, _)) => fmu.of_trial(trial),
-            None => fmu,
-        })
-    }
+    Ok(Opened { system, start: start.unwrap_or(0.0), stop, model: None, warnings })
 }
 
 /// Parameters, start values and the number of threads.
@@ -328,30 +188,35 @@ fn set_parameters(
     system: &System,
     parameters: &[(String, String)],
     threads: Option<i32>,
-    coupled: bool,
+    model: Option<&Model>,
     warnings: &mut Vec<Warning>,
 ) -> Result<(), PrepareError> {
     for (name, value) in parameters {
-        warnings.extend(set(system, name, value, coupled)?);
+        warnings.extend(set(system, name, value, model)?);
     }
     match threads {
-        Some(threads) if coupled => Err(PrepareError::ThreadsOfCoupled(threads)),
-        Some(threads) => set(system, "Threads", &threads.to_string(), coupled).map(drop),
+        Some(threads) if model.is_none() => Err(PrepareError::ThreadsOfCoupled(threads)),
+        Some(threads) => set(system, "Threads", &threads.to_string(), model).map(drop),
         None => Ok(()),
     }
 }
 
-fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option<Warning>, PrepareError> {
+fn set(
+    system: &System,
+    name: &str,
+    value: &str,
+    model: Option<&Model>,
+) -> Result<Option<Warning>, PrepareError> {
     let given = || (name.to_owned(), value.to_owned());
-    let (place, variable) = match (coupled, system.find(name)) {
-        (false, _) => (0, name),
-        (true, Some(found)) => found,
-        (true, None) => {
-            let components = system.components().iter().map(|component| component.name.clone()).collect();
-            let (name, value) = given();
-            return Err(PrepareError::Component { name, value, components });
-        }
+    let Some((place, variable)) = model.map(|model| model.find(name)).or_else(|| system.find(name)) else {
+        let components = system.components().iter().map(|component| component.name.clone()).collect();
+        let (name, value) = given();
+        return Err(PrepareError::Component { name, value, components });
     };
+    if let Some(meant) = model.and_then(|model| model.meant(name)) {
+        let (name, value) = given();
+        return Err(PrepareError::OfOther { name, value, meant });
+    }
     let component = &system.components()[place];
     if component.fmu.is_structural(variable) {
         return Ok(None);
@@ -382,6 +247,16 @@ fn named(path: &Path) -> String {
 fn read_saved(path: &Path) -> Result<(Saved, Vec<Vec<u8>>), PrepareError> {
     Kind::expect(path, &[Kind::SavedRun], "a saved run").map_err(PrepareError::NotSaved)?;
     Ok(Saved::read(path)?)
+}
+
+/// That people walk if and only if they did: of the Trial's own file, an option may ignore it.
+fn check_walk(before: &Saved, model: Option<&Model>) -> Result<(), PrepareError> {
+    let Some(model) = model else { return Ok(()) };
+    match (before.component.len(), model.plan()) {
+        (1, Some(plan)) => Err(PrepareError::NowWalks(plan.to_owned())),
+        (2.., None) => Err(PrepareError::NoLongerWalks),
+        _ => Ok(()),
+    }
 }
 
 /// That nothing is set that a saved run contains.

@@ -1,5 +1,6 @@
 //! What is run, and how.
 
+use crate::decider::PlanChoice;
 use crate::system::Algorithm;
 use crowd_mechanics::pack::Binary;
 use lemons_trial::DriveChoice;
@@ -11,7 +12,7 @@ pub struct Settings {
     /// A Trial (its directory, or a zip of it), an FMU, or an SSP (by its extension).
     pub input: PathBuf,
     /// Parameters and start values: names as in [`Fmu::named`](crate::Fmu::named), in an SSP `component.name`; and
-    /// values as text. They are set in this order.
+    /// values as text. They are set in this order. Of people who walk, names without a component are the crowd's.
     pub parameters: Vec<(String, String)>,
     /// The number of threads of the crowd; not for an SSP, where it is a parameter of each component.
     pub threads: Option<i32>,
@@ -28,7 +29,9 @@ pub struct Settings {
     pub every: Option<u64>,
     /// Who is pushed when; in an SSP, connections feed the inputs instead.
     pub drive: DriveChoice,
-    /// How the components of an SSP exchange values.
+    /// Where a Trial's people walk: then the input is coupled like an SSP of the components `decision` and `crowd`.
+    pub plan: PlanChoice,
+    /// How coupled components exchange values.
     pub algorithm: Algorithm,
     /// A saved run, which goes on. It contains the parameters and the number of threads.
     pub resume: Option<PathBuf>,
@@ -50,6 +53,7 @@ impl Settings {
             until: None,
             every: None,
             drive: DriveChoice::Own,
+            plan: PlanChoice::Own,
             algorithm: Algorithm::default(),
             resume: None,
             saves: false,

@@ -10,15 +10,15 @@
 //! Initial values: while all components are in initialization mode, outputs are read and inputs are set as many times as
 //! there are components, or until nothing changes. The longest chain without a loop then has its values.
 
+use crate::channel::{Booleans, Channel, Integers, Reals, Strings, Wire};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::instance::Instance;
-use crate::selection::Selection;
 use crate::state::State;
-use lemons_ssp::{Address, Affine, Type};
+use lemons_ssp::Type;
 use lemons_trial::Trial;
-use std::collections::HashMap;
 use std::fmt;
+use std::sync::Arc;
 
 /// The algorithm: in which order components exchange values and step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,8 +45,8 @@ pub struct Component {
     pub name: String,
     /// Dropped before the files of its FMU.
     pub instance: Instance,
-    /// The FMU of this instance.
-    pub fmu: Fmu,
+    /// The FMU of this instance, perhaps of others, too.
+    pub fmu: Arc<Fmu>,
 }
 
 impl Component {
@@ -74,14 +74,6 @@ pub struct System {
     time: f64,
 }
 
-/// A connection of single values, by component and address.
-pub(crate) struct Wire {
-    pub(crate) from: (usize, Address),
-    pub(crate) to: (usize, Address),
-    /// Of Reals.
-    pub(crate) map: Affine,
-}
-
 /// Connections by type.
 #[derive(Default)]
 pub(crate) struct Wires {
@@ -96,7 +88,7 @@ impl System {
     ///
     /// # Errors
     /// The FMU cannot be instantiated.
-    pub fn of_one(name: &str, fmu: Fmu, algorithm: Algorithm) -> Result<System> {
+    pub fn of_one(name: &str, fmu: Arc<Fmu>, algorithm: Algorithm) -> Result<System> {
         let instance = fmu.instantiate(name)?;
         Ok(System::new(vec![Component { name: name.to_owned(), fmu, instance }], algorithm))
     }
@@ -121,10 +113,11 @@ impl System {
     /// An FMU has no such values.
     pub(crate) fn connect(&mut self, wires: &Wires, connections: usize) -> Result<()> {
         let Wires { reals, integers, booleans, strings } = wires;
-        self.reals.connect(reals, &self.components)?;
-        self.integers.connect(integers, &self.components)?;
-        self.booleans.connect(booleans, &self.components)?;
-        self.strings.connect(strings, &self.components)?;
+        let instances: Vec<&Instance> = self.components.iter().map(|component| &component.instance).collect();
+        self.reals.connect(reals, &instances)?;
+        self.integers.connect(integers, &instances)?;
+        self.booleans.connect(booleans, &instances)?;
+        self.strings.connect(strings, &instances)?;
         self.connections += connections;
         Ok(())
     }
@@ -248,6 +241,19 @@ impl System {
             .join("\n")
     }
 
+    /// As it was made: without the parameters that were set, and not initialized.
+    ///
+    /// # Errors
+    /// A component refuses it.
+    pub fn reset(&mut self) -> Result<()> {
+        self.reals.forget();
+        self.integers.forget();
+        self.booleans.forget();
+        self.strings.forget();
+        self.time = 0.0;
+        self.each(|system, c| system.components[c].instance.reset())
+    }
+
     /// Terminates all components.
     ///
     /// # Errors
@@ -311,167 +317,4 @@ pub(crate) fn component_of<'a>(components: &[Component], name: &'a str) -> Optio
         Some((place, variable))
     });
     candidates.min_by_key(|(_, variable)| variable.len())
-}
-
-/// The FMI functions of a type.
-trait Signal {
-    type Value: Clone + Default + PartialEq;
-    fn get(instance: &Instance, selection: &Selection, values: &mut [Self::Value]) -> Result<()>;
-    fn set(instance: &Instance, selection: &Selection, values: &[Self::Value]) -> Result<()>;
-    /// What arrives of a value that is sent.
-    fn arrive(value: &Self::Value, _: Affine) -> Self::Value {
-        value.clone()
-    }
-}
-
-struct Reals;
-struct Integers;
-struct Booleans;
-struct Strings;
-
-impl Signal for Reals {
-    type Value = f64;
-    fn get(instance: &Instance, selection: &Selection, values: &mut [f64]) -> Result<()> {
-        instance.get_real(selection, values)
-    }
-    fn set(instance: &Instance, selection: &Selection, values: &[f64]) -> Result<()> {
-        instance.set_real(selection, values)
-    }
-    fn arrive(value: &f64, map: Affine) -> f64 {
-        map.apply(*value)
-    }
-}
-
-impl Signal for Integers {
-    type Value = i32;
-    fn get(instance: &Instance, selection: &Selection, values: &mut [i32]) -> Result<()> {
-        instance.get_integer(selection, values)
-    }
-    fn set(instance: &Instance, selection: &Selection, values: &[i32]) -> Result<()> {
-        instance.set_integer(selection, values)
-    }
-}
-
-impl Signal for Booleans {
-    type Value = i32;
-    fn get(instance: &Instance, selection: &Selection, values: &mut [i32]) -> Result<()> {
-        instance.get_boolean(selection, values)
-    }
-    fn set(instance: &Instance, selection: &Selection, values: &[i32]) -> Result<()> {
-        instance.set_boolean(selection, values)
-    }
-}
-
-impl Signal for Strings {
-    type Value = String;
-    fn get(instance: &Instance, selection: &Selection, values: &mut [String]) -> Result<()> {
-        instance.get_string(selection, values)
-    }
-    fn set(instance: &Instance, selection: &Selection, values: &[String]) -> Result<()> {
-        let values: Vec<&str> = values.iter().map(String::as_str).collect();
-        instance.set_string(selection, &values)
-    }
-}
-
-/// The connected variables of one type, by component.
-struct Channel<S: Signal> {
-    outputs: Vec<Outputs<S::Value>>,
-    inputs: Vec<Inputs<S::Value>>,
-}
-
-/// The connected outputs of a component.
-#[derive(Clone, Default)]
-struct Outputs<T> {
-    addresses: Vec<Address>,
-    selection: Selection,
-    newest: Vec<T>,
-    before: Vec<T>,
-}
-
-/// The connected inputs of a component.
-#[derive(Clone, Default)]
-struct Inputs<T> {
-    addresses: Vec<Address>,
-    selection: Selection,
-    sources: Vec<Source>,
-    values: Vec<T>,
-}
-
-/// Which output feeds an input.
-#[derive(Clone, Copy)]
-struct Source {
-    component: usize,
-    place: usize,
-    map: Affine,
-}
-
-impl<S: Signal> Channel<S> {
-    fn new(components: usize) -> Channel<S> {
-        Channel { outputs: vec![Outputs::default(); components], inputs: vec![Inputs::default(); components] }
-    }
-
-    fn connect(&mut self, wires: &[Wire], components: &[Component]) -> Result<()> {
-        // One output may feed several inputs and is read once.
-        let mut places = HashMap::new();
-        for wire in wires {
-            let outputs = &mut self.outputs[wire.from.0];
-            let place = *places.entry(wire.from).or_insert_with(|| {
-                outputs.addresses.push(wire.from.1);
-                outputs.newest.push(S::Value::default());
-                outputs.addresses.len() - 1
-            });
-            let inputs = &mut self.inputs[wire.to.0];
-            inputs.addresses.push(wire.to.1);
-            inputs.sources.push(Source { component: wire.from.0, place, map: wire.map });
-        }
-        for ((component, outputs), inputs) in components.iter().zip(&mut self.outputs).zip(&mut self.inputs) {
-            outputs.selection = component.instance.select_at(&outputs.addresses)?;
-            inputs.selection = component.instance.select_at(&inputs.addresses)?;
-        }
-        Ok(())
-    }
-
-    fn wiring(&self) -> String {
-        let inputs = self.inputs.iter().enumerate().flat_map(|(c, inputs)| {
-            let ends = inputs.addresses.iter().zip(&inputs.sources);
-            ends.map(move |(to, source)| (c, *to, source))
-        });
-        let lines = inputs.map(|(c, to, source)| {
-            let from = self.outputs[source.component].addresses[source.place];
-            format!("{}.{from} -> {c}.{to} {:?}", source.component, source.map)
-        });
-        let mut lines: Vec<String> = lines.collect();
-        lines.sort_unstable();
-        lines.join(" ")
-    }
-
-    fn feeds(&self, c: usize, address: Address) -> bool {
-        self.inputs[c].addresses.contains(&address)
-    }
-
-    fn read(&mut self, c: usize, instance: &Instance) -> Result<bool> {
-        let outputs = &mut self.outputs[c];
-        if outputs.addresses.is_empty() {
-            return Ok(false);
-        }
-        let first = outputs.before.is_empty();
-        outputs.before.clone_from(&outputs.newest);
-        S::get(instance, &outputs.selection, &mut outputs.newest)?;
-        Ok(first || outputs.before != outputs.newest)
-    }
-
-    fn send(&mut self, c: usize, instance: &Instance) -> Result<()> {
-        let Inputs { selection, sources, values, .. } = &mut self.inputs[c];
-        if selection.is_empty() {
-            return Ok(());
-        }
-        values.clear();
-        let outputs = &self.outputs;
-        values.extend(
-            sources
-                .iter()
-                .map(|source| S::arrive(&outputs[source.component].newest[source.place], source.map)),
-        );
-        S::set(instance, selection, values)
-    }
 }

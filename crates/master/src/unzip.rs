@@ -1,10 +1,10 @@
 //! An `.fmu`, or a zip of a Trial -> its files in a directory.
 
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
-use lemons_files::input;
+use lemons_files::{input, make_directories};
 use lemons_ssp::{Allowance, STRUCTURE_FILE, distinct, leads_outside};
 use std::ffi::OsStr;
-use std::fs::{File, create_dir_all};
+use std::fs::File;
 use std::io;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -179,10 +179,10 @@ fn extract(
         let to = to.fold(directory.to_owned(), |to, part| to.join(part));
         let unwritable = |source| UnzipError::Write { name: name.clone(), source };
         if entry.is_dir() || name.ends_with('/') {
-            create_dir_all(&to).map_err(unwritable)?;
+            make_directories(&to).map_err(unwritable)?;
             continue;
         }
-        create_dir_all(to.parent().unwrap_or(directory)).map_err(unwritable)?;
+        make_directories(to.parent().unwrap_or(directory)).map_err(unwritable)?;
         let mut file = File::create(&to).map_err(unwritable)?;
         allowance.copy(&name, entry, &mut file)?;
     }

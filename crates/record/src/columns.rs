@@ -5,7 +5,7 @@ pub use lemons_columns::Kind;
 
 /// Every quantity of the table of a run.
 pub(crate) fn all() -> impl Iterator<Item = &'static Quantity> {
-    MOTION.iter().chain(&CONTACTS).chain([&SQUEEZE]).chain(&OF_STEP).chain(&TOTALS)
+    MOTION.iter().chain(&CONTACTS).chain([&SQUEEZE]).chain(&OF_STEP).chain([&ACTIVE]).chain(&TOTALS)
 }
 
 /// A column of the table of a run, which is an output of the FMU.
@@ -92,6 +92,9 @@ pub const PEAK_OVERLAP: Quantity = quantity(
     Some("m"),
     "deepest overlap of a contact within the step that ends at this time",
 );
+/// 1 if the agent is there, 0 if not: it touches nothing and stands where it was last.
+pub const ACTIVE: Quantity =
+    quantity("active", "Active", None, "1 if the agent is there, 0 if it has left and touches nothing");
 /// Number of contacts between disks of the crowd, each pair once.
 pub const TOTAL_AGENT_CONTACTS: Quantity = quantity(
     "total_agent_contacts",
@@ -124,6 +127,8 @@ pub struct Groups {
     pub contacts: bool,
     /// [`OF_STEP`]; only together with the contacts.
     pub of_step: bool,
+    /// [`ACTIVE`]: agents may leave.
+    pub active: bool,
     /// [`TOTALS`].
     pub totals: bool,
 }
@@ -133,14 +138,15 @@ impl Groups {
     pub fn among(exists: impl Fn(&str) -> bool) -> Groups {
         let all = |group: &[Quantity]| group.iter().all(|quantity| exists(quantity.name));
         let contacts = all(&CONTACTS) && exists(SQUEEZE.name);
-        Groups { contacts, of_step: contacts && all(&OF_STEP), totals: all(&TOTALS) }
+        Groups { contacts, of_step: contacts && all(&OF_STEP), active: all(&[ACTIVE]), totals: all(&TOTALS) }
     }
 
     /// The quantities of an agent, in the order of the columns.
     pub fn of_agent(self) -> impl Iterator<Item = &'static Quantity> {
         let contacts = CONTACTS.iter().chain([&SQUEEZE]).filter(move |_| self.contacts);
         let of_step = OF_STEP.iter().filter(move |_| self.contacts && self.of_step);
-        MOTION.iter().chain(contacts).chain(of_step)
+        let active = [&ACTIVE].into_iter().filter(move |_| self.active);
+        MOTION.iter().chain(contacts).chain(of_step).chain(active)
     }
 
     /// The quantities of the whole crowd, which come last.

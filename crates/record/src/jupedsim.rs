@@ -71,8 +71,9 @@ fn fill(file: &Path, record: &Record, area: &Area, rate: f64) -> Result<(), Faul
         let mut insert = |at: usize, frame: &Frame| -> rusqlite::Result<()> {
             let at = at as i64;
             frames.execute([at, hash])?;
-            for (number, agent) in numbers.iter().zip(&frame.agents) {
-                let Pose { position, orientation } = agent.pose;
+            // Who has left has no more rows there.
+            for (place, agent) in frame.present() {
+                let (number, Pose { position, orientation }) = (numbers[place], agent.pose);
                 rows.execute(params![
                     at,
                     number,

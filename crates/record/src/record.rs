@@ -217,7 +217,10 @@ impl Record {
         };
         let mut file = BufWriter::new(lemons_files::unnamed().map_err(cannot)?);
         self.each(|_, frame| {
-            for position in frame.agents.iter().map(|agent| agent.pose.position) {
+            for (place, agent) in frame.agents.iter().enumerate() {
+                // Who has left is nowhere.
+                let position =
+                    if frame.is_there(place) { agent.pose.position } else { vec2(f64::NAN, f64::NAN) };
                 let written = file.write_all(&position.x.to_le_bytes());
                 written.and_then(|()| file.write_all(&position.y.to_le_bytes())).map_err(cannot)?;
             }
@@ -249,7 +252,7 @@ impl From<Run> for Record {
     }
 }
 
-/// Positions of all agents at all times, in a temporary file: for several passes, or for one agent after the other.
+/// Positions of all agents at all times, no numbers for those who have left, in a temporary file: for several passes, or for one agent after the other.
 pub struct Positions {
     file: File,
     agents: usize,
@@ -264,14 +267,15 @@ const POSITION: u64 = 16;
 const CHUNK: u64 = 4096;
 
 impl Positions {
-    /// \[m\] Positions in the order of time and of agents. If the temporary file cannot be read, they end early; see
+    /// \[m\] Positions of those who are there, in the order of time and of agents. If the temporary file cannot be read, they end early; see
     /// [`Positions::check`].
     pub fn iter(&self) -> impl Iterator<Item = Vec2> + Clone {
         let chunks = (0..self.count.div_ceil(CHUNK)).map(|chunk| chunk * CHUNK);
-        chunks.flat_map(|first| self.read(first, CHUNK.min(self.count - first)))
+        let all = chunks.flat_map(|first| self.read(first, CHUNK.min(self.count - first)));
+        all.filter(|position| position.is_finite())
     }
 
-    /// \[m\] of some agents at each time.
+    /// \[m\] of some agents at each time; no numbers for those who have left.
     pub(crate) fn of(&self, agents: std::ops::Range<usize>) -> impl Iterator<Item = Vec<Vec2>> {
         let (first, count) = (agents.start as u64, agents.len() as u64);
         (0..self.count / self.agents as u64).map(move |k| self.read(k * self.agents as u64 + first, count))

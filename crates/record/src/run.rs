@@ -26,6 +26,8 @@ pub struct Frame {
     pub agents: Vec<Motion>,
     /// What the contacts do to each agent, in the order of the run's Ids; `None` if the source has no such columns.
     pub observed: Option<Vec<Observed>>,
+    /// Whether each agent is there; `None` if the source has no such column, and all are.
+    pub active: Option<Vec<bool>>,
     /// Contacts of the whole crowd; `None` if the source has no such columns.
     pub totals: Option<Totals>,
     /// Contacts with their springs; `None` if the source does not record them.
@@ -102,11 +104,22 @@ impl Run {
 }
 
 impl Frame {
+    /// Whether an agent is there. One who is not has a row, too: it stands where it was last, and touches nothing.
+    pub fn is_there(&self, place: usize) -> bool {
+        self.active.as_ref().is_none_or(|active| active.get(place).copied().unwrap_or(true))
+    }
+
+    /// Those who are there, with their places.
+    pub fn present(&self) -> impl Iterator<Item = (usize, &Motion)> {
+        self.agents.iter().enumerate().filter(|(place, _)| self.is_there(*place))
+    }
+
     /// With the agents of these places.
     pub(crate) fn sorted(self, order: &[usize]) -> Frame {
         Frame {
             agents: order.iter().map(|&place| self.agents[place]).collect(),
             observed: self.observed.map(|all| order.iter().map(|&place| all[place]).collect()),
+            active: self.active.map(|all| order.iter().map(|&place| all[place]).collect()),
             ..self
         }
     }

@@ -105,7 +105,7 @@ impl Series {
             let agents = dynamics.iter().map(AgentDynamics::motion).collect();
             let observed = Some(observed(trial.agents.len(), &interactions));
             let interactions = Some(interactions);
-            each(Frame { time: *time, agents, observed, totals: None, interactions, place })?;
+            each(Frame { time: *time, agents, observed, interactions, place, ..Frame::default() })?;
         }
         Ok(trial.agents.iter().map(|agent| agent.id.clone()).collect())
     }
@@ -186,8 +186,8 @@ pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), Re
     })
 }
 
-/// The Trial that continues from the end of a run: with the poses, velocities and springs of the last frame. Runs do
-/// not record Fp and Mp; they stay those of the Trial.
+/// The Trial that continues from the end of a run: with the poses, velocities and springs of the last frame, without
+/// those who have left. Runs do not record Fp and Mp; they stay those of the Trial.
 ///
 /// # Errors
 /// The agents are not those of the Trial.
@@ -198,6 +198,10 @@ pub fn trial_at_end(run: &Run, trial: &Trial) -> Result<Trial, RecordError> {
     if let Some(last) = run.frames.into_iter().next() {
         let moved = last.agents.iter().map(AgentDynamics::of).zip(&trial.dynamics);
         trial.dynamics = moved.map(|(now, was)| AgentDynamics { fp: was.fp, mp: was.mp, ..now }).collect();
+        // A run in which people leave is a table, which has no springs: nothing names those who are taken out.
+        let (mut agent, mut motion) = (0.., 0..);
+        trial.agents.retain(|_| agent.next().is_some_and(|place| last.is_there(place)));
+        trial.dynamics.retain(|_| motion.next().is_some_and(|place| last.is_there(place)));
         trial.interactions = last.interactions.unwrap_or_default();
     }
     Ok(trial)

@@ -25,8 +25,9 @@ pub fn pedpy_into(record: &Record, file: Staged, path: &Path) -> Result<(), Reco
     let head = writeln!(out, "# framerate: {rate:?} fps\n# id frame x/m y/m z/m");
     head.map_err(cannot)?;
     record.each(|k, frame| {
-        let mut rows = names.numbers.iter().zip(&frame.agents);
-        let written = rows.try_for_each(|(number, agent)| {
+        // Who has left has no more rows there.
+        let written = frame.present().try_for_each(|(place, agent)| {
+            let number = names.numbers[place];
             writeln!(out, "{number} {k} {:?} {:?} 0.0", agent.pose.position.x, agent.pose.position.y)
         });
         Ok(written.map_err(WriteError::at(path))?)
@@ -58,6 +59,9 @@ pub fn chaos(record: &Record, directory: &Path) -> Result<(), RecordError> {
         let mut files = files.collect::<Result<Vec<_>, RecordError>>()?;
         for (time, positions) in record.times().zip(positions.of(first..first + paths.len())) {
             for ((out, path), position) in files.iter_mut().zip(positions) {
+                if !position.is_finite() {
+                    continue;
+                }
                 let written = writeln!(out, "{time:?},{:?},{:?},0.0", position.x, position.y);
                 written.map_err(WriteError::at(path))?;
             }
@@ -74,7 +78,7 @@ pub(crate) fn own(
     names: &[String],
     kind: impl Fn(&str) -> bool,
 ) -> Result<(), RecordError> {
-    std::fs::create_dir_all(directory).map_err(WriteError::at(directory))?;
+    lemons_files::make_directories(directory).map_err(WriteError::at(directory))?;
     let names: std::collections::BTreeSet<&str> = names.iter().map(String::as_str).collect();
     only_own(directory, |name| kind(name).then(|| names.contains(name))).map(drop)
 }

@@ -49,6 +49,7 @@ pub(super) trait Row {
 pub(super) struct Seen {
     motion: Motion,
     observed: Option<Observed>,
+    active: Option<bool>,
     totals: Option<Totals>,
 }
 
@@ -76,12 +77,18 @@ pub(super) fn read(row: &impl Row, groups: Groups) -> Result<Seen, String> {
         })
     };
     let first = 2 + groups.of_agent().count();
+    let active = || match row.count(first - 1)? {
+        0 => Ok(false),
+        1 => Ok(true),
+        other => Err(format!("{other} is neither 1 (there) nor 0 (left)")),
+    };
     let totals = || -> Result<Totals, String> {
         Ok(Totals { agent_contacts: row.count(first)?, wall_contacts: row.count(first + 1)? })
     };
     Ok(Seen {
         motion,
         observed: groups.contacts.then(observed).transpose()?,
+        active: groups.active.then(active).transpose()?,
         totals: groups.totals.then(totals).transpose()?,
     })
 }
@@ -106,6 +113,9 @@ impl From<RecordError> for Stop {
     }
 }
 
+/// What a row says of an agent: its motion, what was observed, and whether it is there.
+type OfAgent = (Motion, Option<Observed>, Option<bool>);
+
 /// Rows become frames.
 pub(super) struct Builder {
     /// What is counted in the file: lines or rows.
@@ -119,7 +129,7 @@ pub(super) struct Builder {
     /// Of the newest frame.
     totals: Option<Totals>,
     /// Of the newest frame, by place.
-    agents: Vec<Option<(Motion, Option<Observed>)>>,
+    agents: Vec<Option<OfAgent>>,
 }
 
 impl Builder {
@@ -131,7 +141,7 @@ impl Builder {
     /// Adds the `n`-th row; returns the previous frame if this row is the first of the next one.
     pub(super) fn add(&mut self, n: u64, time: f64, id: &str, seen: Seen) -> Result<Option<Frame>, String> {
         let what = self.what;
-        let Seen { motion, observed, totals } = seen;
+        let Seen { motion, observed, active, totals } = seen;
         let mut complete = None;
         match self.newest.as_ref().map(|(time, _)| *time) {
             Some(last) if time == last => {
@@ -163,7 +173,7 @@ impl Builder {
         let Some(&place) = self.places.get(id) else {
             return Err(format!("{what} {n}: column id: agent {id:?} was not there at the first time"));
         };
-        match self.agents[place].replace((motion, observed)) {
+        match self.agents[place].replace((motion, observed, active)) {
             Some(_) => Err(format!("{what} {n}: column id: agent {id:?} stands twice at t = {time:?} s")),
             None => Ok(complete),
         }
@@ -175,9 +185,11 @@ impl Builder {
         let all = self.agents.iter_mut().zip(&self.ids).map(|(agent, id)| {
             agent.take().ok_or_else(|| format!("{place}: at t = {time:?} s agent {id:?} is missing"))
         });
-        let (agents, observed): (_, Vec<_>) = all.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        let observed = observed.into_iter().collect();
-        Ok(Some(Frame { time, agents, observed, totals: self.totals, interactions: None, place }))
+        let all = all.collect::<Result<Vec<_>, _>>()?;
+        let agents = all.iter().map(|(motion, ..)| *motion).collect();
+        let observed = all.iter().map(|(_, observed, _)| *observed).collect();
+        let active = all.iter().map(|(.., active)| *active).collect();
+        Ok(Some(Frame { time, agents, observed, active, totals: self.totals, interactions: None, place }))
     }
 
     /// The last frame, and the Ids of all agents.

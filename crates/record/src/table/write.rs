@@ -230,6 +230,7 @@ impl Frames {
                 .chain(of_motion(frame.agents[k]))
                 .chain(observed.into_iter().flat_map(of_contacts))
                 .chain(of_step.into_iter().flat_map(of_the_step))
+                .chain(self.groups.active.then(|| count(frame.is_there(k).into())))
                 .chain(totals.into_iter().flat_map(of_crowd));
             self.table.row(frame.time, &mut cells)?;
         }
@@ -248,6 +249,9 @@ impl Frames {
         }
         if self.groups.of_step && observed.iter().any(|seen| seen.of_step.is_none()) {
             return Err("has no means and peaks of the step".into());
+        }
+        if self.groups.active && frame.active.as_ref().is_none_or(|active| active.len() != agents) {
+            return Err("does not say who is there".into());
         }
         if self.groups.totals && frame.totals.is_none() {
             return Err("has no contacts of the whole crowd".into());

@@ -21,7 +21,7 @@ fn columns_are_outputs_of_the_fmu_in_its_units() {
         assert!(is_output(variable.role), "{name}");
         match variable.kind {
             Kind::Real(unit) => assert_eq!(Some(unit.name), quantity.unit, "{name}"),
-            Kind::Integer => assert_eq!(None, quantity.unit, "{name}"),
+            Kind::Integer | Kind::Boolean => assert_eq!(None, quantity.unit, "{name}"),
             Kind::String => panic!("{name} is a text"),
         }
     };
@@ -40,7 +40,7 @@ fn columns_are_outputs_of_the_fmu_in_its_units() {
 /// For tests of programs in other languages. `COLUMNS_TABLE=write cargo test -p lemons-record --test record columns` writes it.
 #[test]
 fn the_committed_table_is_that_of_the_library() {
-    let groups = Groups { contacts: true, of_step: true, totals: true };
+    let groups = Groups { contacts: true, of_step: true, active: false, totals: true };
     let mut text = "name,unit,variable,description\n".to_owned();
     for Column { name, unit, variable, description, .. } in groups.columns() {
         let cells = [name, unit.unwrap_or_default(), variable, description];
@@ -69,7 +69,7 @@ fn the_manual_has_all_columns() {
     let first = table.take_while(|line| line.starts_with('|')).filter_map(|line| line.split('|').nth(1));
     let named: Vec<String> =
         first.flat_map(|cell| cell.split(',')).map(|name| name.trim().trim_matches('`').to_owned()).collect();
-    let groups = Groups { contacts: true, of_step: true, totals: true };
+    let groups = Groups { contacts: true, of_step: true, active: false, totals: true };
     let own: Vec<String> = groups.columns().into_iter().map(|column| column.name).collect();
     assert_eq!(named, own);
 }

@@ -10,7 +10,7 @@ use std::fs::File;
 use std::path::Path;
 use tempfile::TempDir;
 
-const ALL: Groups = Groups { contacts: true, of_step: true, totals: true };
+const ALL: Groups = Groups { contacts: true, of_step: true, active: true, totals: true };
 
 fn ids() -> Vec<String> {
     ["7", "a, \"quoted\"", "ß"].map(str::to_owned).to_vec()
@@ -51,6 +51,7 @@ fn frames(count: usize) -> Vec<Frame> {
         time: k as f64 * 0.1,
         agents: (0..3).map(|i| motion(10 * k + i)).collect(),
         observed: Some((0..3).map(|i| observed(7 * k + i)).collect()),
+        active: Some((0..3).map(|i| k < 2 + i).collect()),
         totals: Some(Totals { agent_contacts: k as u32, wall_contacts: 3 }),
         ..Frame::default()
     };
@@ -112,8 +113,9 @@ fn groups_that_are_not_written_are_not_read() {
         for groups in [
             Groups::default(),
             Groups { contacts: true, ..Groups::default() },
-            Groups { contacts: true, of_step: true, totals: false },
-            Groups { contacts: true, of_step: false, totals: true },
+            Groups { contacts: true, of_step: true, active: true, totals: false },
+            Groups { contacts: true, of_step: false, active: false, totals: true },
+            Groups { active: true, ..Groups::default() },
             Groups { totals: true, ..Groups::default() },
         ] {
             let path = directory.path().join("run");
@@ -164,7 +166,7 @@ fn only_the_same_table_is_continued() {
         let message = said(ALL, Extent { last: Some(0.5), ..right });
         assert!(message.contains("its last row is of t = 0.3"), "{message}");
         let message = said(Groups { totals: false, ..ALL }, right);
-        assert!(message.contains("column 16 is \"total_agent_contacts\", not missing"), "{message}");
+        assert!(message.contains("column 17 is \"total_agent_contacts\", not missing"), "{message}");
         // As many rows until the same time, of another run.
         let mut other = frames(4);
         other[1].agents[2].pose.position.x += 1e-9;

@@ -1,0 +1,162 @@
+//! Why there is no run, and what is probably not meant.
+
+use crate::error::Error;
+use crate::kind::Unexpected;
+use lemons_decision::WISHES_FILE;
+use lemons_trial::{DRIVE_FILE, Missed};
+use std::fmt;
+use std::path::PathBuf;
+
+/// What is probably not meant.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Warning {
+    /// A parameter value of an SSP for which no component has a variable: file, line and name.
+    Ignored(String),
+    /// A connection of the SSP feeds what is set.
+    Overwritten {
+        /// Of the parameter, as it was given.
+        name: String,
+        /// Its value.
+        value: String,
+        /// The input that is fed.
+        input: String,
+    },
+    /// Rows of the drive are never applied.
+    Missed(Missed),
+    /// The Trial has a drive file, which is not used because its people walk.
+    DriveOfWalkers {
+        /// The file that says where, as the user knows it.
+        plan: PathBuf,
+    },
+    /// Nothing moves a Trial's people: no drive, no `decision.toml`, no force and no speed at the start.
+    Still,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Warning::Ignored(text) => f.write_str(text),
+            Warning::Overwritten { name, value, input } => {
+                write!(f, "{name}={value}: overwritten by the connection that feeds {input}")
+            }
+            Warning::Missed(missed) => write!(f, "drive: {missed}"),
+            Warning::DriveOfWalkers { plan } => {
+                write!(f, "{DRIVE_FILE} is not used, because {} says where people walk", plan.display())
+            }
+            Warning::Still => write!(
+                f,
+                "nobody is driven: neither {WISHES_FILE} (where people walk) nor {DRIVE_FILE} is used, and \
+                 AgentDynamics.xml has no force and no speed"
+            ),
+        }
+    }
+}
+
+/// Why there is no such run.
+#[derive(Debug, thiserror::Error)]
+pub enum PrepareError {
+    /// The saved run contains the parameters.
+    #[error("{name}={value}: the saved run contains its parameters, and they cannot be changed")]
+    Parameter {
+        /// Of the first one.
+        name: String,
+        /// Its value.
+        value: String,
+    },
+    /// The saved run contains the number of threads.
+    #[error("{0} threads: the saved run contains its parameters, and they cannot be changed")]
+    Threads(i32),
+    /// The saved run contains the tolerance, or what was chosen by it.
+    #[error("a tolerance of {0:?}: the saved run contains its mechanical step, which cannot be changed")]
+    Tolerance(f64),
+    /// In an SSP the number of threads is a parameter of each component.
+    #[error("a number of threads is for a Trial or an FMU: in an SSP, set NAME.Threads={0}")]
+    ThreadsOfCoupled(i32),
+    /// In an SSP there is no drive.
+    #[error("a drive is for a Trial or an FMU: in an SSP inputs are fed by connections")]
+    DriveOfCoupled,
+    /// People who walk are not driven by a file, too.
+    #[error("people who walk ({}) are not driven by a file, too", .0.display())]
+    DriveOfWalkers(PathBuf),
+    /// Only people of a Trial walk by a file.
+    #[error("a file like {WISHES_FILE} is for a Trial, and not for an FMU or an SSP")]
+    PlanWithoutTrial,
+    /// What goes on is not a saved run.
+    #[error(transparent)]
+    NotSaved(Unexpected),
+    /// A parameter names no component of the SSP.
+    #[error("{name}={value}: expected COMPONENT.NAME; components are {}", components.join(", "))]
+    Component {
+        /// Of the parameter.
+        name: String,
+        /// Its value.
+        value: String,
+        /// Names of all of them.
+        components: Vec<String>,
+    },
+    /// The component has no such variable, but another one has.
+    #[error("{name}={value}: there is no such variable; did you mean {meant:?}?")]
+    OfOther {
+        /// Of the parameter.
+        name: String,
+        /// Its value.
+        value: String,
+        /// The name with the component that has it.
+        meant: String,
+    },
+    /// An FMU cannot save its state.
+    #[error("the run cannot be saved: component {component:?} says {flag}=\"false\"")]
+    CannotSave {
+        /// Its name.
+        component: String,
+        /// The flag of its model description.
+        flag: &'static str,
+    },
+    /// The end is not after the beginning.
+    #[error(
+        "nothing to simulate: {} {first:?} s and stops at {until:?} s",
+        if *resumed { "the saved run is at" } else { "it starts at" }
+    )]
+    Nothing {
+        /// \[s\]
+        first: f64,
+        /// \[s\]
+        until: f64,
+        /// Whether a saved run is to go on.
+        resumed: bool,
+    },
+    /// Nothing says how long a communication step is.
+    #[error("no FMU has a DefaultExperiment with a stepSize")]
+    NoStep,
+    /// The saved run has another communication step.
+    #[error("a communication step of {step:?} s: the saved run has a communication step of {saved:?} s")]
+    OtherStep {
+        /// \[s\]
+        step: f64,
+        /// \[s\]
+        saved: f64,
+    },
+    /// The saved run has recorded other communication points.
+    #[error("one communication point in {every}: the saved run has one in {saved}")]
+    OtherEvery {
+        /// What is wanted.
+        every: u64,
+        /// What is recorded.
+        saved: u64,
+    },
+    /// No communication point would be recorded.
+    #[error("one communication point in 0 cannot be recorded: the number must be at least 1")]
+    Every,
+    /// The saved run had another drive.
+    #[error("the saved run had another drive")]
+    OtherDrive,
+    /// The saved run has no people who walk, but now they would.
+    #[error("nobody walked by a file in the saved run, but now people would walk ({})", .0.display())]
+    NowWalks(PathBuf),
+    /// In the saved run people walked.
+    #[error("people walked by a file like {WISHES_FILE} in the saved run, but now nobody would")]
+    NoLongerWalks,
+    /// An FMU, an SSP, the drive or the saved run.
+    #[error(transparent)]
+    Run(#[from] Error),
+}
