@@ -1,0 +1,120 @@
+//! How dense a crowd is in an area, and how fast.
+
+use crate::present;
+use crate::voronoi::{Room, Shape, area, contour, intersection};
+use lemons_plane::{Bounds, Ring, Vec2};
+use lemons_record::Frame;
+
+/// An area in which a crowd is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuringArea {
+    ring: Ring,
+    shape: Shape,
+    bounds: Bounds,
+}
+
+/// A crowd in an area at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Density {
+    /// \[s\]
+    pub time: f64,
+    /// People whose centre of mass is in the area.
+    pub people: usize,
+    /// \[1/m²\] Their number over the area.
+    pub classic: f64,
+    /// \[1/m²\] Of each person the part of the Voronoi cell that is in the area; the sum over the area.
+    pub voronoi: f64,
+    /// \[m/s\] Mean speed of those in the area; `None` without any.
+    pub speed: Option<f64>,
+}
+
+impl MeasuringArea {
+    /// Inside a ring \[m\]; `None` if it crosses itself or has no area.
+    pub fn inside(ring: Ring) -> Option<MeasuringArea> {
+        let whole = ring.is_simple() && ring.area() > 0.0;
+        whole.then(|| MeasuringArea { shape: vec![contour(&ring)], bounds: ring.bounds(), ring })
+    }
+
+    /// Returns the area \[m²\].
+    pub fn area(&self) -> f64 {
+        self.ring.area()
+    }
+
+    /// Measures a frame. `room` is where people can be.
+    pub fn measure(&self, frame: &Frame, room: &Room) -> Density {
+        let there: Vec<_> = (0..frame.agents.len()).filter_map(|agent| present(frame, agent)).collect();
+        let inside = there.iter().filter(|motion| self.ring.contains(motion.pose.position));
+        let speeds: Vec<f64> = inside.map(|motion| motion.twist.velocity.norm()).collect();
+        let people: Vec<Vec2> = there.iter().map(|motion| motion.pose.position).collect();
+        let cells = room.cells(&people, self.bounds).into_iter().flatten();
+        // A cell without area is that of somebody outside of the room, or squeezed into a corner of the polygon.
+        let parts = cells.filter(|cell| cell.area > 0.0).map(|cell| {
+            let common: f64 = intersection(&cell.shape, &self.shape).iter().map(area).sum();
+            common / cell.area
+        });
+        let voronoi = parts.sum::<f64>() / self.area();
+        let count = speeds.len();
+        Density {
+            time: frame.time,
+            people: count,
+            classic: count as f64 / self.area(),
+            voronoi,
+            speed: (count > 0).then(|| speeds.iter().sum::<f64>() / count as f64),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lemons_plane::{Motion, Pose, Twist, vec2};
+
+    fn frame(places: &[(f64, f64)]) -> Frame {
+        let motion = |&(x, y): &(f64, f64)| Motion {
+            pose: Pose { position: vec2(x, y), orientation: 0.0 },
+            twist: Twist { velocity: vec2(0.3 * x, 0.4 * x), angular_velocity: 0.0 },
+        };
+        Frame { agents: places.iter().map(motion).collect(), ..Frame::default() }
+    }
+
+    fn square(low: f64, high: f64) -> Ring {
+        Ring::around(Bounds { low: vec2(low, low), high: vec2(high, high) })
+    }
+
+    #[test]
+    fn a_lattice_has_the_density_of_its_cells() {
+        let places: Vec<(f64, f64)> = (0..10)
+            .flat_map(|i| (0..10).map(move |k| (f64::from(i) * 0.5 + 0.25, f64::from(k) * 0.5 + 0.25)))
+            .collect();
+        let room = Room::of(&[square(0.0, 5.0)]).unwrap();
+        // Its rim cuts cells, which the classic density cannot see.
+        let area = MeasuringArea::inside(square(1.1, 3.7)).unwrap();
+        let seen = area.measure(&frame(&places), &room);
+        assert!((seen.voronoi - 4.0).abs() < 1e-6, "{seen:?}");
+        assert_eq!((seen.people, seen.classic), (25, 25.0 / area.area()));
+        // |v| = x / 2, of x = 1.25, 1.75, …, 3.25.
+        assert!((seen.speed.unwrap() - 1.125).abs() < 1e-12);
+        let nobody = area.measure(&frame(&[]), &room);
+        assert_eq!((nobody.people, nobody.voronoi, nobody.speed), (0, 0.0, None));
+    }
+
+    #[test]
+    fn who_has_left_counts_no_more() {
+        let room = Room::of(&[square(0.0, 5.0)]).unwrap();
+        let area = MeasuringArea::inside(square(0.0, 5.0)).unwrap();
+        let seen = area.measure(&frame(&[(1.0, 1.0), (f64::NAN, f64::NAN)]), &room);
+        assert!((seen.people, seen.classic) == (1, 0.04) && (seen.voronoi - 0.04).abs() < 1e-9, "{seen:?}");
+        // Two at one place are two.
+        let seen = area.measure(&frame(&[(1.0, 1.0), (1.0, 1.0)]), &room);
+        assert!((seen.voronoi - 0.08).abs() < 1e-9, "{seen:?}");
+    }
+
+    #[test]
+    fn an_area_is_no_line_and_no_bow() {
+        let ring = |corners: &[(f64, f64)]| {
+            Ring::through(corners.iter().map(|&(x, y)| vec2(x, y)).collect()).unwrap()
+        };
+        assert_eq!(MeasuringArea::inside(ring(&[(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)])), None);
+        assert_eq!(MeasuringArea::inside(ring(&[(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])), None);
+    }
+}

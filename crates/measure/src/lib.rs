@@ -1,0 +1,30 @@
+//! What is measured of a run: who crosses a line and when ([`Line`], [`Passages`], [`Flow`]), how dense a crowd is in an
+//! area ([`Room`], [`MeasuringArea`]), how long and how hard people are squeezed ([`Exposure`]).
+//!
+//! Frames are given one after the other, in the order of time; nothing here keeps them. docs/measure.md defines each
+//! number. SI units.
+
+mod crossing;
+mod density;
+mod exposure;
+mod flow;
+mod passages;
+mod quantile;
+mod voronoi;
+
+pub use crossing::{Crossing, Line, Way};
+pub use density::{Density, MeasuringArea};
+pub use exposure::{Exposed, Exposure, SPANS};
+pub use flow::{Flow, Window, windows};
+pub use passages::{Passage, Passages};
+pub use quantile::quantile;
+pub use voronoi::Room;
+
+use lemons_plane::Motion;
+use lemons_record::Frame;
+
+/// Returns where a person is and how it moves; `None` if the person is not in the frame, or has left.
+pub fn present(frame: &Frame, agent: usize) -> Option<&Motion> {
+    let motion = frame.agents.get(agent).filter(|_| frame.is_there(agent));
+    motion.filter(|motion| motion.pose.position.is_finite())
+}
