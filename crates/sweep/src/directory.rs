@@ -101,11 +101,14 @@ impl Directory {
         }
         let text = input::read_text(&path, input::LARGEST_SETTINGS).place(|| path.display().to_string())?;
         let before: Value = serde_json::from_str(&text).place(|| path.display().to_string())?;
-        let other: Vec<String> = manifest
+        let mut other: Vec<String> = manifest
             .iter()
             .filter(|(key, value)| before.get(key.as_str()) != Some(*value))
             .map(|(key, _)| key.clone())
             .collect();
+        // A plan or a condition that this sweep does not have.
+        let keys = before.as_object().into_iter().flat_map(|before| before.keys());
+        other.extend(keys.filter(|key| !manifest.contains_key(*key)).cloned());
         if !other.is_empty() {
             let directory = self.path.clone();
             return Err(Error::OtherSweep { directory, keys: other, manifest: MANIFEST });

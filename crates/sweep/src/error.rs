@@ -1,5 +1,6 @@
 //! What can go wrong with a sweep.
 
+use lemons_master::PrepareError;
 use std::io;
 use std::path::PathBuf;
 
@@ -41,6 +42,9 @@ pub enum Error {
     /// The FMU or the drive cannot be used, or the FMU fails.
     #[error(transparent)]
     Master(#[from] lemons_master::Error),
+    /// What is given does not fit together.
+    #[error(transparent)]
+    Prepare(PrepareError),
     /// Another process writes into the directory.
     #[error("{}: another process writes its results here", .0.display())]
     Busy(PathBuf),
@@ -72,6 +76,15 @@ pub enum Error {
     /// A fault in this program.
     #[error("a worker thread panicked")]
     Worker,
+}
+
+impl From<PrepareError> for Error {
+    fn from(error: PrepareError) -> Error {
+        match error {
+            PrepareError::Run(error) => Error::Master(error),
+            error => Error::Prepare(error),
+        }
+    }
 }
 
 impl Error {

@@ -1,20 +1,32 @@
-//! Parameter sweeps: many runs of one FMU with different parameters, on all processors.
+//! Parameter sweeps: many runs with different parameters, on all processors: of an FMU, of a Trial, alone or with the plan
+//! by which its people walk, or of several Trials.
 //!
 //! A [`Spec`] (`sweep.toml`) gives the model, the values of the parameters and the measures. [`sweep`] simulates the
 //! points that are not yet in a [`Directory`] and writes their results as they finish; a sweep that was killed
 //! continues there. The directory has the format of the Python package `lemons_fmu`; its README describes it exactly.
 
+mod axes;
 mod directory;
 mod error;
+mod identity;
 mod measure;
+mod models;
+mod output;
 mod points;
 mod simulate;
 mod spec;
+mod stop;
+mod subject;
 mod sweep;
+mod template;
 
 pub use directory::{Directory, Finished};
 pub use error::{Error, Result};
-pub use measure::{Measure, Of, Take};
+pub use measure::{Measure, Take};
+pub use models::Plan;
+pub use output::{Of, Quantity};
 pub use points::{Points, Values};
 pub use spec::Spec;
-pub use sweep::{How, Progress, sweep};
+pub use stop::Stop;
+pub use sweep::{How, Progress, Swept, sweep};
+pub use template::Template;

@@ -1,57 +1,7 @@
 //! Measures: numbers computed from the outputs of a run at the communication points.
 
-use lemons_record::columns;
+use crate::output::Of;
 use serde::{Deserialize, Serialize};
-
-/// An output of each agent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Of {
-    /// \[m\] x of the centre of mass.
-    X,
-    /// \[m\] y of the centre of mass.
-    Y,
-    /// \[rad\] orientation.
-    Theta,
-    /// \[m/s\] speed.
-    Speed,
-    /// \[rad/s\] angular velocity.
-    Omega,
-    /// \[N\] sum of |F_n| over its contacts at a communication point. It may miss a short collision.
-    Squeeze,
-    /// \[N\] time average of the squeeze over a communication step.
-    MeanSqueeze,
-    /// \[N\] largest squeeze within a communication step.
-    PeakSqueeze,
-    /// \[m\] deepest overlap of its contacts within a communication step.
-    PeakOverlap,
-    /// Number of contacts with disks of other agents.
-    AgentContacts,
-    /// Number of contacts with walls.
-    WallContacts,
-    /// Number of other agents that touch it.
-    ContactingAgents,
-}
-
-impl Of {
-    /// Names of the Real outputs it is computed from, and of the Integer ones.
-    pub(crate) fn outputs(self) -> (&'static [&'static str], &'static [&'static str]) {
-        match self {
-            Of::X => (&[columns::X.variable], &[]),
-            Of::Y => (&[columns::Y.variable], &[]),
-            Of::Theta => (&[columns::THETA.variable], &[]),
-            Of::Speed => (&[columns::VX.variable, columns::VY.variable], &[]),
-            Of::Omega => (&[columns::OMEGA.variable], &[]),
-            Of::Squeeze => (&[columns::SQUEEZE.variable], &[]),
-            Of::MeanSqueeze => (&[columns::MEAN_SQUEEZE.variable], &[]),
-            Of::PeakSqueeze => (&[columns::PEAK_SQUEEZE.variable], &[]),
-            Of::PeakOverlap => (&[columns::PEAK_OVERLAP.variable], &[]),
-            Of::AgentContacts => (&[], &[columns::AGENT_CONTACTS.variable]),
-            Of::WallContacts => (&[], &[columns::WALL_CONTACTS.variable]),
-            Of::ContactingAgents => (&[], &[columns::CONTACTING_AGENTS.variable]),
-        }
-    }
-}
 
 /// How the values of an output over time become one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -71,6 +21,8 @@ pub enum Take {
     Reach,
     /// \[s\] The first time at which the value is above `level`; missing if it never is.
     FirstAbove,
+    /// \[s\] The first time at which the value is `level` or more; missing if it never is.
+    FirstAtLeast,
 }
 
 /// How the numbers of several agents become one.
@@ -93,7 +45,7 @@ pub struct Measure {
     pub of: Of,
     /// The function of its values over time.
     pub take: Take,
-    /// The level for [`Take::FirstAbove`].
+    /// The level for [`Take::FirstAbove`] and [`Take::FirstAtLeast`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
     /// Ids of agents in Agents.xml; empty: all agents.
@@ -105,16 +57,27 @@ pub struct Measure {
 }
 
 impl Measure {
-    /// Checks that the measure is complete, for a number of agents.
+    /// Checks that the measure is complete, for a number of values.
     ///
     /// # Errors
     /// A sentence that names what is missing.
     pub fn check(&self, agents: usize) -> Result<(), String> {
-        match (self.take, self.level) {
-            (Take::FirstAbove, None) => return Err("take = \"first_above\" needs a level".into()),
-            (Take::FirstAbove, Some(level)) if !level.is_finite() => return Err("level is not finite".into()),
-            (Take::FirstAbove, Some(_)) | (_, None) => {}
-            (_, Some(_)) => return Err("level needs take = \"first_above\"".into()),
+        self.of.check()?;
+        let (take, seeks) = match self.take {
+            Take::FirstAbove => ("first_above", true),
+            Take::FirstAtLeast => ("first_at_least", true),
+            _ => ("", false),
+        };
+        match self.level {
+            None if seeks => return Err(format!("take = {take:?} needs a level")),
+            Some(level) if seeks && !level.is_finite() => return Err("level is not finite".into()),
+            Some(_) if !seeks => {
+                return Err("level needs take = \"first_above\" or \"first_at_least\"".into());
+            }
+            _ => {}
+        }
+        if !self.of.is_of_agents() && !self.agents.is_empty() {
+            return Err("agents: it is one value, and not one of each agent".into());
         }
         let single = matches!(self.take, Take::Max | Take::Min | Take::Mean);
         if agents > 1 && !single && self.across.is_none() {
@@ -138,15 +101,24 @@ pub(crate) struct Watched<'a> {
     agents: Vec<Course>,
 }
 
-/// The values of one agent so far.
+/// The values of one agent so far, as long as it is there.
 struct Course {
-    first: f64,
+    /// `None` as long as it was not there.
+    first: Option<f64>,
     last: f64,
     least: f64,
     greatest: f64,
     sum: f64,
     steps: u32,
-    above: Option<f64>,
+    /// \[s\] When the level was reached.
+    reached: Option<f64>,
+}
+
+impl Default for Course {
+    fn default() -> Course {
+        let (least, greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+        Course { first: None, last: 0.0, least, greatest, sum: 0.0, steps: 0, reached: None }
+    }
 }
 
 impl<'a> Watched<'a> {
@@ -154,52 +126,56 @@ impl<'a> Watched<'a> {
         Watched { measure, agents: Vec::new() }
     }
 
-    /// Adds the values of all its agents at a time \[s\].
-    pub fn look(&mut self, time: f64, values: impl Iterator<Item = f64>) {
+    /// Adds the values of all its agents at a time \[s\]; `None` for those who have left.
+    pub fn look(&mut self, time: f64, values: impl Iterator<Item = Option<f64>>) {
         let level = self.measure.level.unwrap_or(f64::INFINITY);
-        if self.agents.is_empty() {
-            let begin = |value: f64| Course {
-                first: value,
-                last: value,
-                least: value,
-                greatest: value,
-                sum: 0.0,
-                steps: 0,
-                above: (value > level).then_some(time),
-            };
-            self.agents = values.map(begin).collect();
-            return;
-        }
-        for (course, value) in self.agents.iter_mut().zip(values) {
+        let or_equal = self.measure.take == Take::FirstAtLeast;
+        let reaches = |value: f64| value > level || (or_equal && value == level);
+        let begins = self.agents.is_empty();
+        for (k, value) in values.enumerate() {
+            if begins {
+                self.agents.push(Course::default());
+            }
+            let (Some(course), Some(value)) = (self.agents.get_mut(k), value) else { continue };
             course.last = value;
             course.least = course.least.min(value);
             course.greatest = course.greatest.max(value);
-            course.sum += value;
-            course.steps += 1;
-            if course.above.is_none() && value > level {
-                course.above = Some(time);
+            // A mean is that of the steps, not of the start.
+            if !begins {
+                course.sum += value;
+                course.steps += 1;
+            }
+            course.first.get_or_insert(value);
+            if course.reached.is_none() && reaches(value) {
+                course.reached = Some(time);
             }
         }
     }
 
-    /// Returns the result; `None` if there is none because no agent reached the level.
+    /// Returns the result. It is `None` where an agent that counts never reached the level: the latest of several, and
+    /// their mean, have all of them; the earliest has those who did.
     pub fn value(&self) -> Option<f64> {
         let of = |course: &Course| match self.measure.take {
             Take::Max => Some(course.greatest),
             Take::Min => Some(course.least),
             Take::Mean => Some(course.sum / f64::from(course.steps.max(1))),
             Take::Last => Some(course.last),
-            Take::Change => Some(course.last - course.first),
-            Take::Reach => Some((course.greatest - course.first).max(course.first - course.least)),
-            Take::FirstAbove => course.above,
+            Take::Change => Some(course.last - course.first?),
+            Take::Reach => Some((course.greatest - course.first?).max(course.first? - course.least)),
+            Take::FirstAbove | Take::FirstAtLeast => course.reached,
         };
-        let values: Vec<f64> = self.agents.iter().filter_map(of).collect();
-        let count = values.len() as f64;
-        match self.measure.across() {
-            Across::Max => values.into_iter().reduce(f64::max),
-            Across::Min => values.into_iter().reduce(f64::min),
-            Across::Mean => values.into_iter().reduce(|a, b| a + b).map(|sum| sum / count),
-        }
+        // Who never was there says nothing.
+        let known = || self.agents.iter().filter(|course| course.first.is_some());
+        let count = known().count() as f64;
+        // Who never reaches it does so later than anybody else.
+        let values = known().map(|course| of(course).unwrap_or(f64::INFINITY));
+        let result = match self.measure.across() {
+            Across::Max => values.reduce(f64::max),
+            Across::Min => values.reduce(f64::min),
+            Across::Mean => values.reduce(|a, b| a + b).map(|sum| sum / count),
+        };
+        let seeks = matches!(self.measure.take, Take::FirstAbove | Take::FirstAtLeast);
+        result.filter(|value| !(seeks && value.is_infinite()))
     }
 }
 
@@ -212,9 +188,29 @@ mod tests {
         measure.check(2).unwrap();
         let mut watched = Watched::new(&measure);
         for (time, values) in [(0.0, [1.0, 4.0]), (0.5, [3.0, 0.0]), (1.0, [2.0, 2.0])] {
-            watched.look(time, values.into_iter());
+            watched.look(time, values.into_iter().map(Some));
         }
         watched.value()
+    }
+
+    /// The second of two leaves after half a second.
+    #[test]
+    fn who_has_left_does_not_count() {
+        for (text, expected) in [
+            ("of = 'x'\ntake = 'mean'\nacross = 'min'", 0.0),
+            ("of = 'x'\ntake = 'mean'\nacross = 'max'", 2.5),
+            ("of = 'x'\ntake = 'last'\nacross = 'min'", 0.0),
+            ("of = 'x'\ntake = 'min'\nacross = 'max'", 1.0),
+        ] {
+            let measure: Measure = toml::from_str(text).unwrap();
+            let mut watched = Watched::new(&measure);
+            for (time, values) in
+                [(0.0, [Some(1.0), Some(4.0)]), (0.5, [Some(3.0), Some(0.0)]), (1.0, [Some(2.0), None])]
+            {
+                watched.look(time, values.into_iter());
+            }
+            assert_eq!(watched.value(), Some(expected), "{text}");
+        }
     }
 
     #[test]
@@ -230,6 +226,12 @@ mod tests {
             ("of = 'x'\ntake = 'first_above'\nlevel = 2.5\nacross = 'max'", Some(0.5)),
             ("of = 'x'\ntake = 'first_above'\nlevel = 2.5\nacross = 'min'", Some(0.0)),
             ("of = 'x'\ntake = 'first_above'\nlevel = 5\nacross = 'min'", None),
+            ("of = 'x'\ntake = 'first_above'\nlevel = 3\nacross = 'min'", Some(0.0)),
+            ("of = 'x'\ntake = 'first_at_least'\nlevel = 3\nacross = 'max'", Some(0.5)),
+            ("of = 'agent[*].Y'\ntake = 'first_at_least'\nlevel = 4\nacross = 'min'", Some(0.0)),
+            // One of the two never gets there.
+            ("of = 'x'\ntake = 'first_above'\nlevel = 3\nacross = 'max'", None),
+            ("of = 'x'\ntake = 'first_above'\nlevel = 3\nacross = 'mean'", None),
         ] {
             assert_eq!(value(text), expected, "{text}");
         }
@@ -241,6 +243,8 @@ mod tests {
         assert!(said("of = 'x'\ntake = 'last'", 2).contains("across"));
         assert!(said("of = 'x'\ntake = 'first_above'", 1).contains("level"));
         assert!(said("of = 'x'\ntake = 'max'\nlevel = 1", 1).contains("level"));
-        assert!(toml::from_str::<Measure>("of = 'mood'\ntake = 'max'").is_err());
+        assert!(said("of = 'x'\ntake = 'first_at_least'", 1).contains("\"first_at_least\" needs a level"));
+        assert!(said("of = 'mood'\ntake = 'max'", 1).contains("of = \"mood\": neither a quantity"));
+        assert!(said("of = 'decision.Arrived'\ntake = 'last'\nagents = ['0']", 1).contains("agents"));
     }
 }

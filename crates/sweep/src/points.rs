@@ -101,12 +101,14 @@ impl Values {
 }
 
 impl Points {
-    /// Returns the directories where points write files themselves.
-    pub fn output_directories(&self) -> impl Iterator<Item = String> {
-        let values = self.columns.iter().find(|(name, _)| name == OUTPUT_DIRECTORY);
-        let texts =
-            values.into_iter().flat_map(|(_, values)| (0..self.count).map(|point| values.text(point)));
-        texts.filter(|text| !text.is_empty())
+    /// Returns the points that write files themselves, with their directories.
+    pub fn output_directories(&self) -> impl Iterator<Item = (usize, String)> {
+        let own = |name: &str| name.strip_prefix("crowd.").unwrap_or(name) == OUTPUT_DIRECTORY;
+        let values = self.columns.iter().find(|(name, _)| own(name));
+        let of =
+            |values: &'_ Values| (0..self.count).map(|point| (point, values.text(point))).collect::<Vec<_>>();
+        let texts = values.into_iter().flat_map(move |(_, values)| of(values));
+        texts.filter(|(_, text)| !text.is_empty())
     }
 
     /// Returns all combinations. The last parameter varies fastest.

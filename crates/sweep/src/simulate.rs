@@ -1,125 +1,213 @@
 //! Simulates one point.
 
 use crate::error::{Error, Place, Result};
-use crate::measure::{Measure, Watched};
-use crate::points::Values;
+use crate::identity;
+use crate::measure::Watched;
+use crate::models::Models;
+use crate::output::Names;
 use crate::spec::Spec;
-use lemons_master::{Clock, Fmu, Instance, Observer, Pushes, Reached, Selection};
-use lemons_ssp::Type;
-use lemons_trial::DriveTable;
-use lemons_trial::Trial;
+use crate::stop::Stop;
+use crate::subject::Subject;
+use lemons_master::{Kind, Observer, PlanChoice, Pushes, Reached, Selection, System};
+use lemons_trial::DriveChoice;
+use serde_json::{Map, Value};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Data shared by all points.
 pub struct Job {
-    pub fmu: Fmu,
-    pub trial: Trial,
-    pub drive: DriveTable,
     pub spec: Spec,
-    /// \[s\] Communication step.
-    pub step: f64,
+    models: Models,
+    subjects: Vec<Shared>,
+    /// The only one, which all points need.
+    _only: Option<Arc<Subject>>,
 }
 
-/// An instance that simulates points one after the other.
-pub struct Worker<'a> {
-    job: &'a Job,
-    clock: Clock,
-    instance: Instance,
-    pushes: Pushes,
-    looks: Vec<Look>,
-}
-
-/// Where a measure's values are read.
-struct Look {
-    reals: Selection,
-    integers: Selection,
-    /// Number of values for each agent.
-    width: usize,
+/// One of the models: in memory while a worker uses it.
+struct Shared {
+    /// By which it is known again.
+    digest: String,
+    subject: Mutex<Weak<Subject>>,
 }
 
 impl Job {
-    fn clock(&self) -> Result<Clock> {
-        Ok(Clock::new(0.0, self.step, self.spec.until).map_err(lemons_master::Error::from)?)
-    }
-
-    /// Checks that the FMU has all variables that are set and measured.
-    pub fn check(&self) -> Result<()> {
-        self.clock().place(|| "until".into())?;
-        for (parameter, values) in &self.spec.points.columns {
-            if parameter == "Trial" {
-                // Drive, TimeStep and agents would be those of another Trial.
-                return Err(Error::Spec("parameters: Trial: each Trial needs a sweep of its own".into()));
-            }
-            for name in self.fmu.named(parameter) {
-                let Some(kind) = self.fmu.kind(&name) else {
-                    return Err(Error::Spec(format!(
-                        "parameters: {parameter}: the FMU has no variable {name:?}; see lemons info"
-                    )));
-                };
-                // A text that is a number is used as a number.
-                if let (Type::Real(_), Values::Texts(texts)) = (kind, values) {
-                    let endless = |text: &&String| text.parse().is_ok_and(|value: f64| !value.is_finite());
-                    if let Some(text) = texts.iter().find(endless) {
-                        return Err(Error::Spec(format!(
-                            "parameters: {parameter}: {text}: must be a finite number"
-                        )));
-                    }
+    /// Loads and checks all models, one after the other; a single one stays loaded. Returns what must be equal to
+    /// continue, and what is probably not meant.
+    pub fn open(spec: Spec) -> Result<(Job, Map<String, Value>, Vec<String>)> {
+        let models = spec.models()?;
+        if models.all.len() > 1 {
+            check_read_again(&spec, &models)?;
+        }
+        let (mut subjects, mut warnings) = (Vec::new(), Vec::new());
+        let (mut identity, mut only) = (identity::of_spec(&spec)?, None);
+        for simulated in &models.all {
+            let subject = Subject::open(&spec, simulated);
+            // With several, a sentence about a parameter does not say of which one.
+            let subject = match subject {
+                Err(error @ Error::Spec(_)) if models.all.len() > 1 => {
+                    Err(error).place(|| simulated.0.display().to_string())?
                 }
+                subject => Arc::new(subject?),
+            };
+            let warning = subject.model.warning(&spec.drive);
+            warnings.extend(warning.map(|warning| format!("{}: {warning}", simulated.0.display())));
+            let own = identity::of_subject(&spec, &subject)?;
+            let (digest, subject_of) = (identity::digest(&own)?, Mutex::new(Arc::downgrade(&subject)));
+            subjects.push(Shared { digest, subject: subject_of });
+            if models.all.len() == 1 {
+                identity.extend(own);
+                only = Some(subject);
             }
         }
-        for (name, measure) in &self.spec.measures {
-            let agents = self.places(measure).place(|| format!("measures: {name}"))?.len();
-            measure.check(agents).map_err(|what| Error::Spec(format!("measures: {name}: {what}")))?;
+        if only.is_none() {
+            let all: Vec<String> = subjects.iter().map(|shared| shared.digest.clone()).collect();
+            identity.extend(identity::of_subjects(&all));
         }
-        Ok(())
+        Ok((Job { spec, models, subjects, _only: only }, identity, warnings))
     }
 
-    fn places(&self, measure: &Measure) -> Result<Vec<usize>> {
-        let known = &self.trial.agents;
-        if measure.agents.is_empty() {
-            return Ok((0..known.len()).collect());
+    /// One of the models, loaded again if nobody uses it now.
+    fn subject(&self, place: usize) -> Result<Arc<Subject>> {
+        let Shared { digest, subject } = &self.subjects[place];
+        let mut kept = subject.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(subject) = kept.upgrade() {
+            return Ok(subject);
         }
-        let place = |id: &String| {
-            let found = known.iter().position(|agent| agent.id == *id);
-            found.ok_or_else(|| Error::Spec(format!("there is no agent {id:?}")))
-        };
-        measure.agents.iter().map(place).collect()
+        let simulated = &self.models.all[place];
+        let subject = Arc::new(Subject::open(&self.spec, simulated)?);
+        if identity::digest(&identity::of_subject(&self.spec, &subject)?)? != *digest {
+            let path = simulated.0.display();
+            return Err(Error::Spec(format!("{path}: it was changed while the sweep was running")));
+        }
+        *kept = Arc::downgrade(&subject);
+        Ok(subject)
+    }
+
+    /// Removes the files of all models that are in use.
+    pub fn remove_files(&self) {
+        for Shared { subject, .. } in &self.subjects {
+            // Who holds the lock now loads it, and ends with the program.
+            let subject = subject.try_lock().ok().and_then(|kept| kept.upgrade());
+            subject.iter().for_each(|subject| subject.model.remove_files());
+        }
     }
 }
 
+/// That files of several models can be read again: a pipe cannot.
+fn check_read_again(spec: &Spec, models: &Models) -> Result<()> {
+    let drive = if let DriveChoice::File(path) = &spec.drive { Some(path) } else { None };
+    let plans = models.all.iter().filter_map(|(_, plan)| match plan {
+        PlanChoice::File(path) => Some(path),
+        PlanChoice::Own | PlanChoice::None => None,
+    });
+    match drive.into_iter().chain(plans).find(|path| Kind::of(path) == Kind::Stream) {
+        Some(pipe) => {
+            let why =
+                "a sweep over several models reads it for each of them, and a pipe can be read only once";
+            Err(Error::Spec(format!("{}: {why}", pipe.display())))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Simulates points one after the other.
+pub struct Worker<'a> {
+    job: &'a Job,
+    /// Of the last point, with the place of its model.
+    runner: Option<(usize, Runner)>,
+}
+
+/// A system that simulates points of one model.
+struct Runner {
+    /// Dropped before the files of its FMUs.
+    system: System,
+    pushes: Pushes,
+    measures: Vec<Look>,
+    stop: Option<Look>,
+    subject: Arc<Subject>,
+}
+
+/// Where values are read.
+struct Look {
+    /// Of the component.
+    place: usize,
+    reals: Selection,
+    integers: Selection,
+    booleans: Selection,
+    /// For values of agents who may leave, whether they are there; else empty.
+    there: Selection,
+    /// Number of values that become one.
+    width: usize,
+}
+
 impl<'a> Worker<'a> {
-    pub fn new(job: &'a Job) -> Result<Worker<'a>> {
-        let instance = job.fmu.instantiate("sweep")?;
-        let looks = job.spec.measures.iter().map(|(_, measure)| {
-            let (reals, integers) = measure.of.outputs();
-            let places = job.places(measure)?;
-            let select = |names: &[&str]| -> Result<Selection> {
-                let names =
-                    places.iter().flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}")));
-                Ok(instance.select(names)?)
-            };
-            let width = reals.len().max(integers.len());
-            Ok(Look { reals: select(reals)?, integers: select(integers)?, width })
-        });
-        let looks = looks.collect::<Result<Vec<_>>>()?;
-        let pushes = Pushes::new(&instance, &job.trial.agents, job.drive.clone())?;
-        Ok(Worker { job, clock: job.clock()?, instance, pushes, looks })
+    pub fn new(job: &'a Job) -> Worker<'a> {
+        Worker { job, runner: None }
     }
 
     /// Simulates a point and returns its measures. The worker can be used again unless this failed.
     pub fn simulate(&mut self, point: usize) -> Result<Vec<Option<f64>>> {
-        let Job { fmu, spec: Spec { points, measures, .. }, .. } = self.job;
-        self.instance.reset()?;
-        for (parameter, values) in &points.columns {
-            let text = values.text(point);
-            self.instance.set(&fmu.named(parameter), &text)?;
+        let place = self.job.models.place(point);
+        let mut runner = match self.runner.take() {
+            Some((own, runner)) if own == place => runner,
+            // Nothing of the former stays in memory beside it.
+            other => {
+                drop(other);
+                Runner::new(&self.job.spec, self.job.subject(place)?)?
+            }
+        };
+        let measured = runner.simulate(&self.job.spec, point)?;
+        self.runner = Some((place, runner));
+        Ok(measured)
+    }
+}
+
+impl Runner {
+    fn new(spec: &Spec, subject: Arc<Subject>) -> Result<Runner> {
+        let system = subject.model.system(spec.algorithm)?;
+        for ((parameter, _), lead) in spec.points.columns.iter().zip(&subject.parameters) {
+            let Some((place, names)) = lead else { continue };
+            if let Some(input) = names.iter().find(|name| system.feeds(*place, name)) {
+                return Err(Error::Spec(format!(
+                    "parameters: {parameter}: overwritten by the connection that feeds {input}"
+                )));
+            }
         }
-        self.instance.initialize()?;
-        let watched: Vec<Watched> = measures.iter().map(|(_, measure)| Watched::new(measure)).collect();
-        let mut measured = Measured { looks: &self.looks, watched };
-        measured.see(&self.instance, 0.0)?;
-        // Only an error ends it early.
-        let _ = lemons_master::simulate(&mut self.instance, &self.clock, 0, &self.pushes, &mut measured)?;
-        self.instance.terminate()?;
+        let look = |names: &Names| -> Result<Look> {
+            let instance = &system.components()[names.place].instance;
+            let there = names.there();
+            let fed = !there.is_empty() && there.iter().all(|name| system.feeds(names.place, name));
+            Ok(Look {
+                there: instance.select(if fed { &there[..] } else { &[] })?,
+                place: names.place,
+                reals: instance.select(&names.reals)?,
+                integers: instance.select(&names.integers)?,
+                booleans: instance.select(&names.booleans)?,
+                width: names.width,
+            })
+        };
+        let measures = subject.measures.iter().map(look).collect::<Result<_>>()?;
+        let stop = subject.stop.as_ref().map(look).transpose()?;
+        let driven = &system.components()[0].instance;
+        let pushes = Pushes::new(driven, &subject.trial.agents, subject.drive.clone())?;
+        Ok(Runner { system, pushes, measures, stop, subject })
+    }
+
+    fn simulate(&mut self, spec: &Spec, point: usize) -> Result<Vec<Option<f64>>> {
+        let Runner { system, pushes, measures, stop, subject } = self;
+        system.reset()?;
+        for ((_, values), lead) in spec.points.columns.iter().zip(&subject.parameters) {
+            if let Some((place, names)) = lead {
+                system.components()[*place].instance.set(names, &values.text(point))?;
+            }
+        }
+        system.initialize(0.0, None)?;
+        let watched = spec.measures.iter().map(|(_, measure)| Watched::new(measure)).collect();
+        let stop = spec.stop.as_ref().zip(stop.as_ref());
+        let mut measured = Measured { looks: measures, watched, stop, over: false };
+        measured.see(system, 0.0)?;
+        // Whether its condition or its end ended it makes no difference.
+        let _ = lemons_master::simulate(system, &subject.clock, 0, pushes, &mut measured)?;
+        system.terminate()?;
         Ok(measured.watched.iter().map(Watched::value).collect())
     }
 }
@@ -128,34 +216,60 @@ impl<'a> Worker<'a> {
 struct Measured<'a> {
     looks: &'a [Look],
     watched: Vec<Watched<'a>>,
+    stop: Option<(&'a Stop, &'a Look)>,
+    /// Whether the condition holds.
+    over: bool,
 }
 
-impl Observer<Instance> for Measured<'_> {
+impl Observer<System> for Measured<'_> {
     type Error = lemons_master::Error;
 
-    fn look(&mut self, instance: &mut Instance, reached: Reached) -> lemons_master::Result<()> {
-        self.see(instance, reached.time)
+    fn goes_on(&mut self, _: &System) -> bool {
+        !self.over
+    }
+
+    fn look(&mut self, system: &mut System, reached: Reached) -> lemons_master::Result<()> {
+        self.see(system, reached.time)
     }
 }
 
 impl Measured<'_> {
-    fn see(&mut self, instance: &Instance, time: f64) -> lemons_master::Result<()> {
+    fn see(&mut self, system: &System, time: f64) -> lemons_master::Result<()> {
         for (look, watched) in self.looks.iter().zip(&mut self.watched) {
-            let mut reals = vec![0.0; look.reals.len()];
-            let mut integers = vec![0; look.integers.len()];
-            if !reals.is_empty() {
-                instance.get_real(&look.reals, &mut reals)?;
-            }
-            if !integers.is_empty() {
-                instance.get_integer(&look.integers, &mut integers)?;
-                reals.extend(integers.into_iter().map(f64::from));
-            }
-            let values = reals.chunks_exact(look.width).map(|of| match of {
-                [value] => *value,
-                parts => parts.iter().map(|part| part * part).sum::<f64>().sqrt(),
-            });
-            watched.look(time, values);
+            watched.look(time, look.values(system)?.into_iter());
+        }
+        if let Some((stop, look)) = self.stop {
+            self.over = stop.holds(look.values(system)?.into_iter());
         }
         Ok(())
+    }
+}
+
+impl Look {
+    /// `None` for agents who have left.
+    fn values(&self, system: &System) -> lemons_master::Result<Vec<Option<f64>>> {
+        let instance = &system.components()[self.place].instance;
+        let mut numbers = vec![0.0; self.reals.len()];
+        if !self.reals.is_empty() {
+            instance.get_real(&self.reals, &mut numbers)?;
+        }
+        if !self.integers.is_empty() {
+            let mut integers = vec![0; self.integers.len()];
+            instance.get_integer(&self.integers, &mut integers)?;
+            numbers.extend(integers.into_iter().map(f64::from));
+        }
+        if !self.booleans.is_empty() {
+            let mut booleans = vec![0; self.booleans.len()];
+            instance.get_boolean(&self.booleans, &mut booleans)?;
+            numbers.extend(booleans.into_iter().map(|value| f64::from(u8::from(value != 0))));
+        }
+        let values = numbers.chunks_exact(self.width).map(|of| match of {
+            [value] => *value,
+            parts => parts.iter().map(|part| part * part).sum::<f64>().sqrt(),
+        });
+        let mut there = vec![1; self.there.len()];
+        instance.get_boolean(&self.there, &mut there)?;
+        let there = there.into_iter().map(|there| there != 0).chain(std::iter::repeat(true));
+        Ok(values.zip(there).map(|(value, there)| there.then_some(value)).collect())
     }
 }

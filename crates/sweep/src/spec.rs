@@ -1,10 +1,14 @@
 //! Reads `sweep.toml`.
 
+use crate::axes::{axis, read_table};
 use crate::error::{Error, Place, Result};
 use crate::measure::Measure;
-use crate::points::{MOST_POINTS, OUTPUT_DIRECTORY, Points, Room, Values, too_many};
+use crate::models::{Models, Plan, only_chooses, simulated};
+use crate::points::{OUTPUT_DIRECTORY, Points};
+use crate::stop::Stop;
+use crate::template::Template;
 use lemons_files::input;
-use lemons_master::Kind;
+use lemons_master::{Algorithm, Kind, PlanChoice};
 use lemons_trial::DriveChoice;
 use serde::Deserialize;
 use std::collections::HashSet;
@@ -13,16 +17,20 @@ use std::path::{Path, PathBuf};
 /// Model, parameters and measures of a sweep. Relative paths are relative to the directory of the file.
 #[derive(Debug, Clone)]
 pub struct Spec {
-    /// A Trial directory or an FMU.
-    pub model: PathBuf,
-    /// If `model` is a temporary FMU of a Trial: the Trial as the user knows it, for messages.
-    pub trial: Option<PathBuf>,
+    /// A Trial or an FMU, at each point.
+    pub model: Template,
     /// \[s\] End time.
     pub until: f64,
+    /// What ends a point before.
+    pub stop: Option<Stop>,
     /// \[s\] Communication step; `None`: that of the Trial.
     pub step: Option<f64>,
     /// The forces that drive people.
     pub drive: DriveChoice,
+    /// Where people walk.
+    pub plan: Plan,
+    /// How coupled FMUs exchange values.
+    pub algorithm: Algorithm,
     /// The points that are simulated.
     pub points: Points,
     /// Names and measures, in the order of the file.
@@ -34,11 +42,14 @@ pub struct Spec {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
-    trial: Option<PathBuf>,
-    fmu: Option<PathBuf>,
+    trial: Option<String>,
+    fmu: Option<String>,
     until: f64,
+    stop: Option<Stop>,
     step: Option<f64>,
     drive: Option<DriveText>,
+    plan: Option<PlanText>,
+    algorithm: Option<AlgorithmText>,
     parameters: Option<toml::Table>,
     table: Option<PathBuf>,
     measures: toml::Table,
@@ -51,38 +62,22 @@ enum DriveText {
     File(PathBuf),
 }
 
-/// The values of an axis.
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum Axis {
-    Integers(Vec<i64>),
-    Reals(Vec<f64>),
-    Texts(Vec<String>),
-    Range(Range),
+enum PlanText {
+    Switch(bool),
+    File(String),
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Range {
-    from: f64,
-    to: f64,
-    count: u32,
-    #[serde(default)]
-    spacing: Spacing,
-}
-
-#[derive(Deserialize, Default, PartialEq, Clone, Copy)]
-#[serde(rename_all = "snake_case")]
-enum Spacing {
-    #[default]
-    Linear,
-    Logarithmic,
+#[serde(rename_all = "kebab-case")]
+enum AlgorithmText {
+    Jacobi,
+    GaussSeidel,
 }
 
 /// Names that the table uses itself.
 const RESERVED: [&str; 3] = ["point", "status", "error"];
-/// Largest number of values of a range.
-const MOST_VALUES: u32 = 1_000_000;
 
 impl Spec {
     /// Reads a `sweep.toml`.
@@ -94,8 +89,7 @@ impl Spec {
             .map_err(lemons_master::Error::from)?;
         let text = input::read_given_text(path, input::LARGEST_SETTINGS)
             .place(|| format!("cannot read {}", path.display()))?;
-        let directory =
-            path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let directory = path.parent().unwrap_or(Path::new(""));
         Self::from_toml(&text, directory).place(|| path.display().to_string())
     }
 
@@ -105,17 +99,21 @@ impl Spec {
     /// A sentence with the key and what is wrong.
     pub fn from_toml(text: &str, directory: &Path) -> Result<Spec> {
         let document: Document = toml::from_str(text)?;
-        let model = match (document.trial, document.fmu) {
-            (Some(path), None) | (None, Some(path)) => directory.join(path),
+        let (key, model) = match (document.trial, document.fmu) {
+            (Some(path), None) => ("trial", path),
+            (None, Some(path)) => ("fmu", path),
             _ => return Err(Error::Spec("give one of the keys trial and fmu".into())),
         };
+        if key == "fmu" && document.plan.is_some() {
+            return Err(Error::Spec("plan: is for a trial, and not for an fmu".into()));
+        }
         for (key, value) in [("until", Some(document.until)), ("step", document.step)] {
             if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
                 return Err(Error::Spec(format!("{key}: must be a positive number of seconds")));
             }
         }
         let table = document.table.map(|table| directory.join(table));
-        let mut inputs: Vec<PathBuf> = std::iter::once(model.clone()).chain(table.clone()).collect();
+        let mut inputs: Vec<PathBuf> = table.iter().cloned().collect();
         let points = match (document.parameters, table) {
             (Some(axes), None) => {
                 let axes = axes.into_iter().map(|(name, value)| {
@@ -144,6 +142,23 @@ impl Spec {
                 return Err(Error::Spec(format!("{name:?}: the table already has a column with this name")));
             }
         }
+        for (name, measure) in &measures {
+            // How many values there are is known later.
+            measure.check(1).map_err(|what| Error::Spec(format!("measures: {name}: {what}")))?;
+        }
+        if let Some(stop) = &document.stop {
+            stop.check().map_err(|what| Error::Spec(format!("stop: {what}")))?;
+        }
+        let template = |key: &str, text: &str| {
+            Template::read(text, directory, &points).map_err(|what| Error::Spec(format!("{key}: {what}")))
+        };
+        let model = template(key, &model)?;
+        let plan = match &document.plan {
+            None => Plan::Own,
+            Some(PlanText::Switch(true)) => Plan::Needed,
+            Some(PlanText::Switch(false)) => Plan::None,
+            Some(PlanText::File(text)) => Plan::File(template("plan", text)?),
+        };
         let drive = match document.drive {
             None | Some(DriveText::Switch(true)) => DriveChoice::Own,
             Some(DriveText::Switch(false)) => DriveChoice::None,
@@ -152,24 +167,41 @@ impl Spec {
         if let DriveChoice::File(path) = &drive {
             inputs.push(path.clone());
         }
-        Ok(Spec {
-            model,
-            trial: None,
-            until: document.until,
-            step: document.step,
-            drive,
-            points,
-            measures,
-            inputs,
-        })
+        let algorithm = match document.algorithm {
+            None | Some(AlgorithmText::Jacobi) => Algorithm::Jacobi,
+            Some(AlgorithmText::GaussSeidel) => Algorithm::GaussSeidel,
+        };
+        let Document { until, stop, step, .. } = document;
+        let mut spec = Spec { model, until, stop, step, drive, plan, algorithm, points, measures, inputs };
+        for (path, plan) in spec.models()?.all {
+            spec.inputs.push(path);
+            spec.inputs.extend(if let PlanChoice::File(path) = plan { Some(path) } else { None });
+        }
+        Ok(spec)
+    }
+
+    /// What is simulated at a point.
+    pub fn simulated(&self, point: usize) -> (PathBuf, PlanChoice) {
+        let Spec { points, model, plan, .. } = self;
+        simulated(points, model, plan, point)
+    }
+
+    /// What is simulated at all points.
+    pub(crate) fn models(&self) -> Result<Models> {
+        Models::of(&self.points, &self.model, &self.plan)
+    }
+
+    /// Whether a parameter only chooses what is simulated, and is no variable of it.
+    pub(crate) fn only_chooses(&self, column: usize) -> bool {
+        only_chooses(&self.model, &self.plan, column)
     }
 }
 
 /// That no two points have the same OutputDirectory, where they would overwrite each other's files.
 fn check_directories(points: &Points) -> Result<()> {
     let mut seen = HashSet::new();
-    match points.output_directories().find(|directory| !seen.insert(directory.clone())) {
-        Some(twice) => Err(Error::Spec(format!(
+    match points.output_directories().find(|(_, directory)| !seen.insert(directory.clone())) {
+        Some((_, twice)) => Err(Error::Spec(format!(
             "{OUTPUT_DIRECTORY} = {twice:?}: two points have it, and would overwrite each other's files; with \
              a table of points, each can have its own"
         ))),
@@ -177,92 +209,10 @@ fn check_directories(points: &Points) -> Result<()> {
     }
 }
 
-fn axis(value: toml::Value) -> Result<Values> {
-    let expected = "expected a list of numbers or of texts, or { from, to, count, spacing }";
-    Ok(match value.try_into::<Axis>().map_err(|_| Error::Spec(expected.into()))? {
-        Axis::Integers(values) => Values::Integers(values),
-        Axis::Reals(values) => {
-            if let Some(value) = values.iter().find(|value| !value.is_finite()) {
-                return Err(Error::Spec(format!("{value}: must be a finite number")));
-            }
-            Values::Reals(values)
-        }
-        Axis::Texts(values) => Values::Texts(values),
-        Axis::Range(Range { from, to, count, spacing }) => {
-            if !(from.is_finite() && to.is_finite()) {
-                return Err(Error::Spec("from and to must be finite".into()));
-            }
-            if !(2..=MOST_VALUES).contains(&count) {
-                return Err(Error::Spec(format!("count = {count}: must be from 2 to {MOST_VALUES}")));
-            }
-            if spacing == Spacing::Logarithmic && !(from > 0.0 && to > 0.0) {
-                return Err(Error::Spec("spacing = \"logarithmic\": from and to must be positive".into()));
-            }
-            let part = |k: u32| f64::from(k) / f64::from(count - 1);
-            let (difference, ratio) = (to - from, to / from);
-            let value = |k: u32| match (k, spacing) {
-                (0, _) => from,
-                (k, _) if k + 1 == count => to,
-                (k, Spacing::Linear) if difference.is_finite() => from + part(k) * difference,
-                (k, Spacing::Linear) => (1.0 - part(k)) * from + part(k) * to,
-                (k, Spacing::Logarithmic) if ratio.is_normal() => from * ratio.powf(part(k)),
-                (k, Spacing::Logarithmic) => from.powf(1.0 - part(k)) * to.powf(part(k)),
-            };
-            Values::Reals((0..count).map(value).collect())
-        }
-    })
-}
-
-/// Reads a CSV with one row for each point. A column that contains only integers has integers; one with other numbers
-/// has reals.
-fn read_table(path: &Path) -> Result<Points> {
-    let wrong = || path.display().to_string();
-    let file = input::open_found(path, input::LARGEST_DRIVE).place(wrong)?;
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
-    let header: Vec<String> = reader.headers().place(wrong)?.iter().map(str::to_owned).collect();
-    let mut cells: Vec<Vec<String>> = vec![Vec::new(); header.len()];
-    let mut room = Room::new();
-    for (count, row) in reader.records().enumerate() {
-        let row = row.place(wrong)?;
-        if count == MOST_POINTS {
-            return Err(Error::Spec(too_many())).place(wrong);
-        }
-        for (column, cell) in cells.iter_mut().zip(&row) {
-            room.take_text(cell, 1).map_err(Error::Spec).place(wrong)?;
-            column.push(cell.to_owned());
-        }
-    }
-    let columns = header.into_iter().zip(cells).map(|(name, cells)| {
-        let values = column(cells).place(|| name.clone())?;
-        Ok((name, values))
-    });
-    let columns = columns.collect::<Result<_>>().place(wrong)?;
-    Points::table(columns).map_err(Error::Spec).place(wrong)
-}
-
-fn column(cells: Vec<String>) -> Result<Values> {
-    // "007" is a text, not the number 7.
-    let integer = |cell: &String| cell.parse().ok().filter(|value: &i64| value.to_string() == *cell);
-    if let Some(values) = cells.iter().map(integer).collect() {
-        return Ok(Values::Integers(values));
-    }
-    let padded = |cell: &String| cell.len() > 1 && cell.starts_with('0') && !cell.starts_with("0.");
-    if cells.iter().any(padded) {
-        return Ok(Values::Texts(cells));
-    }
-    let values: Vec<f64> = match cells.iter().map(|cell| cell.parse()).collect() {
-        Ok(values) => values,
-        Err(_) => return Ok(Values::Texts(cells)),
-    };
-    match values.iter().position(|value| !value.is_finite()) {
-        Some(row) => Err(Error::Spec(format!("{}: must be a finite number (point {row})", cells[row]))),
-        None => Ok(Values::Reals(values)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::points::Values;
 
     const GOOD: &str = r#"
         trial = "push"
@@ -278,7 +228,7 @@ mod tests {
     #[test]
     fn a_grid() {
         let spec = Spec::from_toml(GOOD, Path::new("dir")).unwrap();
-        assert_eq!((spec.model, spec.until, spec.points.count), (PathBuf::from("dir/push"), 2.0, 6));
+        assert_eq!((spec.simulated(0).0, spec.until, spec.points.count), (PathBuf::from("dir/push"), 2.0, 6));
         let (name, values) = &spec.points.columns[0];
         let Values::Reals(values) = values else { panic!("{values:?}") };
         assert_eq!(name, "agent[*].Mass");
@@ -295,6 +245,16 @@ mod tests {
         };
         for (from, to, expected) in [
             ("trial = \"push\"", "", "trial and fmu"),
+            ("trial = \"push\"", "fmu = \"push.fmu\"\nplan = false", "plan: is for a trial"),
+            ("drive = false", "plan = 5", "plan"),
+            ("drive = false", "algorithm = \"euler\"", "gauss-seidel"),
+            (
+                "trial = \"push\"",
+                "trial = \"push_{seed}\"",
+                "trial: push_{seed}: there is no parameter \"seed\"",
+            ),
+            ("until = 2", "until = 2\nstop = { of = \"x\" }", "stop: it needs one of at_least and at_most"),
+            ("count = 3, spacing", "spacing", "count: is missing"),
             ("until = 2", "until = -2", "until: must be a positive"),
             ("until = 2", "untill = 2", "untill"),
             ("[0, 0.5]", "[]", "KineticFriction: no values"),
@@ -309,6 +269,31 @@ mod tests {
             ("from = 50", "from = -inf", "agent[*].Mass: from and to must be finite"),
         ] {
             assert!(said(from, to).contains(expected), "{}", said(from, to));
+        }
+    }
+
+    /// Five widths of a door, each with its own crowds.
+    #[test]
+    fn parameters_choose_trials_and_plans() {
+        let text = GOOD
+            .replace("\"push\"", "\"door_{width}_{seed}\"\nplan = \"{width}.toml\"")
+            .replace("[0, 0.5]", "[0.4]\nwidth = [0.8, 1.0]\nseed = { from = 1, to = 3 }");
+        let spec = Spec::from_toml(&text, Path::new("in")).unwrap();
+        assert_eq!(spec.points.columns[3].1, Values::Integers([1, 2, 3].repeat(6)));
+        let models = spec.models().unwrap();
+        assert_eq!((spec.points.count, models.all.len(), spec.inputs.len()), (18, 6, 12));
+        let plan = |name: &str| PlanChoice::File(PathBuf::from(name));
+        assert_eq!(models.all[models.place(4)], (PathBuf::from("in/door_1.0_2"), plan("in/1.0.toml")));
+        assert_eq!(models.place(4), models.place(10));
+        assert_eq!([0, 1, 2, 3].map(|column| spec.only_chooses(column)), [false, false, true, true]);
+        let many = text.replace("to = 3 }", "to = 20000 }");
+        let error = Spec::from_toml(&many, Path::new("")).unwrap_err().whole();
+        assert_eq!(error, "there are more than 10000 Trials, FMUs or plans");
+        for (range, said) in
+            [("{ from = 1.5, to = 3 }", "count"), ("{ from = 3, to = 1 }", "from = 3, to = 1")]
+        {
+            let error = Spec::from_toml(&text.replace("{ from = 1, to = 3 }", range), Path::new(""));
+            assert!(error.as_ref().unwrap_err().whole().contains(said), "{error:?}");
         }
     }
 

@@ -2,13 +2,9 @@
 
 use crate::directory::{Directory, Finished};
 use crate::error::{Error, Place, Result};
-use crate::points::hex;
 use crate::simulate::{Job, Worker};
 use crate::spec::Spec;
-use lemons_files::input;
-use lemons_master::{PATIENCE, Runnable};
-use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
+use lemons_master::PATIENCE;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -40,6 +36,16 @@ pub struct How<'a> {
     pub by: &'a str,
 }
 
+/// A sweep that has ended.
+pub struct Swept {
+    /// With the results.
+    pub directory: Directory,
+    /// How far it is.
+    pub progress: Progress,
+    /// What is probably not meant.
+    pub warnings: Vec<String>,
+}
+
 /// Simulates the points that a sweep's directory does not contain yet.
 ///
 /// `tell` is called when points are finished. When `stop` is set, points in progress are finished and kept if that
@@ -47,29 +53,18 @@ pub struct How<'a> {
 /// points are kept with their message.
 ///
 /// # Errors
-/// The Trial, the FMU or the drive cannot be used, the directory belongs to another sweep, or it cannot be written.
+/// A Trial, an FMU, a plan or the drive cannot be used, the directory belongs to another sweep, or it cannot be written.
 pub fn sweep(
     spec: Spec,
     directory: &Path,
     How { threads, retry, by }: How<'_>,
     stop: &AtomicBool,
     mut tell: impl FnMut(Progress),
-) -> Result<(Directory, Progress)> {
-    let runnable = Runnable::of(&spec.model, None)?;
-    let path = runnable.path();
-    let bytes = input::read(path, input::LARGEST_BINARY).place(|| path.display().to_string())?;
-    let mut opened = runnable.open()?;
-    if let Some(known) = &spec.trial {
-        opened = opened.of_trial(known);
-    }
-    let trial = opened.trial(None)?;
-    let drive = opened.drive(Some(&trial), &spec.drive)?;
-    let step = spec.step.unwrap_or(trial.parameters.time_step);
-    let job = Job { fmu: opened, trial, drive, spec, step };
-    job.check()?;
+) -> Result<Swept> {
+    let (job, identity, warnings) = Job::open(spec)?;
     let Spec { points, measures, .. } = &job.spec;
     let measures: Vec<String> = measures.iter().map(|(name, _)| name.clone()).collect();
-    let kept = Directory::open(directory, manifest(&job, &bytes)?, points, &measures, by)?;
+    let kept = Directory::open(directory, identity, points, &measures, by)?;
     let before = kept.read()?;
     let mut left = vec![true; points.count];
     before.iter().filter(|row| row.outcome.is_ok() || !retry).for_each(|row| left[row.point] = false);
@@ -91,7 +86,7 @@ pub fn sweep(
     if progress.done == progress.total {
         kept.finish(&kept.read()?)?;
     }
-    Ok((kept, progress))
+    Ok(Swept { directory: kept, progress, warnings })
 }
 
 /// Data shared by the threads of a sweep.
@@ -179,8 +174,8 @@ impl Queue {
     /// Abandons points in progress: their threads end with the program.
     fn give_up(&self) {
         self.over.store(true, Ordering::Relaxed);
-        // They would remove it, but nobody waits for them.
-        let _ = std::fs::remove_dir_all(self.job.fmu.directory());
+        // They would remove them, but nobody waits for them.
+        self.job.remove_files();
     }
 }
 
@@ -190,58 +185,8 @@ fn one<'a>(
     worker: &mut Option<Worker<'a>>,
     point: usize,
 ) -> std::result::Result<Vec<Option<f64>>, String> {
-    let mut used = match worker.take() {
-        Some(used) => used,
-        None => Worker::new(job).map_err(|error| error.whole())?,
-    };
+    let mut used = worker.take().unwrap_or_else(|| Worker::new(job));
     let measured = used.simulate(point).map_err(|error| error.whole())?;
     *worker = Some(used);
     Ok(measured)
-}
-
-/// The data that must be equal to continue a sweep.
-fn manifest(job: &Job, fmu: &[u8]) -> Result<Map<String, Value>> {
-    let (description, spec) = (&job.fmu.description, &job.spec);
-    let names: Vec<&str> = spec.points.columns.iter().map(|(name, _)| name.as_str()).collect();
-    let measures: Map<String, Value> = spec
-        .measures
-        .iter()
-        .map(|(name, measure)| Ok((name.clone(), serde_json::to_value(measure)?)))
-        .collect::<Result<_>>()?;
-    let manifest = json!({
-        "fmu": {
-            "model": description.model_name,
-            "guid": description.guid,
-            "sha256": hex(&Sha256::digest(fmu)),
-        },
-        "points": { "parameters": names, "count": spec.points.count, "sha256": spec.points.sha256() },
-        "drive": drive_identity(job),
-        "measure": measures,
-        "until": spec.until,
-        "step": job.step,
-    });
-    match manifest {
-        Value::Object(manifest) => Ok(manifest),
-        _ => Ok(Map::new()),
-    }
-}
-
-/// As in the Python package: by the values, independent of how the file is written.
-fn drive_identity(job: &Job) -> Value {
-    let mut digest = Sha256::new();
-    let mut driven = false;
-    for (place, agent) in job.trial.agents.iter().enumerate() {
-        let Some(rows) = job.drive.rows(&agent.id) else { continue };
-        driven = true;
-        [place, rows.len()].iter().for_each(|number| digest.update((*number as u64).to_le_bytes()));
-        for (time, push) in rows {
-            std::iter::once(time).chain(push).for_each(|value| digest.update(value.to_le_bytes()));
-        }
-    }
-    match driven {
-        true => {
-            json!({ "kind": "table", "at": "start", "per_mass": false, "sha256": hex(&digest.finalize()) })
-        }
-        false => json!({ "kind": "none" }),
-    }
 }

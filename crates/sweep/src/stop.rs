@@ -1,0 +1,75 @@
+//! When a point ends before its time.
+
+use crate::output::Of;
+use serde::{Deserialize, Serialize};
+
+/// A condition that ends a point at the first communication point where it holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stop {
+    /// The output.
+    pub of: Of,
+    /// The value is this or more.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_least: Option<f64>,
+    /// The value is this or less.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_most: Option<f64>,
+    /// Ids of agents in Agents.xml, for all of which it must hold; empty: all agents.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub agents: Vec<String>,
+}
+
+impl Stop {
+    /// Checks that it is complete.
+    ///
+    /// # Errors
+    /// A sentence that names what is missing.
+    pub fn check(&self) -> Result<(), String> {
+        self.of.check()?;
+        match (self.at_least, self.at_most) {
+            (Some(limit), None) | (None, Some(limit)) if limit.is_finite() => {}
+            (Some(_), None) | (None, Some(_)) => return Err("its limit must be a finite number".into()),
+            _ => return Err("it needs one of at_least and at_most".into()),
+        }
+        if !self.of.is_of_agents() && !self.agents.is_empty() {
+            return Err("agents: it is one value, and not one of each agent".into());
+        }
+        Ok(())
+    }
+
+    /// Whether it holds for all these values. Those of agents who have left (`None`) do not count.
+    pub(crate) fn holds(&self, values: impl Iterator<Item = Option<f64>>) -> bool {
+        let beyond = |value: f64| {
+            self.at_least.is_none_or(|least| value >= least) && self.at_most.is_none_or(|most| value <= most)
+        };
+        values.flatten().all(beyond)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_holds_for_all_or_not_at_all() {
+        let stop = |text: &str| toml::from_str::<Stop>(text).unwrap();
+        let least = stop("of = 'x'\nat_least = 2");
+        assert!(
+            least.holds([2.0, 3.0].map(Some).into_iter()) && !least.holds([2.0, 1.9].map(Some).into_iter())
+        );
+        assert!(!least.holds([2.0, f64::NAN].map(Some).into_iter()));
+        let most = stop("of = 'decision.Left'\nat_most = 0");
+        assert!(most.holds([0.0].map(Some).into_iter()) && !most.holds([1.0].map(Some).into_iter()));
+        for (text, said) in [
+            ("of = 'x'", "one of at_least and at_most"),
+            ("of = 'x'\nat_least = 1\nat_most = 2", "one of at_least and at_most"),
+            ("of = 'x'\nat_least = inf", "finite"),
+            ("of = 'mood'\nat_least = 1", "mood"),
+            ("of = 'decision.Arrived'\nat_least = 1\nagents = ['3']", "agents"),
+        ] {
+            let error = stop(text).check().unwrap_err();
+            assert!(error.contains(said), "{error}");
+        }
+    }
+}
