@@ -1,13 +1,12 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
-use crate::decide::plan_of;
 use crate::error::{TrialHasErrors, said};
-use crate::files::WISHES_FILE;
 use crate::tell;
 use crate::words;
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::Setup;
-use lemons_master::Given;
+use lemons_decision::WISHES_FILE;
+use lemons_master::{Given, Warning, plan_of};
 use lemons_trial::DRIVE_FILE;
 use lemons_trial::Problems;
 use lemons_trial::Trial;
@@ -39,19 +38,27 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         match given.read() {
             Ok((trial, warnings)) => {
                 print(&mut out, &warnings)?;
-                let wishes = given.directory().join(WISHES_FILE);
-                let wished = if wishes.exists() { plan_of(&trial, &wishes).map(drop) } else { Ok(()) };
-                let wished = wished.with_context(|| wishes.display().to_string());
+                let wishes = given.wishes();
+                let wished = wishes.iter().try_for_each(|wishes| {
+                    plan_of(&trial, wishes).map(drop).with_context(|| wishes.display().to_string())
+                });
                 let driven = given.drive(&trial);
                 let parameters = &trial.parameters;
                 let missed = driven.as_ref().map(|drive| drive.missed(0.0, parameters.time_step));
                 let missed = missed.ok().flatten();
+                // How the drive fits the step does not matter where it is not used.
+                let unused = wishes.is_some() && given.directory().join(DRIVE_FILE).exists();
+                let missed = missed.filter(|_| !unused);
+                if unused {
+                    let plan = path.join(WISHES_FILE);
+                    writeln!(out, "{}", words::warned(&Warning::DriveOfWalkers { plan }))?;
+                }
                 if let Some(missed) = &missed {
                     let file = path.join(DRIVE_FILE);
                     let missed = words::missed(missed, "TimeStep");
                     writeln!(out, "warning: {}: {missed}", file.display())?;
                 }
-                if let (Ok(drive), None) = (&driven, &missed)
+                if let (Ok(drive), None, false) = (&driven, &missed, unused)
                     && let (between @ 1.., of) = drive.between(0.0, parameters.time_step)
                 {
                     let file = path.join(DRIVE_FILE);

@@ -53,6 +53,8 @@ pub struct Crowd {
     squeezes: Selection,
     /// Empty if the FMU has none.
     steps: Selection,
+    /// Whether agents are there; empty if nothing decides about it.
+    active: Selection,
     /// Empty if the FMU has none.
     totals: Selection,
     trajectories: Rows,
@@ -61,6 +63,8 @@ pub struct Crowd {
     peak_passed: bool,
     /// At the last look.
     moves: bool,
+    /// How many.
+    left: usize,
     follower: Follower,
 }
 
@@ -98,6 +102,24 @@ fn totals_of(component: &Component) -> lemons_master::Result<Selection> {
     });
     let addresses = totals.collect::<Option<Vec<_>>>().unwrap_or_default();
     component.instance.select_at(&addresses)
+}
+
+/// The inputs that say whether agents are there, if another component decides about it or somebody is not there from the
+/// start; else none.
+fn active_of(system: &System, place: usize, agents: usize) -> lemons_master::Result<Selection> {
+    let component = &system.components()[place];
+    let name = |i: usize| format!("agent[{i}].{}", columns::ACTIVE.variable);
+    let address = |i: usize| {
+        let found = component.fmu.description.single(&name(i))?;
+        let own = found.variable;
+        (own.of == Type::Boolean && own.kind == Some(Causality::Input)).then_some(found.address())
+    };
+    let addresses = (0..agents).map(address).collect::<Option<Vec<_>>>().unwrap_or_default();
+    let all = component.instance.select_at(&addresses)?;
+    let mut there = vec![0; all.len()];
+    component.instance.get_boolean(&all, &mut there)?;
+    let decided = (0..all.len()).any(|i| system.feeds(place, &name(i)));
+    Ok(if decided || there.contains(&0) { all } else { Selection::default() })
 }
 
 /// Whether all these agents have the outputs of [`columns::OF_STEP`].
@@ -160,7 +182,13 @@ impl Crowd {
         let description = &component.fmu.description;
         let steps =
             if has_steps(description, agents) { select(&columns::OF_STEP)? } else { Selection::default() };
-        let groups = Groups { contacts: true, of_step: !steps.is_empty(), totals: !totals.is_empty() };
+        let active = active_of(system, place, agents)?;
+        let groups = Groups {
+            contacts: true,
+            of_step: !steps.is_empty(),
+            active: !active.is_empty(),
+            totals: !totals.is_empty(),
+        };
         let mut about = recording.about.clone();
         about.extend(trial.as_ref().map(|trial| ("trial", trial.name.clone())));
         about.push(("component", component.name.clone()));
@@ -190,6 +218,7 @@ impl Crowd {
             contacts: select(&columns::CONTACTS)?,
             squeezes: select(&[columns::SQUEEZE])?,
             steps,
+            active,
             totals,
             place,
             ids,
@@ -197,7 +226,23 @@ impl Crowd {
             extremes,
             peak_passed: false,
             moves: false,
+            left: 0,
         })
+    }
+
+    /// Whether another component says who is there.
+    pub fn may_leave(&self) -> bool {
+        !self.active.is_empty()
+    }
+
+    /// How many had left at the last look.
+    pub fn left(&self) -> usize {
+        self.left
+    }
+
+    /// How many people it has.
+    pub fn people(&self) -> usize {
+        self.ids.len()
     }
 
     /// Whether somebody moved at the last look.
@@ -233,6 +278,9 @@ impl Crowd {
             let deepest = steps.iter().map(|step| step[2]);
             self.extremes.largest_overlap = deepest.fold(self.extremes.largest_overlap, f64::max);
         }
+        let mut active = vec![0; self.active.len()];
+        instance.get_boolean(&self.active, &mut active)?;
+        self.left = active.iter().filter(|active| **active == 0).count();
         if point == Point::Passed {
             return Ok(());
         }
@@ -241,7 +289,8 @@ impl Crowd {
         instance.get_integer(&self.contacts, &mut contacts)?;
         instance.get_integer(&self.totals, &mut totals)?;
         let (contacts, _) = contacts.as_chunks::<3>();
-        let frame = frame(time, motions, contacts, &squeezes, steps, &totals)?;
+        let mut frame = frame(time, motions, contacts, &squeezes, steps, &totals)?;
+        frame.active = (!self.active.is_empty()).then(|| active.iter().map(|active| *active != 0).collect());
         match &mut self.trajectories {
             Rows::Table(table) => table.writer.frame(&frame).map_err(told),
             Rows::Memory(recorder) => {
@@ -278,6 +327,9 @@ impl Crowd {
         };
         let poses = self.follower.finish(&self.ids).into_iter().collect();
         let mut lines = Vec::new();
+        if !self.active.is_empty() {
+            lines.push(format!("left               {:>10}     (of {} people)", self.left, self.ids.len()));
+        }
         if self.steps.is_empty() {
             lines.push(squeeze("greatest squeeze", mean_squeeze, "communication point"));
         } else {
@@ -341,7 +393,7 @@ fn frame(
         agents: agents.collect(),
         observed: Some(observed.collect::<Result<_>>()?),
         totals,
-        interactions: None,
         place: format!("t = {time:?} s"),
+        ..Frame::default()
     })
 }

@@ -1,14 +1,12 @@
 //! `lemons decide`: a Trial and its people's wishes -> a Decision FMU.
 
 use crate::binary::DECISION;
-use crate::files::{self, Force, WISHES_FILE};
+use crate::files::{self, Force};
 use crate::pack::{Fmi, FmuArguments, say_size};
 use crate::words::read_or_say;
 use anyhow::{Context, Result, bail};
-use lemons_decision::rule::Pose;
-use lemons_decision::{Person, Plan, Wishes};
-use lemons_files::input;
-use lemons_master::Given;
+use lemons_decision::{Plan, WISHES_FILE};
+use lemons_master::{Given, PlanChoice, plan_of};
 use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
 
@@ -19,13 +17,18 @@ const SHORTEST: &str = "  desired_speed = 1.34
 const WISHES: &str = "\
 The file decision.toml: first the values for all agents, then those for single \
 agents, by their Id in Agents.xml. An agent walks to its way-points one after the \
-other. It has reached one when the distance is at most its radius.
+other. It has reached one when the distance is at most its radius. Then it walks \
+around walls to the nearest exit, a line or an area, and leaves. More in \
+docs/walking.md: goals, shares, models of walking.
 
   desired_speed = 1.34    # m/s; default 1.34
   waypoints = [           # m; default of radius 0.3
     { x = 6.0, y = 2.5, radius = 0.45 },
     { x = 20.0, y = 2.5 },
   ]
+
+  model = \"collision-free-speed\"    # straight (default), social-force
+  exits = [{ name = \"door\", line = [[9.0, 1.5], [9.0, 4.5]] }]
 
   [agents.7]              # overrides the values for all agents
   desired_speed = 0.9
@@ -37,7 +40,7 @@ pub struct Arguments {
     /// The Trial whose people are driven: its directory, or a zip of it
     #[arg(value_name = "TRIAL")]
     trial: PathBuf,
-    /// File with way-points and desired speeds. Default: decision.toml in the Trial's directory
+    /// File with way-points, exits and desired speeds. Default: decision.toml in the Trial's directory
     #[arg(long, value_name = "FILE.toml")]
     plan: Option<PathBuf>,
     /// The FMU to write
@@ -58,7 +61,7 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     for warning in warnings.iter() {
         note!("{warning}");
     }
-    let plan = wanted(&arguments.trial, &trial, arguments.plan.as_deref())?;
+    let plan = wanted(&given, &trial, arguments.plan.as_deref())?;
     let binaries = arguments.fmu.binaries(&DECISION)?;
     let unwritten = || format!("cannot write {}", arguments.output.display());
     lemons_decision::pack::write_fmu(
@@ -72,40 +75,43 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
     say_size(&arguments.output)
 }
 
-/// What the people of a Trial do by the wishes in a file; by default, that of the Trial's directory as it was `given`.
-fn wanted(given: &Path, trial: &Trial, plan: Option<&Path>) -> Result<Plan> {
-    let own = trial.directory.join(WISHES_FILE);
-    let (path, named) = plan.map_or((&*own, given.join(WISHES_FILE)), |plan| (plan, plan.to_owned()));
-    if plan.is_none() && !path.exists() {
-        bail!(
+/// What the people of a Trial do by the wishes in a file; by default, that of the Trial.
+fn wanted(given: &Given, trial: &Trial, plan: Option<&Path>) -> Result<Plan> {
+    let own = given.path().join(WISHES_FILE);
+    let (path, named) = match (plan, given.wishes()) {
+        (Some(plan), _) => (plan.to_owned(), plan.to_owned()),
+        (None, Some(path)) => (path, own),
+        (None, None) => bail!(
             "there is no {}. Write it, or name another file with --plan FILE.toml. The shortest such file is:\n{SHORTEST}",
-            named.display()
-        );
+            own.display()
+        ),
+    };
+    plan_of(trial, &path).with_context(|| named.display().to_string())
+}
+
+/// Where people walk in a run.
+#[derive(clap::Args)]
+pub struct Walk {
+    /// Where people walk, instead of the Trial's decision.toml: see lemons decide --help. The run is that of
+    /// the Trial's FMU coupled with that of lemons decide
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "no_plan")]
+    plan: Option<PathBuf>,
+    /// Ignore the Trial's decision.toml
+    #[arg(long)]
+    no_plan: bool,
+}
+
+impl Walk {
+    /// Whether one of its options was given.
+    pub fn given(&self) -> bool {
+        self.plan.is_some() || self.no_plan
     }
-    plan_of(trial, path).with_context(|| named.display().to_string())
-}
 
-/// What the people of a Trial do by the wishes in a file.
-pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
-    // What lies in the Trial is not a pipe on purpose.
-    let own = trial.directory.join(WISHES_FILE) == path;
-    let read = if own { input::read_text } else { input::read_given_text };
-    let text = read(path, input::LARGEST_SETTINGS).context("cannot be read")?;
-    let wishes = Wishes::from_toml(&text)?;
-    Ok(Plan::new(&people(trial), &wishes, trial.parameters.time_step)?)
-}
-
-/// What a decision needs to know of a Trial's agents.
-fn people(trial: &Trial) -> Vec<Person> {
-    let agents = trial.agents.iter().zip(&trial.dynamics);
-    agents
-        .map(|(agent, dynamics)| Person {
-            id: agent.id.clone(),
-            mass: agent.mass,
-            moment_of_inertia: agent.moment_of_inertia,
-            floor_damping: agent.floor_damping,
-            angular_damping: agent.angular_damping,
-            pose: Pose { x: dynamics.position.x, y: dynamics.position.y, theta: dynamics.theta },
-        })
-        .collect()
+    pub fn choice(&self) -> PlanChoice {
+        match &self.plan {
+            Some(path) => PlanChoice::File(path.clone()),
+            None if self.no_plan => PlanChoice::None,
+            None => PlanChoice::Own,
+        }
+    }
 }

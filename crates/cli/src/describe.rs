@@ -1,6 +1,5 @@
 //! `lemons describe`: the model description that a Trial's FMU would have, or its Decision FMU.
 
-use crate::decide::plan_of;
 use crate::pack::Fmi;
 use crate::tell;
 use crate::words::read_or_say;
@@ -8,7 +7,7 @@ use anyhow::{Context, Result};
 use crowd_mechanics::model_description::{model_description, model_description_3};
 use crowd_mechanics::pack::{Format, Naming};
 use lemons_decision::pack::description;
-use lemons_master::Given;
+use lemons_master::{Given, plan_of};
 use std::io::Write;
 use std::path::PathBuf;
 

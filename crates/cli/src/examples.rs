@@ -1,12 +1,14 @@
 //! What users type: examples for the help of each command.
 
 /// The command, and its examples, a line each. A test asks clap whether it accepts them.
-pub const EXAMPLES: [(&str, &str); 16] = [
+pub const EXAMPLES: [(&str, &str); 17] = [
     (
         "crowd",
         "\
 lemons crowd --number 150 --box 4.56x4.56 --speed 0.5 -o Trial_box
 lemons crowd --number 100 --density 5 --fmu crowd.fmu --png crowd.png
+lemons crowd --number 80 --box 8x6 --door 8,3,1 --leave -o Trial_room
+lemons crowd --geometry walls.xml --region 0,0,8,6 --density 2 -o Trial_part
 lemons crowd --number 40 --fixed 49,25,1.75,70 --packing grid -o Trial_rows
 lemons crowd --number 10 --pedestrians 0.6 --light-xml mixed.xml",
     ),
@@ -55,6 +57,13 @@ lemons plot Trial_box --density -o density.png",
         "\
 lemons movie resources/Trial_push --step 0.005 --speed-up 0.2 -o push.gif
 lemons movie trajectories.csv --trial Trial_box --fill speed -o box.mp4",
+    ),
+    (
+        "measure",
+        "\
+lemons measure resources/Trial_door --until 10 --line door=5,2,5,3
+lemons measure walk.csv --trial resources/Trial_door --area front=3,1,5,4
+lemons measure box.csv --every 1 --above 1000,2000 -o measures --plot box.svg",
     ),
     (
         "export",

@@ -89,7 +89,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     let mut said = Vec::new();
     match to {
         Format::Jupedsim => {
-            let area = area(&run, arguments.area.as_deref(), trial.as_ref())?;
+            let area = area(&run, ("--area", arguments.area.as_deref()), trial.as_ref())?;
             jupedsim(&run, &area, out)?;
             said.extend(area.said);
         }
@@ -106,7 +106,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             let trial = trial_at_end(&run.read(|k| k == last)?, need()?)?;
             claim_all(trial.files_written(out).into_iter())?;
             trial.write(out)?;
-            said.extend(files::staying(out));
+            said.extend(files::staying(out, &[]));
         }
     }
     said.extend(not_exported(*to, &run));
@@ -181,17 +181,21 @@ pub fn expect_table(path: &Path) -> Result<()> {
 /// \[bytes\] A polygon of more is a mistake.
 const LARGEST_AREA: u64 = 16 << 20;
 
-/// Given, or from the walls.
-fn area(run: &Record, given: Option<&Path>, trial: Option<&Trial>) -> Result<Area> {
+/// The walkable area: given by an option, or from the walls.
+pub fn area(run: &Record, given: (&str, Option<&Path>), trial: Option<&Trial>) -> Result<Area> {
     let positions = run.positions()?;
     let area = area_of(&positions, given, trial)?;
     positions.check().with_context(|| "positions in a temporary file")?;
     Ok(area)
 }
 
-fn area_of(positions: &Positions, given: Option<&Path>, trial: Option<&Trial>) -> Result<Area> {
+fn area_of(
+    positions: &Positions,
+    (option, given): (&str, Option<&Path>),
+    trial: Option<&Trial>,
+) -> Result<Area> {
     if let Some(path) = given {
-        let named = || format!("--area {}", path.display());
+        let named = || format!("{option} {}", path.display());
         let text = input::read_given_text(path, LARGEST_AREA).with_context(named)?;
         return given_area(&text, positions.iter()).map_err(|wrong| anyhow!("{}: {wrong}", named()));
     }

@@ -14,6 +14,7 @@ use crate::error::Misused;
 use crate::tell;
 use anyhow::{Context, Result, bail};
 use clap::ArgMatches;
+use lemons_decision::WISHES_FILE;
 use lemons_files::{Before, Staged, guard, only_path, placed};
 use lemons_record::series_in;
 use lemons_trial::Trial;
@@ -24,13 +25,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Of the people of a Trial, in its directory.
-pub const WISHES_FILE: &str = "decision.toml";
-
-/// Says of a Trial that is replaced which files stay there that the command does not write, and that are used.
-pub fn staying(trial: &Path) -> impl Iterator<Item = String> {
-    let files = [lemons_trial::DRIVE_FILE, WISHES_FILE].map(|name| trial.join(name)).into_iter();
+/// Says of a Trial that is replaced which files stay there that the command does not write, and that are used. Of these,
+/// it writes `written`.
+pub fn staying(trial: &Path, written: &[&str]) -> impl Iterator<Item = String> {
+    let names = [lemons_trial::DRIVE_FILE, WISHES_FILE].into_iter().filter(|name| !written.contains(name));
+    let files: Vec<PathBuf> = names.map(|name| trial.join(name)).collect();
     files
+        .into_iter()
         .filter(|file| file.is_file())
         .map(|file| format!("warning: {} of the Trial that was there stays, and is used", file.display()))
 }

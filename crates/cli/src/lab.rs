@@ -7,13 +7,14 @@
 use crate::interrupt::Interrupt;
 use crate::tell;
 use anyhow::{Context, Result, anyhow, bail};
-use crowd_mechanics::pack::Binary;
+use crowd_mechanics::pack::{Binary, THIRD_PARTY};
 use lemons_files::input;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::net::{Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
 use std::time::Duration;
-use tiny_http::{Header, Method, Request, Response, Server, StatusCode};
+use tiny_http::{Method, Request, Server};
 
 include!(concat!(env!("OUT_DIR"), "/lab.rs"));
 
@@ -58,22 +59,25 @@ pub fn lab(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The crowd's libraries: path in the page's address -> library.
-struct Libraries(BTreeMap<String, Binary>);
+/// The crowd's libraries and their licences: path in the page's address -> platform, file.
+struct Libraries(BTreeMap<String, (String, PathBuf)>);
 
 impl Libraries {
     /// Without them, the page says that it makes no FMUs.
     fn beside() -> Libraries {
         let found = lemons_master::binaries_beside("crowd_mechanics", &[]).unwrap_or_default();
-        let places = found.into_iter().filter_map(|binary| {
-            let name = binary.path.file_name()?.to_str()?;
-            Some((format!("binaries/{}/{name}", binary.platform), binary))
-        });
-        Libraries(places.collect())
+        let licences = found.first().and_then(Binary::third_party);
+        let place = |Binary { platform, path }: Binary| {
+            let name = path.file_name()?.to_str()?;
+            Some((format!("binaries/{platform}/{name}"), (platform, path)))
+        };
+        let licences =
+            licences.map(|path| (format!("binaries/{THIRD_PARTY}"), (THIRD_PARTY.to_owned(), path)));
+        Libraries(found.into_iter().filter_map(place).chain(licences).collect())
     }
 
     fn list(&self) -> String {
-        let entries = self.0.iter().map(|(place, binary)| format!("{:?}:{place:?}", binary.platform));
+        let entries = self.0.iter().map(|(place, (name, _))| format!("{name:?}:{place:?}"));
         format!("{{{}}}", entries.collect::<Vec<_>>().join(","))
     }
 }
@@ -85,34 +89,35 @@ fn answer(request: Request, address: SocketAddr, libraries: &Libraries) -> std::
     let path = request.url().split(['?', '#']).next().unwrap_or_default();
     let path = if path == "/" { "index.html" } else { path.trim_start_matches('/') };
     let (status, kind, content) = if !here.contains(&host) {
-        (403, "txt", b"another host".to_vec())
+        ("403 Forbidden", "txt", b"another host".to_vec())
     } else if !matches!(request.method(), Method::Get | Method::Head) {
-        (405, "txt", b"only GET and HEAD".to_vec())
+        ("405 Method Not Allowed", "txt", b"only GET and HEAD".to_vec())
     } else if let Some((name, content)) = FILES.iter().find(|(name, _)| *name == path) {
-        (200, name.rsplit('.').next().unwrap_or_default(), content.to_vec())
+        ("200 OK", name.rsplit('.').next().unwrap_or_default(), content.to_vec())
     } else if path == "binaries.json" {
-        (200, "json", libraries.list().into_bytes())
+        ("200 OK", "json", libraries.list().into_bytes())
     } else {
-        let library = libraries.0.get(path).map(|binary| input::read(&binary.path, input::LARGEST_BINARY));
+        let library = libraries.0.get(path).map(|(_, file)| input::read(file, input::LARGEST_BINARY));
         match library {
-            Some(Ok(content)) => (200, "so", content),
-            _ => (404, "txt", b"there is no such file".to_vec()),
+            Some(Ok(content)) => ("200 OK", "so", content),
+            _ => ("404 Not Found", "txt", b"there is no such file".to_vec()),
         }
     };
-    let headers = [
-        ("Content-Type", kind_of(kind)),
-        ("Content-Security-Policy", POLICY),
-        ("X-Content-Type-Options", "nosniff"),
-        ("Referrer-Policy", "no-referrer"),
-        ("Cache-Control", "no-cache"),
-    ];
-    let mut response = Response::from_data(content).with_status_code(StatusCode(status));
-    for (name, value) in headers {
-        if let Ok(header) = Header::from_bytes(name, value) {
-            response.add_header(header);
-        }
+    // Each connection is for one request: tiny_http may leave a request waiting while other connections are kept.
+    let whole = *request.method() != Method::Head;
+    let mut writer = request.into_writer();
+    write!(
+        writer,
+        "HTTP/1.1 {status}\r\nContent-Type: {}\r\nContent-Length: {}\r\nContent-Security-Policy: {POLICY}\r\n\
+         X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCache-Control: no-cache\r\n\
+         Connection: close\r\n\r\n",
+        kind_of(kind),
+        content.len(),
+    )?;
+    if whole {
+        writer.write_all(&content)?;
     }
-    request.respond(response)
+    writer.flush()
 }
 
 fn kind_of(extension: &str) -> &'static str {

@@ -24,6 +24,7 @@ mod files;
 mod info;
 mod interrupt;
 mod lab;
+mod measure;
 mod output;
 mod outputs;
 mod pack;
@@ -80,6 +81,8 @@ enum Command {
     Plot(Box<pictures::plot::Arguments>),
     /// Draw a run as a movie
     Movie(Box<pictures::movie::Arguments>),
+    /// Measure a run: flow over lines, density in areas, exposure to squeeze
+    Measure(Box<measure::Arguments>),
     /// Convert a run for JuPedSim, PedPy or ChAOS, to XML, or to a Trial that continues it
     Export(export::Arguments),
     /// List the variables of an FMU
@@ -159,6 +162,7 @@ fn command() -> Result<()> {
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Plot(arguments) => pictures::plot::plot(&arguments),
         Command::Movie(arguments) => pictures::movie::movie(&arguments),
+        Command::Measure(arguments) => measure::measure(&arguments),
         Command::Export(arguments) => export::export(&arguments),
         Command::Info(arguments) => info::info(&arguments),
         Command::Check(arguments) => check::check(&arguments),

@@ -19,6 +19,11 @@ impl Output {
         Ok(Output { path: path.to_owned(), file: BufWriter::new(file) })
     }
 
+    /// Of a place that was claimed before.
+    pub fn claimed(path: &Path) -> Result<Output> {
+        Ok(Output { path: path.to_owned(), file: BufWriter::new(files::open(path)?) })
+    }
+
     /// Where it will appear.
     pub fn path(&self) -> &Path {
         &self.path

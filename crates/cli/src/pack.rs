@@ -6,6 +6,7 @@ use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Result, anyhow, bail};
 use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
+use lemons_decision::WISHES_FILE;
 use lemons_master::{Error, Given, binaries_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use lemons_trial::Trial;
@@ -111,6 +112,13 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
         write_fmu(&trials, binaries, arguments.fmi.format(arguments.fmu.naming()), true, &arguments.output)?;
     for warning in warnings {
         note!("{warning}");
+    }
+    for trial in trials.iter().filter(|trial| trial.wishes().is_some()) {
+        let path = trial.path().display();
+        note!(
+            "note: {path}/{WISHES_FILE} is not in this FMU, which is the crowd alone: lemons decide {path} -o FILE.fmu makes \
+             the FMU that says where people walk, and lemons connect couples both"
+        );
     }
     say_size(&arguments.output)
 }

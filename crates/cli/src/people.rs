@@ -2,8 +2,11 @@
 
 pub mod crowd;
 mod crowd_files;
+mod crowd_outputs;
+mod leave;
 pub mod person;
 mod placing;
+mod regions;
 mod source;
 
 use clap::ValueEnum;

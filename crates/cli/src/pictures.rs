@@ -1,10 +1,10 @@
 //! Pictures and movies of runs: `lemons plot`, `lemons movie`.
 
-mod look;
+pub mod look;
 mod measured;
-mod moment;
+pub mod moment;
 pub mod movie;
 pub mod plot;
 mod series;
-mod source;
+pub mod source;
 mod spread;

@@ -7,6 +7,7 @@ mod underway;
 
 use crate::compared::{Poses, Seen};
 use crate::crowd_run::Point;
+use crate::decide::Walk;
 use crate::error::{Misused, and_then, said};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
@@ -16,11 +17,13 @@ use crate::tell::nobody_listens;
 use crate::version::BUILD;
 use crate::watch::{Places, Recorded, Records, Watch};
 use crate::words::{refused, warned};
-use anyhow::{Context, Error, Result, bail};
+use anyhow::{Context, Error, Result, bail, ensure};
 use clap::ValueEnum;
 use halved::{Chosen, run_for, steps_of};
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_files::Staged;
+use lemons_decision::Plan;
+use lemons_decision::decision::PLAN_FILE;
+use lemons_files::{Staged, input};
 use lemons_master::{
     Algorithm, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings, System,
     writers,
@@ -40,9 +43,10 @@ pub struct Arguments {
     /// A Trial (a directory or a zip), an FMU, or an SSP of coupled FMUs
     #[arg(value_name = "TRIAL, FILE.fmu or FILE.ssp")]
     input: PathBuf,
-    /// End of the simulation, in seconds. Default: the stop time of the SSP, else 5
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    until: Option<f64>,
+    /// End of the simulation, in seconds; or the word left: when everybody has left by the exits of
+    /// decision.toml, at the latest after 3600 s. Default: the stop time of the SSP, else 5
+    #[arg(long, value_name = "SECONDS|left", value_parser = until)]
+    until: Option<Until>,
     /// Communication step, in seconds. Default: the Trial's TimeStep; for several FMUs, the smallest
     /// of their default step sizes
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
@@ -56,14 +60,17 @@ pub struct Arguments {
     /// values are interpolated linearly between rows; they are held until the next point, so results
     /// depend on the communication step. Before the first and after the last row they are zero. Agents that are not
     /// in the file keep the values of AgentDynamics.xml. Default: the Trial's drive.csv if there is one;
-    /// in an SSP, none
+    /// in an SSP, and where people walk by decision.toml, none
     #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
     drive: Option<PathBuf>,
     /// Ignore the Trial's drive.csv
     #[arg(long)]
     no_drive: bool,
+    #[command(flatten)]
+    walk: Walk,
     /// Set a parameter or a start value, for example --set TimeStepMechanical=1e-5; for all agents:
-    /// --set 'agent[*].Mass=80'; in an SSP, with the name of the component: --set crowd.Threads=2
+    /// --set 'agent[*].Mass=80'; in an SSP, with the name of the component: --set crowd.Threads=2; for
+    /// people who walk by decision.toml, --set 'decision.agent[3].DesiredSpeed=0.5'
     // The help shows it as it is.
     #[allow(rustdoc::broken_intra_doc_links)]
     #[arg(long = "set", value_name = "NAME=VALUE")]
@@ -100,6 +107,37 @@ pub struct Arguments {
     _force: Force,
 }
 
+/// `--until`
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Until {
+    /// \[s\]
+    Time(f64),
+    /// When nobody is there any more.
+    Left,
+}
+
+/// \[s\] Who has not left until then does not leave.
+pub const LATEST: f64 = 3600.0;
+
+pub fn until(text: &str) -> Result<Until, String> {
+    match text {
+        "left" => Ok(Until::Left),
+        text => positive(text).map(Until::Time).map_err(|error| format!("{error}, or the word left")),
+    }
+}
+
+/// When a run ends, besides at its time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Ends {
+    /// Not before.
+    #[default]
+    AtTime,
+    /// When all have come to rest.
+    Still,
+    /// When nobody is there any more.
+    Left,
+}
+
 /// A run, and what becomes of it.
 pub struct Job {
     pub settings: Settings,
@@ -107,8 +145,8 @@ pub struct Job {
     pub places: Places,
     /// Where it is saved.
     pub state: Option<PathBuf>,
-    /// Whether it ends when all have come to rest.
-    pub until_still: bool,
+    /// When it ends.
+    pub ends: Ends,
     /// What is done with the poses.
     pub poses: Poses,
 }
@@ -120,15 +158,20 @@ impl Arguments {
             parameters: name_and_value_of_all(&self.settings)?,
             threads: self.threads,
             step: self.step,
-            until: self.until,
+            until: self.until.map(|until| match until {
+                Until::Time(time) => time,
+                Until::Left => LATEST,
+            }),
             every: self.every.map(u64::from),
             drive: drive_of(self.drive.as_deref(), self.no_drive),
+            plan: self.walk.choice(),
             algorithm: self.algorithm.into(),
             resume: self.resume.clone(),
             saves: self.state.is_some(),
             ..Settings::of(&self.input)
         };
-        Ok(Job { settings, places, state: self.state.clone(), until_still: false, poses: Poses::Ignore })
+        let ends = if self.until == Some(Until::Left) { Ends::Left } else { Ends::AtTime };
+        Ok(Job { settings, places, state: self.state.clone(), ends, poses: Poses::Ignore })
     }
 }
 
@@ -256,17 +299,20 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
                 Ok(()) => bail!("the run ended without a result"),
             },
         }
-        if interrupt.pressed()
-            && pressed.get_or_insert_with(Instant::now).elapsed() >= PATIENCE
-            && let Some(underway) = shared.take()
-        {
+        if !interrupt.pressed() || pressed.get_or_insert_with(Instant::now).elapsed() < PATIENCE {
+            continue;
+        }
+        if shared.give_up_before() {
+            return Err(Interrupted::given_up().into());
+        }
+        if let Some(underway) = shared.take() {
             return underway.give_up();
         }
     }
 }
 
 fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<Ended> {
-    let Job { settings, places, state, until_still, poses } = job;
+    let Job { settings, places, state, ends, poses } = job;
     let prepared = Prepared::of(&settings).map_err(refused)?;
     let Prepared { mut system, trials, pushes, progress, before, coupled, warnings } = prepared;
     for warning in &warnings {
@@ -286,6 +332,11 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
     ];
     let recording = Recording { about, before: before.as_ref(), poses };
     let watch = Watch::create(&system, trials, places, recording)?;
+    let rest = match ends {
+        Ends::AtTime => None,
+        Ends::Still => Some(Rest::after(pushes.end())),
+        Ends::Left => Some(until_left(&system, &watch)?),
+    };
     let file = state.map(|path| Ok::<_, anyhow::Error>((files::stage(&path)?, path))).transpose()?;
     let coupling = coupled.then(|| described(&system, progress.clock.step));
     let kept = if file.is_some() { Some(Kept::of(&mut system, &progress)?) } else { None };
@@ -302,8 +353,7 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
         at_hand: None,
         bar: bar.clone(),
         unzipped: system.components().iter().map(|c| c.fmu.directory().to_owned()).collect(),
-    });
-    let rest = until_still.then(|| Rest::after(pushes.end()));
+    })?;
     let begun = Instant::now();
     let pushes = &pushes;
     let mut stepping = Stepping { pushes, by: &by, shared, interrupt, progress, kept, rest, bar, begun };
@@ -341,6 +391,29 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
         recorded,
         failed: and_then(placed, kept).err(),
     })
+}
+
+/// The end of a run in which people leave: when nobody is there any more who has an exit.
+fn until_left(system: &System, watch: &Watch) -> Result<Rest> {
+    let nobody =
+        "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)";
+    ensure!(watch.may_leave(), nobody);
+    // Only our own Decision FMU says who has an exit; of others, all might leave.
+    let plan = system.components().iter().find_map(|component| {
+        let path = component.fmu.directory().join("resources").join(PLAN_FILE);
+        Plan::from_toml(&input::read_text(&path, input::LARGEST_SETTINGS).ok()?).ok()
+    });
+    let Some(plan) = plan else { return Ok(Rest::when_left(watch.people())) };
+    let people = plan.agents.len();
+    let leave = (0..people).filter(|agent| plan.has_exit(*agent)).count();
+    ensure!(leave > 0, nobody);
+    if leave < people {
+        note!(
+            "note: {} of {people} people have no exit: the run ends when the others have left",
+            people - leave
+        );
+    }
+    Ok(Rest::when_left(leave))
 }
 
 /// A coupled system, for the lines at the end of a run. `step` \[s\] is the communication step.
@@ -460,7 +533,7 @@ impl Observer<System> for Stepping<'_> {
             underway.watch.look(system, point)?;
             underway.time = reached.time;
             if let Some(rest) = rest {
-                rest.see(underway.time, underway.watch.moves());
+                rest.see(underway.time, underway.watch.moves(), underway.watch.left());
             }
             Ok(())
         })?;

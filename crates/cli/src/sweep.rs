@@ -4,17 +4,16 @@ use crate::error::Misused;
 use crate::export::trial_of;
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::pack::write_fmu;
 use crate::run::writes_in_series;
 use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
-use crowd_mechanics::pack::Format;
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_files::Scratch;
-use lemons_master::{Clock, Given, own_binary};
-use lemons_sweep::{Directory, Finished, How, Progress, Spec, sweep as run};
+use lemons_master::{Clock, PrepareError};
+use lemons_sweep::{Directory, Finished, How, Progress, Spec, Swept, sweep as run};
 use std::cell::Cell;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -46,6 +45,8 @@ const EXAMPLE: &str = r#"An example of FILE.toml:
   until = 2.0                      # [s]
   # step = 0.01                    # [s]; else the Trial's TimeStep
   # drive = "push.csv"             # else the Trial's drive.csv; false: none
+  # plan = "walk.toml"             # else the Trial's decision.toml; false: nobody walks
+  # algorithm = "gauss-seidel"     # of people who walk; else jacobi
 
   [parameters]                     # all combinations; or table = "points.csv"
   "contact.human_naked.human_naked.KineticFriction" = [0.0, 0.4]
@@ -61,9 +62,27 @@ const EXAMPLE: &str = r#"An example of FILE.toml:
 of: x, y, theta, speed, omega, agent_contacts, wall_contacts,
 contacting_agents, squeeze (the sum of normal forces): at communication points;
 mean_squeeze (over a step), peak_squeeze, peak_overlap (largest within a step):
-of the whole step that ends there, so that no collision is missed.
-take: max, min, mean, last, change, reach, first_above.
-Of several agents: across = "max", "min" or "mean"."#;
+of the whole step that ends there, so that no collision is missed. Or the name
+of a variable: "decision.Arrived", "LargestOverlap", "agent[*].Velocity.x".
+take: max, min, mean, last, change, reach, first_above, first_at_least.
+Of several agents: across = "max", "min" or "mean".
+
+Where people walk (decision.toml), each point is the run of lemons run TRIAL.
+Parameters may be named crowd.NAME or decision.NAME; without a component they
+are the crowd's. A name in braces stands for the value of a parameter, which
+then chooses a Trial. These are five widths of a door, with twenty crowds each:
+  trial = "door_{width}_{seed}"
+  until = 120.0
+  stop = { of = "decision.Arrived", at_least = 30 }   # or at_most = …
+
+  [parameters]
+  width = [0.7, 0.8, 0.9, 1.0, 1.2]
+  seed = { from = 1, to = 20 }     # all whole numbers
+
+  [measures]
+  first = { of = "decision.Arrived", take = "first_at_least", level = 1 }
+  evacuation = { of = "decision.Arrived", take = "first_at_least", level = 30 }
+  squeeze = { of = "peak_squeeze", take = "max" }"#;
 
 /// Messages of failed points that are shown.
 const SHOWN: usize = 3;
@@ -106,24 +125,23 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let started = Instant::now();
     let by = BUILD.whole();
     let how = How { threads, retry: arguments.retry_failed, by: &by };
-    // As `lemons pack` makes it, with its picture: sweeps of Python continue those of the command.
-    let packed = Scratch::new().context("cannot make a temporary directory")?;
-    let mut spec = spec;
-    if let Some(trial) = Given::find(&spec.model)? {
-        let file = packed.path().join("crowd.fmu");
-        // Its drive is read when the points are known: perhaps it is another one.
-        write_fmu(&[trial], vec![own_binary()?], Format::default(), false, &file)?;
-        spec.trial = Some(std::mem::replace(&mut spec.model, file));
-    }
     let done = run(spec, &output, how, interrupt.flag(), tell);
     bar.finish_and_clear();
-    let (kept, at) = match (done, newest.get()) {
+    let Swept { directory: kept, progress: at, warnings } = match (done, newest.get()) {
         (Ok(done), _) => done,
         (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
         (Err(lemons_sweep::Error::Master(error)), None) => return Err(trial_told(error.into())),
+        (Err(lemons_sweep::Error::Prepare(PrepareError::DriveOfWalkers(plan))), None) => bail!(
+            "{}: drive: people who walk ({}) are not driven by a file, too (plan = false: nobody walks)",
+            arguments.spec.display(),
+            plan.display()
+        ),
         (Err(error), None) => return Err(error.into()),
     };
     let wall = started.elapsed().as_secs_f64();
+    for warning in &warnings {
+        note!("note: {warning} (plan = false: the other way round)");
+    }
     // Written before anything is said: who closes the pipe early has the file nevertheless.
     if let (Some(path), true) = (&arguments.csv, at.done == at.total) {
         let written = files::open(path).and_then(|file| Ok(kept.write_csv(file)?));
@@ -150,21 +168,27 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
 
 /// Claims the directories where points write files themselves.
 fn claim_series(spec: &Spec) -> Result<()> {
-    let mut directories = spec.points.output_directories().peekable();
-    let clock = match (directories.peek(), spec.step) {
-        (None, _) => return Ok(()),
-        (_, Some(step)) => Clock::new(0.0, step, spec.until),
-        (_, None) => {
-            let trial = trial_of(&spec.model, Some(&spec.model))?;
-            let step = trial.with_context(|| spec.model.display().to_string())?.parameters.time_step;
-            Clock::new(0.0, step, spec.until)
-        }
-    }?;
-    let is_own =
-        |name: &str, time: Option<f64>| time.is_some_and(|time| writes_in_series(&clock, name, time));
-    directories.try_for_each(|directory| {
-        files::claim_series(Path::new(&directory), is_own).map(drop).context("OutputDirectory")
-    })
+    let mut clocks = HashMap::new();
+    for (point, directory) in spec.points.output_directories() {
+        let (model, _) = spec.simulated(point);
+        let clock = match clocks.entry(model) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(new) => {
+                let step = match spec.step {
+                    Some(step) => step,
+                    None => {
+                        let trial = trial_of(new.key(), Some(new.key()))?;
+                        trial.with_context(|| new.key().display().to_string())?.parameters.time_step
+                    }
+                };
+                *new.insert(Clock::new(0.0, step, spec.until)?)
+            }
+        };
+        let is_own =
+            |name: &str, time: Option<f64>| time.is_some_and(|time| writes_in_series(&clock, name, time));
+        files::claim_series(Path::new(&directory), is_own).map(drop).context("OutputDirectory")?;
+    }
+    Ok(())
 }
 
 /// What became of all points, in a line.

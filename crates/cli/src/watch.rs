@@ -88,6 +88,21 @@ impl Watch {
         }
     }
 
+    /// Whether people may leave: another component says who is there.
+    pub fn may_leave(&self) -> bool {
+        self.crowds.iter().any(|(_, crowd)| crowd.may_leave())
+    }
+
+    /// How many there are in crowds that people may leave.
+    pub fn people(&self) -> usize {
+        self.crowds.iter().filter(|(_, crowd)| crowd.may_leave()).map(|(_, crowd)| crowd.people()).sum()
+    }
+
+    /// How many had left at the last look.
+    pub fn left(&self) -> usize {
+        self.crowds.iter().map(|(_, crowd)| crowd.left()).sum()
+    }
+
     /// Whether somebody of any crowd moved at the last look.
     pub fn moves(&self) -> bool {
         self.crowds.iter().any(|(_, crowd)| crowd.moves())

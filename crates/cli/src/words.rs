@@ -24,6 +24,13 @@ pub fn refused(error: PrepareError) -> anyhow::Error {
         E::DriveOfCoupled => {
             anyhow!("--drive is for a Trial or an FMU: in an SSP inputs are fed by connections")
         }
+        E::DriveOfWalkers(_) => Misused(format!("--drive: {error} (--no-plan: nobody walks)")).into(),
+        E::OfOther { name, value, meant } => {
+            anyhow!("--set {name}={value}: there is no such variable; did you mean --set {meant}={value}?")
+        }
+        E::NowWalks(_) => anyhow!("{error}: give --no-plan to go on as before"),
+        E::NoLongerWalks => anyhow!("{error}: go on without --no-plan, and with the file as it was (--plan)"),
+        E::PlanWithoutTrial => Misused(format!("--plan: {error}")).into(),
         E::NotSaved(_) => anyhow!("{error} (--state writes one)"),
         E::Component { name, value, components } => anyhow!(
             "--set {name}={value}: expected COMPONENT.NAME=VALUE; components are {}",
@@ -70,6 +77,8 @@ pub fn warned(warning: &Warning) -> String {
     match warning {
         Warning::Ignored(_) => format!("warning: {warning}"),
         Warning::Overwritten { .. } => format!("warning: --set {warning}"),
+        Warning::DriveOfWalkers { .. } => format!("note: {warning} (--no-plan: the other way round)"),
+        Warning::Still => format!("note: {warning} (lemons decide --help, --drive)"),
         Warning::Missed(rows) => format!("warning: drive: {}", missed(rows, "TimeStep, --step")),
     }
 }

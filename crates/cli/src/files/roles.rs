@@ -21,7 +21,7 @@ use Role::{GoesOn, Reads, ReadsAfterEquals, Shows, Writes, WritesInto};
 pub type Argument = (&'static str, &'static str, Role);
 
 /// Every argument that names a file, of every command. A test compares it with the commands.
-pub const ROLES: [(&str, &[Argument]); 15] = [
+pub const ROLES: [(&str, &[Argument]); 16] = [
     (
         "crowd",
         &[
@@ -74,6 +74,7 @@ pub const ROLES: [(&str, &[Argument]); 15] = [
         &[
             ("input", "", Reads),
             ("drive", "--drive", Reads),
+            ("plan", "--plan", Reads),
             ("resume", "--resume", GoesOn),
             ("output", "--output", Shows),
             ("outputs", "--outputs", Shows),
@@ -87,6 +88,7 @@ pub const ROLES: [(&str, &[Argument]); 15] = [
             ("path", "", Reads),
             ("trial", "--trial", Reads),
             ("drive", "--drive", Reads),
+            ("plan", "--plan", Reads),
             ("measured", "--measured", Reads),
             ("output", "--output", Writes),
         ],
@@ -97,8 +99,22 @@ pub const ROLES: [(&str, &[Argument]); 15] = [
             ("path", "", Reads),
             ("trial", "--trial", Reads),
             ("drive", "--drive", Reads),
+            ("plan", "--plan", Reads),
             ("measured", "--measured", Reads),
             ("output", "--output", Writes),
+        ],
+    ),
+    (
+        "measure",
+        &[
+            ("path", "", Reads),
+            ("trial", "--trial", Reads),
+            ("drive", "--drive", Reads),
+            ("plan", "--plan", Reads),
+            ("walkable", "--walkable", Reads),
+            ("output", "--output", WritesInto),
+            ("summary", "--summary", Shows),
+            ("plot", "--plot", Writes),
         ],
     ),
     (

@@ -1,7 +1,10 @@
 //! `lemons crowd`: people drawn, placed and written.
 
 use super::crowd_files::{Bodies, light};
+use super::crowd_outputs::{Outputs, say};
+use super::leave::LeaveArguments;
 use super::placing::PlacingArguments;
+use super::regions::REGION_HELP;
 use super::source::{CUSTOM_HELP, Mixed, SourceArguments};
 use super::{line, within};
 use crate::binary::CROWD;
@@ -15,22 +18,22 @@ use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
+use lemons_decision::{Plan, WISHES_FILE, Wishes};
 use lemons_files::{Scratch, names_beside};
 use lemons_master::Given;
 use lemons_people::{
     Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialError,
-    TrialSettings, crowd_csv, crowd_trial, heading, light_xml, may_write, write_geojson, write_trial,
-    write_trial_zip, write_wkt,
+    TrialSettings, crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_with,
+    write_trial_zip,
 };
-use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, pdf, png, svg};
-use lemons_plane::Pose;
-use lemons_trial::{Geometry, Trial};
-use std::io::{self, Write};
+use lemons_picture::{Fill, Scene};
+use lemons_trial::Trial;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(clap::Args)]
-#[command(after_help = CUSTOM_HELP)]
+#[command(after_help = format!("{REGION_HELP}\n\n{CUSTOM_HELP}"))]
 pub struct Arguments {
     /// Number of people
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
@@ -48,6 +51,8 @@ pub struct Arguments {
     placing: PlacingArguments,
     #[command(flatten)]
     trial: TrialArguments,
+    #[command(flatten)]
+    leaving: LeaveArguments,
     #[command(flatten)]
     others: OtherArguments,
 }
@@ -76,9 +81,9 @@ struct TrialArguments {
     #[arg(long, value_enum, default_value_t = Wear::Naked)]
     material: Wear,
     /// Everybody pushes along --direction, with the force that keeps a lone person at this speed, in
-    /// m/s
-    #[arg(long, value_name = "SPEED", default_value = "0", value_parser = speed, allow_negative_numbers = true)]
-    speed: f64,
+    /// m/s. Default: 0. With --leave: everybody's desired speed. Default: 1.34
+    #[arg(long, value_name = "SPEED", value_parser = speed, allow_negative_numbers = true)]
+    speed: Option<f64>,
     /// Communication step (TimeStep), in s. The mechanical step is chosen from the stiffest contact and
     /// divides it
     #[arg(long, value_name = "SECONDS", default_value = "0.01", value_parser = time_step, allow_negative_numbers = true)]
@@ -193,10 +198,11 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             return Err(Misused(message.into()).into());
         }
     }
-    let Arguments { placing, trial, others, seed, .. } = &arguments;
+    let Arguments { placing, trial, leaving, others, seed, .. } = &arguments;
+    leaving.check(placing.doors(), trial.output.is_some() || trial.zip.is_some())?;
     let place = placing.place()?;
     let wanted = placing.wanted(&place, arguments.number, arguments.density)?;
-    let settings = trial.settings(placing.direction());
+    let settings = trial.settings(placing.direction(), leaving.wanted());
     // Known before a long packing.
     let makeable = settings.check(&place.geometry);
     if trial.wanted() || others.has_pictures() {
@@ -208,19 +214,19 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
     let mut outputs = arguments.outputs()?;
     // Of a Trial that is refused nothing more is told.
-    for said in trial.output.iter().flat_map(|directory| files::staying(directory)) {
+    let beside = if leaving.wanted() { &[WISHES_FILE][..] } else { &[] };
+    for said in trial.output.iter().flat_map(|directory| files::staying(directory, beside)) {
         note!("{said}");
     }
     let interrupt = Interrupt::watch();
 
-    let agents: Vec<Agent> = population.agents(*seed).take(wanted.number).collect();
+    let agents: Vec<Agent> = population.agents(*seed).take(wanted.number()).collect();
     let shapes = agents.iter().map(shape).collect::<Result<Vec<Shape>>>()?;
     others.check_bodies(&agents)?;
     let started = Instant::now();
-    let packing = placing.run(&shapes, &place, wanted, *seed, &interrupt)?;
+    let (packing, densities) = placing.run(&shapes, &place, &wanted, *seed, &interrupt)?;
     let seconds = started.elapsed().as_secs_f64();
-    let ground =
-        if place.region.is_plane() { shapes.len() as f64 / packing.density } else { place.region.area() };
+    let ground = if place.is_plane() { shapes.len() as f64 / packing.density } else { place.area() };
     // Of a bicycle the two rectangles, not the disks that keep others off them.
     let area = |(agent, shape): (&Agent, &Shape)| match agent {
         Agent::Pedestrian(_) => shape.moments().area,
@@ -232,8 +238,17 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let mut out = Vec::new();
     writeln!(out, "{}", CrowdStatistics::of(&agents))?;
     writeln!(out, "\nseed               {seed:>10}")?;
-    let of = if place.region.is_plane() { "convex hull of all" } else { &place.name };
+    let of = if place.is_plane() { "convex hull of all" } else { &place.name };
     writeln!(out, "{}", line("ground", ground, &format!("m²   ({of})")))?;
+    if !placing.is_whole() {
+        for (k, (ground, density)) in place.grounds.iter().zip(&densities).enumerate() {
+            let people = format!("m²   {} people, {density:.3} /m²", wanted.numbers[k]);
+            writeln!(out, "{}", line(&format!("  region {k}"), ground.region.area(), &people))?;
+            if !ground.said.is_empty() {
+                writeln!(out, "{:29} {}", "", ground.said)?;
+            }
+        }
+    }
     writeln!(out, "{}", line("placed in", seconds, &format!("s   ({})", placing.manner())))?;
     let share = format!("/m²   ({:.1} % of the ground is covered)", 100.0 * covered / ground);
     writeln!(out, "{}", line("density", packing.density, &share))?;
@@ -253,13 +268,27 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let mut done = Ok(());
     if mixed == Mixed::No && makeable.is_ok() {
         let people: Vec<Person> = agents.iter().filter_map(pedestrian).collect();
-        let made =
-            crowd_trial(&arguments.name(), &people, &shapes, &packing.poses, place.geometry, &settings)?;
+        let made = crowd_trial(
+            &arguments.name(),
+            &people,
+            &shapes,
+            &packing.poses,
+            place.geometry.clone(),
+            &settings,
+        )?;
         let step = made.parameters.time_step_mechanical;
         let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
         writeln!(out, "mechanical step    {step:>10} {note}")?;
         outputs.draw(&Scene::at_start(&made), Fill::BodyArea)?;
-        done = trial.write(&made, binaries, &interrupt, &mut out)?;
+        let ways = placing.ways_out(&place, &packing.poses);
+        let wishes = leaving.wanted().then(|| leaving.text(&ways, trial.speed));
+        if let Some(text) = &wishes {
+            // A run would refuse it.
+            let plan = Wishes::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
+            plan.context("--leave: people cannot leave")?;
+        }
+        let beside: Vec<(&str, &str)> = wishes.iter().map(|text| (WISHES_FILE, &text[..])).collect();
+        done = trial.write(&made, &beside, binaries, &interrupt, &mut out)?;
     } else if others.has_pictures() {
         outputs.draw_mixed(&agents, &shapes, &packing.poses, place.geometry, &settings)?;
     }
@@ -299,23 +328,26 @@ impl TrialArguments {
         self.output.is_some() || self.zip.is_some() || self.fmu.is_some()
     }
 
-    fn settings(&self, direction: f64) -> TrialSettings {
+    /// Who leaves is driven by nothing else.
+    fn settings(&self, direction: f64, leave: bool) -> TrialSettings {
+        let speed = if leave { 0.0 } else { self.speed.unwrap_or(0.0) };
         TrialSettings {
             time_step: self.time_step,
             people: if self.material == Wear::Naked { "human_naked" } else { "human_clothes" }.into(),
-            desired_velocity: heading(direction) * self.speed,
+            desired_velocity: heading(direction) * speed,
             ..TrialSettings::default()
         }
     }
 
-    /// Checks the Trial as everybody would, and writes it where it was asked for: everywhere, also when one place
-    /// cannot be taken, which is the error within.
+    /// Checks the Trial as everybody would, and writes it where it was asked for, with files `beside` its own: everywhere,
+    /// also when one place cannot be taken, which is the error within.
     ///
     /// # Errors
     /// Nothing more is to be written.
     fn write(
         &self,
         trial: &Trial,
+        beside: &[(&str, &str)],
         binaries: Option<Vec<Binary>>,
         interrupt: &Interrupt,
         out: &mut impl Write,
@@ -353,14 +385,20 @@ impl TrialArguments {
                 file,
             );
             wrote("FMU", file, written.map(drop));
+            for (name, _) in beside {
+                note!(
+                    "note: {name} is not in {}: lemons decide makes the FMU that moves its people, of the Trial",
+                    file.display()
+                );
+            }
         }
         interrupt.check()?;
         if let Some(file) = &self.zip {
-            wrote("zip", file, write_trial_zip(trial, file).map_err(Into::into));
+            wrote("zip", file, write_trial_zip(trial, beside, file).map_err(Into::into));
         }
         interrupt.check()?;
         if let Some(directory) = &self.output {
-            wrote("Trial", directory, self.write_into(directory, trial));
+            wrote("Trial", directory, self.write_into(directory, trial, beside));
         }
         Ok(done)
     }
@@ -368,14 +406,14 @@ impl TrialArguments {
 
 impl TrialArguments {
     /// Beside a directory into which no Trial may be written any more: it could be when the crowd was begun.
-    fn write_into(&self, directory: &Path, trial: &Trial) -> Result<()> {
-        let written = write_trial(trial, directory, self.overwrite());
+    fn write_into(&self, directory: &Path, trial: &Trial, beside: &[(&str, &str)]) -> Result<()> {
+        let written = write_trial_with(trial, beside, directory, self.overwrite());
         let Err(refused @ (TrialError::NotATrial { .. } | TrialError::NoDirectory { .. })) = written else {
             return Ok(written?);
         };
         match names_beside(directory).find(|name| name.symlink_metadata().is_err()) {
             Some(free) => {
-                write_trial(trial, &free, Overwrite::Trials)?;
+                write_trial_with(trial, beside, &free, Overwrite::Trials)?;
                 Err(anyhow!(
                     "{refused}; it was changed while this command ran, the Trial is in {}",
                     free.display()
@@ -384,10 +422,6 @@ impl TrialArguments {
             None => Err(refused.into()),
         }
     }
-}
-
-fn say(out: &mut impl Write, what: &str, path: &Path) -> io::Result<()> {
-    writeln!(out, "{what:<18} {}", path.display())
 }
 
 impl OtherArguments {
@@ -441,7 +475,8 @@ impl Arguments {
         }
         if let Some(directory) = output {
             files::claim_directory(directory)?;
-            TRIAL_FILES.iter().try_for_each(|file| files::claim(&directory.join(file)))?;
+            let wishes = self.leaving.wanted().then_some(&WISHES_FILE);
+            TRIAL_FILES.iter().chain(wishes).try_for_each(|file| files::claim(&directory.join(file)))?;
         }
         Ok(Outputs {
             population: open(population)?,
@@ -454,133 +489,5 @@ impl Arguments {
             pdf: open(pdf)?,
             png: open(png)?,
         })
-    }
-}
-
-/// \[px\]
-const PICTURE_WIDTH: u32 = 1200;
-
-/// Files that appear when all is done.
-struct Outputs {
-    population: Option<Output>,
-    light_xml: Option<Output>,
-    sections: Option<Output>,
-    sections_wkt: Option<Output>,
-    obj: Option<Output>,
-    stl: Option<Output>,
-    svg: Option<Output>,
-    pdf: Option<Output>,
-    png: Option<Output>,
-}
-
-impl Outputs {
-    /// Writes sections at altitudes \[m\], and meshes. `covered` and `ground` \[m²\] are for the table of sections.
-    fn write_bodies(
-        &mut self,
-        bodies: &Bodies,
-        altitudes: Option<&[f64]>,
-        [covered, ground]: [f64; 2],
-        out: &mut Vec<u8>,
-    ) -> Result<()> {
-        if let Some(altitudes) = altitudes {
-            let sections = bodies.sections(altitudes)?;
-            bodies.table(out, &sections, covered, ground)?;
-            if let Some(output) = &mut self.sections {
-                output.fill(|file| write_geojson(&sections, file))?;
-            }
-            if let Some(output) = &mut self.sections_wkt {
-                output.fill(|file| write_wkt(&sections, file))?;
-            }
-        }
-        if let Some(output) = &mut self.obj {
-            bodies.obj(output)?;
-        }
-        if let Some(output) = &mut self.stl {
-            bodies.stl(output)?;
-        }
-        Ok(())
-    }
-
-    fn is_empty(&self) -> bool {
-        let Outputs { population, light_xml, sections, sections_wkt, obj, stl, .. } = self;
-        let others = [population, light_xml, sections, sections_wkt, obj, stl];
-        others.iter().all(|file| file.is_none()) && !self.has_pictures()
-    }
-
-    fn has_pictures(&self) -> bool {
-        [&self.svg, &self.pdf, &self.png].iter().any(|file| file.is_some())
-    }
-
-    /// Pedestrians as a Trial has them, bicycles beside them; all under their places in the crowd.
-    fn draw_mixed(
-        &mut self,
-        agents: &[Agent],
-        shapes: &[Shape],
-        poses: &[Pose],
-        geometry: Geometry,
-        settings: &TrialSettings,
-    ) -> Result<()> {
-        let (mut people, mut bicycles) = ((Vec::new(), Vec::new(), Vec::new(), Vec::new()), Vec::new());
-        for (place, ((agent, shape), pose)) in agents.iter().zip(shapes).zip(poses).enumerate() {
-            match agent {
-                Agent::Pedestrian(person) => {
-                    people.extend([(*person, shape.clone(), *pose, place.to_string())]);
-                }
-                Agent::Bicycle(bicycle) => {
-                    let [wheels, rider] = bicycle.rectangles();
-                    bicycles.push(Drawn { id: place.to_string(), pose: *pose, wheels, rider });
-                }
-            }
-        }
-        let (people, shapes, poses, ids) = people;
-        let mut trial = crowd_trial("crowd", &people, &shapes, &poses, geometry, settings)?;
-        trial.agents.iter_mut().zip(ids).for_each(|(agent, id)| agent.id = id);
-        let fill = if people.is_empty() { Fill::Single(Colour::BODY) } else { Fill::BodyArea };
-        let mut scene = Scene::at_start(&trial);
-        scene.bicycles = bicycles;
-        self.draw(&scene, fill)
-    }
-
-    fn draw(&mut self, scene: &Scene, fill: Fill) -> Result<()> {
-        if !self.has_pictures() {
-            return Ok(());
-        }
-        let text = svg(scene, &Style { width: PICTURE_WIDTH.into(), fill, ..Style::default() });
-        if let Some(output) = &mut self.svg {
-            output.fill(|file| file.write_all(text.as_bytes()))?;
-        }
-        if let Some(output) = &mut self.pdf {
-            let picture = pdf(&text)?;
-            output.fill(|file| file.write_all(&picture))?;
-        }
-        if let Some(output) = &mut self.png {
-            let picture = png(&text, PICTURE_WIDTH)?;
-            output.fill(|file| file.write_all(&picture))?;
-        }
-        Ok(())
-    }
-
-    /// Puts each in its place, also when that of another cannot be taken.
-    fn persist(self, interrupt: &Interrupt, out: &mut impl Write) -> Result<()> {
-        let mut done = Ok(());
-        let all = [
-            ("population", self.population),
-            ("light XML", self.light_xml),
-            ("sections", self.sections),
-            ("sections", self.sections_wkt),
-            ("bodies", self.obj),
-            ("bodies", self.stl),
-            ("picture", self.svg),
-            ("picture", self.pdf),
-            ("picture", self.png),
-        ];
-        for (what, output) in all {
-            let Some(output) = output else { continue };
-            interrupt.check()?;
-            let path = output.path().to_owned();
-            let placed = output.persist().and_then(|()| Ok(say(out, what, &path)?));
-            done = and_then(done, placed);
-        }
-        done
     }
 }

@@ -1,16 +1,17 @@
 //! Where a crowd stands: the region, the placer, its progress.
 
+use super::regions::{Amount, Ground, RegionArgument, door, grounds, numbers, region};
 use crate::error::{Misused, TrialHasErrors};
 use crate::interrupt::{Interrupt, Interrupted};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_people::placing::{
-    Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, Stage, dense, grid, measure,
-    paper, placing_seed, wider,
+    Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, RegionError, Stage, dense,
+    grid, measure, paper, placing_seed, wider,
 };
-use lemons_people::{Shape, walls};
-use lemons_plane::{Vec2, vec2};
+use lemons_people::{Door, Shape, closed_walls, cut_doors, walls};
+use lemons_plane::{Bounds, Pose, Ring, Vec2, vec2};
 use lemons_trial::Geometry;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -24,12 +25,21 @@ pub struct PlacingArguments {
     #[arg(long = "box", value_name = "LXxLY", value_parser = sides, allow_hyphen_values = true, group = "region")]
     sides: Option<Vec2>,
     /// Place people inside the closed walls of this Geometry.xml: the largest wall is the outline, the
-    /// others are holes
+    /// others are holes. With --region, its walls may have openings
     #[arg(long, value_name = "FILE.xml", group = "region")]
     geometry: Option<PathBuf>,
     /// Place people in the open, without walls (default)
     #[arg(long, group = "region")]
     open: bool,
+    /// Place people on this part of the ground, in m: two opposite corners of a box, as in 0,0,8,6, or the
+    /// corners of a polygon, as in "0,0 8,0 8,6". Can be given several times, each with its own number or
+    /// density, as in "0,0,4,6; number=40" and "4,0,8,6; density=3"; see below
+    #[arg(long = "region", value_name = "REGION", value_parser = region, allow_hyphen_values = true)]
+    regions: Vec<RegionArgument>,
+    /// Cut a door into the nearest closed wall: a gap of this width, in m, whose middle is the wall's
+    /// nearest point. People are placed before. Can be given several times
+    #[arg(long = "door", value_name = "X,Y,WIDTH", value_parser = door, allow_hyphen_values = true)]
+    doors: Vec<Door>,
     /// Packing algorithm. dense: our own, without overlap; paper: that of the paper's appendix D; grid:
     /// rows
     #[arg(long, value_enum, default_value_t = PackingArgument::Dense)]
@@ -77,18 +87,40 @@ fn degrees(text: &str) -> Result<f64, String> {
 
 /// Where people may stand, and its walls.
 pub struct Place {
-    pub region: Region,
+    /// At least one.
+    pub grounds: Vec<Ground>,
+    /// With doors.
     pub geometry: Geometry,
+    /// Where doors were cut: the closed walls without them.
+    pub closed: Vec<Ring>,
     /// As the user named it.
     pub name: String,
 }
 
+impl Place {
+    pub fn is_plane(&self) -> bool {
+        self.grounds[0].region.is_plane()
+    }
+
+    /// \[m²\]
+    pub fn area(&self) -> f64 {
+        self.grounds.iter().map(|ground| ground.region.area()).sum()
+    }
+}
+
 /// How many there are, and how dense they are in the open.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Wanted {
-    pub number: usize,
+    /// On each ground.
+    pub numbers: Vec<usize>,
     /// \[1/m²\] in the open.
     pub density: Option<f64>,
+}
+
+impl Wanted {
+    pub fn number(&self) -> usize {
+        self.numbers.iter().sum()
+    }
 }
 
 /// More are a mistake.
@@ -96,10 +128,34 @@ const MOST: f64 = 1e6;
 
 impl PlacingArguments {
     pub fn place(&self) -> Result<Place> {
+        let (geometry, name) = self.surroundings()?;
+        let grounds = if self.regions.is_empty() {
+            let region = match (self.sides, &self.geometry) {
+                (Some(sides), _) => Region::rectangle(Vec2::ZERO, sides).context("--box")?,
+                (None, Some(_)) => Region::from_walls(&geometry)
+                    .map_err(|error| with_a_way_out(&error, &geometry))
+                    .with_context(|| format!("--geometry {name}"))?,
+                (None, None) => Region::plane(),
+            };
+            vec![Ground { region, name: name.clone(), amount: Amount::AsAll, said: String::new() }]
+        } else {
+            grounds(&self.regions, &geometry, &name)?
+        };
+        let closed = closed_walls(&geometry);
+        if !self.doors.is_empty() && closed.is_empty() {
+            let message = format!("--door: there is no closed wall in {name}; --box or --geometry has some");
+            return Err(Misused(message).into());
+        }
+        let geometry = cut_doors(geometry, &self.doors).context("--door")?;
+        Ok(Place { grounds, geometry, closed, name })
+    }
+
+    /// The walls, and how the user names them.
+    fn surroundings(&self) -> Result<(Geometry, String)> {
         if let Some(sides) = self.sides {
             let region = Region::rectangle(Vec2::ZERO, sides).context("--box")?;
             let geometry = walls(region.rings(), "concrete");
-            return Ok(Place { region, geometry, name: format!("a box of {} m x {} m", sides.x, sides.y) });
+            return Ok((geometry, format!("a box of {} m x {} m", sides.x, sides.y)));
         }
         if let Some(path) = &self.geometry {
             let (geometry, warnings) = match Geometry::read(path) {
@@ -112,17 +168,34 @@ impl PlacingArguments {
             for warning in warnings.iter() {
                 note!("{warning}");
             }
-            let name = path.display().to_string();
-            let region = Region::from_walls(&geometry).with_context(|| format!("--geometry {name}"))?;
-            return Ok(Place { region, geometry, name });
+            return Ok((geometry, path.display().to_string()));
         }
-        Ok(Place { region: Region::plane(), geometry: walls(&[], ""), name: "the open".into() })
+        Ok((walls(&[], ""), "the open".into()))
+    }
+
+    /// Lines \[m\] behind the doors, where people \[m\] have left.
+    pub fn ways_out(&self, place: &Place, people: &[Pose]) -> Vec<[Vec2; 2]> {
+        let people = people.iter().map(|pose| pose.position);
+        self.doors.iter().filter_map(|door| door.exit(&place.closed, people.clone())).collect()
+    }
+
+    /// Whether people stand on all the ground there is.
+    pub fn is_whole(&self) -> bool {
+        self.regions.is_empty()
+    }
+
+    pub fn doors(&self) -> usize {
+        self.doors.len()
     }
 
     /// From --number and --density.
     pub fn wanted(&self, place: &Place, number: Option<u32>, density: Option<f64>) -> Result<Wanted> {
+        if !self.regions.is_empty() {
+            return Ok(Wanted { numbers: numbers(&place.grounds, number, density)?, density: None });
+        }
+        let all = |number: usize, density| Wanted { numbers: vec![number], density };
         match (number, density) {
-            (Some(number), density) if place.region.is_plane() => {
+            (Some(number), density) if place.is_plane() => {
                 if let Some(density) = density
                     && self.packing != PackingArgument::Dense
                 {
@@ -131,9 +204,9 @@ impl PlacingArguments {
                         format!("--density {density} in the open is for --packing dense, not {option}");
                     return Err(Misused(message).into());
                 }
-                Ok(Wanted { number: number as usize, density })
+                Ok(all(number as usize, density))
             }
-            (Some(number), None) => Ok(Wanted { number: number as usize, density: None }),
+            (Some(number), None) => Ok(all(number as usize, None)),
             (Some(_), Some(_)) => Err(Misused(format!(
                 "--number and --density: one of them follows from the other in {}",
                 place.name
@@ -144,12 +217,12 @@ impl PlacingArguments {
                     .into(),
             )
             .into()),
-            (None, Some(density)) if place.region.is_plane() => Err(Misused(format!(
+            (None, Some(density)) if place.is_plane() => Err(Misused(format!(
                 "--density {density} in the open needs --number, or --box or --geometry"
             ))
             .into()),
             (None, Some(density)) => {
-                let area = place.region.area();
+                let area = place.area();
                 let number = (density * area).round();
                 if number < 1.0 {
                     bail!("--density {density}: nobody on the {area:.3} m² of {}", place.name);
@@ -160,7 +233,7 @@ impl PlacingArguments {
                         place.name
                     );
                 }
-                Ok(Wanted { number: number as usize, density: None })
+                Ok(all(number as usize, None))
             }
         }
     }
@@ -190,26 +263,56 @@ impl PlacingArguments {
         }
     }
 
-    /// Places the shapes; a placing with overlaps is an error unless it was allowed.
+    /// Places the shapes; a placing with overlaps is an error unless it was allowed. Returns the placing of all, and the
+    /// density \[1/m²\] on each ground.
     pub fn run(
         &self,
         shapes: &[Shape],
         place: &Place,
-        wanted: Wanted,
+        wanted: &Wanted,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<(Packing, Vec<f64>)> {
+        let mut all: Option<Packing> = None;
+        let (mut densities, mut first) = (Vec::new(), 0);
+        for (k, (ground, number)) in place.grounds.iter().zip(&wanted.numbers).enumerate() {
+            let own = &shapes[first..first + number];
+            first += number;
+            // Equal grounds are filled in different ways.
+            let seed = placing_seed(seed).wrapping_add(k as u64);
+            let packing = self.run_one(own, ground, wanted.density, seed, interrupt)?;
+            densities.push(packing.density);
+            all = Some(match all {
+                None => packing,
+                Some(mut all) => {
+                    all.poses.extend(packing.poses);
+                    all.density = all.poses.len() as f64 / place.area();
+                    all.largest_overlap = all.largest_overlap.max(packing.largest_overlap);
+                    all
+                }
+            });
+        }
+        Ok((all.context("there is no ground")?, densities))
+    }
+
+    fn run_one(
+        &self,
+        shapes: &[Shape],
+        ground: &Ground,
+        density: Option<f64>,
         seed: u64,
         interrupt: &Interrupt,
     ) -> Result<Packing> {
+        let Ground { region, name, .. } = ground;
         let bar = Bar::new()?;
         let mut watch = |progress: &Progress| {
             bar.show(progress);
             if interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let seed = placing_seed(seed);
         let orientation = self.orientation();
-        let region = &place.region;
         let packing = match self.packing {
             PackingArgument::Dense => {
-                let settings = Dense { density: wanted.density, orientation, seed, ..Dense::default() };
+                let settings = Dense { density, orientation, seed, ..Dense::default() };
                 dense(&wider(shapes), region, &settings, &mut watch)
             }
             PackingArgument::Paper => {
@@ -221,10 +324,11 @@ impl PlacingArguments {
         bar.0.finish_and_clear();
         let count = shapes.len();
         let option = self.option();
-        let packing = packing.with_context(|| format!("{count} people in {}, {option}", place.name))?;
+        let packing = packing.with_context(|| format!("{count} people in {name}, {option}"))?;
         if packing.ended == Ended::Cancelled {
             return Err(Interrupted::given_up().into());
         }
+        let wanted = density;
         let Measure { density, clear_density, largest_overlap, .. } = measure(shapes, region, &packing.poses);
         let clear_density = clear_density.max(packing.clear_density);
         let packing = Packing { density, clear_density, largest_overlap, ..packing };
@@ -237,15 +341,14 @@ impl PlacingArguments {
         let other =
             if self.packing == PackingArgument::Paper { "; --packing dense reaches more" } else { "" };
         if region.is_plane() {
-            let wanted = wanted.density.map_or(String::new(), |density| format!(" at --density {density}"));
+            let wanted = wanted.map_or(String::new(), |density| format!(" at --density {density}"));
             bail!(
                 "{count} in the open{wanted}, {option}: reached {density:.2} /m², largest overlap {overlap:.2} mm{other}"
             );
         }
         bail!(
-            "{count} people in {}, {option}: that is {density:.2} /m², of which {clear:.2} /m² ({:.0}) were placed without overlap, \
+            "{count} people in {name}, {option}: that is {density:.2} /m², of which {clear:.2} /m² ({:.0}) were placed without overlap, \
              the others overlap by up to {overlap:.2} mm (--allow-overlap writes it so){other}",
-            place.name,
             clear * region.area()
         );
     }
@@ -269,6 +372,21 @@ impl PlacingArguments {
             Orientation::Towards(_) => format!("turned from {}°", self.direction()),
         };
         format!("{packing}, {way}")
+    }
+}
+
+/// Of an open wall, what to do.
+fn with_a_way_out(error: &RegionError, geometry: &Geometry) -> anyhow::Error {
+    let corners = geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied());
+    match (error, Bounds::of(corners)) {
+        (RegionError::OpenWall { .. }, Some(Bounds { low, high })) => anyhow!(
+            "{error}; --region says where people stand among walls with openings, for example --region {},{},{},{}",
+            low.x,
+            low.y,
+            high.x,
+            high.y
+        ),
+        _ => anyhow!("{error}"),
     }
 }
 

@@ -377,7 +377,8 @@ impl<'f> Looks<'f> {
         let (from, to) = (moment.time - length, moment.time);
         let within = |time: f64| (from..=to).contains(&time);
         let frames = || self.footage.run.frames.iter().filter(|frame| within(frame.time));
-        let simulated = (0..moment.agents.len()).map(|agent| {
+        let there = (0..moment.agents.len()).filter(|agent| moment.there[*agent]);
+        let simulated = there.map(|agent| {
             let past = frames().map(|frame| frame.agents[agent].pose.position);
             let points = thinned(past.chain([moment.agents[agent].pose.position]));
             Trail { agent: Some(agent), kind: TrailKind::Simulated, points }

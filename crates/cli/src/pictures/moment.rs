@@ -2,28 +2,33 @@
 
 use crate::crowd_run::moves;
 use anyhow::bail;
-use crowd_mechanics::engine::{Crowded, Pair, State, World};
+use crowd_mechanics::engine::{BodyId, Chain, Crowded, State, World};
 use crowd_mechanics::setup::{Setup, WorldError};
 use lemons_picture::Force;
-use lemons_plane::{Motion, Pose, Rotation, Vec2};
+use lemons_plane::{Motion, Pose, vec2};
 use lemons_record::{Frame, Observed, Run};
 use lemons_trial::Trial;
-use std::collections::BTreeMap;
 
 /// The crowd at one time.
 pub struct Moment {
     /// \[s\]
     pub time: f64,
     pub agents: Vec<Motion>,
-    /// At the frame that is nearest in time.
+    /// Whether each is there, at the frame that is nearest in time.
+    pub there: Vec<bool>,
+    /// At that frame.
     pub observed: Vec<Observed>,
     /// Of that frame.
     pub nearest: usize,
 }
 
+/// Who has no pose is not drawn.
+const NOWHERE: Pose = Pose { position: vec2(f64::NAN, f64::NAN), orientation: f64::NAN };
+
 impl Moment {
     pub fn poses(&self) -> Vec<Pose> {
-        self.agents.iter().map(|agent| agent.pose).collect()
+        let pose = |(agent, there): (&Motion, &bool)| if *there { agent.pose } else { NOWHERE };
+        self.agents.iter().zip(&self.there).map(pose).collect()
     }
 }
 
@@ -52,7 +57,7 @@ impl Footage {
     pub fn new(trial: Trial, mut run: Run) -> Result<Footage, WorldError> {
         let mut shadow = Shadow::new(&trial)?;
         for frame in run.frames.iter_mut().filter(|frame| frame.observed.is_none()) {
-            shadow.put(&frame.agents).map_err(|crowded| Setup::of(&trial).too_crowded(crowded))?;
+            shadow.put(frame).map_err(|crowded| Setup::of(&trial).too_crowded(crowded))?;
             let bodies = shadow.0.contacts().bodies.iter();
             let seen = bodies.map(|body| Observed {
                 agent_contacts: body.agent_contacts,
@@ -107,7 +112,8 @@ impl Footage {
         let nearest = self.nearest(time);
         let time = time.clamp(self.first(), self.last());
         let observed = observed(&self.run.frames[nearest]).to_vec();
-        Moment { time, agents: agents_at(&self.run, time), observed, nearest }
+        let there = there(&self.run.frames[nearest]);
+        Moment { time, agents: agents_at(&self.run, time), there, observed, nearest }
     }
 
     /// The place of the frame that is nearest to a time \[s\].
@@ -124,6 +130,7 @@ impl Footage {
         Moment {
             time: frame.time,
             agents: frame.agents.clone(),
+            there: there(frame),
             observed: observed(frame).to_vec(),
             nearest: place,
         }
@@ -135,8 +142,11 @@ impl Shadow {
         Ok(Shadow(Setup::of(trial).world()?))
     }
 
-    fn put(&mut self, agents: &[Motion]) -> Result<(), Crowded> {
-        let (poses, twists) = agents.iter().map(|agent| (agent.pose, agent.twist)).unzip();
+    fn put(&mut self, frame: &Frame) -> Result<(), Crowded> {
+        for place in 0..frame.agents.len() {
+            self.0.set_present(BodyId::from(place), frame.is_there(place));
+        }
+        let (poses, twists) = frame.agents.iter().map(|agent| (agent.pose, agent.twist)).unzip();
         self.0.restore(State::new(poses, twists))
     }
 
@@ -146,52 +156,23 @@ impl Shadow {
     /// Also whether they are those that the run recorded; a run with other parameters had others.
     pub fn forces(&mut self, footage: &Footage, moment: &Moment) -> (Vec<Force>, bool) {
         let frame = &footage.run.frames[moment.nearest];
-        if self.put(&frame.agents).is_err() {
+        if self.put(frame).is_err() {
             // No run of this Trial has so many in one place.
             return (Vec::new(), false);
         }
-        let (scene, report) = (self.0.scene(), self.0.contacts());
-        let here = |body: usize| moment.agents[body].pose.position;
-        let mut pairs: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-        // The strongest contact says where a body leans on a wall.
-        let mut walls: BTreeMap<(usize, usize), (f64, f64, Vec2)> = BTreeMap::new();
-        for contact in &report.contacts {
-            let force = contact.normal_force.abs();
-            match contact.pair {
-                Pair::Disks { first, second } => {
-                    let [first, second] = [first, second].map(|disk| scene.body_of(disk).index());
-                    *pairs.entry((first, second)).or_default() += force;
-                }
-                Pair::Face { disk, face, .. } => {
-                    let (body, disk) = (scene.body_of(disk).index(), &scene.disks[disk.index()]);
-                    let centre = disk.offset.rotated(Rotation::by(moment.agents[body].pose.orientation));
-                    let point = here(body) + centre - contact.normal * (disk.radius - 0.5 * contact.depth);
-                    let wall = scene.faces[face.index()].wall.index();
-                    let sum = walls.entry((body, wall)).or_insert((0.0, -1.0, point));
-                    sum.0 += force;
-                    if force > sum.1 {
-                        (sum.1, sum.2) = (force, point);
-                    }
-                }
-            }
-        }
-        let between = pairs.into_iter().map(|((first, second), normal_force)| Force {
-            from: here(first),
-            to: here(second),
-            normal_force,
-        });
-        let leaning = walls.into_iter().map(|((body, _), (normal_force, _, to))| Force {
-            from: here(body),
-            to,
-            normal_force,
-        });
+        let chain = |Chain { from, to, normal_force }| Force { from, to, normal_force };
+        let forces = self.0.chains(&moment.poses()).into_iter().map(chain).collect();
         let (relative, absolute) = AGREEMENT;
-        let agree = report.bodies.iter().zip(observed(frame)).all(|(computed, recorded)| {
+        let agree = self.0.contacts().bodies.iter().zip(observed(frame)).all(|(computed, recorded)| {
             (computed.squeeze - recorded.normal_force).abs()
                 <= absolute + relative * recorded.normal_force.max(computed.squeeze)
         });
-        (between.chain(leaning).collect(), agree)
+        (forces, agree)
     }
+}
+
+fn there(frame: &Frame) -> Vec<bool> {
+    (0..frame.agents.len()).map(|place| frame.is_there(place)).collect()
 }
 
 fn observed(frame: &Frame) -> &[Observed] {

@@ -91,7 +91,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let last = match arguments.until {
         Some(End::At(time) | End::NotBefore(time)) => time,
         Some(End::Still) => rest(&footage, first)?,
-        None => footage.last(),
+        Some(End::Left) | None => footage.last(),
     };
     [first, last].into_iter().try_for_each(|time| footage.check(time))?;
     let frames = ((last - first) * frame_rate / speed_up + 1e-9).floor() + 1.0;

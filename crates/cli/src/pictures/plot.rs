@@ -81,32 +81,39 @@ pub fn plot(arguments: &Arguments) -> Result<()> {
     } else {
         scenes(arguments, &interrupt)?
     };
-    let bytes = match format {
-        Format::Svg => text.into_bytes(),
-        Format::Png => png(&text, look.width)?,
-        Format::Pdf => pdf(&text)?,
-    };
+    let bytes = format.bytes(text, look.width)?;
     file.fill(|out| out.write_all(&bytes))?;
     file.persist()?;
     say!("{}", output.display())?;
     Ok(())
 }
 
+/// What a picture is written as.
 #[derive(Clone, Copy)]
-enum Format {
+pub enum Format {
     Svg,
     Png,
     Pdf,
 }
 
 impl Format {
-    fn of(path: &Path) -> Result<Format> {
+    /// By the end of the file's name.
+    pub fn of(path: &Path) -> Result<Format> {
         match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Format::Svg),
             Some("png") => Ok(Format::Png),
             Some("pdf") => Ok(Format::Pdf),
             _ => bail!(Misused(format!("{}: pictures are .png, .svg or .pdf", path.display()))),
         }
+    }
+
+    /// A picture in SVG, as what it is written.
+    pub fn bytes(self, svg: String, width: u32) -> Result<Vec<u8>> {
+        Ok(match self {
+            Format::Svg => svg.into_bytes(),
+            Format::Png => png(&svg, width)?,
+            Format::Pdf => pdf(&svg)?,
+        })
     }
 }
 
@@ -185,7 +192,7 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     }
     let mut map = DensityMap::new(view, arguments.kernel, &footage.trial.geometry.walls);
     for place in &places {
-        map.add(footage.run.frames[*place].agents.iter().map(|agent| agent.pose.position));
+        map.add(footage.run.frames[*place].present().map(|(_, agent)| agent.pose.position));
     }
     map.range = look.range();
     note!("density: {}", map.described());

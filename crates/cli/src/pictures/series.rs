@@ -54,6 +54,9 @@ pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart
         let simulated = places.iter().map(|&place| {
             let frames = run.frames.iter().filter(|frame| within(frame.time));
             let value = |frame: &Frame| {
+                if !frame.is_there(place) {
+                    return f64::NAN;
+                }
                 let seen = frame.observed.as_ref().and_then(|all| all.get(place));
                 quantity.of(&frame.agents[place], seen)
             };

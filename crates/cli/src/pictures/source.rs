@@ -1,16 +1,17 @@
-//! What `lemons plot` and `lemons movie` show: a Trial, an FMU, or the record of a run.
+//! What `lemons plot` and `lemons movie` show, and `lemons measure` measures: a Trial, an FMU, or the record of a run.
 
 use super::look::positive;
 use super::moment::Footage;
 use crate::compared::Poses;
+use crate::decide::Walk;
 use crate::error::Misused;
 use crate::export::{expect_table, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::run::{Job, drive_of, name_and_value_of_all, simulate};
+use crate::run::{self, Ends, Job, drive_of, name_and_value_of_all, simulate};
 use crate::watch::Places;
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::variables::{Kind, in_documents_mut, table};
-use lemons_master::{Clock, Settings, named};
+use lemons_master::{Clock, Given, PlanChoice, Settings, named};
 pub use lemons_record::Wanted;
 use lemons_record::{Frame, Record, Run};
 use lemons_trial::{AgentDynamics, Trial};
@@ -33,6 +34,8 @@ pub struct Source {
     /// Ignore the Trial's drive.csv
     #[arg(long)]
     no_drive: bool,
+    #[command(flatten)]
+    walk: Walk,
     /// Set a parameter of the simulation; for earlier results: the value they were simulated with, which
     /// is needed for forces
     #[arg(long = "set", value_name = "NAME=VALUE")]
@@ -55,6 +58,8 @@ pub enum End {
     NotBefore(f64),
     /// When all have come to rest, and at [`LATEST`].
     Still,
+    /// When nobody is there any more, and at [`run::LATEST`].
+    Left,
 }
 
 /// \[s\] Crowds that push for ever never come to rest.
@@ -67,12 +72,19 @@ pub struct Opened {
     pub run: Run,
 }
 
+/// A run in memory, or in its file.
+enum Found {
+    Made(Run),
+    Recorded(Record),
+}
+
 impl End {
     /// \[s\]
     fn latest(self) -> f64 {
         match self {
             End::At(time) | End::NotBefore(time) => time,
             End::Still => LATEST,
+            End::Left => run::LATEST,
         }
     }
 }
@@ -80,11 +92,35 @@ impl End {
 impl Source {
     /// A Trial or an FMU is run until then; without an end it is shown as it begins.
     pub fn open(&self, until: Option<End>, wanted: Wanted, interrupt: &Interrupt) -> Result<Opened> {
+        let (trial, found) = self.find(until, wanted.clone(), interrupt)?;
+        let run = match found {
+            Found::Made(run) => run,
+            Found::Recorded(record) => record.read_wanted(wanted)?,
+        };
+        Ok(Opened { trial, run })
+    }
+
+    /// As [`Source::open`] with all frames; those of earlier results stay in their file.
+    pub fn record_of(&self, until: Option<End>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
+        let (trial, found) = self.find(until, Wanted::All, interrupt)?;
+        let record = match found {
+            Found::Made(run) => run.into(),
+            Found::Recorded(record) => record,
+        };
+        Ok((trial, record))
+    }
+
+    fn find(
+        &self,
+        until: Option<End>,
+        wanted: Wanted,
+        interrupt: &Interrupt,
+    ) -> Result<(Option<Trial>, Found)> {
         let runs = self.runs();
-        if !runs && (self.drive.is_some() || self.no_drive || self.step.is_some()) {
+        if !runs && (self.drive.is_some() || self.no_drive || self.walk.given() || self.step.is_some()) {
             let path = self.path.display();
             return Err(Misused(format!(
-                "{path} contains the results of an earlier run: --drive, --no-drive and --step are only for a Trial or an FMU, which is simulated first"
+                "{path} contains the results of an earlier run: --drive, --no-drive, --plan, --no-plan and --step are only for a Trial or an FMU, which is simulated first"
             ))
             .into());
         }
@@ -100,11 +136,16 @@ impl Source {
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
         let mut trial = trial_of(&self.path, given)?;
         if let Some(trial) = &mut trial {
+            let walks = runs && until.is_some() && self.walks()?;
             for (name, value) in &name_and_value_of_all(&self.settings)? {
-                set(trial, name, value)?;
+                let own = name.strip_prefix("crowd.").unwrap_or(name);
+                // Of who decides: the run takes it, and knows it.
+                if !(walks && own.starts_with("decision.")) {
+                    set(trial, own, value).with_context(|| format!("--set {name}={value}"))?;
+                }
             }
         }
-        let run = match (runs, until, &trial) {
+        let found = match (runs, until, &trial) {
             (true, Some(until), Some(trial)) => {
                 let step = self.step.unwrap_or(trial.parameters.time_step);
                 let clock = Clock::new(0.0, step, until.latest());
@@ -114,20 +155,18 @@ impl Source {
                     End::NotBefore(_) => End::At(clock.point(clock.steps)),
                     until => until,
                 };
-                self.record(until, wanted, interrupt)?
+                Found::Made(self.record(until, wanted, interrupt)?)
             }
-            (true, None, Some(trial)) => still(&self.path, trial),
-            (_, _, Some(trial)) if self.path.is_dir() => {
-                Record::series(&self.path, trial)?.read_wanted(wanted)?
-            }
-            (_, _, Some(trial)) => Record::table(&self.path)?.of_trial(trial)?.read_wanted(wanted)?,
+            (true, None, Some(trial)) => Found::Made(still(&self.path, trial)),
+            (_, _, Some(trial)) if self.path.is_dir() => Found::Recorded(Record::series(&self.path, trial)?),
+            (_, _, Some(trial)) => Found::Recorded(Record::table(&self.path)?.of_trial(trial)?),
             (_, _, None) if self.path.is_dir() => bail!(
-                "{}: is not a Trial (it has no Parameters.xml); to show an OutputDirectory, give the Trial or FMU of the run with --trial",
+                "{}: is not a Trial (it has no Parameters.xml); for an OutputDirectory, give the Trial or FMU of the run with --trial",
                 self.path.display()
             ),
-            (_, _, None) => Record::table(&self.path)?.read_wanted(wanted)?,
+            (_, _, None) => Found::Recorded(Record::table(&self.path)?),
         };
-        Ok(Opened { trial, run })
+        Ok((trial, found))
     }
 
     /// With shapes and walls.
@@ -148,6 +187,15 @@ impl Source {
         ends("fmu") || ends("zip") || self.path.join("Parameters.xml").is_file()
     }
 
+    /// Whether a run couples the Trial with a plan.
+    fn walks(&self) -> Result<bool> {
+        Ok(match self.walk.choice() {
+            PlanChoice::None => false,
+            PlanChoice::File(_) => true,
+            PlanChoice::Own => Given::find(&self.path)?.is_some_and(|given| given.wishes().is_some()),
+        })
+    }
+
     /// As `lemons run` does it, in memory.
     fn record(&self, until: End, wanted: Wanted, interrupt: &Interrupt) -> Result<Run> {
         let settings = Settings {
@@ -155,11 +203,16 @@ impl Source {
             step: self.step,
             until: Some(until.latest()),
             drive: drive_of(self.drive.as_deref(), self.no_drive),
+            plan: self.walk.choice(),
             ..Settings::of(&self.path)
         };
         let places = Places::Memory(wanted);
-        let job =
-            Job { settings, places, state: None, until_still: until == End::Still, poses: Poses::Ignore };
+        let ends = match until {
+            End::At(_) | End::NotBefore(_) => Ends::AtTime,
+            End::Still => Ends::Still,
+            End::Left => Ends::Left,
+        };
+        let job = Job { settings, places, state: None, ends, poses: Poses::Ignore };
         let mut ended = simulate(job, interrupt)?;
         ended.complete()?;
         if ended.stopped.is_some() {
@@ -190,24 +243,23 @@ fn still(path: &Path, trial: &Trial) -> Run {
 
 /// A parameter of the run, which its contacts depend on.
 fn set(trial: &mut Trial, name: &str, value: &str) -> Result<()> {
-    let setting = format!("{name}={value}");
     let variables = table(trial);
     let variables: HashMap<&str, _> =
         variables.iter().map(|variable| (variable.name.as_str(), variable)).collect();
     for name in named(name, |name| variables.contains_key(name)) {
-        let unknown = || format!("--set {setting}: there is no variable {name:?}");
+        let unknown = || format!("there is no variable {name:?}");
         let variable = variables.get(name.as_str()).with_context(unknown)?;
         match variable.kind {
             Kind::Real(_) => {}
             // Results do not depend on them.
-            Kind::Integer => continue,
-            Kind::String => bail!("--set {setting}: not for pictures"),
+            Kind::Integer | Kind::Boolean => continue,
+            Kind::String => bail!("not for pictures"),
         }
-        let value: f64 = value.parse().with_context(|| format!("--set {setting}: not a number"))?;
-        variable.domain.check(value).map_err(|must| anyhow!("--set {setting}: must be {must}"))?;
+        let value: f64 = value.parse().context("not a number")?;
+        variable.domain.check(value).map_err(|must| anyhow!("must be {must}"))?;
         match in_documents_mut(trial, variable.quantity) {
             Some(place) => *place = value,
-            None => bail!("--set {setting}: {name} is computed"),
+            None => bail!("{name} is computed"),
         }
     }
     Ok(())

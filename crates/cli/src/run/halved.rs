@@ -6,8 +6,9 @@ use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use crate::watch::Places;
 use anyhow::{Result, bail};
-use lemons_master::{Settings, System};
+use lemons_master::{Kind, PlanChoice, Settings, System};
 use lemons_record::Wanted;
+use lemons_trial::DriveChoice;
 
 /// The parameter that is chosen.
 const STEP: &str = "TimeStepMechanical";
@@ -21,6 +22,7 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
     if let Some((name, value)) = job.settings.parameters.iter().find(|(name, _)| named(name, STEP)) {
         bail!(Misused(format!("--set {name}={value}: --accuracy chooses the mechanical step")));
     }
+    check_read_twice(&job.settings)?;
     let mut parameters = job.settings.parameters.clone();
     // XML is written by the finer run only.
     parameters.retain(|(name, _)| !named(name, "OutputDirectory"));
@@ -42,10 +44,8 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
     let mut settings = Settings { tolerance: Some(accuracy), ..job.settings };
     let halves: Chosen = chosen.iter().map(|(name, longest)| (name.clone(), half(step, *longest))).collect();
     settings.parameters.extend(halves.iter().map(|(name, half)| (name.clone(), format!("{half:?}"))));
-    let mut ended = simulate(
-        Job { settings, places: job.places, state: job.state, poses, until_still: job.until_still },
-        interrupt,
-    )?;
+    let mut ended =
+        simulate(Job { settings, places: job.places, state: job.state, poses, ends: job.ends }, interrupt)?;
     let differences: Vec<Difference> = std::mem::take(&mut ended.poses)
         .into_iter()
         .filter_map(|seen| match seen {
@@ -55,6 +55,21 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
         .collect();
     ended.compared = report(accuracy, &chosen, &halves, &differences);
     Ok(ended)
+}
+
+/// That both runs can read all files: a pipe is empty for the second.
+fn check_read_twice(settings: &Settings) -> Result<()> {
+    let drive = if let DriveChoice::File(path) = &settings.drive { Some(("--drive", path)) } else { None };
+    let plan = if let PlanChoice::File(path) = &settings.plan { Some(("--plan", path)) } else { None };
+    for (option, path) in drive.into_iter().chain(plan) {
+        if Kind::of(path) == Kind::Stream {
+            bail!(Misused(format!(
+                "{option} {}: --accuracy runs twice, and a pipe can be read only once: give a file",
+                path.display()
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// \[s\] Half of a step. A communication step \[s\] has a whole number of them: where there are few, half of the step that

@@ -1,4 +1,4 @@
-//! When a crowd has come to rest.
+//! When a crowd has come to rest, or has left.
 
 /// \[s\] Nobody moves for so long.
 pub const REST: f64 = 1.0;
@@ -13,16 +13,26 @@ pub struct Rest {
     /// \[s\]
     since: f64,
     moved: bool,
+    /// It is over only when so many have left.
+    leave: Option<usize>,
+    left: usize,
 }
 
 impl Rest {
     /// Of a run whose propulsion over time ends then \[s\]: before, nobody rests.
     pub fn after(pushes_end: Option<f64>) -> Rest {
-        Rest { since: pushes_end.unwrap_or(f64::NEG_INFINITY), moved: false }
+        let since = pushes_end.unwrap_or(f64::NEG_INFINITY);
+        Rest { since, moved: false, leave: None, left: 0 }
     }
 
-    /// At a time \[s\], whether somebody moves.
-    pub fn see(&mut self, time: f64, moves: bool) {
+    /// Over as soon as so many have left.
+    pub fn when_left(leave: usize) -> Rest {
+        Rest { leave: Some(leave), ..Rest::after(None) }
+    }
+
+    /// At a time \[s\], whether somebody moves, and how many have left.
+    pub fn see(&mut self, time: f64, moves: bool, left: usize) {
+        self.left = left;
         self.moved |= moves;
         if moves || self.since == f64::NEG_INFINITY {
             self.since = self.since.max(time);
@@ -31,6 +41,9 @@ impl Rest {
 
     /// At a time \[s\].
     pub fn is_over(&self, time: f64) -> bool {
+        if let Some(leave) = self.leave {
+            return self.left >= leave;
+        }
         let enough = if self.moved { REST } else { WAIT };
         self.since.is_finite() && time - self.since >= enough - ROUNDING
     }
@@ -44,7 +57,7 @@ mod tests {
     fn end(pushes_end: Option<f64>, moves: impl Fn(f64) -> bool) -> Option<f64> {
         let mut rest = Rest::after(pushes_end);
         (1..=200).map(|k| 0.1 * f64::from(k)).find(|time| {
-            rest.see(*time, moves(*time));
+            rest.see(*time, moves(*time), 0);
             rest.is_over(*time)
         })
     }

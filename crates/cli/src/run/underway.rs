@@ -3,12 +3,12 @@
 use super::Ended;
 use crate::error::and_then;
 use crate::watch::{Recorded, Watch};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use indicatif::ProgressBar;
 use lemons_files::Staged;
 use lemons_master::Saved;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// What a run has recorded so far, and what it takes to end it without its FMUs.
@@ -36,27 +36,71 @@ pub struct AtHand {
     pub states: Vec<Vec<u8>>,
 }
 
-/// Of the thread that steps and of the one that waits; empty before the first step and once one of them ends the run.
+/// Of the thread that steps and of the one that waits.
 #[derive(Clone, Default)]
-pub struct Shared(Arc<Mutex<Option<Underway>>>);
+pub struct Shared(Arc<Mutex<Stage>>);
+
+/// How far a run is.
+#[derive(Default)]
+enum Stage {
+    /// It is prepared: files are read, which may be pipes that nobody writes.
+    #[default]
+    Before,
+    /// It steps.
+    Underway(Box<Underway>),
+    /// One of both ends it.
+    Over,
+}
 
 impl Shared {
-    pub fn put(&self, underway: Underway) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(underway);
+    fn held(&self) -> MutexGuard<'_, Stage> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The first step is next.
+    ///
+    /// # Errors
+    /// The run was given up.
+    pub fn put(&self, underway: Underway) -> Result<()> {
+        let mut stage = self.held();
+        match *stage {
+            Stage::Before => *stage = Stage::Underway(Box::new(underway)),
+            Stage::Underway(_) | Stage::Over => bail!(GIVEN_UP),
+        }
+        Ok(())
     }
 
     /// For the one who ends the run.
     pub fn take(&self) -> Option<Underway> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+        let mut stage = self.held();
+        match std::mem::replace(&mut *stage, Stage::Over) {
+            Stage::Underway(underway) => Some(*underway),
+            // Who ended it may still write its files.
+            Stage::Before | Stage::Over => None,
+        }
+    }
+
+    /// Whether the run was given up before its first step: then it makes none.
+    pub fn give_up_before(&self) -> bool {
+        let mut stage = self.held();
+        let before = matches!(*stage, Stage::Before);
+        if before {
+            *stage = Stage::Over;
+        }
+        before
     }
 
     /// # Errors
     /// The run was given up.
     pub fn with<T>(&self, what: impl FnOnce(&mut Underway) -> Result<T>) -> Result<T> {
-        let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        what(held.as_mut().context("the run was given up")?)
+        match &mut *self.held() {
+            Stage::Underway(underway) => what(underway),
+            Stage::Before | Stage::Over => bail!(GIVEN_UP),
+        }
     }
 }
+
+const GIVEN_UP: &str = "the run was given up";
 
 impl Underway {
     /// Ends the run at its last communication point while a step is computed, which goes with the program.

@@ -191,7 +191,8 @@ fn a_drive_between_two_communication_points_is_warned_of() {
         "of 2.000e-2 s applies all rows",
     ];
     let said = checked(at, "T");
-    assert!(words.iter().all(|word| said.contains(word)) && said.ends_with(": 1 warning\n"), "{said}");
+    assert!(words.iter().all(|word| said.contains(word)) && said.ends_with(": 2 warnings\n"), "{said}");
+    assert!(said.contains("TimeStep=\"1.5\": is long: drives are constant"), "{said}");
     // As the Trial is made, only that the push is sampled.
     let said = checked(at, default_trial().to_str().unwrap());
     let note = "drive.csv: 24 of 31 rows are between communication points: the drive is interpolated at each";

@@ -313,12 +313,12 @@ fn commands_stand_in_the_order_of_their_use() {
     let directory = TempDir::new().unwrap();
     let help = out(&lemons(directory.path(), &["--help"]));
     let words = help.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
-    let words: Vec<&str> = words.filter_map(|line| line.split_whitespace().next()).take(16).collect();
+    let words: Vec<&str> = words.filter_map(|line| line.split_whitespace().next()).take(17).collect();
     assert_eq!(
         words,
         [
-            "lab", "crowd", "person", "pack", "decide", "connect", "run", "sweep", "plot", "movie", "export",
-            "info", "check", "describe", "verify", "bench"
+            "lab", "crowd", "person", "pack", "decide", "connect", "run", "sweep", "plot", "movie",
+            "measure", "export", "info", "check", "describe", "verify", "bench"
         ]
     );
 }
@@ -495,6 +495,54 @@ fn a_cut_off_library_beside_the_command_is_refused() {
     fs::write(&place, &library).unwrap();
     let mut whole = Command::new(at.join("bin/lemons"));
     assert_code(&whole.args(["pack", trial, "-o", "x.fmu"]).current_dir(at).output().unwrap(), 0);
+}
+
+/// Releases have the file beside the libraries' directories.
+#[test]
+fn an_fmu_holds_the_licences_that_are_beside_its_library_or_above() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let release = at.join("releases/this");
+    let from = release.join("win64");
+    fs::create_dir_all(&from).unwrap();
+    // Small ones: nobody loads them here.
+    fs::write(from.join("crowd"), [lemons_testing::pe(), b"CrowdMechanics".to_vec()].concat()).unwrap();
+    fs::write(from.join("decision"), [lemons_testing::pe(), b"decision.toml".to_vec()].concat()).unwrap();
+    let push = default_trial();
+    let door = push.with_file_name("Trial_door");
+    // What an FMU holds of them, packed in this directory from a library in that one.
+    let held = |working: &Path, place: &str, call: &str, fmi: &str| {
+        let (trial, name) = if call == "pack" { (&push, "crowd") } else { (&door, "decision") };
+        let binary = format!("win64={place}{name}");
+        let fmu = at.join("x.fmu");
+        let files = ["--binary", &binary, "--force", "-o", fmu.to_str().unwrap()];
+        done(working, &[&[call, trial.to_str().unwrap(), "--fmi", fmi][..], &files].concat());
+        let mut fmu = zip::ZipArchive::new(fs::File::open(fmu).unwrap()).unwrap();
+        let mut text = String::new();
+        let mut entry = fmu.by_name("documentation/licenses/THIRD-PARTY.txt").ok()?;
+        std::io::Read::read_to_string(&mut entry, &mut text).unwrap();
+        Some(text)
+    };
+    let each_holds = |expected: Option<&str>| {
+        let absolute = from.to_str().unwrap().to_owned() + "/";
+        for (working, place) in
+            [(at, &*absolute), (&release, "win64/"), (&from, ""), (&from, "./"), (&from, "../win64/")]
+        {
+            for (call, fmi) in [("pack", "2"), ("pack", "3"), ("decide", "2"), ("decide", "3")] {
+                let found = held(working, place, call, fmi);
+                assert_eq!(found.as_deref(), expected, "{}, {place:?}, {call}, {fmi}", working.display());
+            }
+        }
+    };
+    fs::write(at.join("THIRD-PARTY.txt"), "somebody else's").unwrap();
+    fs::write(at.join("releases/THIRD-PARTY.txt"), "of no release").unwrap();
+    each_holds(None);
+    fs::write(release.join("THIRD-PARTY.txt"), "of all platforms").unwrap();
+    each_holds(Some("of all platforms"));
+    fs::write(from.join("THIRD-PARTY.txt"), "of this one").unwrap();
+    each_holds(Some("of this one"));
+    fs::remove_file(release.join("THIRD-PARTY.txt")).unwrap();
+    each_holds(Some("of this one"));
 }
 
 #[test]

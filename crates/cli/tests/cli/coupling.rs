@@ -239,7 +239,7 @@ fn mistakes_have_clear_messages() {
     assert!(connect(&["crowd.fmu", "nothing.fmu"]).contains("nothing.fmu"));
     assert!(
         connect(&["crowd.fmu", "crowd.fmu"])
-            .contains("\ncrowd_2: 15 inputs: agent[0].Fp.x, agent[0].Fp.y, …")
+            .contains("\ncrowd_2: 20 inputs: agent[0].Fp.x, agent[0].Fp.y, …")
     );
     let other =
         DESCRIPTION.replace("<Unit name=\"m\"><BaseUnit m=\"1\"/>", "<Unit name=\"m\"><BaseUnit s=\"1\"/>");

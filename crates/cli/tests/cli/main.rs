@@ -8,11 +8,15 @@ mod command;
 mod common;
 mod coupling;
 mod fmi3;
+mod leaving;
 #[cfg(unix)]
 mod outputs;
 mod people;
 mod pictures;
 mod reference;
 mod results;
+mod rooms;
 mod sweep;
 mod version;
+mod walked_sweep;
+mod walking;

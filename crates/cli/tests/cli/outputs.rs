@@ -42,6 +42,7 @@ fn every_command(trial: &str) -> Vec<Vec<&str>> {
         vec!["sweep", "sweep.toml", "-o", "swept", "--csv", "swept.csv"],
         vec!["plot", trial, "--at", "0"],
         vec!["movie", trial, "--until", "0.1", "-o", "movie.gif"],
+        vec!["measure", "run.csv", "--every", "1", "--line", "0.2,-1,0.2,1", "-o", "measured"],
         vec!["export", "run.csv", "run.sqlite", "--to", "jupedsim", "--trial", trial],
         vec!["info", "crowd.fmu"],
         vec!["check", trial],
@@ -73,9 +74,16 @@ fn a_closed_pipe_is_quiet_and_a_full_one_is_said() {
         assert!(said.ends_with(expected), "{arguments:?}: {said}");
     }
     // What they are to write is there nevertheless.
-    for file in
-        ["Trial_made", "made.fmu", "made.ssp", "trajectories.csv", "swept.csv", "movie.gif", "run.sqlite"]
-    {
+    for file in [
+        "Trial_made",
+        "made.fmu",
+        "made.ssp",
+        "trajectories.csv",
+        "swept.csv",
+        "movie.gif",
+        "run.sqlite",
+        "measured/summary.json",
+    ] {
         assert!(piped.path().join(file).exists() && full.path().join(file).exists(), "{file}");
     }
 }
@@ -290,6 +298,7 @@ fn needed(command: &str) -> (&'static [&'static str], &'static [&'static str]) {
         "run" => (&[], &["input"]),
         "sweep" => (&[], &["spec"]),
         "plot" | "movie" => (&[], &["path"]),
+        "measure" => (&["--area", "0,0,1,1"], &["path"]),
         "export" => (&["--to", "pedpy"], &["source", "out"]),
         _ => (&[], &[]),
     }
@@ -958,6 +967,9 @@ fn a_dash_is_standard_output_or_refused() {
     assert_eq!(shown(&["run", trial, "--until", "0.1", "-o", "-"], "simulated time"), table);
     done(place, &["export", "a.csv", "a.txt", "--to", "pedpy"]);
     assert_eq!(shown(&["export", "a.csv", "-", "--to", "pedpy"], "5 agents"), text(&place.join("a.txt")));
+    let measure = ["measure", "a.csv", "--every", "1", "--above", "100", "--summary"];
+    done(place, &[&measure[..], &["summary.json"]].concat());
+    assert_eq!(shown(&[&measure[..], &["-"]].concat(), "5 people"), text(&place.join("summary.json")));
     done(place, &["sweep", "sweep.toml", "--csv", "swept.csv"]);
     assert_eq!(shown(&["sweep", "sweep.toml", "--csv", "-"], "succeeded"), text(&place.join("swept.csv")));
     let person = ["person", "--breadth", "49", "--depth", "25", "--stature", "1.75", "--mass", "70"];

@@ -561,7 +561,7 @@ fn negative_numbers_are_values() {
     for (arguments, expected) in [
         (
             ["run", &trial, "--until", "-1"],
-            "'-1' for '--until <SECONDS>': must be a positive number of seconds",
+            "'-1' for '--until <SECONDS|left>': must be a positive number of seconds, or the word left",
         ),
         (["run", &trial, "--step", "-0.5"], "'-0.5' for '--step <SECONDS>': must be a positive"),
         (["run", &trial, "--every", "-3"], "'-3' for '--every <N>': -3 is not in 1.."),

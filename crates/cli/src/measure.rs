@@ -1,0 +1,216 @@
+//! `lemons measure`: flow over lines, density in areas, exposure to squeeze. docs/measure.md defines each number.
+
+mod chart;
+mod options;
+mod pass;
+mod summary;
+mod tables;
+mod told;
+
+use crate::error::{Misused, and_then};
+use crate::export::area;
+use crate::files::{self, Force};
+use crate::interrupt::Interrupt;
+use crate::output::Output;
+use crate::pictures::look::{positive, seconds};
+use crate::pictures::plot::Format;
+use crate::pictures::source::{End, Source};
+use crate::run::{Until, until};
+use anyhow::{Context, Result, bail};
+use lemons_measure::{Line, MeasuringArea, Room};
+use lemons_plane::polygon_from_wkt;
+use lemons_record::Record;
+use lemons_trial::Trial;
+use options::{Named, level, line, measuring_area, names_differ};
+use pass::Pass;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use summary::{Steps, Summary};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    source: Source,
+    /// Count who crosses this line, in metres; can be given several times. Directions are those of
+    /// somebody who stands at X1,Y1 and looks at X2,Y2: to the right, to the left. Default NAME: 1, 2, …
+    #[arg(long = "line", value_name = "[NAME=]X1,Y1,X2,Y2", value_parser = line, allow_hyphen_values = true)]
+    lines: Vec<Named<Line>>,
+    /// Width for the specific flow, in metres. Default: the length of the line
+    #[arg(long, value_name = "METRES", requires = "lines", value_parser = positive)]
+    width: Option<f64>,
+    /// Length of the windows in which the flow over time is counted, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, requires = "lines", value_parser = positive)]
+    window: f64,
+    /// Measure density and speed in this area, in metres; can be given several times. Four numbers are
+    /// the lower left and the upper right corner of a rectangle; six or more the corners of a polygon
+    #[arg(long = "area", value_name = "[NAME=]X0,Y0,X1,Y1,…", value_parser = measuring_area, allow_hyphen_values = true)]
+    areas: Vec<Named<MeasuringArea>>,
+    /// Where people can be, which bounds Voronoi cells: a file with POLYGON ((x y, …), (hole), …) in
+    /// metres. Default: what the walls of the Trial or FMU enclose
+    #[arg(long, value_name = "FILE.wkt", requires = "areas")]
+    walkable: Option<PathBuf>,
+    /// For each person, the time with a squeeze above these, in newtons
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = level)]
+    above: Vec<f64>,
+    /// The results of an earlier run have only every N-th communication point: --every of lemons run.
+    /// Exposure to squeeze is measured for 1 only. Default: 1 if frames are no further apart than the
+    /// TimeStep of --trial; without --trial, 1 is assumed
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    every: Option<u32>,
+    /// Measure from this time on, in seconds
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    from: Option<f64>,
+    /// Measure until this time, in seconds. With the word left, a Trial in which people walk is run until
+    /// everybody has left, for at most an hour. Default: the end of earlier results; 5 for a Trial or FMU
+    #[arg(long, value_name = "SECONDS or left", value_parser = until)]
+    until: Option<Until>,
+    /// Write flow.csv, gaps.csv, density.csv, people.csv and summary.json into this directory
+    #[arg(short, long, value_name = "DIRECTORY")]
+    output: Option<PathBuf>,
+    /// Write the summary as JSON; - is standard output
+    #[arg(long, value_name = "FILE.json")]
+    summary: Option<PathBuf>,
+    /// Draw people across, flow, density and squeeze over time
+    #[arg(long, value_name = "FILE.png, .svg or .pdf")]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    _force: Force,
+}
+
+/// Windows of the flow over time.
+const MOST_WINDOWS: f64 = 1e6;
+
+pub fn measure(arguments: &Arguments) -> Result<()> {
+    let Arguments { source, lines, areas, output, .. } = arguments;
+    arguments.check()?;
+    let format = arguments.plot.as_deref().map(Format::of).transpose()?;
+    let interrupt = Interrupt::watch();
+    let mut summary_file = arguments.summary.as_deref().map(Output::open).transpose()?;
+    let mut picture = arguments.plot.as_deref().map(Output::open).transpose()?;
+    let paths: Vec<PathBuf> = output.iter().flat_map(|directory| tables::paths(directory)).collect();
+    paths.iter().try_for_each(|path| files::claim(path))?;
+
+    let end = match arguments.until {
+        Some(Until::Left) => End::Left,
+        Some(Until::Time(time)) => End::At(time),
+        None => End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME),
+    };
+    let (trial, record) = source.record_of(source.runs().then_some(end), &interrupt)?;
+    let room = if areas.is_empty() { None } else { Some(arguments.room(&record, trial.as_ref())?) };
+    let pass = Pass {
+        lines: lines.iter().map(|line| line.what).collect(),
+        areas: areas.iter().map(|area| &area.what).collect(),
+        room: room.as_ref(),
+        above: &arguments.above,
+        from: arguments.from,
+        until: arguments.end(),
+        spread: picture.is_some(),
+    };
+    let passed = pass.over(&record, &interrupt)?;
+    let (from, until) = passed.times;
+    if !lines.is_empty() && (until - from) / arguments.window > MOST_WINDOWS {
+        bail!(Misused(format!("--window: {} s makes more than a million windows", arguments.window)));
+    }
+    let steps = arguments.steps(trial.as_ref(), passed.longest_step);
+    let summary = Summary::of(arguments, &record, &passed, &steps)?;
+    if let Some(why) = summary.left_out() {
+        if !arguments.above.is_empty() {
+            bail!("--above: {}: {why}", source.path.display());
+        }
+        note!("exposure to squeeze is left out: {why}");
+    }
+
+    let json = serde_json::to_string_pretty(&summary)? + "\n";
+    if let Some(file) = &mut summary_file {
+        file.fill(|out| out.write_all(json.as_bytes()))?;
+    }
+    if let (Some(file), Some(format)) = (&mut picture, format) {
+        let bytes = format.bytes(chart::svg(arguments, &passed), chart::WIDTH)?;
+        file.fill(|out| out.write_all(&bytes))?;
+    }
+    let written = match output {
+        Some(directory) => tables::written(arguments, &record, &passed, &summary, directory, &json)?,
+        None => Vec::new(),
+    };
+    let placed = [summary_file, picture].into_iter().flatten().chain(written).map(Output::persist);
+    placed.fold(Ok(()), and_then)?;
+    told::tell(&summary)?;
+    for path in output.iter().chain(&arguments.plot) {
+        say!("{:<18} {}", "written", path.display())?;
+    }
+    Ok(())
+}
+
+impl Arguments {
+    /// Whether the options belong together.
+    fn check(&self) -> Result<()> {
+        names_differ("--line", self.lines.iter().map(|line| &line.name))?;
+        names_differ("--area", self.areas.iter().map(|area| &area.name))?;
+        if self.above.windows(2).any(|pair| pair[0] >= pair[1]) {
+            bail!(Misused("--above: must be rising numbers of newtons, as in 1000,2000".into()));
+        }
+        if self.source.runs() && self.every.is_some() {
+            bail!(Misused("--every is for the results of an earlier run".into()));
+        }
+        if !self.source.runs() && self.until == Some(Until::Left) {
+            bail!(Misused("--until left is for a Trial that is run now; earlier results have an end".into()));
+        }
+        if let (Some(from), Some(until)) = (self.from, self.end())
+            && from >= until
+        {
+            bail!(Misused(format!("--from {from} --until {until}: the beginning is not before the end")));
+        }
+        Ok(())
+    }
+
+    /// \[s\] `--until`, if it is a time.
+    fn end(&self) -> Option<f64> {
+        match self.until? {
+            Until::Time(time) => Some(time),
+            Until::Left => None,
+        }
+    }
+
+    /// Where people can be.
+    fn room(&self, record: &Record, trial: Option<&Trial>) -> Result<Room> {
+        let area = area(record, ("--walkable", self.walkable.as_deref()), trial)?;
+        for line in &area.said {
+            // Here --area is something else.
+            note!("{}", line.replace("--area", "--walkable"));
+        }
+        let rings = polygon_from_wkt(&area.wkt).map_err(anyhow::Error::msg)?;
+        Room::of(&rings).context("the walkable area has no ring")
+    }
+
+    /// Whether every communication step is in the record; `longest` \[s\] is the longest time between two frames.
+    fn steps(&self, trial: Option<&Trial>, longest: f64) -> Steps {
+        match (self.every, trial) {
+            _ if self.source.runs() => Steps::All,
+            (Some(1), _) => Steps::All,
+            (Some(n), _) => Steps::Some(format!(
+                "the results have only every {n}-th communication point (--every): the steps between are not known"
+            )),
+            (None, Some(trial)) => {
+                let step = trial.parameters.time_step;
+                if longest <= step * (1.0 + 1e-6) + 2e-9 {
+                    return Steps::All;
+                }
+                Steps::Some(format!(
+                    "its frames are up to {longest:.6} s apart, but the TimeStep of the Trial is {step:?} s: probably they \
+                     are not all communication points (if the run had a longer --step, give --every 1)"
+                ))
+            }
+            (None, None) => Steps::Assumed,
+        }
+    }
+
+    /// \[m\]
+    fn width_of(&self, line: &Line) -> f64 {
+        self.width.unwrap_or(line.length())
+    }
+}
+
+/// How the user calls what is measured.
+fn shown(path: &Path) -> String {
+    path.display().to_string()
+}

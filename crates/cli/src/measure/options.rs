@@ -1,0 +1,83 @@
+//! Lines, areas and levels, as they are given.
+
+use crate::error::Misused;
+use anyhow::{Result, bail};
+use lemons_measure::{Line, MeasuringArea};
+use lemons_plane::{Bounds, Ring, vec2};
+
+/// What has a name of its own, or gets its number for one.
+#[derive(Clone)]
+pub struct Named<T> {
+    pub name: Option<String>,
+    pub what: T,
+}
+
+impl<T> Named<T> {
+    /// Of the k-th, from 0.
+    pub fn called(&self, k: usize) -> String {
+        self.name.clone().unwrap_or_else(|| (k + 1).to_string())
+    }
+}
+
+/// Columns that a name takes in a terminal.
+const LONGEST_NAME: usize = 20;
+
+fn named<T>(text: &str, read: impl Fn(&str) -> Result<T, String>) -> Result<Named<T>, String> {
+    let Some((name, rest)) = text.split_once('=') else { return Ok(Named { name: None, what: read(text)? }) };
+    let name = name.trim();
+    if name.is_empty() || name.chars().any(char::is_control) || name.chars().count() > LONGEST_NAME {
+        return Err(format!("a name has 1 to {LONGEST_NAME} characters"));
+    }
+    Ok(Named { name: Some(name.to_owned()), what: read(rest)? })
+}
+
+fn numbers(text: &str) -> Option<Vec<f64>> {
+    let number = |part: &str| part.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    text.split(',').map(number).collect()
+}
+
+pub fn line(text: &str) -> Result<Named<Line>, String> {
+    named(text, |text| match numbers(text).as_deref() {
+        Some(&[x1, y1, x2, y2]) if (x1, y1) != (x2, y2) => Ok(Line { from: vec2(x1, y1), to: vec2(x2, y2) }),
+        _ => Err("must be two different points, as in door=5,2,5,3".into()),
+    })
+}
+
+pub fn measuring_area(text: &str) -> Result<Named<MeasuringArea>, String> {
+    named(text, |text| {
+        let numbers = numbers(text).unwrap_or_default();
+        let ring = match numbers[..] {
+            [x0, y0, x1, y1] if x0 < x1 && y0 < y1 => {
+                Some(Ring::around(Bounds { low: vec2(x0, y0), high: vec2(x1, y1) }))
+            }
+            [_, _, _, _] => None,
+            _ if numbers.len().is_multiple_of(2) => {
+                Ring::through(numbers.chunks_exact(2).map(|point| vec2(point[0], point[1])).collect())
+            }
+            _ => None,
+        };
+        ring.and_then(MeasuringArea::inside).ok_or_else(|| {
+            "must be the lower left and the upper right corner, as in front=3,1,5,4, or at least three corners of a \
+             polygon that does not cross itself"
+                .into()
+        })
+    })
+}
+
+pub fn level(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(level) if level >= 0.0 && level.is_finite() => Ok(level),
+        _ => Err("must be numbers of newtons, not below 0, as in 1000,2000".into()),
+    }
+}
+
+/// That no two have the same name.
+pub fn names_differ<'a>(option: &str, names: impl Iterator<Item = &'a Option<String>>) -> Result<()> {
+    let mut all: Vec<String> =
+        names.enumerate().map(|(k, name)| name.clone().unwrap_or_else(|| (k + 1).to_string())).collect();
+    all.sort();
+    match all.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => bail!(Misused(format!("{option}: two have the name {:?}", pair[0]))),
+        None => Ok(()),
+    }
+}

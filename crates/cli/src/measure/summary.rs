@@ -1,0 +1,277 @@
+//! All numbers of a measurement that do not depend on time: what is told, and what is written as JSON.
+
+use super::options::Named;
+use super::pass::Passed;
+use super::{Arguments, shown};
+use anyhow::Result;
+use lemons_measure::{Density, Exposed, Flow, Line, MeasuringArea, Passages, SPANS, Way, quantile};
+use lemons_record::Record;
+use serde::Serialize;
+
+/// Whether every communication step is in the record.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Steps {
+    All,
+    /// Nothing says otherwise.
+    Assumed,
+    /// And why.
+    Some(String),
+}
+
+/// SI units; null: not known.
+#[derive(Serialize)]
+pub struct Summary {
+    pub source: String,
+    /// \[s\]
+    pub from: f64,
+    /// \[s\]
+    pub until: f64,
+    pub frames: usize,
+    pub people: usize,
+    pub lines: Vec<OfLine>,
+    pub areas: Vec<OfArea>,
+    pub exposure: Option<OfSqueeze>,
+    pub exposure_left_out: Option<String>,
+}
+
+#[derive(Serialize)]
+pub struct OfLine {
+    pub name: String,
+    /// \[m\]
+    pub from: [f64; 2],
+    /// \[m\]
+    pub to: [f64; 2],
+    /// \[m\] For the specific flow.
+    pub width: f64,
+    pub directions: Vec<OfWay>,
+}
+
+#[derive(Serialize)]
+pub struct OfWay {
+    pub direction: &'static str,
+    /// Who crossed at least once.
+    pub people: usize,
+    /// Counting who came back and crossed again.
+    pub crossings: usize,
+    /// \[s\]
+    pub first: Option<f64>,
+    /// \[s\]
+    pub last: Option<f64>,
+    /// \[1/s\]
+    pub flow: Option<f64>,
+    /// \[1/(m s)\]
+    pub specific_flow: Option<f64>,
+    /// \[s\]
+    pub gap_10: Option<f64>,
+    /// \[s\]
+    pub gap_median: Option<f64>,
+    /// \[s\]
+    pub gap_90: Option<f64>,
+    /// At the end: who crossed and did not come back.
+    pub across: usize,
+    pub not_across: usize,
+    /// \[s\] When the last one of all was across.
+    pub evacuation_time: Option<f64>,
+}
+
+#[derive(Serialize)]
+pub struct OfArea {
+    pub name: String,
+    /// \[m²\]
+    pub area: f64,
+    /// Means of all frames, and the greatest value.
+    pub people: MeanMax,
+    /// \[1/m²\]
+    pub density: MeanMax,
+    /// \[1/m²\]
+    pub voronoi_density: MeanMax,
+    /// \[m/s\] Of the frames with anybody.
+    pub speed: Option<MeanMax>,
+}
+
+#[derive(Serialize, Clone, Copy)]
+pub struct MeanMax {
+    pub mean: f64,
+    pub max: f64,
+}
+
+#[derive(Serialize)]
+pub struct OfSqueeze {
+    /// Whether something says that the record has every communication step; else that is assumed.
+    pub every_step_known: bool,
+    /// \[s\]
+    pub longest_step: f64,
+    pub time_above: Vec<OfLevel>,
+    pub largest_mean: Vec<OfSpan>,
+    /// \[N\]
+    pub peak: OfPeople,
+    /// \[N s\]
+    pub impulse: OfPeople,
+}
+
+#[derive(Serialize)]
+pub struct OfLevel {
+    /// \[N\]
+    pub above: f64,
+    /// Who were above it at all.
+    pub people: usize,
+    /// \[s\]
+    pub time: OfPeople,
+}
+
+#[derive(Serialize)]
+pub struct OfSpan {
+    /// \[s\]
+    pub over: f64,
+    /// \[N\]
+    pub mean: Option<OfPeople>,
+}
+
+/// How a number is spread over people.
+#[derive(Serialize, Clone)]
+pub struct OfPeople {
+    pub median: f64,
+    pub quantile_90: f64,
+    pub max: f64,
+    /// Who has the greatest value.
+    pub max_id: String,
+}
+
+impl Summary {
+    pub fn of(arguments: &Arguments, record: &Record, passed: &Passed, steps: &Steps) -> Result<Summary> {
+        let lines = arguments.lines.iter().zip(&passed.lines).enumerate();
+        let areas = arguments.areas.iter().zip(&passed.areas).enumerate();
+        let (exposure, why) = match (steps, &passed.exposed) {
+            (Steps::Some(why), Some(_)) => (None, Some(why.clone())),
+            (_, None) => {
+                let why = "the results do not contain the mean squeeze over communication steps";
+                (None, Some(why.to_owned()))
+            }
+            (steps, Some(exposed)) => {
+                let all = OfSqueeze::of(exposed, record.ids(), &arguments.above, passed.longest_step, steps);
+                let why =
+                    all.is_none().then(|| "there is only one frame, so no communication step".to_owned());
+                (all, why)
+            }
+        };
+        Ok(Summary {
+            source: shown(&arguments.source.path),
+            from: passed.times.0,
+            until: passed.times.1,
+            frames: passed.frames,
+            people: record.ids().len(),
+            lines: lines
+                .map(|(k, (line, seen))| OfLine::of(line, k, seen, arguments, record.ids().len()))
+                .collect(),
+            areas: areas.map(|(k, (area, seen))| OfArea::of(area, k, seen)).collect(),
+            exposure,
+            exposure_left_out: why,
+        })
+    }
+
+    /// Why there is no exposure.
+    pub fn left_out(&self) -> Option<&str> {
+        self.exposure_left_out.as_deref()
+    }
+}
+
+impl OfLine {
+    fn of(line: &Named<Line>, k: usize, seen: &Passages, arguments: &Arguments, people: usize) -> OfLine {
+        let width = arguments.width_of(&line.what);
+        let directions = Way::ALL.map(|way| OfWay::of(seen, way, width, people)).into();
+        let [from, to] = [line.what.from, line.what.to].map(|p| [p.x, p.y]);
+        OfLine { name: line.called(k), from, to, width, directions }
+    }
+}
+
+impl OfWay {
+    fn of(seen: &Passages, way: Way, width: f64, people: usize) -> OfWay {
+        let (passages, stayed) = (seen.first(way), seen.stayed(way));
+        let flow = Flow::of(&passages);
+        OfWay {
+            direction: way.name(),
+            people: passages.len(),
+            crossings: seen.crossings(way),
+            first: passages.first().map(|passage| passage.time),
+            last: passages.last().map(|passage| passage.time),
+            flow: flow.rate,
+            specific_flow: flow.rate.map(|rate| rate / width),
+            gap_10: flow.gap(0.1),
+            gap_median: flow.gap(0.5),
+            gap_90: flow.gap(0.9),
+            across: stayed.len(),
+            not_across: people - stayed.len(),
+            evacuation_time: stayed.last().copied().filter(|_| stayed.len() == people),
+        }
+    }
+}
+
+impl OfArea {
+    fn of(area: &Named<MeasuringArea>, k: usize, seen: &[Density]) -> OfArea {
+        let of = |value: fn(&Density) -> f64| {
+            MeanMax::of(seen.iter().map(value)).unwrap_or(MeanMax { mean: 0.0, max: 0.0 })
+        };
+        OfArea {
+            name: area.called(k),
+            area: area.what.area(),
+            people: of(|seen| seen.people as f64),
+            density: of(|seen| seen.classic),
+            voronoi_density: of(|seen| seen.voronoi),
+            speed: MeanMax::of(seen.iter().filter_map(|seen| seen.speed)),
+        }
+    }
+}
+
+impl MeanMax {
+    fn of(values: impl Iterator<Item = f64>) -> Option<MeanMax> {
+        let values: Vec<f64> = values.collect();
+        let max = values.iter().copied().reduce(f64::max)?;
+        Some(MeanMax { mean: values.iter().sum::<f64>() / values.len() as f64, max })
+    }
+}
+
+impl OfSqueeze {
+    fn of(
+        exposed: &[Exposed],
+        ids: &[String],
+        above: &[f64],
+        longest_step: f64,
+        steps: &Steps,
+    ) -> Option<OfSqueeze> {
+        let of = |value: &dyn Fn(&Exposed) -> Option<f64>| {
+            let values: Option<Vec<f64>> = exposed.iter().map(value).collect();
+            OfPeople::of(&values?, ids)
+        };
+        let level = |(k, &above): (usize, &f64)| {
+            let people = exposed.iter().filter(|one| one.above[k] > 0.0).count();
+            Some(OfLevel { above, people, time: of(&|one| Some(one.above[k]))? })
+        };
+        let spans = SPANS.into_iter().enumerate();
+        (longest_step > 0.0).then_some(())?;
+        Some(OfSqueeze {
+            every_step_known: *steps == Steps::All,
+            longest_step,
+            time_above: above.iter().enumerate().map(level).collect::<Option<_>>()?,
+            largest_mean: spans
+                .map(|(k, over)| OfSpan { over, mean: of(&|one| one.largest_mean[k]) })
+                .collect(),
+            peak: of(&|one| Some(one.peak))?,
+            impulse: of(&|one| Some(one.impulse))?,
+        })
+    }
+}
+
+impl OfPeople {
+    fn of(values: &[f64], ids: &[String]) -> Option<OfPeople> {
+        // The first of several.
+        let most = (0..values.len()).reduce(|a, b| if values[b] > values[a] { b } else { a })?;
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        Some(OfPeople {
+            median: quantile(&sorted, 0.5)?,
+            quantile_90: quantile(&sorted, 0.9)?,
+            max: values[most],
+            max_id: ids[most].clone(),
+        })
+    }
+}

@@ -1,0 +1,142 @@
+//! The tables of a measurement, as CSV.
+//!
+//! All files are written always, so that none of an earlier measurement stays beside new ones: of what was not asked for
+//! there is only the line with the names of columns.
+
+use super::Arguments;
+use super::pass::Passed;
+use super::summary::Summary;
+use crate::output::Output;
+use anyhow::{Context, Result};
+use lemons_files::Staged;
+use lemons_measure::{Flow, SPANS, Way, windows};
+use lemons_record::Record;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+const FILES: [&str; 5] = ["flow.csv", "gaps.csv", "density.csv", "people.csv", "summary.json"];
+
+/// What is written into a directory.
+pub fn paths(directory: &Path) -> impl Iterator<Item = PathBuf> {
+    FILES.iter().map(|name| directory.join(name))
+}
+
+/// A number that reads back to the same double, or an empty cell.
+fn cell(value: Option<f64>) -> String {
+    value.map_or(String::new(), |value| format!("{value:?}"))
+}
+
+/// Writes all files; they do not appear yet.
+pub fn written(
+    arguments: &Arguments,
+    record: &Record,
+    passed: &Passed,
+    summary: &Summary,
+    directory: &Path,
+    json: &str,
+) -> Result<Vec<Output>> {
+    std::fs::create_dir_all(directory).with_context(|| format!("cannot write {}", directory.display()))?;
+    let tables = [
+        flow(arguments, passed),
+        gaps(arguments, record, passed),
+        density(arguments, passed),
+        people(arguments, record, passed, summary),
+    ];
+    let mut files = paths(directory).map(|path| Output::claimed(&path)).collect::<Result<Vec<_>>>()?;
+    for (file, rows) in files.iter_mut().zip(&tables) {
+        file.fill(|out| write(out, rows))?;
+    }
+    files[tables.len()].fill(|out| out.write_all(json.as_bytes()))?;
+    Ok(files)
+}
+
+type Rows = Vec<Vec<String>>;
+
+fn write(out: &mut BufWriter<Staged>, rows: &Rows) -> std::io::Result<()> {
+    let mut writer = csv::Writer::from_writer(out);
+    rows.iter().try_for_each(|row| writer.write_record(row).map_err(std::io::Error::from))?;
+    writer.flush()
+}
+
+fn head(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| (*name).to_owned()).collect()
+}
+
+/// A row for each window of each line and direction.
+fn flow(arguments: &Arguments, passed: &Passed) -> Rows {
+    let mut rows = vec![head(&["line", "direction", "from", "until", "people", "flow", "specific_flow"])];
+    let (from, until) = passed.times;
+    for (k, (line, seen)) in arguments.lines.iter().zip(&passed.lines).enumerate() {
+        for way in Way::ALL {
+            for window in windows(&seen.first(way), from, until, arguments.window) {
+                let specific = window.flow() / arguments.width_of(&line.what);
+                let numbers = [window.flow(), specific].map(Some).map(cell);
+                let mut row = vec![line.called(k), way.name().to_owned()];
+                row.extend([window.from, window.until].map(Some).map(cell));
+                row.push(window.count.to_string());
+                row.extend(numbers);
+                rows.push(row);
+            }
+        }
+    }
+    rows
+}
+
+/// A row for each first passage: N(t), and the time gap since the one before.
+fn gaps(arguments: &Arguments, record: &Record, passed: &Passed) -> Rows {
+    let mut rows = vec![head(&["line", "direction", "n", "t", "id", "gap"])];
+    for (k, (line, seen)) in arguments.lines.iter().zip(&passed.lines).enumerate() {
+        for way in Way::ALL {
+            let passages = seen.first(way);
+            let gaps = Flow::of(&passages).gaps;
+            for (n, passage) in passages.iter().enumerate() {
+                rows.push(vec![
+                    line.called(k),
+                    way.name().to_owned(),
+                    (n + 1).to_string(),
+                    cell(Some(passage.time)),
+                    record.ids()[passage.agent].clone(),
+                    cell(n.checked_sub(1).map(|before| gaps[before])),
+                ]);
+            }
+        }
+    }
+    rows
+}
+
+/// A row for each area and frame.
+fn density(arguments: &Arguments, passed: &Passed) -> Rows {
+    let mut rows = vec![head(&["area", "t", "people", "density", "voronoi_density", "speed"])];
+    for (k, (area, seen)) in arguments.areas.iter().zip(&passed.areas).enumerate() {
+        for seen in seen {
+            rows.push(vec![
+                area.called(k),
+                cell(Some(seen.time)),
+                seen.people.to_string(),
+                cell(Some(seen.classic)),
+                cell(Some(seen.voronoi)),
+                cell(seen.speed),
+            ]);
+        }
+    }
+    rows
+}
+
+/// A row for each person.
+fn people(arguments: &Arguments, record: &Record, passed: &Passed, summary: &Summary) -> Rows {
+    let above = &arguments.above;
+    let mut names = head(&["id", "time"]);
+    names.extend(above.iter().map(|level| format!("time_above_{level}")));
+    names.extend(SPANS.iter().map(|span| format!("largest_mean_{span}")));
+    names.extend(head(&["peak", "impulse"]));
+    let mut rows = vec![names];
+    let exposed = passed.exposed.as_deref().filter(|_| summary.exposure.is_some());
+    for (id, one) in record.ids().iter().zip(exposed.unwrap_or_default()) {
+        let mut row = vec![id.clone(), cell(Some(one.time))];
+        row.extend(one.above.iter().map(|time| cell(Some(*time))));
+        row.extend(one.largest_mean.map(cell));
+        row.extend([one.peak, one.impulse].map(Some).map(cell));
+        rows.push(row);
+    }
+    rows
+}

@@ -1,0 +1,119 @@
+//! The numbers of a measurement on a terminal, 80 columns wide.
+
+use super::summary::{MeanMax, OfArea, OfLine, OfPeople, OfSqueeze, OfWay, Summary};
+use crate::tell;
+use anyhow::Result;
+use std::io::Write;
+
+pub fn tell(summary: &Summary) -> Result<()> {
+    let mut out = tell::out();
+    let Summary { from, until, frames, people, .. } = summary;
+    writeln!(out, "{:<18} {from:.3} to {until:.3} s, {frames} frames, {people} people", "measured")?;
+    summary.lines.iter().try_for_each(|line| of_line(&mut out, line))?;
+    summary.areas.iter().try_for_each(|area| of_area(&mut out, area))?;
+    summary.exposure.iter().try_for_each(|squeeze| of_squeeze(&mut out, squeeze))?;
+    Ok(())
+}
+
+/// A number with its unit; without one, a dash.
+fn row(out: &mut impl Write, label: &str, value: Option<f64>, unit: &str, more: &str) -> Result<()> {
+    let unit = if value.is_some() { unit } else { "" };
+    let value = value.map_or("-".to_owned(), |value| format!("{value:.3}"));
+    let line = format!("  {label:<18} {value:>10} {unit:<8} {more}");
+    Ok(writeln!(out, "{}", line.trim_end())?)
+}
+
+/// Points the way on paper: the direction is seen along the line.
+fn arrow(line: &OfLine, way: &OfWay) -> char {
+    let [dx, dy] = [line.to[0] - line.from[0], line.to[1] - line.from[1]];
+    let sign = if way.direction == "right" { 1.0 } else { -1.0 };
+    let eighths = (sign * -dx).atan2(sign * dy) / std::f64::consts::FRAC_PI_4;
+    ['→', '↗', '↑', '↖', '←', '↙', '↓', '↘'][(eighths.round() as i64).rem_euclid(8) as usize]
+}
+
+fn of_line(out: &mut impl Write, line: &OfLine) -> Result<()> {
+    let [[x1, y1], [x2, y2]] = [line.from, line.to];
+    writeln!(out, "\nline {}: ({x1}, {y1}) to ({x2}, {y2}) m", line.name)?;
+    let crossed: Vec<&OfWay> = line.directions.iter().filter(|way| way.people > 0).collect();
+    if crossed.is_empty() {
+        writeln!(out, "  nobody crossed it")?;
+    }
+    for way in crossed {
+        let again =
+            if way.crossings == way.people { String::new() } else { format!(", {} times", way.crossings) };
+        let noun = if way.people == 1 { "person" } else { "people" };
+        writeln!(
+            out,
+            "  to the {} {}: {} {noun} crossed{again}",
+            way.direction,
+            arrow(line, way),
+            way.people
+        )?;
+        row(out, "first", way.first, "s", "")?;
+        row(out, "last", way.last, "s", "")?;
+        row(out, "flow", way.flow, "1/s", "")?;
+        let width = format!("({:.3} m wide)", line.width);
+        row(out, "specific flow", way.specific_flow, "1/(m s)", &width)?;
+        let gaps = way.gap_10.zip(way.gap_90);
+        let gaps = gaps.map_or(String::new(), |(low, high)| format!("(10 %: {low:.3}, 90 %: {high:.3} s)"));
+        row(out, "time gap, median", way.gap_median, "s", &gaps)?;
+        let left = match way.not_across {
+            0 => String::new(),
+            n => format!("({} across at the end, {n} not)", way.across),
+        };
+        row(out, "all across", way.evacuation_time, "s", &left)?;
+    }
+    Ok(())
+}
+
+fn of_area(out: &mut impl Write, area: &OfArea) -> Result<()> {
+    writeln!(
+        out,
+        "\narea {}: {:.3} m²\n  {:18} {:>10} {:>10}",
+        area.name, area.area, "", "mean", "greatest"
+    )?;
+    let mut row = |label: &str, value: Option<MeanMax>, unit: &str| {
+        let text = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
+        let (mean, max) = (text(value.map(|value| value.mean)), text(value.map(|value| value.max)));
+        writeln!(out, "{}", format!("  {label:<18} {mean:>10} {max:>10} {unit}").trim_end())
+    };
+    row("people", Some(area.people), "")?;
+    row("density, N/A", Some(area.density), "1/m²")?;
+    row("density, Voronoi", Some(area.voronoi_density), "1/m²")?;
+    row("speed", area.speed, "m/s")?;
+    Ok(())
+}
+
+fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
+    writeln!(
+        out,
+        "\nsqueeze of each person\n  {:18} {:>10} {:>10} {:>10}",
+        "", "median", "90 %", "greatest"
+    )?;
+    let mut row = |label: &str, of: Option<&OfPeople>, unit: &str, more: &str| {
+        let Some(OfPeople { median, quantile_90, max, max_id }) = of else {
+            return writeln!(out, "  {label:<18} {:>10} {:>10} {:>10}", "-", "-", "-");
+        };
+        let who = if *max > 0.0 { format!("(agent {max_id}{more})") } else { String::new() };
+        let line = format!("  {label:<18} {median:>10.3} {quantile_90:>10.3} {max:>10.3} {unit:<4} {who}");
+        writeln!(out, "{}", line.trim_end())
+    };
+    for span in &squeeze.largest_mean {
+        row(&format!("mean over {} s", span.over), span.mean.as_ref(), "N", "")?;
+    }
+    row("peak", Some(&squeeze.peak), "N", "")?;
+    row("impulse", Some(&squeeze.impulse), "N s", "")?;
+    for level in &squeeze.time_above {
+        let people = format!("; {} above", level.people);
+        row(&format!("time above {} N", level.above), Some(&level.time), "s", &people)?;
+    }
+    if !squeeze.every_step_known {
+        writeln!(
+            out,
+            "  Assumed: the table has every communication step (longest: {:.6} s).\n  \
+             --trial or --every 1 says so.",
+            squeeze.longest_step
+        )?;
+    }
+    Ok(())
+}

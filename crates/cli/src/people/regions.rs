@@ -1,0 +1,166 @@
+//! `--region` and `--door`: on which ground people stand, and how many on each.
+
+use super::within;
+use crate::error::Misused;
+use anyhow::{Context, Result, bail};
+use lemons_people::Door;
+use lemons_people::placing::{Part, Region};
+use lemons_plane::{Vec2, vec2};
+use lemons_trial::Geometry;
+
+/// More are a mistake.
+const MOST: f64 = 1e6;
+
+pub const REGION_HELP: &str = "\
+Regions: in the shell, a region with a space or a semicolon is put between quotes.
+
+  --region 0,0,8,6 --number 40                 # a box
+  --region \"0,0 8,0 8,6 0,6\" --density 3       # a polygon
+  --region \"0,0,4,6; number=40\" --region \"4,0,8,6; density=3\"
+
+A region without a number of its own gets its part of --number, by area, or --density. People stand \
+within the region and overlap no wall. A closed wall that holds more than half of the region is a \
+room: people stand inside it. Other closed walls are obstacles: nobody stands inside them. An open \
+wall may go through a region: nobody stands across it. Where regions overlap, the ground belongs to \
+the first of them.";
+
+/// How many people stand on a ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Amount {
+    /// As many as --number and --density say.
+    AsAll,
+    Number(usize),
+    /// \[1/m²\]
+    Density(f64),
+}
+
+/// Of `--region`.
+#[derive(Debug, Clone)]
+pub struct RegionArgument {
+    /// \[m\]
+    corners: Vec<Vec2>,
+    amount: Amount,
+}
+
+/// Where people stand together.
+pub struct Ground {
+    pub region: Region,
+    /// As messages call it.
+    pub name: String,
+    pub amount: Amount,
+    /// What walls make of it, for the summary.
+    pub said: String,
+}
+
+/// Reads two corners, or a polygon, and perhaps how many people.
+pub fn region(text: &str) -> Result<RegionArgument, String> {
+    let (corners, amount) = text.split_once(';').unwrap_or((text, ""));
+    let amount = match amount.trim().split_once('=') {
+        None if amount.trim().is_empty() => Amount::AsAll,
+        Some((key, value)) if key.trim() == "number" => {
+            let number = value.trim().parse().ok().filter(|number| (1..=1_000_000).contains(number));
+            Amount::Number(number.ok_or("number: must be a whole number from 1 to 1000000")?)
+        }
+        Some((key, value)) if key.trim() == "density" => Amount::Density(
+            within(value, 1e-6, 100.0, " (per m²)").map_err(|must| format!("density: {must}"))?,
+        ),
+        _ => return Err(format!("{:?}: after ; stands number=N or density=D", amount.trim())),
+    };
+    let numbers = |text: &str| -> Option<Vec<f64>> {
+        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+        text.split(',').map(number).collect()
+    };
+    let places: Vec<&str> = corners.split_whitespace().collect();
+    let place = |text: &&str| numbers(text).filter(|pair| pair.len() == 2).map(|pair| vec2(pair[0], pair[1]));
+    let polygon = || (places.len() >= 3).then(|| places.iter().map(place).collect()).flatten();
+    let corners = match numbers(corners).as_deref() {
+        Some(&[a, b, c, d]) => vec![vec2(a, b), vec2(c, b), vec2(c, d), vec2(a, d)],
+        _ => polygon().ok_or(
+            "must be two opposite corners in m, as in 0,0,8,6, or the corners of a polygon, as in \
+             \"0,0 8,0 8,6\"",
+        )?,
+    };
+    Ok(RegionArgument { corners, amount })
+}
+
+/// Reads x, y and width.
+pub fn door(text: &str) -> Result<Door, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, width]) if x.is_finite() && y.is_finite() && (0.1..=1e3).contains(&width) => {
+            Ok(Door { at: vec2(x, y), width })
+        }
+        _ => Err("must be x, y and width in m, as in 8,3,1; the width is from 0.1 to 1000".into()),
+    }
+}
+
+/// The ground of each region, in their order, among walls. `place` is as the user named the whole.
+pub fn grounds(regions: &[RegionArgument], geometry: &Geometry, place: &str) -> Result<Vec<Ground>> {
+    let mut drawn: Vec<Region> = Vec::new();
+    let mut grounds = Vec::new();
+    for (k, RegionArgument { corners, amount }) in regions.iter().enumerate() {
+        let name = format!("region {k} of {place}");
+        let earlier: Vec<&Region> = drawn.iter().collect();
+        let part = Region::among(corners, geometry, &earlier).with_context(|| format!("--region: {name}"))?;
+        drawn.push(Region::polygon(corners, &[]).context("--region")?);
+        let said = described(&part);
+        grounds.push(Ground { region: part.region, name, amount: *amount, said });
+    }
+    Ok(grounds)
+}
+
+fn described(Part { rooms, obstacles, walls, .. }: &Part) -> String {
+    let few = |what: &str, ids: &[String]| match ids {
+        [] => None,
+        [one] => Some(format!("{what} {one}")),
+        [first, second] => Some(format!("{what}s {first}, {second}")),
+        many => Some(format!("{} {what}s", many.len())),
+    };
+    let all = [
+        few("wall", rooms).map(|text| format!("inside {text}")),
+        few("obstacle", obstacles),
+        few("open wall", walls),
+    ];
+    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// The number of people on each ground, from what each says and from --number and --density for the others.
+pub fn numbers(grounds: &[Ground], number: Option<u32>, density: Option<f64>) -> Result<Vec<usize>> {
+    let open: f64 = grounds.iter().filter(|g| g.amount == Amount::AsAll).map(|g| g.region.area()).sum();
+    if open == 0.0
+        && let Some(option) = number.map(|_| "--number").or(density.map(|_| "--density"))
+    {
+        bail!(Misused(format!("{option}: each --region says itself how many people it has")));
+    }
+    let mut before = 0.0;
+    grounds
+        .iter()
+        .map(|Ground { region, name, amount, .. }| {
+            let area = region.area();
+            let of_density = |density: f64| (density * area).round();
+            let wanted = match (amount, number, density) {
+                (Amount::Number(number), ..) => *number as f64,
+                (Amount::Density(density), ..) => of_density(*density),
+                (Amount::AsAll, Some(_), Some(_)) => bail!(Misused(format!(
+                    "--number and --density: one of them follows from the other in {name}"
+                ))),
+                (Amount::AsAll, None, Some(density)) => of_density(density),
+                (Amount::AsAll, Some(number), None) => {
+                    // Shares of the whole that add up to it.
+                    let upto = |area: f64| (f64::from(number) * area / open).round();
+                    let from = before;
+                    before += area;
+                    upto(before) - upto(from)
+                }
+                (Amount::AsAll, None, None) => bail!(Misused(format!(
+                    "the number of people is missing in {name}: give ; number=N or ; density=D after its corners, \
+                     or --number or --density"
+                ))),
+            };
+            if !(1.0..=MOST).contains(&wanted) {
+                bail!("{name}: {wanted} people on its {area:.3} m²; there must be from 1 to {MOST}");
+            }
+            Ok(wanted as usize)
+        })
+        .collect()
+}

@@ -1,0 +1,153 @@
+//! People who leave: from an empty room to nobody there.
+
+use crate::common::{assert_code, decision_library, done, err, lemons, out};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A room with a door of 1 m, and ten people who leave.
+fn room() -> TempDir {
+    decision_library();
+    let directory = TempDir::new().unwrap();
+    let crowd = ["crowd", "-n", "10", "--box", "4x3", "--door", "4,1.5,1", "--leave", "-o", "room"];
+    done(directory.path(), &crowd);
+    directory
+}
+
+/// The rows of a table: cells by name.
+fn rows(at: &Path, name: &str) -> Vec<Vec<(String, String)>> {
+    let text = fs::read_to_string(at.join(name)).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    lines
+        .map(|line| {
+            names.iter().map(|name| (*name).to_owned()).zip(line.split(',').map(str::to_owned)).collect()
+        })
+        .collect()
+}
+
+fn cell<'a>(row: &'a [(String, String)], name: &str) -> &'a str {
+    &row.iter().find(|(column, _)| column == name).unwrap().1
+}
+
+#[test]
+fn everybody_leaves_and_the_tables_say_when() {
+    let directory = room();
+    let at = directory.path();
+    let said = out(&done(at, &["run", "room", "--until", "left", "-o", "run.csv"]));
+    assert!(said.contains("simulated time"), "{said}");
+    let table = rows(at, "run.csv");
+    let (first, last) = (table[0].clone(), table.last().unwrap().clone());
+    assert_eq!((cell(&first, "active"), cell(&last, "active")), ("1", "0"));
+    for id in 0..10 {
+        let own: Vec<_> = table.iter().filter(|row| cell(row, "id") == id.to_string()).collect();
+        let there = own.iter().take_while(|row| cell(row, "active") == "1").count();
+        assert!(own[there..].iter().all(|row| cell(row, "active") == "0"), "nobody comes back");
+        // Beyond the door, and from then on they stand and touch nothing.
+        let x: f64 = cell(own[there - 1], "x").parse().unwrap();
+        assert!(x > 4.5, "agent {id} left at x = {x}");
+        for row in &own[(there + 1).min(own.len())..] {
+            assert_eq!(cell(row, "x"), cell(own.last().unwrap(), "x"));
+            assert_eq!((cell(row, "vx"), cell(row, "mean_normal_force")), ("0.0", "0.0"));
+        }
+    }
+    // The last row is of the first time at which nobody is there.
+    let end = cell(&last, "t");
+    let left = table.iter().filter(|row| cell(row, "active") == "1").map(|row| cell(row, "t")).next_back();
+    assert_ne!(left, Some(end));
+    let outputs = rows(at, "outputs.csv");
+    assert_eq!(cell(outputs.last().unwrap(), "decision.Arrived"), "10");
+}
+
+#[test]
+fn both_versions_of_fmi_threads_and_a_break_give_the_same_bytes() {
+    let directory = room();
+    let at = directory.path();
+    done(at, &["run", "room", "--until", "8", "-o", "run.csv"]);
+    let wanted = fs::read(at.join("run.csv")).unwrap();
+    let same = |name: &str| assert!(fs::read(at.join(name)).unwrap() == wanted, "{name}");
+    for version in ["2", "3"] {
+        done(at, &["decide", "--fmi", version, "room", "-o", "decision.fmu", "--force"]);
+        done(at, &["pack", "--fmi", version, "room", "-o", "crowd.fmu", "--force"]);
+        done(at, &["connect", "decision.fmu", "crowd.fmu", "-o", "both.ssp", "--force"]);
+        let name = format!("fmi{version}.csv");
+        done(at, &["run", "both.ssp", "--until", "8", "-o", &name, "--outputs", "o.csv", "--force"]);
+        same(&name);
+    }
+    done(at, &["run", "room", "--until", "8", "--threads", "2", "-o", "threads.csv", "--outputs", "p.csv"]);
+    same("threads.csv");
+    // In the middle some have left.
+    let half =
+        ["run", "room", "--until", "4", "-o", "broken.csv", "--outputs", "q.csv", "--state", "half.run"];
+    done(at, &half);
+    let gone = rows(at, "broken.csv").iter().filter(|row| cell(row, "active") == "0").count();
+    assert!(gone > 0, "somebody has left before the break");
+    let rest =
+        ["run", "room", "--until", "8", "-o", "broken.csv", "--outputs", "q.csv", "--resume", "half.run"];
+    done(at, &rest);
+    same("broken.csv");
+}
+
+#[test]
+fn pictures_and_exports_leave_out_who_has_left() {
+    let directory = room();
+    let at = directory.path();
+    done(at, &["run", "room", "--until", "6", "-o", "run.csv"]);
+    let table = rows(at, "run.csv");
+    let there = |row: &&Vec<(String, String)>| cell(row, "active") == "1";
+    done(at, &["export", "--to", "pedpy", "run.csv", "run.txt"]);
+    let exported = fs::read_to_string(at.join("run.txt")).unwrap();
+    let exported = exported.lines().filter(|line| !line.starts_with('#')).count();
+    assert_eq!(exported, table.iter().filter(there).count());
+    assert!(exported < table.len());
+    // Each body of a picture names its person.
+    let shown = |time: &str| {
+        done(at, &["plot", "run.csv", "--trial", "room", "--at", time, "-o", "scene.svg", "--force"]);
+        let picture = fs::read_to_string(at.join("scene.svg")).unwrap();
+        (0..10).filter(|id| picture.contains(&format!("<title>{id}</title>"))).collect::<BTreeSet<i32>>()
+    };
+    let end = table.iter().filter(|row| cell(row, "t") == "6.0");
+    let present: BTreeSet<i32> = end.filter(there).map(|row| cell(row, "id").parse().unwrap()).collect();
+    assert!(present.len() < 10, "somebody has left");
+    assert_eq!((shown("0").len(), shown("6")), (10, present));
+}
+
+#[test]
+fn a_run_that_nobody_can_leave_says_so() {
+    let directory = room();
+    let at = directory.path();
+    let said = err(&lemons(at, &["run", "room", "--no-plan", "--until", "left"]));
+    assert!(said.contains("--until left: nobody can leave"), "{said}");
+    let output = lemons(at, &["run", "room", "--until", "soon"]);
+    assert_code(&output, 2);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("or the word left"));
+    // A wall in the door.
+    let geometry = at.join("room/static/Geometry.xml");
+    let text = fs::read_to_string(&geometry).unwrap();
+    let wall = "<Wall Id=\"shut\" MaterialId=\"concrete\"><Corner Coordinates=\"4,0\"/><Corner Coordinates=\"4,3\"/></Wall></Geometry>";
+    fs::write(&geometry, text.replace("</Geometry>", wall)).unwrap();
+    for command in ["run", "check"] {
+        let output = lemons(at, &[command, "room"]);
+        let said = out(&output) + &err(&output);
+        assert!(
+            said.contains("decision.toml") && said.contains("no way leads to any exit"),
+            "{command}: {said}"
+        );
+    }
+}
+
+/// Without `Active`, everything is as before: it is true unless somebody says otherwise.
+#[test]
+fn somebody_may_be_taken_out_by_hand() {
+    let directory = room();
+    let at = directory.path();
+    done(at, &["run", "room", "--no-plan", "--until", "0.5", "-o", "all.csv"]);
+    done(
+        at,
+        &["run", "room", "--no-plan", "--until", "0.5", "--set", "agent[3].Active=false", "-o", "nine.csv"],
+    );
+    let (all, nine) = (rows(at, "all.csv"), rows(at, "nine.csv"));
+    assert!(nine.iter().all(|row| cell(row, "id") != "3" || cell(row, "agent_contacts") == "0"));
+    assert_eq!(all.len(), nine.len());
+}

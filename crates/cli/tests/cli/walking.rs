@@ -1,0 +1,311 @@
+//! Runs of a Trial whose people walk by its `decision.toml`.
+
+use crate::common::{assert_code, command, decision_library, done, err, lemons, out, root};
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// A copy of the shipped Trial, and its two FMUs coupled by hand.
+pub fn door() -> TempDir {
+    decision_library();
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    copy(&root().join("resources/Trial_door"), &at.join("T"));
+    done(at, &["decide", "T", "-o", "decision.fmu"]);
+    done(at, &["pack", "T", "-o", "crowd.fmu"]);
+    done(at, &["connect", "decision.fmu", "crowd.fmu", "-o", "x.ssp"]);
+    directory
+}
+
+pub fn copy(from: &Path, to: &Path) {
+    fs::create_dir(to).unwrap();
+    for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let place = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &place)
+        } else {
+            fs::copy(entry.path(), place).unwrap();
+        }
+    }
+}
+
+/// A zip of a Trial's files.
+fn zipped(trial: &Path, to: &Path) {
+    let mut zip = zip::ZipWriter::new(fs::File::create(to).unwrap());
+    let mut left = vec![trial.to_owned()];
+    while let Some(directory) = left.pop() {
+        for entry in fs::read_dir(directory).unwrap().map(Result::unwrap) {
+            if entry.path().is_dir() {
+                left.push(entry.path());
+                continue;
+            }
+            let name = entry.path().strip_prefix(trial).unwrap().to_str().unwrap().to_owned();
+            zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+            zip.write_all(&fs::read(entry.path()).unwrap()).unwrap();
+        }
+    }
+    zip.finish().unwrap();
+}
+
+/// What a run writes: both tables.
+fn tables(at: &Path, input: &str, options: &[&str]) -> [Vec<u8>; 2] {
+    let run = ["run", input, "-o", "poses.csv", "--outputs", "drives.csv", "--force"];
+    done(at, &[&run[..], options].concat());
+    ["poses.csv", "drives.csv"].map(|name| fs::read(at.join(name)).unwrap())
+}
+
+#[test]
+fn one_command_is_what_the_coupled_fmus_are() {
+    let directory = door();
+    let at = directory.path();
+    let both =
+        ["--until", "1", "--set", "decision.agent[3].DesiredSpeed=0.5", "--set", "crowd.agent[0].Mass=90"];
+    for (options, of_ssp) in [
+        (&["--until", "3"][..], &["--until", "3"][..]),
+        (&["--until", "1", "--algorithm", "gauss-seidel"], &["--until", "1", "--algorithm", "gauss-seidel"]),
+        (
+            &["--until", "1", "--set", "TimeStepMechanical=5e-5", "--threads", "2"],
+            &["--until", "1", "--set", "crowd.TimeStepMechanical=5e-5", "--set", "crowd.Threads=2"],
+        ),
+        (&both, &both),
+    ] {
+        assert!(tables(at, "T", options) == tables(at, "x.ssp", of_ssp), "{options:?}");
+    }
+    // A zip of the Trial is the Trial.
+    zipped(&at.join("T"), &at.join("T.zip"));
+    assert!(tables(at, "T.zip", &["--until", "1"]) == tables(at, "x.ssp", &["--until", "1"]));
+    // They go through the door, at 5 m.
+    let poses = String::from_utf8(tables(at, "T", &["--until", "6"])[0].clone()).unwrap();
+    let last = poses.lines().filter(|line| line.starts_with("6.0,"));
+    let beyond = last.filter(|line| line.split(',').nth(2).unwrap().parse::<f64>().unwrap() > 5.2).count();
+    assert!(beyond >= 8, "{beyond} of 30");
+}
+
+#[test]
+fn a_walk_is_saved_and_goes_on() {
+    let directory = door();
+    let at = directory.path();
+    let whole = tables(at, "T", &["--until", "2"]);
+    tables(at, "T", &["--until", "1", "--state", "half.run"]);
+    // Way-points belong to the run.
+    let wishes = fs::read_to_string(at.join("T/decision.toml")).unwrap();
+    fs::write(at.join("T/decision.toml"), wishes.replace("x = 30.0", "x = -30.0")).unwrap();
+    let rest =
+        ["run", "T", "-o", "poses.csv", "--outputs", "drives.csv", "--resume", "half.run", "--until", "2"];
+    let other = lemons(at, &rest);
+    assert_code(&other, 1);
+    assert!(err(&other).contains("another plan"), "{}", err(&other));
+    fs::write(at.join("T/decision.toml"), wishes).unwrap();
+    // Whether people walk, too, in words that say how to go on.
+    let other = lemons(at, &[&rest[..], &["--no-plan"]].concat());
+    assert_code(&other, 1);
+    assert!(
+        err(&other).contains("people walked by a file") && err(&other).contains("without --no-plan"),
+        "{}",
+        err(&other)
+    );
+    done(at, &rest);
+    let now = ["poses.csv", "drives.csv"].map(|name| fs::read(at.join(name)).unwrap());
+    assert!(now == whole);
+    // A run in which nobody walked goes on so.
+    let still = ["run", "T", "--set", "agent[2].Fp.x=90", "--no-plan", "--until", "0.4", "-o", "whole.csv"];
+    done(at, &still);
+    done(at, &[&still[..5], &["--until", "0.2", "-o", "still.csv", "--state", "still.run"]].concat());
+    let rest = ["run", "T", "--resume", "still.run", "--until", "0.4", "-o", "still.csv"];
+    let other = lemons(at, &rest);
+    assert_code(&other, 1);
+    let said = "now people would walk (T/decision.toml): give --no-plan to go on as before";
+    assert!(err(&other).contains(said), "{}", err(&other));
+    done(at, &[&rest[..], &["--no-plan"]].concat());
+    assert!(fs::read(at.join("still.csv")).unwrap() == fs::read(at.join("whole.csv")).unwrap());
+}
+
+/// The finer of both runs, with its step, is the run of the coupled FMUs with this step.
+#[test]
+fn two_runs_of_a_walk_are_compared() {
+    let directory = door();
+    let at = directory.path();
+    let run = ["run", "T", "--until", "0.5", "--accuracy", "1e-3", "-o", "a.csv", "--outputs", "b.csv"];
+    let said = out(&done(at, &run));
+    let (_, half) = said.split_once("s and ").unwrap();
+    let (half, rest) = half.split_once(" s").unwrap();
+    assert!(rest.starts_with(" of crowd: the results are of the second run"), "{said}");
+    assert!(said.contains("is met"), "{said}");
+    let step = format!("crowd.TimeStepMechanical={half}");
+    let [poses, drives] = tables(at, "x.ssp", &["--until", "0.5", "--set", &step]);
+    assert!(fs::read(at.join("a.csv")).unwrap() == poses && fs::read(at.join("b.csv")).unwrap() == drives);
+}
+
+/// The second run found it empty and waited for ever.
+#[test]
+#[cfg(unix)]
+fn a_pipe_is_read_once_and_a_run_that_waits_for_it_can_be_stopped() {
+    let directory = door();
+    let at = directory.path();
+    assert!(std::process::Command::new("mkfifo").arg(at.join("pipe")).status().unwrap().success());
+    for (option, trial) in [("--plan", "T"), ("--drive", "T")] {
+        let output = lemons(at, &["run", trial, option, "pipe", "--accuracy", "1e-3"]);
+        assert_code(&output, 2);
+        let said = format!("{option} pipe: --accuracy runs twice, and a pipe can be read only once");
+        assert!(err(&output).contains(&said), "{}", err(&output));
+    }
+    let mut command = command(at, &["run", "T", "--plan", "pipe", "-o", "never.csv"]);
+    let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+    let signal = std::process::Command::new("kill").args(["-TERM", &running.id().to_string()]).status();
+    assert!(signal.unwrap().success());
+    let sent = Instant::now();
+    let output = running.wait_with_output().unwrap();
+    assert_code(&output, 130);
+    assert!(sent.elapsed() < Duration::from_secs(20) && !at.join("never.csv").exists());
+    assert!(err(&output).contains("interrupted: nothing was written"), "{}", err(&output));
+    // Somebody writes it: it is the file.
+    let plan = fs::read(at.join("T/decision.toml")).unwrap();
+    let pipe = at.join("pipe");
+    let writer = std::thread::spawn(move || fs::write(pipe, plan).unwrap());
+    let piped = tables(at, "T", &["--until", "0.5", "--plan", "pipe"]);
+    writer.join().unwrap();
+    assert!(piped == tables(at, "T", &["--until", "0.5"]));
+}
+
+/// A link that leads nowhere is a file with an error, and not a Trial in which nobody walks.
+#[test]
+#[cfg(unix)]
+fn all_commands_know_a_plan_that_is_a_broken_link() {
+    let directory = door();
+    let at = directory.path();
+    fs::remove_file(at.join("T/decision.toml")).unwrap();
+    std::os::unix::fs::symlink("nowhere.toml", at.join("T/decision.toml")).unwrap();
+    sweep_of(at, "");
+    for (arguments, code) in [
+        (&["run", "T"][..], 1),
+        (&["check", "T"], 3),
+        (&["decide", "T", "-o", "new.fmu"], 1),
+        (&["sweep", "sweep.toml"], 1),
+    ] {
+        let output = lemons(at, arguments);
+        assert_code(&output, code);
+        let said = out(&output) + &err(&output);
+        assert!(said.contains("T/decision.toml: cannot be read: "), "{arguments:?}: {said}");
+    }
+}
+
+/// A sweep of one point.
+fn sweep_of(at: &Path, more: &str) {
+    let text = "until = 0.1\n[parameters]\n\"agent[0].Mass\" = [60.0]\n[measures]\n\
+                x = { of = \"x\", take = \"last\", across = \"max\" }\n";
+    fs::write(at.join("sweep.toml"), format!("trial = \"T\"\n{more}\n{text}")).unwrap();
+}
+
+#[test]
+fn another_plan_or_none_can_be_chosen() {
+    let directory = door();
+    let at = directory.path();
+    fs::write(at.join("back.toml"), "waypoints = [{ x = -9, y = 2 }]").unwrap();
+    done(at, &["decide", "T", "--plan", "back.toml", "-o", "decision.fmu", "--force"]);
+    done(at, &["connect", "decision.fmu", "crowd.fmu", "-o", "back.ssp"]);
+    let back = tables(at, "back.ssp", &["--until", "0.5"]);
+    assert!(tables(at, "T", &["--until", "0.5", "--plan", "back.toml"]) == back);
+    // Nobody moves, and that is said.
+    let still = done(at, &["run", "T", "--no-plan", "--until", "0.5", "-o", "still.csv"]);
+    assert!(err(&still).contains("note: nobody is driven: neither decision.toml"), "{}", err(&still));
+    assert!(!out(&still).contains("components"));
+    let driven =
+        done(at, &["run", "T", "--no-plan", "--set", "agent[2].Fp.x=9", "--until", "0.5", "-o", "still.csv"]);
+    assert_eq!(err(&driven), "");
+    // A drive of the Trial is not used in silence.
+    fs::write(at.join("T/drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,2,100,0,0\n1,2,100,0,0\n").unwrap();
+    let both = done(at, &["run", "T", "--plan", "back.toml", "--until", "0.5", "-o", "poses.csv", "--force"]);
+    assert!(err(&both).contains("note: drive.csv is not used, because back.toml says"), "{}", err(&both));
+    let own = done(at, &["run", "T", "--until", "0.1", "-o", "own.csv"]);
+    assert!(err(&own).contains("note: drive.csv is not used, because T/decision.toml says"), "{}", err(&own));
+    // `check` says it, and nothing of what the drive would do.
+    fs::write(at.join("T/drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0.01,2,100,0,0\n0.02,2,100,0,0\n").unwrap();
+    let checked = out(&done(at, &["check", "T"]));
+    assert!(checked.contains("note: drive.csv is not used, because T/decision.toml says"), "{checked}");
+    assert!(!checked.contains("drive.csv:") && checked.contains("no problem"), "{checked}");
+    let packed = done(at, &["pack", "T", "-o", "again.fmu"]);
+    let said =
+        "note: T/decision.toml is not in this FMU, which is the crowd alone: lemons decide T -o FILE.fmu";
+    assert!(err(&packed).contains(said), "{}", err(&packed));
+    assert!(fs::read(at.join("poses.csv")).unwrap() == back[0]);
+    fs::write(at.join("T/drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,2,100,0,0\n1,2,100,0,0\n").unwrap();
+    let driven = done(at, &["run", "T", "--no-plan", "--until", "0.5", "-o", "still.csv"]);
+    assert_eq!(err(&driven), "");
+    // A picture shows them walk, too.
+    let plot = |name: &str, options: &[&str]| {
+        done(at, &[&["plot", "T", "-o", name, "--at", "2"][..], options].concat());
+        fs::read(at.join(name)).unwrap()
+    };
+    let walk = plot("walk.svg", &[]);
+    assert!(walk != plot("stand.svg", &["--no-plan", "--no-drive"]));
+    // With the parameters of a run, whose names are those of `lemons run`: as the table of that run shows it.
+    let slow = ["--set", "decision.agent[3].DesiredSpeed=0.1", "--set", "crowd.TimeStepMechanical=2e-4"];
+    done(at, &[&["run", "T", "--until", "2", "-o", "slow.csv"][..], &slow].concat());
+    let picture = plot("slow.svg", &slow);
+    done(at, &["plot", "slow.csv", "--trial", "T", "-o", "of_table.svg", "--at", "2"]);
+    assert!(picture == fs::read(at.join("of_table.svg")).unwrap() && picture != walk);
+}
+
+#[test]
+fn mistakes_are_refused_with_their_place() {
+    let directory = door();
+    let at = directory.path();
+    fs::write(at.join("T/drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,2,100,0,0\n").unwrap();
+    fs::write(at.join("wrong.toml"), "waypoint = []").unwrap();
+    for (arguments, code, said) in [
+        (
+            &["run", "T", "--drive", "T/drive.csv"][..],
+            2,
+            "--drive: people who walk (T/decision.toml) are not driven by a file, too",
+        ),
+        (
+            &["run", "crowd.fmu", "--plan", "wrong.toml"],
+            2,
+            "--plan: a file like decision.toml is for a Trial",
+        ),
+        (&["run", "x.ssp", "--plan", "wrong.toml"], 2, "--plan: a file like decision.toml is for a Trial"),
+        (&["run", "T", "--plan", "wrong.toml"], 1, "wrong.toml: "),
+        (&["run", "T", "--plan", "nothing.toml"], 1, "nothing.toml: cannot be read: "),
+        (&["run", "T", "--set", "crowds.Threads=2"], 1, "crowds.Threads"),
+        (&["run", "T", "-o", "T/decision.toml"], 1, "T/decision.toml: lemons run reads it"),
+        (&["plot", "x.csv", "--no-plan"], 2, "--no-plan"),
+        (
+            &["run", "T", "--set", "agent[3].DesiredSpeed=1"],
+            1,
+            "there is no such variable; did you mean --set decision.agent[3].DesiredSpeed=1?",
+        ),
+        (
+            &["run", "T", "--plan", "T/decision.toml", "--drive", "T/drive.csv"],
+            2,
+            "--drive: people who walk (T/decision.toml) are not driven by a file, too",
+        ),
+        (
+            &[
+                "plot",
+                "T",
+                "--no-plan",
+                "--set",
+                "decision.agent[3].DesiredSpeed=1",
+                "--at",
+                "1",
+                "-o",
+                "x.svg",
+            ],
+            1,
+            "--set decision.agent[3].DesiredSpeed=1: there is no variable",
+        ),
+    ] {
+        let output = lemons(at, arguments);
+        assert_code(&output, code);
+        assert!(err(&output).contains(said), "{arguments:?}: {}", err(&output));
+    }
+    // The Trial's own file is named as the user knows it.
+    fs::write(at.join("T/decision.toml"), "desired_speed = -1\nwaypoints = [{ x = 1, y = 1 }]").unwrap();
+    let output = lemons(at, &["run", "T"]);
+    let said = "T/decision.toml: agent \"0\": desired_speed = -1.0: must be finite and at least 0";
+    assert!(err(&output).contains(said), "{}", err(&output));
+}
