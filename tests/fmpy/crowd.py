@@ -225,7 +225,8 @@ def read_table(text, ids):
     """trajectories.csv as `Crowd.run` returns it, with the start. Tables of earlier versions have units in their header."""
     rows = list(csv.reader(text.splitlines()))
     header = [name.split(" [")[0] for name in rows.pop(0)]
-    assert header in (list(COLUMNS), [name for name in COLUMNS if name not in OF_STEP])
+    walking = [*list(COLUMNS)[:-2], "active", *list(COLUMNS)[-2:]]
+    assert header in (list(COLUMNS), walking, [name for name in COLUMNS if name not in OF_STEP])
     places = {name: place for place, name in enumerate(header)}
     whole = {name for name, unit in COLUMNS.items() if unit is None}
     wanted = list(COLUMNS)[2:12]

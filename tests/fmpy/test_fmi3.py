@@ -46,7 +46,7 @@ def test_valid(push_fmu_3, row):
         names = archive.namelist()
     etree.XMLSchema(etree.parse(schema)).assertValid(terminals)
     members = [member.get("variableName") for member in terminals.iter("TerminalMemberVariable")]
-    assert members == ["Fp", "Mp", "Position", "Theta", "Velocity", "Omega"]
+    assert members == ["Fp", "Mp", "Active", "Position", "Theta", "Velocity", "Omega"]
     assert "terminalsAndIcons/icon.png" in names and "binaries/x86_64-linux/CrowdMechanics.so" in names
     row("fmpy", "FMI 3.0: validate, with the XSDs of FMI 3.0", "no problem")
 
@@ -170,7 +170,7 @@ def test_thousand(pack, shared, tmp_path, row):
         description = archive.read("modelDescription.xml")
     assert len(description) <= 200 * 1000
     slave, references, _ = instance_of(fmu, tmp_path / "extracted")
-    assert len(references) == 37
+    assert len(references) == 38
     slave.enterInitializationMode(startTime=0.0)
     slave.exitInitializationMode()
     slave.setFloat64([references["Fp"]], [10.0, 0.0] * 1000)

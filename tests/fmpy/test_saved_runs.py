@@ -149,5 +149,9 @@ def test_the_coupled_door_goes_on(lemons, coupled, tmp_path, algorithm):
     assert outputs.schema.names == names
     table = (tmp_path / "outputs.csv").read_text().splitlines()[1:]
     assert [[str(value) for value in row.values()] for row in outputs.to_pylist()] == [
-        [str(float(cell)) if "." in cell or "e" in cell else cell for cell in line.split(",")] for line in table
+        [
+            cell.title() if cell in ("true", "false") else str(float(cell)) if "." in cell or "e" in cell else cell
+            for cell in line.split(",")
+        ]
+        for line in table
     ]

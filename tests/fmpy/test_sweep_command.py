@@ -9,18 +9,18 @@ from crowd import TRIAL_PUSH
 from lemons_fmu import load, local_cluster, sweep
 from distributed import Client
 
-SPEC = f"""
-trial = {json.dumps(str(TRIAL_PUSH))}
+SPEC = """
+fmu = "push.fmu"
 until = 0.7
 [parameters]
 "contact.human_naked.human_naked.KineticFriction" = [0.0, 0.4]
 "agent[*].Mass" = [60.0, 90.0]
 [measures]
-moved = {{ of = "x", take = "change", agents = ["4"] }}
-squeeze = {{ of = "squeeze", take = "max" }}
-mean = {{ of = "mean_squeeze", take = "max" }}
-peak = {{ of = "peak_squeeze", take = "max" }}
-overlap = {{ of = "peak_overlap", take = "max" }}
+moved = { of = "x", take = "change", agents = ["4"] }
+squeeze = { of = "squeeze", take = "max" }
+mean = { of = "mean_squeeze", take = "max" }
+peak = { of = "peak_squeeze", take = "max" }
+overlap = { of = "peak_overlap", take = "max" }
 """
 
 
@@ -34,8 +34,8 @@ def test_both_give_one_table(lemons, tmp_path, choice, drive):
     """With the drive.csv that is packed, with a given one, and with none."""
     (tmp_path / "given.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,1000,0,0\n0.6,0,800,0,1\n")
     (tmp_path / "push.toml").write_text(choice + SPEC)
-    subprocess.run([lemons, "sweep", "push.toml"], cwd=tmp_path, check=True, capture_output=True)
     subprocess.run([lemons, "pack", TRIAL_PUSH, "-o", tmp_path / "push.fmu"], check=True, capture_output=True)
+    subprocess.run([lemons, "sweep", "push.toml"], cwd=tmp_path, check=True, capture_output=True)
     fmu = load(tmp_path / "push.fmu")
     drive = tmp_path / drive if drive else drive
     grid = {"contact.human_naked.human_naked.KineticFriction": [0.0, 0.4], "agent[*].Mass": [60.0, 90.0]}

@@ -1,30 +1,73 @@
-"""fmpy's validation finds no problem in any FMU that the command packs."""
+"""People who walk against closed forms and published ranges: the quick cases of examples/validation.py (docs/validation.md)."""
 
-import shutil
+import importlib.util
+import math
 
+import numpy as np
 import pytest
-from crowd import TRIAL_PUSH
-from fmpy.validation import validate_fmu
+from crowd import REPOSITORY
+
+SPEC = importlib.util.spec_from_file_location("validation", REPOSITORY / "examples" / "validation.py")
+validation = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(validation)
 
 
-def test_default(push_fmu, row):
-    assert validate_fmu(str(push_fmu)) == []
-    row("fmpy", "`validate_fmu`, structured names, 5 people", "no problem")
+@pytest.fixture(autouse=True)
+def command(lemons, tmp_path, monkeypatch):
+    monkeypatch.setenv("LEMONS", str(lemons))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    validation.leave.cache_clear()
 
 
-@pytest.mark.parametrize("trial", ["data/crowds/dense_100", "data/push_wed/Trial"])
-def test_shared(pack, shared, trial):
-    assert validate_fmu(str(pack(shared / trial))) == []
+def cells(table):
+    """The rows of a Markdown table below its head, by their first cell."""
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()[2:]]
+    return {row[0]: row[1:] for row in rows}
 
 
-@pytest.mark.parametrize("options", [[], ["--flat-names"]])
-def test_two_trials(pack, tmp_path, options, row):
-    other = shutil.copytree(TRIAL_PUSH, tmp_path / "Trial_other")
-    assert validate_fmu(str(pack(TRIAL_PUSH, other, options=options))) == []
-    naming = "flat" if options else "structured"
-    row("fmpy", f"`validate_fmu`, two Trials in one FMU, {naming} names", "no problem")
+def test_one_person_keeps_the_speed(tmp_path):
+    """RiMEA 1: 40 m at 1.34 m/s take 29.85 s. In the first 1.5 m the speed relaxes as exp(-4.5 t / s)."""
+    (table,), _ = validation.rimea_1(tmp_path)
+    rows = cells(table)
+    for model in validation.MODELS:
+        time = float(rows[model][0])
+        assert math.isclose(time, 40 / validation.SPEED, rel_tol=2e-3), model
+        assert 26 <= time <= 34, "the range of the test case"
 
 
-def test_flat_names(pack, row):
-    assert validate_fmu(str(pack(TRIAL_PUSH, options=["--flat-names"]))) == []
-    row("fmpy", "`validate_fmu`, flat names, 5 people", "no problem")
+def test_nobody_goes_through_the_walls_of_a_corner(tmp_path):
+    """RiMEA 6."""
+    (table,), _ = validation.rimea_6(tmp_path, quick=True)
+    for model, (outside, deepest, last) in cells(table).items():
+        assert int(outside) == 0, model
+        assert float(deepest) < 5, f"{model}: a body is {deepest} mm in a wall"
+        # Nobody is faster than the fastest on the shortest way, and nobody stays.
+        fastest = validation.SPEED + 2 * validation.SPREAD
+        assert (4 + 9.5) / fastest < float(last) < 60, model
+
+
+def test_deepest_in_walls_and_inside_see_what_is_wrong():
+    import pandas as pd
+
+    rows = pd.DataFrame({"id": [0, 0], "x": [0.5, 0.15], "y": [1.0, 1.0], "theta": [0.0, math.pi / 2]})
+    disk = [np.array([[0.0, 0.1, 0.1]])]  # turned to the left it reaches 0.2 m towards -x
+    assert math.isclose(validation.deepest_in_walls(rows, disk, [[(0, 0), (0, 2)]]), 0.05)
+    assert validation.inside(validation.CORNER, np.array([[1.0, 1.0], [11.0, 11.0], [5.0, 5.0]])).tolist() == [True, True, False]
+
+
+def test_flow_through_a_bottleneck(tmp_path):
+    """The default model, between 0.8 and 1.9 people per metre and second: below and above what is published."""
+    times = validation.leave(tmp_path, "collision-free-speed", 1.2, 40, 1)
+    assert len(times) == 40, "nobody is stuck"
+    assert 0.8 < validation.steady(times) / 1.2 < 1.9
+
+
+def test_single_file_is_the_closed_form(tmp_path):
+    """Who keeps a time gap T of 1 s is so fast that the gap to the next body is v T: d = depth + v T, here 16 and 28 people."""
+    (table, _), _ = validation.single_file(tmp_path, quick=True)
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines()[2:]]
+    for model, people, spacing, speed, _ in rows:
+        if model == "collision-free-speed":
+            assert 0.2 < float(spacing) - 1.0 * float(speed) < 0.3, "the depth of a chest"
+        else:
+            assert float(speed) > 0.98 * validation.SPEED, "nobody keeps a distance"

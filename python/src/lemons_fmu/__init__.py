@@ -1,17 +1,20 @@
-"""LEMONS-FMU from Python: make a crowd, pack it, step it, run it, draw it, sweep its parameters.
+"""LEMONS-FMU from Python: make a crowd, pack it, step it, run it, measure it, draw it, sweep its parameters.
 
-    from lemons_fmu import Crowd, crowd, pack, plot, simulate, sweep
+    from lemons_fmu import Crowd, crowd, measure, pack, plot, simulate, sweep
 
-`crowd`, `person`, `pack` and `plot` call the command `lemons`, which wheels contain. The manual is python/README.md.
+`crowd`, `person`, `pack`, `plot`, `measure`, and `simulate` of a Trial call the command `lemons`, which wheels contain. The manual is python/README.md.
 """
 
 from .command import CommandError
-from .crowd import Crowd, Run, State, simulate
+from .crowd import Crowd, Run, State
 from .drive import Drive
 from .fmu import Fmu, FmuError, load
+from .measure import Measures
+from .measure import measure as measure
 from .picture import Picture, plot
 from .progress import Progress
 from .results import SweepError
+from .simulate import simulate as simulate
 from .sweep import local_cluster, sweep
 from .trial import Trial, pack, person
 from .trial import crowd as crowd
@@ -22,6 +25,7 @@ __all__ = [
     "Drive",
     "Fmu",
     "FmuError",
+    "Measures",
     "Picture",
     "Progress",
     "Run",
@@ -31,6 +35,7 @@ __all__ = [
     "crowd",
     "load",
     "local_cluster",
+    "measure",
     "pack",
     "person",
     "plot",

@@ -42,6 +42,8 @@ OF_STEP = (
     Quantity("peak_normal_force", "PeakNormalForce", "N"),
     Quantity("peak_overlap", "PeakOverlap", "m"),
 )
+#: 1 if an agent is there, 0 if it has left. Only tables of runs in which agents may leave have it, before the last two.
+ACTIVE = Quantity("active", "Active", None)
 #: Of the whole crowd.
 TOTALS = (
     Quantity("total_agent_contacts", "AgentContacts", None),

@@ -1,4 +1,4 @@
-"""The command `lemons`, of which this package uses what makes crowds, packs them and draws."""
+"""The command `lemons`, of which this package uses what makes crowds, packs, draws and measures them."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 from numpy.typing import NDArray
 
@@ -162,6 +163,20 @@ class Crowd:
         """Returns Fp.x, Fp.y [N] and Mp [N.m] of all agents, shape (N, 3)."""
         return self._reals(self.fmu.inputs)
 
+    @property
+    def active(self) -> Presence:
+        """Whether people are there, as an array that can be written: `crowd.active[3] = False` takes somebody out. From the
+        next step on they touch nothing and do not move; with True they come back where they were.
+
+        Raises:
+            FmuError: the FMU was packed by an early version, from whose crowd nobody can leave.
+        """
+        return Presence(self)
+
+    @active.setter
+    def active(self, values: npt.ArrayLike) -> None:
+        self.active[:] = values
+
     def step(self, step: float | None = None) -> None:
         """Simulates a communication step [s]; by default the Trial's TimeStep."""
         self.step_to(self.time + (self.fmu.step_of(self.trial) if step is None else step))
@@ -224,7 +239,8 @@ class Crowd:
         """Steps until a time [s], and returns poses, velocities, squeeze and contacts at all communication points. These are
         multiples of the step from the present time; the last step may be shorter. The default step is the Trial's TimeStep.
 
-        The default drive is the drive.csv packed with the Trial, as in `lemons run`. With `False` no drive is set: that of
+        The default drive is the drive.csv packed with the Trial, as in `lemons run FILE.fmu`. Nobody walks by a
+        decision.toml: `simulate` of the Trial does that. With `False` no drive is set: that of
         the Trial, or the one that was set before, continues. See `DriveLike` for other drives. `progress` shows the progress
         on standard error.
 
@@ -276,6 +292,42 @@ class Crowd:
         values = np.empty(references.shape)
         self._instance.get_real(references, values)
         return values
+
+
+class Presence:
+    """Of each person of a Crowd, whether they are there. What is written goes into the Crowd at once."""
+
+    def __init__(self, crowd: Crowd) -> None:
+        self._crowd = crowd
+        references = crowd.fmu.active
+        if references is None:
+            raise FmuError("the FMU has no input agent[i].Active: an earlier version packed it; pack its Trial again")
+        self._references = references
+
+    def _values(self) -> NDArray[np.bool_]:
+        return self._crowd._instance.get_boolean(self._references)
+
+    def __array__(self, dtype: npt.DTypeLike = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.asarray(self._values(), dtype=dtype)
+
+    def __len__(self) -> int:
+        return len(self._references)
+
+    def __repr__(self) -> str:
+        return repr(self._values())
+
+    def __getitem__(self, which: Any) -> Any:
+        """Of one person True or False; of several an array."""
+        found = self._values()[which]
+        return bool(found) if isinstance(found, np.bool_) else found
+
+    def __setitem__(self, which: Any, values: npt.ArrayLike) -> None:
+        given = np.asarray(values)
+        if not np.isin(given, (0, 1)).all():
+            raise ValueError(f"whether people are there must be True or False, not {values!r}")
+        all_of_them = self._values()
+        all_of_them[which] = given
+        self._crowd._instance.set_boolean(self._references, all_of_them)
 
 
 @dataclass(frozen=True, repr=False)
@@ -358,29 +410,3 @@ def _of_step(values: NDArray[Any], which: int) -> NDArray[Any]:
     if values.shape[-1] <= place:
         raise FmuError(f"the FMU has no output agent[i].{OF_STEP[which].variable}: an earlier version packed it; pack its Trial again")
     return values[..., place]
-
-
-def simulate(
-    fmu: Source | Fmu,
-    drive: DriveLike[Crowd] = None,
-    parameters: Mapping[str, Value] | None = None,
-    until: float = 5.0,
-    *,
-    step: float | None = None,
-    progress: bool = False,
-) -> pd.DataFrame:
-    """Simulates from the beginning of the Trial until a time [s], and returns the table that `lemons run` writes.
-
-    The default drive is the drive.csv packed with the Trial, as there; `False` means no drive (`--no-drive`). The columns
-    are t, id, x, y, vx, vy, theta, omega, agent_contacts, wall_contacts, contacting_agents, normal_force (at that time),
-    mean_normal_force, peak_normal_force, peak_overlap (within the step that ends then; FMUs of the first versions do not
-    have these three), and total_agent_contacts, total_wall_contacts of the crowd. Units are s, m, rad, N.
-
-    Raises:
-        FmuError: the FMU refuses something; the message is that of the FMU.
-        TypeError: the drive is not a drive.
-        ValueError: drive, time or step are not valid.
-        OSError: the drive's file cannot be read.
-    """
-    with Crowd(fmu, parameters) as crowd:
-        return crowd.run(drive, until=until, step=step, progress=progress).frame()

@@ -45,7 +45,7 @@ DRIVE_FILE = "drive.csv"
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 _WARNING, _FATAL = 1, 4
 # Of FMI 3.0, and what they are here.
-_TYPES = {"Float64": "Real", "Int32": "Integer", "String": "String"}
+_TYPES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "String": "String"}
 # Messages come as arguments of printf. The FMU always gives "%s" and one text, which on 64-bit Linux and Windows is an
 # ordinary sixth argument. (fmpy's proxy for such loggers supports only one logger in a process.)
 _Logger = ctypes.CFUNCTYPE(
@@ -62,7 +62,7 @@ class Variable:
     """A variable of the FMU."""
 
     reference: int
-    type: str  # Real, Integer or String
+    type: str  # Real, Integer, Boolean or String
     causality: str
 
 
@@ -127,6 +127,9 @@ class Fmu:
         reals = [quantity.variable for quantity in columns.REALS]
         self.reals = self.references(reals + of_step if self.has_means else reals)
         self.counts = self.references([quantity.variable for quantity in columns.CONTACTS])
+        present = columns.ACTIVE.variable
+        #: The inputs that say who is there; None in FMUs of earlier versions.
+        self.active = self.references([present])[:, 0].copy() if f"agent[0].{present}" in self.variables else None
         self._drives: dict[str, Drive | None] = {}
         self._steps: dict[str, float] = {}
 
@@ -267,6 +270,8 @@ class Instance:
         self._set_real = _function(library, "fmi2SetReal")
         self._get_real = _function(library, "fmi2GetReal")
         self._get_integer = _function(library, "fmi2GetInteger")
+        self._get_boolean = _function(library, "fmi2GetBoolean")
+        self._set_boolean = _function(library, "fmi2SetBoolean")
         self._do_step = library["fmi2DoStep"]
         self._do_step.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int]
         self._do_step.restype = ctypes.c_int
@@ -318,6 +323,18 @@ class Instance:
         status = self._get_integer(self._component, references.ctypes.data, references.size, values.ctypes.data)
         self._check("fmi2GetInteger", status)
 
+    def get_boolean(self, references: NDArray[np.uint32]) -> NDArray[np.bool_]:
+        values = np.empty(references.shape, dtype=np.int32)
+        status = self._get_boolean(self._component, references.ctypes.data, references.size, values.ctypes.data)
+        self._check("fmi2GetBoolean", status)
+        read: NDArray[np.bool_] = values != 0
+        return read
+
+    def set_boolean(self, references: NDArray[np.uint32], values: NDArray[np.bool_]) -> None:
+        numbers = values.astype(np.int32)
+        status = self._set_boolean(self._component, references.ctypes.data, references.size, numbers.ctypes.data)
+        self._check("fmi2SetBoolean", status)
+
     def do_step(self, time: float, step: float) -> None:
         self._check("fmi2DoStep", self._do_step(self._component, time, step, 1))
 
@@ -330,6 +347,8 @@ class Instance:
                     slave.setReal([variable.reference], [_real(each, value)])
                 elif variable.type == "Integer":
                     slave.setInteger([variable.reference], [_integer(each, value)])
+                elif variable.type == "Boolean":
+                    slave.setBoolean([variable.reference], [_boolean(each, value)])
                 elif variable.type == "String":
                     if not isinstance(value, str):
                         raise FmuError(f"{each} must be a text, not {value!r}")
@@ -346,6 +365,8 @@ class Instance:
                 return float(slave.getReal([variable.reference])[0])
             if variable.type == "Integer":
                 return int(slave.getInteger([variable.reference])[0])
+            if variable.type == "Boolean":
+                return bool(slave.getBoolean([variable.reference])[0])
             if variable.type == "String":
                 text = slave.getString([variable.reference])[0]
                 return text.decode() if isinstance(text, bytes) else str(text)
@@ -418,6 +439,8 @@ class ArrayInstance(Instance):
         self._set_float64 = _function(library, "fmi3SetFloat64", counted=True)
         self._get_float64 = _function(library, "fmi3GetFloat64", counted=True)
         self._get_int32 = _function(library, "fmi3GetInt32", counted=True)
+        self._get_bool = _function(library, "fmi3GetBoolean", counted=True)
+        self._set_bool = _function(library, "fmi3SetBoolean", counted=True)
         self._step = library["fmi3DoStep"]
         flags = [ctypes.c_void_p] * 4
         self._step.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_bool, *flags]
@@ -445,21 +468,32 @@ class ArrayInstance(Instance):
         self._call(name, function, found, read)
         values[...] = read[found.places].reshape(values.shape)
 
-    def set_real(self, references: NDArray[np.uint32], values: NDArray[np.float64]) -> None:
-        found = self.fmu.plan(references)
+    def _set(self, kind: str, get: Any, set: Any, keys: NDArray[np.uint32], values: NDArray[Any]) -> None:
+        found = self.fmu.plan(keys)
         if found.places is not None:
-            read = np.empty(found.size)
+            read = np.empty(found.size, dtype=values.dtype)
             if not found.whole:
-                self._call("fmi3GetFloat64", self._get_float64, found, read)
+                self._call(f"fmi3Get{kind}", get, found, read)
             read[found.places] = values.ravel()
             values = read
-        self._call("fmi3SetFloat64", self._set_float64, found, values)
+        self._call(f"fmi3Set{kind}", set, found, values)
+
+    def set_real(self, references: NDArray[np.uint32], values: NDArray[np.float64]) -> None:
+        self._set("Float64", self._get_float64, self._set_float64, references, values)
 
     def get_real(self, references: NDArray[np.uint32], values: NDArray[np.float64]) -> None:
         self._get("fmi3GetFloat64", self._get_float64, references, values)
 
     def get_integer(self, references: NDArray[np.uint32], values: NDArray[np.int32]) -> None:
         self._get("fmi3GetInt32", self._get_int32, references, values)
+
+    def get_boolean(self, references: NDArray[np.uint32]) -> NDArray[np.bool_]:
+        values = np.empty(references.shape, dtype=np.bool_)
+        self._get("fmi3GetBoolean", self._get_bool, references, values)
+        return values
+
+    def set_boolean(self, references: NDArray[np.uint32], values: NDArray[np.bool_]) -> None:
+        self._set("Boolean", self._get_bool, self._set_bool, references, np.ascontiguousarray(values))
 
     def do_step(self, time: float, step: float) -> None:
         flags = [ctypes.byref(flag) for flag in self._flags]
@@ -476,9 +510,8 @@ class ArrayInstance(Instance):
         if array.shape and not self._initialized:
             # The other elements of the array cannot be read before.
             self._later.append((names, value))
-        elif kind == "Real":
-            keys = np.array([variable.reference for variable in variables], dtype=np.uint32)
-            self.set_real(keys, np.full(len(names), _real(names[0], value)))
+        elif kind in ("Real", "Boolean"):
+            self._set_all(names, value)
         elif array.shape:
             raise FmuError(f"{names[0]} is an element of an array of type {kind}: not supported")
         else:
@@ -504,12 +537,22 @@ class ArrayInstance(Instance):
             integer = np.empty(1, dtype=np.int32)
             self.get_integer(keys, integer)
             return int(integer[0])
+        if variable.type == "Boolean":
+            return bool(self.get_boolean(keys)[0])
         if variable.type == "String":
             found = self.fmu.plan(keys)
             with self.calls() as slave:
                 texts = slave.getString([int(found.references[0])], found.size)
             return str(texts[0 if found.places is None else int(found.places[0])])
         raise FmuError(f"{name} is a {variable.type}: not supported")
+
+    def _set_all(self, names: Sequence[str], value: Value) -> None:
+        """Sets Reals or Booleans, all of them to one value."""
+        keys = np.array([self.fmu.variables[each].reference for each in names], dtype=np.uint32)
+        if self.fmu.variables[names[0]].type == "Boolean":
+            self.set_boolean(keys, np.full(len(names), _boolean(names[0], value)))
+        else:
+            self.set_real(keys, np.full(len(names), _real(names[0], value)))
 
     def initialize(self, parameters: Mapping[str, Value], start: float) -> None:
         for name, value in parameters.items():
@@ -519,10 +562,9 @@ class ArrayInstance(Instance):
             self._initialized = True
             later, self._later = self._later, []
             for names, value in later:
-                keys = np.array([self.fmu.variables[each].reference for each in names], dtype=np.uint32)
-                if self.fmu.variables[names[0]].type != "Real":
-                    raise FmuError(f"{names[0]} is an element of an array that is not of Reals: not supported")
-                self.set_real(keys, np.full(len(names), _real(names[0], value)))
+                if self.fmu.variables[names[0]].type not in ("Real", "Boolean"):
+                    raise FmuError(f"{names[0]} is an element of an array of neither Reals nor Booleans: not supported")
+                self._set_all(names, value)
             slave.exitInitializationMode()
 
     def save(self) -> bytes:
@@ -548,7 +590,7 @@ class ArrayInstance(Instance):
 
 
 def _arrays(description: Any) -> list[Array]:
-    """Returns the variables of FMI 3.0 that have values here: Reals of 64 bits, Integers of 32 bits, and texts."""
+    """Returns the variables of FMI 3.0 that have values here: Reals of 64 bits, Integers of 32 bits, Booleans, texts."""
     variables = description.modelVariables
     counts = [variable.valueReference for variable in variables if variable.name == AGENTS]
     found, begin = [], 0
@@ -597,6 +639,12 @@ def _integer(name: str, value: Value) -> int:
     return int(value)
 
 
+def _boolean(name: str, value: Value) -> bool:
+    if isinstance(value, str) or value not in (0, 1):
+        raise FmuError(f"{name} must be True or False, not {value!r}")
+    return bool(value)
+
+
 def _id_in(description: str, place: int) -> str:
     """Returns the Id in "agent Id 7: propulsion torque", or the index if the description has none."""
     head, colon, _ = description.rpartition(": ")
@@ -621,6 +669,11 @@ def load(fmu: Source | Fmu) -> Fmu:
     if isinstance(fmu, bytes):
         data = fmu
     else:
+        if os.path.isdir(fmu):
+            raise FmuError(
+                f"{os.fspath(fmu)}: is a Trial's directory, not an FMU: pack it (lemons_fmu.pack). Nobody walks in the FMU of a "
+                "Trial alone: where people walk, use simulate, or the command `lemons sweep`"
+            )
         try:
             data = files.read(fmu, files.LARGEST_BINARY)
         except OSError as error:

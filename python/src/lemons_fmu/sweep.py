@@ -153,8 +153,9 @@ def sweep(
     run, `status` (`ok` or `failed`) and `error` (the message of a failed point).
 
     `points` is a grid or a table of parameters by their names in the FMU; `agent[*].Mass` sets the masses of all agents.
-    `drive` is as for `Crowd.run`: None is the drive.csv packed with the point's Trial, False is no drive. `measure` is a
-    function of a `Run` that returns names and numbers (or texts).
+    `drive` is as for `Crowd.run`: None is the drive.csv packed with the point's Trial, False is no drive. Nobody walks by a
+    decision.toml: the command `lemons sweep` does that. `measure` is a function of a `Run` that returns names and numbers
+    (or texts).
 
     With `out`, results are written to that directory as they come. A sweep that was killed continues from there: finished
     points are not simulated again (failed ones only with `retry_failed`).

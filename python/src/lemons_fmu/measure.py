@@ -1,0 +1,106 @@
+"""Measures of a run: flow over lines, density in areas, exposure to squeeze. `lemons measure` computes them all."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from . import files
+from .command import Option, call, options
+from .crowd import Run
+from .picture import Drawn
+
+#: Columns that are names, also where they look like numbers.
+NAMES = ("line", "direction", "area", "id")
+COUNTS = ("n", "people")
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What was measured. docs/measure.md defines each number; all are in SI units."""
+
+    #: All that does not depend on time: what `lemons measure --summary` writes; None: not known.
+    summary: dict[str, Any]
+    #: For each line, direction and window: from, until [s], people, flow [1/s], specific_flow [1/(m s)].
+    flow: pd.DataFrame
+    #: For each first passage of a person: line, direction, n, t [s], id, gap since the one before [s].
+    gaps: pd.DataFrame
+    #: For each area and frame: t [s], people, density and voronoi_density [1/m2], speed [m/s].
+    density: pd.DataFrame
+    #: For each person: id, time [s], time_above_… [s], largest_mean_… [N], peak [N], impulse [N s]; no rows if not known.
+    people: pd.DataFrame
+
+    def passages(self, line: str, direction: Literal["right", "left"]) -> npt.NDArray[np.float64]:
+        """Returns when people crossed a line for the first time in a direction [s], ascending: N(t) is their number up to t.
+
+        Raises:
+            KeyError: there is no such line.
+        """
+        if line not in [known["name"] for known in self.summary["lines"]]:
+            raise KeyError(line)
+        rows = self.gaps[(self.gaps["line"] == line) & (self.gaps["direction"] == direction)]
+        return rows["t"].to_numpy(dtype=np.float64)
+
+
+def measure(
+    what: Drawn,
+    *,
+    trial: str | os.PathLike[str] | None = None,
+    lines: Mapping[str, Sequence[float]] | None = None,
+    areas: Mapping[str, Sequence[float]] | None = None,
+    above: Iterable[float] = (),
+    every: int | None = None,
+    **others: Option,
+) -> Measures:
+    """Measures a run.
+
+    `what` is a Trial or an FMU, which is simulated first; the table of an earlier run; or a `Run`. `trial` is the Trial or
+    FMU of a table or a Run: its walls bound Voronoi cells. `lines` are names and x1, y1, x2, y2 [m]; directions are those of
+    somebody who stands at the first point and looks at the second one. `areas` are names and the lower left and the upper
+    right corner of a rectangle, or three and more corners of a polygon [m]. `above` are squeezes [N]. `every` is the
+    `--every` of the run; 1 for a Run. All other options of the command have the same names here: `window=0.5`,
+    `width=0.9`, `walkable="room.wkt"`, `from_=2.0`, `until=8.0`.
+
+    Raises:
+        CommandError: the command refuses something, or is missing; the message is its own.
+    """
+    with tempfile.TemporaryDirectory(prefix="lemons-measure-") as directory:
+        if isinstance(what, Run):
+            table = Path(directory) / "run.csv"
+            what.frame().to_csv(table, index=False, lineterminator="\n")
+            what, every = table, 1 if every is None else every
+        output = Path(directory) / "measures"
+        given = [("--line", lines), ("--area", areas)]
+        words = [f"{option}={name}={_joined(each)}" for option, all in given for name, each in (all or {}).items()]
+        levels = list(above)
+        known: dict[str, Option] = {"trial": trial, "every": every, "above": levels or None, "output": output}
+        call(["measure", *words, *options({**known, **others}), "--", os.fspath(what)], state=directory)
+        summary = json.loads(files.read(output / "summary.json", files.LARGEST_BINARY))
+        tables = [_table(output / f"{name}.csv") for name in ("flow", "gaps", "density", "people")]
+        return Measures(summary, *tables)
+
+
+def _joined(numbers: Sequence[float]) -> str:
+    return ",".join(repr(float(number)) for number in numbers)
+
+
+def _table(path: Path) -> pd.DataFrame:
+    # A person may be called NA. Not all versions of pandas read numbers to the last bit.
+    text = io.BytesIO(files.read(path, files.LARGEST_BINARY))
+    table = pd.read_csv(text, dtype=str, keep_default_na=False)
+    for name in table.columns:
+        if name in COUNTS:
+            table[name] = np.array([int(cell) for cell in table[name]], dtype=np.int64)
+        elif name not in NAMES:
+            table[name] = np.array([float(cell) if cell else np.nan for cell in table[name]], dtype=np.float64)
+    return table
