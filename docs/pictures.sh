@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Makes the pictures of README.md, docs/pictures.md and docs/coupling.md again: docs/pictures.sh, after
+# Makes the pictures of README.md, docs/pictures.md, docs/coupling.md and docs/lab.md again: docs/pictures.sh, after
 # cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli.
 # docs/measured.png needs the measured push (../shared/data/push_wed), docs/flow.png a Python with FMPy and Matplotlib
-# (PYTHON, else .venv); each stays as it is without. docs/calibration.png is made by what docs/calibration.md says.
+# (PYTHON, else .venv), docs/lab_*.png also Playwright there, Chromium, and the lab in the command (lab/build.sh).
+# Each stays as it is without. docs/calibration.png is made by what docs/calibration.md says.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 lemons=${LEMONS:-$PWD/target/release/lemons}
@@ -13,6 +14,9 @@ trap 'rm -rf "$scratch"' EXIT
 
 "$lemons" crowd --number 150 --box 4.56x4.56 --speed 0.5 -o "$scratch/Trial_box" >/dev/null
 "$lemons" plot "$scratch/Trial_box" --at 2 --fill squeeze --forces --width 600 -o docs/crowd.png --force
+
+"$lemons" crowd --number 80 --box 8x6 --door 8,3,1 --leave -o "$scratch/room" >/dev/null
+"$lemons" measure "$scratch/room" --until left --line door=8,2.5,8,3.5 --window 5 --above 1000 --plot docs/room.png --force >/dev/null
 
 push=../shared/data/push_wed
 if [[ -d $push ]]; then
@@ -29,4 +33,8 @@ if "$python" -c 'import fmpy, matplotlib' 2>/dev/null; then
     "$lemons" decide resources/Trial_door -o "$scratch/decision.fmu" >/dev/null
     "$lemons" pack resources/Trial_door -o "$scratch/crowd.fmu" >/dev/null
     "$python" examples/coupled_fmpy.py "$scratch/decision.fmu" "$scratch/crowd.fmu" docs/flow.png >/dev/null
+fi
+
+if "$python" -c 'import playwright' 2>/dev/null && command -v chromium >/dev/null; then
+    LEMONS=$lemons "$python" docs/lab_pictures.py
 fi
