@@ -33,8 +33,10 @@ def check(name, header, rows, whole=True):
     wanted = table(header, rows)
     if whole and os.environ.get("FMI_TABLES") == "write":
         PAGE.write_text(before + wanted + after, encoding="utf-8")
-    elif whole:
-        assert inside.splitlines() == wanted.splitlines(), f"{PAGE.name}: FMI_TABLES=write pytest tests/fmpy writes it"
     else:
-        missing = [line for line in wanted.splitlines() if line not in inside.splitlines()]
-        assert not missing, f"{PAGE.name} lacks {missing}: FMI_TABLES=write pytest tests/fmpy writes it"
+        has, wants = inside.splitlines(), wanted.splitlines()
+        wrong = [f"lacks {line}" for line in wants if line not in has]
+        wrong += [f"has, but no test made {line}" for line in has if whole and line not in wants]
+        if whole and not wrong and has != wants:
+            wrong = ["has another order of lines"]
+        assert not wrong, "\n".join([*(f"{PAGE.name} {line}" for line in wrong), "FMI_TABLES=write pytest tests/fmpy writes it"])
