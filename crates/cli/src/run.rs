@@ -21,12 +21,10 @@ use anyhow::{Context, Error, Result, bail, ensure};
 use clap::ValueEnum;
 use halved::{Chosen, run_for, steps_of};
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_decision::Plan;
-use lemons_decision::decision::PLAN_FILE;
-use lemons_files::{Staged, input};
+use lemons_files::Staged;
 use lemons_master::{
     Algorithm, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings, System,
-    writers,
+    leavers, writers,
 };
 use lemons_record::Run;
 use lemons_trial::DriveChoice;
@@ -399,13 +397,8 @@ fn until_left(system: &System, watch: &Watch) -> Result<Rest> {
         "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)";
     ensure!(watch.may_leave(), nobody);
     // Only our own Decision FMU says who has an exit; of others, all might leave.
-    let plan = system.components().iter().find_map(|component| {
-        let path = component.fmu.directory().join("resources").join(PLAN_FILE);
-        Plan::from_toml(&input::read_text(&path, input::LARGEST_SETTINGS).ok()?).ok()
-    });
-    let Some(plan) = plan else { return Ok(Rest::when_left(watch.people())) };
-    let people = plan.agents.len();
-    let leave = (0..people).filter(|agent| plan.has_exit(*agent)).count();
+    let known = system.components().iter().find_map(|component| leavers(&component.fmu));
+    let Some((leave, people)) = known else { return Ok(Rest::when_left(watch.people())) };
     ensure!(leave > 0, nobody);
     if leave < people {
         note!(

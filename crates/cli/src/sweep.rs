@@ -42,7 +42,7 @@ pub struct Arguments {
 
 const EXAMPLE: &str = r#"An example of FILE.toml:
   trial = "resources/Trial_push"   # or fmu = "crowd.fmu"; relative to this file
-  until = 2.0                      # [s]
+  until = 2.0                      # [s]; or "left": when everybody has left
   # step = 0.01                    # [s]; else the Trial's TimeStep
   # drive = "push.csv"             # else the Trial's drive.csv; false: none
   # plan = "walk.toml"             # else the Trial's decision.toml; false: nobody walks
@@ -65,14 +65,31 @@ mean_squeeze (over a step), peak_squeeze, peak_overlap (largest within a step):
 of the whole step that ends there, so that no collision is missed. Or the name
 of a variable: "decision.Arrived", "LargestOverlap", "agent[*].Velocity.x".
 take: max, min, mean, last, change, reach, first_above, first_at_least.
-Of several agents: across = "max", "min" or "mean".
+Of several agents: across = "max", "min", "mean", "median", "quantile_90".
+
+The numbers of lemons measure (docs/measure.md), of the same run:
+  [lines]                          # [m]
+  door = [8, 2.5, 8, 3.5]
+  [areas]                          # [m]; two corners, or a polygon
+  front = [6, 2, 8, 4]
+  [measures]
+  flow = { line = "door", direction = "right", number = "specific_flow" }
+  dense = { area = "front", number = "voronoi_density", take = "max" }
+  felt = { squeeze = "largest_mean", over = 1, across = "max" }
+  long = { squeeze = "time_above", level = 1000, across = "median" }
+number of a line: people, crossings, first, last, flow, specific_flow (width = a
+number [m] or the name of a parameter; else the line's length), gap_10,
+gap_median, gap_90, across, not_across, evacuation_time. Of an area: people,
+density, voronoi_density, speed; take = "mean" or "max"; walkable = "FILE.wkt" is
+lemons measure --walkable. squeeze: time_above (level [N]), largest_mean (over =
+0.1, 1 or 10 [s]), peak, impulse, time. Each may have from and until [s].
 
 Where people walk (decision.toml), each point is the run of lemons run TRIAL.
 Parameters may be named crowd.NAME or decision.NAME; without a component they
 are the crowd's. A name in braces stands for the value of a parameter, which
 then chooses a Trial. These are five widths of a door, with twenty crowds each:
   trial = "door_{width}_{seed}"
-  until = 120.0
+  until = 120.0                    # or "left", which needs exits
   stop = { of = "decision.Arrived", at_least = 30 }   # or at_most = …
 
   [parameters]
@@ -181,7 +198,7 @@ fn claim_series(spec: &Spec) -> Result<()> {
                         trial.with_context(|| new.key().display().to_string())?.parameters.time_step
                     }
                 };
-                *new.insert(Clock::new(0.0, step, spec.until)?)
+                *new.insert(Clock::new(0.0, step, spec.until.latest())?)
             }
         };
         let is_own =

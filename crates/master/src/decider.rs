@@ -4,6 +4,7 @@ use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::given::Given;
 use crate::own::binary_beside;
+use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{Plan, WISHES_FILE, Wishes, pack};
 use lemons_files::input;
 use lemons_trial::Trial;
@@ -36,6 +37,14 @@ pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
     let text = read(path, input::LARGEST_SETTINGS).place(|| "cannot be read".to_owned())?;
     let wishes = Wishes::from_toml(&text)?;
     Ok(Plan::of(trial, &wishes)?)
+}
+
+/// How many people have an exit, and how many there are, by the plan in a Decision FMU of ours; `None` of other FMUs.
+pub fn leavers(fmu: &Fmu) -> Option<(usize, usize)> {
+    let path = fmu.directory().join("resources").join(PLAN_FILE);
+    let plan = Plan::from_toml(&input::read_text(&path, input::LARGEST_SETTINGS).ok()?).ok()?;
+    let people = plan.agents.len();
+    Some(((0..people).filter(|agent| plan.has_exit(*agent)).count(), people))
 }
 
 /// The Decision FMU of a Trial's people, as `lemons decide` makes it, written to a file; and the file that says where

@@ -33,7 +33,7 @@ mod unzip;
 pub use assemble::{Assembled, assemble};
 pub use calls::{Answer, CallError};
 pub use clock::{Clock, ClockError};
-pub use decider::{PlanChoice, plan_of};
+pub use decider::{PlanChoice, leavers, plan_of};
 pub use error::{Error, Result, SavedError, whole};
 pub use extremes::{Extremes, Greatest};
 pub use fmu::{Fmu, Platform, named};

@@ -1,6 +1,6 @@
 //! Who crosses a line on the way from one place to another.
 
-use lemons_plane::{Vec2, segments_touch, turn};
+use lemons_plane::{Vec2, segments_touch, turn, vec2};
 
 /// A straight line across which people are counted; it has two ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +43,14 @@ pub struct Crossing {
 }
 
 impl Line {
+    /// Of the numbers x1, y1, x2, y2 \[m\]; `None` if these are not two different points.
+    pub fn of_numbers(numbers: &[f64]) -> Option<Line> {
+        match *numbers {
+            [x1, y1, x2, y2] if (x1, y1) != (x2, y2) => Some(Line { from: vec2(x1, y1), to: vec2(x2, y2) }),
+            _ => None,
+        }
+    }
+
     /// Returns the length \[m\].
     pub fn length(&self) -> f64 {
         (self.to - self.from).norm()
@@ -69,8 +77,6 @@ impl Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_plane::vec2;
-
     /// Upwards, from (2, 0) to (2, 1): its right is where x is larger.
     const DOOR: Line = Line { from: vec2(2.0, 0.0), to: vec2(2.0, 1.0) };
 

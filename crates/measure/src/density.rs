@@ -2,7 +2,7 @@
 
 use crate::present;
 use crate::voronoi::{Room, Shape, area, contour, intersection};
-use lemons_plane::{Bounds, Ring, Vec2};
+use lemons_plane::{Bounds, Ring, Vec2, vec2};
 use lemons_record::Frame;
 
 /// An area in which a crowd is measured.
@@ -33,6 +33,22 @@ impl MeasuringArea {
     pub fn inside(ring: Ring) -> Option<MeasuringArea> {
         let whole = ring.is_simple() && ring.area() > 0.0;
         whole.then(|| MeasuringArea { shape: vec![contour(&ring)], bounds: ring.bounds(), ring })
+    }
+
+    /// Of numbers \[m\]: four are the lower left and the upper right corner of a rectangle, six or more the corners of a
+    /// polygon. `None` if they are neither.
+    pub fn of_numbers(numbers: &[f64]) -> Option<MeasuringArea> {
+        let ring = match *numbers {
+            [x0, y0, x1, y1] if x0 < x1 && y0 < y1 => {
+                Some(Ring::around(Bounds { low: vec2(x0, y0), high: vec2(x1, y1) }))
+            }
+            [_, _, _, _] => None,
+            _ if numbers.len().is_multiple_of(2) => {
+                Ring::through(numbers.chunks_exact(2).map(|point| vec2(point[0], point[1])).collect())
+            }
+            _ => None,
+        };
+        ring.and_then(MeasuringArea::inside)
     }
 
     /// Returns the area \[m²\].

@@ -10,6 +10,7 @@ mod exposure;
 mod flow;
 mod passages;
 mod quantile;
+mod summary;
 mod voronoi;
 
 pub use crossing::{Crossing, Line, Way};
@@ -18,6 +19,7 @@ pub use exposure::{Exposed, Exposure, SPANS};
 pub use flow::{Flow, Window, windows};
 pub use passages::{Passage, Passages};
 pub use quantile::quantile;
+pub use summary::{Crossings, MeanMax};
 pub use voronoi::Room;
 
 use lemons_plane::Motion;
@@ -27,4 +29,12 @@ use lemons_record::Frame;
 pub fn present(frame: &Frame, agent: usize) -> Option<&Motion> {
     let motion = frame.agents.get(agent).filter(|_| frame.is_there(agent));
     motion.filter(|motion| motion.pose.position.is_finite())
+}
+
+/// Returns mean and peak squeeze \[N\] of a person over the communication step that ends at a frame; `None` as
+/// [`present`], or if the frame does not say.
+pub fn squeeze(frame: &Frame, agent: usize) -> Option<(f64, f64)> {
+    present(frame, agent)?;
+    let step = frame.observed.as_ref()?.get(agent)?.of_step?;
+    Some((step.mean_normal_force, step.peak_normal_force))
 }

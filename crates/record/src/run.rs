@@ -110,7 +110,7 @@ impl Frame {
     }
 
     /// Those who are there, with their places.
-    pub fn present(&self) -> impl Iterator<Item = (usize, &Motion)> {
+    pub fn present(&self) -> impl Iterator<Item = (usize, &Motion)> + Clone {
         self.agents.iter().enumerate().filter(|(place, _)| self.is_there(*place))
     }
 

@@ -2,7 +2,7 @@
 
 use crate::error::{Place, Result};
 use crate::points::hex;
-use crate::spec::Spec;
+use crate::spec::{End, Spec};
 use crate::subject::Subject;
 use lemons_files::input;
 use lemons_master::Part;
@@ -41,12 +41,17 @@ pub fn of_spec(spec: &Spec) -> Result<Map<String, Value>> {
     let names: Vec<&str> = spec.points.columns.iter().map(|(name, _)| name.as_str()).collect();
     let measures =
         spec.measures.iter().map(|(name, measure)| Ok((name.clone(), serde_json::to_value(measure)?)));
+    let until = match spec.until {
+        End::At(time) => json!(time),
+        End::Left => json!("left"),
+    };
     let points = json!({ "parameters": names, "count": spec.points.count, "sha256": spec.points.sha256() });
     let mut all = Map::from_iter([
         ("points".to_owned(), points),
         ("measure".to_owned(), Value::Object(measures.collect::<Result<_>>()?)),
-        ("until".to_owned(), json!(spec.until)),
+        ("until".to_owned(), until),
     ]);
+    all.extend(spec.places.identity());
     if let Some(stop) = &spec.stop {
         all.insert("stop".into(), serde_json::to_value(stop)?);
     }

@@ -6,13 +6,16 @@
 //! continues there. The directory has the format of the Python package `lemons_fmu`; its README describes it exactly.
 
 mod axes;
+mod courses;
 mod directory;
 mod error;
 mod identity;
 mod measure;
 mod models;
 mod output;
+mod places;
 mod points;
+mod scene;
 mod simulate;
 mod spec;
 mod stop;
@@ -22,11 +25,17 @@ mod template;
 
 pub use directory::{Directory, Finished};
 pub use error::{Error, Result};
-pub use measure::{Measure, Take};
+pub use measure::Measure;
+pub use measure::across::Across;
+pub use measure::area::{InArea, MeanOrMax, OfDensity};
+pub use measure::line::{Direction, OfCrossings, OverLine, Width};
+pub use measure::output::{OfOutput, Take};
+pub use measure::squeeze::{Exposed, OfSqueeze};
 pub use models::Plan;
 pub use output::{Of, Quantity};
+pub use places::Places;
 pub use points::{Points, Values};
-pub use spec::Spec;
+pub use spec::{End, Spec};
 pub use stop::Stop;
 pub use sweep::{How, Progress, Swept, sweep};
 pub use template::Template;

@@ -1,13 +1,14 @@
 //! Simulates one point.
 
+use crate::courses::Courses;
 use crate::error::{Error, Place, Result};
 use crate::identity;
-use crate::measure::Watched;
 use crate::models::Models;
 use crate::output::Names;
+use crate::scene::{Scene, left};
 use crate::spec::Spec;
 use crate::stop::Stop;
-use crate::subject::Subject;
+use crate::subject::{Reads, Subject};
 use lemons_master::{Kind, Observer, PlanChoice, Pushes, Reached, Selection, System};
 use lemons_trial::DriveChoice;
 use serde_json::{Map, Value};
@@ -121,8 +122,10 @@ struct Runner {
     /// Dropped before the files of its FMUs.
     system: System,
     pushes: Pushes,
-    measures: Vec<Look>,
+    /// Of each measure; `None` if it looks at the whole crowd.
+    measures: Vec<Option<Look>>,
     stop: Option<Look>,
+    scene: Option<Scene>,
     subject: Arc<Subject>,
 }
 
@@ -185,15 +188,21 @@ impl Runner {
                 width: names.width,
             })
         };
-        let measures = subject.measures.iter().map(look).collect::<Result<_>>()?;
+        let measures = subject.measures.iter().map(|reads| match reads {
+            Reads::Output(names) => look(names).map(Some),
+            Reads::Crowd(_) => Ok(None),
+        });
+        let measures = measures.collect::<Result<_>>()?;
         let stop = subject.stop.as_ref().map(look).transpose()?;
+        let people = subject.trial.agents.len();
+        let scene = subject.wanted.map(|wanted| Scene::of(&system, wanted, people)).transpose()?;
         let driven = &system.components()[0].instance;
         let pushes = Pushes::new(driven, &subject.trial.agents, subject.drive.clone())?;
-        Ok(Runner { system, pushes, measures, stop, subject })
+        Ok(Runner { system, pushes, measures, stop, scene, subject })
     }
 
     fn simulate(&mut self, spec: &Spec, point: usize) -> Result<Vec<Option<f64>>> {
-        let Runner { system, pushes, measures, stop, subject } = self;
+        let Runner { system, pushes, measures, stop, scene, subject } = self;
         system.reset()?;
         for ((_, values), lead) in spec.points.columns.iter().zip(&subject.parameters) {
             if let Some((place, names)) = lead {
@@ -201,22 +210,26 @@ impl Runner {
             }
         }
         system.initialize(0.0, None)?;
-        let watched = spec.measures.iter().map(|(_, measure)| Watched::new(measure)).collect();
+        let courses = Courses::begin(spec, subject, point).map_err(Error::Spec)?;
         let stop = spec.stop.as_ref().zip(stop.as_ref());
-        let mut measured = Measured { looks: measures, watched, stop, over: false };
+        let (scene, leave) = (scene.as_ref(), subject.leave);
+        let mut measured = Measured { looks: measures, scene, courses, stop, leave, over: false };
         measured.see(system, 0.0)?;
         // Whether its condition or its end ended it makes no difference.
         let _ = lemons_master::simulate(system, &subject.clock, 0, pushes, &mut measured)?;
         system.terminate()?;
-        Ok(measured.watched.iter().map(Watched::value).collect())
+        measured.courses.finish(&spec.places, &subject.trial.geometry.walls).map_err(Error::Spec)
     }
 }
 
 /// The measures of a run under way.
 struct Measured<'a> {
-    looks: &'a [Look],
-    watched: Vec<Watched<'a>>,
+    looks: &'a [Option<Look>],
+    scene: Option<&'a Scene>,
+    courses: Courses<'a>,
     stop: Option<(&'a Stop, &'a Look)>,
+    /// It ends when so many have left.
+    leave: Option<usize>,
     /// Whether the condition holds.
     over: bool,
 }
@@ -235,11 +248,18 @@ impl Observer<System> for Measured<'_> {
 
 impl Measured<'_> {
     fn see(&mut self, system: &System, time: f64) -> lemons_master::Result<()> {
-        for (look, watched) in self.looks.iter().zip(&mut self.watched) {
-            watched.look(time, look.values(system)?.into_iter());
+        for (place, look) in self.looks.iter().enumerate() {
+            if let Some(look) = look {
+                self.courses.see_values(place, time, look.values(system)?.into_iter());
+            }
         }
         if let Some((stop, look)) = self.stop {
             self.over = stop.holds(look.values(system)?.into_iter());
+        }
+        if let Some(scene) = self.scene {
+            let frame = scene.frame(system, time)?;
+            self.over |= self.leave.is_some_and(|leave| left(&frame) >= leave);
+            self.courses.see_frame(frame);
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use crate::axes::{axis, read_table};
 use crate::error::{Error, Place, Result};
 use crate::measure::Measure;
 use crate::models::{Models, Plan, only_chooses, simulated};
+use crate::places::Places;
 use crate::points::{OUTPUT_DIRECTORY, Points};
 use crate::stop::Stop;
 use crate::template::Template;
@@ -19,8 +20,8 @@ use std::path::{Path, PathBuf};
 pub struct Spec {
     /// A Trial or an FMU, at each point.
     pub model: Template,
-    /// \[s\] End time.
-    pub until: f64,
+    /// When a point ends.
+    pub until: End,
     /// What ends a point before.
     pub stop: Option<Stop>,
     /// \[s\] Communication step; `None`: that of the Trial.
@@ -35,8 +36,32 @@ pub struct Spec {
     pub points: Points,
     /// Names and measures, in the order of the file.
     pub measures: Vec<(String, Measure)>,
+    /// Lines and areas of the measures.
+    pub places: Places,
     /// The files that are read.
     pub inputs: Vec<PathBuf>,
+}
+
+/// When a point ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum End {
+    /// \[s\] At this time.
+    At(f64),
+    /// When everybody has left who has an exit; at the latest at [`LATEST`].
+    Left,
+}
+
+/// \[s\] Who has not left until then does not leave.
+pub const LATEST: f64 = 3600.0;
+
+impl End {
+    /// \[s\] The latest end.
+    pub fn latest(self) -> f64 {
+        match self {
+            End::At(time) => time,
+            End::Left => LATEST,
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -44,7 +69,7 @@ pub struct Spec {
 struct Document {
     trial: Option<String>,
     fmu: Option<String>,
-    until: f64,
+    until: EndText,
     stop: Option<Stop>,
     step: Option<f64>,
     drive: Option<DriveText>,
@@ -52,7 +77,25 @@ struct Document {
     algorithm: Option<AlgorithmText>,
     parameters: Option<toml::Table>,
     table: Option<PathBuf>,
+    #[serde(default)]
+    lines: toml::Table,
+    #[serde(default)]
+    areas: toml::Table,
+    walkable: Option<PathBuf>,
     measures: toml::Table,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "expected a number of seconds, or \"left\"")]
+enum EndText {
+    Seconds(f64),
+    Word(Word),
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Word {
+    Left,
 }
 
 #[derive(Deserialize)]
@@ -107,7 +150,11 @@ impl Spec {
         if key == "fmu" && document.plan.is_some() {
             return Err(Error::Spec("plan: is for a trial, and not for an fmu".into()));
         }
-        for (key, value) in [("until", Some(document.until)), ("step", document.step)] {
+        let until = match document.until {
+            EndText::Seconds(time) => End::At(time),
+            EndText::Word(Word::Left) => End::Left,
+        };
+        for (key, value) in [("until", Some(until.latest())), ("step", document.step)] {
             if value.is_some_and(|value| !(value > 0.0 && value.is_finite())) {
                 return Err(Error::Spec(format!("{key}: must be a positive number of seconds")));
             }
@@ -128,7 +175,7 @@ impl Spec {
         };
         check_directories(&points)?;
         let measures = document.measures.into_iter().map(|(name, value)| {
-            let measure = value.try_into().place(|| format!("measures: {name}"))?;
+            let measure = Measure::read(value).place(|| format!("measures: {name}"))?;
             Ok((name, measure))
         });
         let measures: Vec<(String, Measure)> = measures.collect::<Result<_>>()?;
@@ -142,9 +189,15 @@ impl Spec {
                 return Err(Error::Spec(format!("{name:?}: the table already has a column with this name")));
             }
         }
+        let walkable = document.walkable.map(|path| directory.join(path));
+        let places = Places::read(document.lines, document.areas, walkable)?;
+        inputs.extend(places.input().map(Path::to_owned));
         for (name, measure) in &measures {
-            // How many values there are is known later.
-            measure.check(1).map_err(|what| Error::Spec(format!("measures: {name}: {what}")))?;
+            let checked = measure.check(&places, &points);
+            checked.map_err(|what| Error::Spec(format!("measures: {name}: {what}")))?;
+        }
+        if places.only_walkable() {
+            return Err(Error::Spec("walkable: is for [areas], and there are none".into()));
         }
         if let Some(stop) = &document.stop {
             stop.check().map_err(|what| Error::Spec(format!("stop: {what}")))?;
@@ -171,8 +224,9 @@ impl Spec {
             None | Some(AlgorithmText::Jacobi) => Algorithm::Jacobi,
             Some(AlgorithmText::GaussSeidel) => Algorithm::GaussSeidel,
         };
-        let Document { until, stop, step, .. } = document;
-        let mut spec = Spec { model, until, stop, step, drive, plan, algorithm, points, measures, inputs };
+        let Document { stop, step, .. } = document;
+        let mut spec =
+            Spec { model, until, stop, step, drive, plan, algorithm, points, measures, places, inputs };
         for (path, plan) in spec.models()?.all {
             spec.inputs.push(path);
             spec.inputs.extend(if let PlanChoice::File(path) = plan { Some(path) } else { None });
@@ -228,7 +282,10 @@ mod tests {
     #[test]
     fn a_grid() {
         let spec = Spec::from_toml(GOOD, Path::new("dir")).unwrap();
-        assert_eq!((spec.simulated(0).0, spec.until, spec.points.count), (PathBuf::from("dir/push"), 2.0, 6));
+        assert_eq!(
+            (spec.simulated(0).0, spec.until, spec.points.count),
+            (PathBuf::from("dir/push"), End::At(2.0), 6)
+        );
         let (name, values) = &spec.points.columns[0];
         let Values::Reals(values) = values else { panic!("{values:?}") };
         assert_eq!(name, "agent[*].Mass");
@@ -256,6 +313,49 @@ mod tests {
             ("until = 2", "until = 2\nstop = { of = \"x\" }", "stop: it needs one of at_least and at_most"),
             ("count = 3, spacing", "spacing", "count: is missing"),
             ("until = 2", "until = -2", "until: must be a positive"),
+            ("until = 2", "until = \"soon\"", "expected a number of seconds, or \"left\""),
+            ("until = 2", "until = 2\nwalkable = \"none.wkt\"", "walkable: none.wkt"),
+            ("reach = {", "reach = { line = \"a\",", "one of the keys of, line, area, squeeze"),
+            (
+                "reach = {",
+                "flow = { line = \"a\", direction = \"right\", number = \"flow\" }\nreach = {",
+                "measures: flow: line = \"a\": the file has no [lines]",
+            ),
+            (
+                "reach = {",
+                "flow = { line = \"a\", direction = \"up\", number = \"flow\" }\nreach = {",
+                "measures: flow: unknown variant `up`",
+            ),
+            (
+                "[measures]",
+                "[lines]\ndoor = [1, 2, 1, 2]\n[measures]",
+                "lines: door: must be two different points",
+            ),
+            (
+                "[measures]",
+                "[lines]\ndoor = [1, 2, 1, nan]\n[measures]",
+                "lines: door: must be two different",
+            ),
+            (
+                "[measures]",
+                "[areas]\nfront = [1, 2, 0, 3]\n[measures]",
+                "areas: front: must be the lower left",
+            ),
+            (
+                "[measures]",
+                "[areas]\nfront = [0, 0, 1, 1, 1, 0, 0, 1]\n[measures]",
+                "areas: front: must be the lower left",
+            ),
+            (
+                "reach = {",
+                "n = { area = \"b\", number = \"people\", take = \"max\", from = 2, until = 1 }\nreach = {",
+                "measures: n: from = 2.0, until = 1.0: the beginning is not before the end",
+            ),
+            (
+                "reach = {",
+                "s = { squeeze = \"time_above\", across = \"max\" }\nreach = {",
+                "measures: s: squeeze = \"time_above\" needs a level",
+            ),
             ("until = 2", "untill = 2", "untill"),
             ("[0, 0.5]", "[]", "KineticFriction: no values"),
             ("[0, 0.5]", "true", "KineticFriction: expected a list"),
@@ -269,6 +369,27 @@ mod tests {
             ("from = 50", "from = -inf", "agent[*].Mass: from and to must be finite"),
         ] {
             assert!(said(from, to).contains(expected), "{}", said(from, to));
+        }
+    }
+
+    #[test]
+    fn widths_are_numbers_or_parameters() {
+        let flow = |width: &str| {
+            let measure = format!(
+                "flow = {{ line = \"a\", direction = \"left\", number = \"specific_flow\", width = {width} }}"
+            );
+            let text =
+                GOOD.replace("[measures]", &format!("[lines]\na = [0, 0, 0, 2]\n[measures]\n{measure}"));
+            Spec::from_toml(&text, Path::new("")).map_err(|error| error.whole())
+        };
+        assert!(flow("1.5").is_ok() && flow("\"agent[*].Mass\"").is_ok());
+        for (width, said) in [
+            ("0.0", "width: 0.0 is not a positive number"),
+            ("\"KineticFriction\"", "there is no such parameter"),
+            ("\"contact.a.a.KineticFriction\"", "width: 0.0 is not a positive number"),
+        ] {
+            let error = flow(width).unwrap_err();
+            assert!(error.contains("measures: flow: width") && error.contains(said), "{error}");
         }
     }
 

@@ -1,11 +1,13 @@
 //! What a point simulates: loaded FMUs, and what a sweep sets and reads of them.
 
 use crate::error::{Error, Place, Result};
+use crate::measure::Measure;
 use crate::models::{Plan, Simulated};
 use crate::output::{Names, Of};
 use crate::points::Values;
-use crate::spec::Spec;
-use lemons_master::{Clock, Model};
+use crate::scene::Wanted;
+use crate::spec::{End, Spec};
+use lemons_master::{Clock, Model, leavers};
 use lemons_ssp::Type;
 use lemons_trial::{DriveTable, Trial};
 
@@ -19,9 +21,21 @@ pub struct Subject {
     /// For each parameter what it sets; `None` if it only chooses what is simulated.
     pub parameters: Vec<Option<Lead>>,
     /// What each measure reads.
-    pub measures: Vec<Names>,
+    pub measures: Vec<Reads>,
     /// What the condition that ends a point reads.
     pub stop: Option<Names>,
+    /// What is read of the whole crowd.
+    pub wanted: Option<Wanted>,
+    /// A point ends when so many have left.
+    pub leave: Option<usize>,
+}
+
+/// What a measure reads.
+pub enum Reads {
+    /// Variables.
+    Output(Names),
+    /// Of the whole crowd, of which these agents count.
+    Crowd(Vec<usize>),
 }
 
 /// Variables that a parameter sets, and the place of their component.
@@ -38,24 +52,50 @@ impl Subject {
         let trial = model.crowd().trial(None)?;
         let drive = model.drive(Some(&trial), &spec.drive)?;
         let step = spec.step.or(model.step()?).unwrap_or(trial.parameters.time_step);
-        let clock = Clock::new(0.0, step, spec.until).map_err(lemons_master::Error::from);
+        let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::Error::from);
         let clock = clock.place(|| "until".into())?;
         let parameters = leads(spec, &model)?;
         let names = |of: &Of, agents: &[String]| -> Result<Names> {
             let places = if of.is_of_agents() { places(&trial, agents)? } else { Vec::new() };
             of.names(&model, &places).map_err(Error::Spec)
         };
+        let mut wanted = Wanted::default();
         let measures = spec.measures.iter().map(|(name, measure)| {
-            let found = names(&measure.of, &measure.agents).place(|| format!("measures: {name}"))?;
-            let checked = measure.check(found.values());
-            checked.map_err(|what| Error::Spec(format!("measures: {name}: {what}")))?;
-            Ok(found)
+            let named = || format!("measures: {name}");
+            let ready = match measure {
+                Measure::Output(of) => {
+                    let found = names(&of.of, &of.agents).place(named)?;
+                    of.check(found.values()).map(|()| Reads::Output(found))
+                }
+                Measure::Squeeze(of) => {
+                    let squeezes = Wanted { squeezes: true, ..Wanted::default() };
+                    squeezes.check(model.crowd(), trial.agents.len()).place(named)?;
+                    wanted.squeezes = true;
+                    let found = places(&trial, &of.agents).place(named)?;
+                    of.check(found.len()).map(|()| Reads::Crowd(found))
+                }
+                Measure::Line(_) | Measure::Area(_) => {
+                    wanted.motions = true;
+                    Ok(Reads::Crowd(Vec::new()))
+                }
+            };
+            ready.map_err(|what| Error::Spec(format!("{}: {what}", named())))
         });
         let measures = measures.collect::<Result<_>>()?;
         let stop = spec.stop.as_ref().map(|stop| names(&stop.of, &stop.agents).place(|| "stop".into()));
         let stop = stop.transpose()?;
-        Ok(Subject { model, trial, drive, clock, parameters, measures, stop })
+        let leave = if spec.until == End::Left { Some(who_leaves(&model)?) } else { None };
+        let wanted = (wanted.motions || wanted.squeezes || leave.is_some()).then_some(wanted);
+        Ok(Subject { model, trial, drive, clock, parameters, measures, stop, wanted, leave })
     }
+}
+
+/// How many people have an exit.
+fn who_leaves(model: &Model) -> Result<usize> {
+    let known = model.parts().iter().find_map(|part| leavers(&part.fmu));
+    let nobody =
+        "until = \"left\": nobody can leave: people do not walk, or have no exits (give a time in seconds)";
+    known.map(|(leave, _)| leave).filter(|leave| *leave > 0).ok_or_else(|| Error::Spec(nobody.into()))
 }
 
 /// What the parameters mean.

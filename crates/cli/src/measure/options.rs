@@ -3,7 +3,6 @@
 use crate::error::Misused;
 use anyhow::{Result, bail};
 use lemons_measure::{Line, MeasuringArea};
-use lemons_plane::{Bounds, Ring, vec2};
 
 /// What has a name of its own, or gets its number for one.
 #[derive(Clone)]
@@ -37,26 +36,16 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
 }
 
 pub fn line(text: &str) -> Result<Named<Line>, String> {
-    named(text, |text| match numbers(text).as_deref() {
-        Some(&[x1, y1, x2, y2]) if (x1, y1) != (x2, y2) => Ok(Line { from: vec2(x1, y1), to: vec2(x2, y2) }),
-        _ => Err("must be two different points, as in door=5,2,5,3".into()),
+    named(text, |text| {
+        let line = numbers(text).and_then(|numbers| Line::of_numbers(&numbers));
+        line.ok_or_else(|| "must be two different points, as in door=5,2,5,3".into())
     })
 }
 
 pub fn measuring_area(text: &str) -> Result<Named<MeasuringArea>, String> {
     named(text, |text| {
-        let numbers = numbers(text).unwrap_or_default();
-        let ring = match numbers[..] {
-            [x0, y0, x1, y1] if x0 < x1 && y0 < y1 => {
-                Some(Ring::around(Bounds { low: vec2(x0, y0), high: vec2(x1, y1) }))
-            }
-            [_, _, _, _] => None,
-            _ if numbers.len().is_multiple_of(2) => {
-                Ring::through(numbers.chunks_exact(2).map(|point| vec2(point[0], point[1])).collect())
-            }
-            _ => None,
-        };
-        ring.and_then(MeasuringArea::inside).ok_or_else(|| {
+        let area = numbers(text).and_then(|numbers| MeasuringArea::of_numbers(&numbers));
+        area.ok_or_else(|| {
             "must be the lower left and the upper right corner, as in front=3,1,5,4, or at least three corners of a \
              polygon that does not cross itself"
                 .into()

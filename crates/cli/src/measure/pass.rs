@@ -3,7 +3,7 @@
 use crate::interrupt::Interrupt;
 use crate::pictures::moment::within;
 use anyhow::{Result, bail};
-use lemons_measure::{Density, Exposed, Exposure, Line, MeasuringArea, Passages, Room, present, quantile};
+use lemons_measure::{Density, Exposed, Exposure, Line, MeasuringArea, Passages, Room, quantile, squeeze};
 use lemons_record::{Frame, Record};
 use std::collections::VecDeque;
 
@@ -41,13 +41,6 @@ pub struct Passed {
 
 /// Of the people, by their squeeze.
 pub const QUANTILES: [f64; 3] = [0.5, 0.9, 1.0];
-
-/// Mean and peak squeeze \[N\] of somebody over the step that ends at a frame.
-fn squeeze(frame: &Frame, agent: usize) -> Option<(f64, f64)> {
-    present(frame, agent)?;
-    let step = frame.observed.as_ref()?.get(agent)?.of_step?;
-    Some((step.mean_normal_force, step.peak_normal_force))
-}
 
 fn says_squeeze(frame: &Frame) -> bool {
     let seen = frame.observed.as_deref();

@@ -4,7 +4,9 @@ use super::options::Named;
 use super::pass::Passed;
 use super::{Arguments, shown};
 use anyhow::Result;
-use lemons_measure::{Density, Exposed, Flow, Line, MeasuringArea, Passages, SPANS, Way, quantile};
+use lemons_measure::{
+    Crossings, Density, Exposed, Line, MeanMax, MeasuringArea, Passages, SPANS, Way, quantile,
+};
 use lemons_record::Record;
 use serde::Serialize;
 
@@ -43,35 +45,7 @@ pub struct OfLine {
     pub to: [f64; 2],
     /// \[m\] For the specific flow.
     pub width: f64,
-    pub directions: Vec<OfWay>,
-}
-
-#[derive(Serialize)]
-pub struct OfWay {
-    pub direction: &'static str,
-    /// Who crossed at least once.
-    pub people: usize,
-    /// Counting who came back and crossed again.
-    pub crossings: usize,
-    /// \[s\]
-    pub first: Option<f64>,
-    /// \[s\]
-    pub last: Option<f64>,
-    /// \[1/s\]
-    pub flow: Option<f64>,
-    /// \[1/(m s)\]
-    pub specific_flow: Option<f64>,
-    /// \[s\]
-    pub gap_10: Option<f64>,
-    /// \[s\]
-    pub gap_median: Option<f64>,
-    /// \[s\]
-    pub gap_90: Option<f64>,
-    /// At the end: who crossed and did not come back.
-    pub across: usize,
-    pub not_across: usize,
-    /// \[s\] When the last one of all was across.
-    pub evacuation_time: Option<f64>,
+    pub directions: Vec<Crossings>,
 }
 
 #[derive(Serialize)]
@@ -87,12 +61,6 @@ pub struct OfArea {
     pub voronoi_density: MeanMax,
     /// \[m/s\] Of the frames with anybody.
     pub speed: Option<MeanMax>,
-}
-
-#[derive(Serialize, Clone, Copy)]
-pub struct MeanMax {
-    pub mean: f64,
-    pub max: f64,
 }
 
 #[derive(Serialize)]
@@ -178,31 +146,9 @@ impl Summary {
 impl OfLine {
     fn of(line: &Named<Line>, k: usize, seen: &Passages, arguments: &Arguments, people: usize) -> OfLine {
         let width = arguments.width_of(&line.what);
-        let directions = Way::ALL.map(|way| OfWay::of(seen, way, width, people)).into();
+        let directions = Way::ALL.map(|way| Crossings::of(seen, way, width, people)).into();
         let [from, to] = [line.what.from, line.what.to].map(|p| [p.x, p.y]);
         OfLine { name: line.called(k), from, to, width, directions }
-    }
-}
-
-impl OfWay {
-    fn of(seen: &Passages, way: Way, width: f64, people: usize) -> OfWay {
-        let (passages, stayed) = (seen.first(way), seen.stayed(way));
-        let flow = Flow::of(&passages);
-        OfWay {
-            direction: way.name(),
-            people: passages.len(),
-            crossings: seen.crossings(way),
-            first: passages.first().map(|passage| passage.time),
-            last: passages.last().map(|passage| passage.time),
-            flow: flow.rate,
-            specific_flow: flow.rate.map(|rate| rate / width),
-            gap_10: flow.gap(0.1),
-            gap_median: flow.gap(0.5),
-            gap_90: flow.gap(0.9),
-            across: stayed.len(),
-            not_across: people - stayed.len(),
-            evacuation_time: stayed.last().copied().filter(|_| stayed.len() == people),
-        }
     }
 }
 
@@ -219,14 +165,6 @@ impl OfArea {
             voronoi_density: of(|seen| seen.voronoi),
             speed: MeanMax::of(seen.iter().filter_map(|seen| seen.speed)),
         }
-    }
-}
-
-impl MeanMax {
-    fn of(values: impl Iterator<Item = f64>) -> Option<MeanMax> {
-        let values: Vec<f64> = values.collect();
-        let max = values.iter().copied().reduce(f64::max)?;
-        Some(MeanMax { mean: values.iter().sum::<f64>() / values.len() as f64, max })
     }
 }
 

@@ -1,8 +1,9 @@
 //! The numbers of a measurement on a terminal, 80 columns wide.
 
-use super::summary::{MeanMax, OfArea, OfLine, OfPeople, OfSqueeze, OfWay, Summary};
+use super::summary::{OfArea, OfLine, OfPeople, OfSqueeze, Summary};
 use crate::tell;
 use anyhow::Result;
+use lemons_measure::{Crossings, MeanMax};
 use std::io::Write;
 
 pub fn tell(summary: &Summary) -> Result<()> {
@@ -24,7 +25,7 @@ fn row(out: &mut impl Write, label: &str, value: Option<f64>, unit: &str, more: 
 }
 
 /// Points the way on paper: the direction is seen along the line.
-fn arrow(line: &OfLine, way: &OfWay) -> char {
+fn arrow(line: &OfLine, way: &Crossings) -> char {
     let [dx, dy] = [line.to[0] - line.from[0], line.to[1] - line.from[1]];
     let sign = if way.direction == "right" { 1.0 } else { -1.0 };
     let eighths = (sign * -dx).atan2(sign * dy) / std::f64::consts::FRAC_PI_4;
@@ -34,7 +35,7 @@ fn arrow(line: &OfLine, way: &OfWay) -> char {
 fn of_line(out: &mut impl Write, line: &OfLine) -> Result<()> {
     let [[x1, y1], [x2, y2]] = [line.from, line.to];
     writeln!(out, "\nline {}: ({x1}, {y1}) to ({x2}, {y2}) m", line.name)?;
-    let crossed: Vec<&OfWay> = line.directions.iter().filter(|way| way.people > 0).collect();
+    let crossed: Vec<&Crossings> = line.directions.iter().filter(|way| way.people > 0).collect();
     if crossed.is_empty() {
         writeln!(out, "  nobody crossed it")?;
     }

@@ -204,3 +204,121 @@ fn plans_are_chosen_and_belong_to_the_sweep() {
     let output = swept("plan = true", mass, "new");
     assert!(err(&output).contains("plan = true: T has no decision.toml"), "{}", err(&output));
 }
+
+/// Sixteen people leave a room of 4 m x 3 m by a door of 1 m, in two crowds.
+const ROOM: &str = r#"
+trial = "room_{seed}"
+until = "left"
+
+[parameters]
+seed = [1, 2]
+
+[lines]
+door = [4, 1, 4, 2]
+
+[areas]
+front = [2.5, 0.5, 4, 2.5]
+corner = [2, 1, 4, 1, 4, 2]
+
+[measures]
+people = { line = "door", direction = "right", number = "people" }
+back = { line = "door", direction = "left", number = "crossings" }
+flow = { line = "door", direction = "right", number = "flow" }
+specific = { line = "door", direction = "right", number = "specific_flow" }
+by_seed = { line = "door", direction = "right", number = "specific_flow", width = "seed" }
+gap = { line = "door", direction = "right", number = "gap_90" }
+out = { line = "door", direction = "right", number = "evacuation_time" }
+late = { line = "door", direction = "right", number = "people", from = 4.0 }
+dense = { area = "front", number = "voronoi_density", take = "mean" }
+densest = { area = "corner", number = "density", take = "max" }
+speed = { area = "front", number = "speed", take = "mean" }
+early = { area = "front", number = "people", take = "max", until = 2.0 }
+felt = { squeeze = "largest_mean", over = 1, across = "max" }
+often = { squeeze = "time_above", level = 100, across = "quantile_90" }
+middle = { squeeze = "impulse", across = "median" }
+peak = { squeeze = "peak", across = "max" }
+"#;
+
+/// What `lemons measure` says of the same Trial, which is run again.
+fn measured(at: &Path, trial: &str, more: &[&str]) -> serde_json::Value {
+    let all = [
+        &["measure", trial, "--until", "left", "--line", "door=4,1,4,2", "--area", "front=2.5,0.5,4,2.5"],
+        &["--area", "corner=2,1,4,1,4,2", "--above", "100", "--summary", "seen.json", "--force"][..],
+        more,
+    ];
+    done(at, &all.concat());
+    serde_json::from_str(&fs::read_to_string(at.join("seen.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn measures_of_a_sweep_are_those_of_lemons_measure() {
+    let directory = tempfile::TempDir::new().unwrap();
+    let at = directory.path();
+    for seed in ["1", "2"] {
+        let name = format!("room_{seed}");
+        let make =
+            ["crowd", "--number", "16", "--box", "4x3", "--door", "4,1.5,1", "--leave", "--seed", seed];
+        done(at, &[&make[..], &["-o", &name]].concat());
+    }
+    fs::write(at.join("sweep.toml"), ROOM).unwrap();
+    done(at, &["sweep", "sweep.toml", "--csv", "table.csv"]);
+    let rows = read_csv(&at.join("table.csv"));
+    assert_eq!(rows.len(), 2);
+    for row in &rows {
+        let trial = format!("room_{}", row["seed"]);
+        let seen = measured(at, &trial, &[]);
+        let (right, left) = (&seen["lines"][0]["directions"][0], &seen["lines"][0]["directions"][1]);
+        let (front, corner, squeeze) = (&seen["areas"][0], &seen["areas"][1], &seen["exposure"]);
+        for (name, expected) in [
+            ("people", &right["people"]),
+            ("back", &left["crossings"]),
+            ("flow", &right["flow"]),
+            ("specific", &right["specific_flow"]),
+            ("gap", &right["gap_90"]),
+            ("out", &right["evacuation_time"]),
+            ("dense", &front["voronoi_density"]["mean"]),
+            ("densest", &corner["density"]["max"]),
+            ("speed", &front["speed"]["mean"]),
+            ("felt", &squeeze["largest_mean"][1]["mean"]["max"]),
+            ("often", &squeeze["time_above"][0]["time"]["quantile_90"]),
+            ("middle", &squeeze["impulse"]["median"]),
+            ("peak", &squeeze["peak"]["max"]),
+        ] {
+            assert_eq!(number(row, name), expected.as_f64().unwrap(), "{trial}: {name}");
+        }
+        assert_eq!(number(row, "people"), 16.0);
+        assert_eq!(number(row, "by_seed"), number(row, "flow") / number(row, "seed"));
+        let late = measured(at, &trial, &["--from", "4"]);
+        assert_eq!(number(row, "late"), late["lines"][0]["directions"][0]["people"].as_f64().unwrap());
+        assert!(number(row, "late") < 16.0 && number(row, "peak") > number(row, "felt"));
+        assert!(number(row, "early") >= 1.0 && number(row, "dense") > 0.0 && number(row, "middle") > 0.0);
+    }
+    // Lines, areas and the end belong to the sweep; a room of the user's own is taken.
+    let again = |from: &str, to: &str| {
+        assert!(ROOM.contains(from), "{from}");
+        fs::write(at.join("sweep.toml"), ROOM.replace(from, to)).unwrap();
+        lemons(at, &["sweep", "sweep.toml"])
+    };
+    for (from, to, said) in [
+        ("door = [4, 1,", "door = [4, 0.9,", "its sweep.json differs in lines;"),
+        ("front = [2.5,", "front = [2.4,", "its sweep.json differs in areas;"),
+        ("until = \"left\"", "until = 60.0", "its sweep.json differs in until;"),
+        ("until = \"left\"", "until = \"left\"\nplan = false", "until = \"left\": nobody can leave"),
+        ("until = \"left\"", "until = \"left\"\nwalkable = \"hall.wkt\"", "walkable: hall.wkt: "),
+        ("over = 1,", "over = 2,", "measures: felt: squeeze = \"largest_mean\" needs over = 0.1, 1 or 10"),
+        ("across = \"median\"", "agents = [\"0\", \"1\"]", "measures: middle: has 2 agents: it needs across"),
+        ("across = \"median\"", "agents = [\"99\"]", "there is no agent \"99\""),
+    ] {
+        let output = again(from, to);
+        assert_code(&output, 1);
+        assert!(err(&output).contains(said), "{to}: {}", err(&output));
+    }
+    fs::write(at.join("hall.wkt"), "POLYGON ((-5 -5, 20 -5, 20 20, -5 20, -5 -5))").unwrap();
+    fs::write(at.join("sweep.toml"), ROOM.replace("[parameters]", "walkable = \"hall.wkt\"\n[parameters]"))
+        .unwrap();
+    done(at, &["sweep", "sweep.toml", "-o", "hall", "--csv", "hall.csv"]);
+    let seen = measured(at, "room_1", &["--walkable", "hall.wkt"]);
+    let dense = number(&read_csv(&at.join("hall.csv"))[0], "dense");
+    assert_eq!(dense, seen["areas"][0]["voronoi_density"]["mean"].as_f64().unwrap());
+    assert!(dense < number(&rows[0], "dense"), "walls hold the cells back");
+}

@@ -1,5 +1,6 @@
-//! Measures: numbers computed from the outputs of a run at the communication points.
+//! Numbers computed from the values of an output at the communication points.
 
+use crate::measure::across::Across;
 use crate::output::Of;
 use serde::{Deserialize, Serialize};
 
@@ -25,22 +26,10 @@ pub enum Take {
     FirstAtLeast,
 }
 
-/// How the numbers of several agents become one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Across {
-    /// The largest.
-    Max,
-    /// The smallest.
-    Min,
-    /// Their mean.
-    Mean,
-}
-
-/// A measure.
+/// A measure of an output.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Measure {
+pub struct OfOutput {
     /// The output.
     pub of: Of,
     /// The function of its values over time.
@@ -56,7 +45,7 @@ pub struct Measure {
     pub across: Option<Across>,
 }
 
-impl Measure {
+impl OfOutput {
     /// Checks that the measure is complete, for a number of values.
     ///
     /// # Errors
@@ -81,7 +70,7 @@ impl Measure {
         }
         let single = matches!(self.take, Take::Max | Take::Min | Take::Mean);
         if agents > 1 && !single && self.across.is_none() {
-            return Err(format!("has {agents} agents: it needs across = \"max\", \"min\" or \"mean\""));
+            return Err(format!("has {agents} agents: {}", Across::NEEDED));
         }
         Ok(())
     }
@@ -97,7 +86,7 @@ impl Measure {
 
 /// A measure during its run.
 pub(crate) struct Watched<'a> {
-    measure: &'a Measure,
+    measure: &'a OfOutput,
     agents: Vec<Course>,
 }
 
@@ -122,7 +111,7 @@ impl Default for Course {
 }
 
 impl<'a> Watched<'a> {
-    pub fn new(measure: &'a Measure) -> Watched<'a> {
+    pub fn new(measure: &'a OfOutput) -> Watched<'a> {
         Watched { measure, agents: Vec::new() }
     }
 
@@ -165,15 +154,10 @@ impl<'a> Watched<'a> {
             Take::FirstAbove | Take::FirstAtLeast => course.reached,
         };
         // Who never was there says nothing.
-        let known = || self.agents.iter().filter(|course| course.first.is_some());
-        let count = known().count() as f64;
+        let known = self.agents.iter().filter(|course| course.first.is_some());
         // Who never reaches it does so later than anybody else.
-        let values = known().map(|course| of(course).unwrap_or(f64::INFINITY));
-        let result = match self.measure.across() {
-            Across::Max => values.reduce(f64::max),
-            Across::Min => values.reduce(f64::min),
-            Across::Mean => values.reduce(|a, b| a + b).map(|sum| sum / count),
-        };
+        let values = known.map(|course| of(course).unwrap_or(f64::INFINITY));
+        let result = self.measure.across().of(values);
         let seeks = matches!(self.measure.take, Take::FirstAbove | Take::FirstAtLeast);
         result.filter(|value| !(seeks && value.is_infinite()))
     }
@@ -184,7 +168,7 @@ mod tests {
     use super::*;
 
     fn value(text: &str) -> Option<f64> {
-        let measure: Measure = toml::from_str(text).unwrap();
+        let measure: OfOutput = toml::from_str(text).unwrap();
         measure.check(2).unwrap();
         let mut watched = Watched::new(&measure);
         for (time, values) in [(0.0, [1.0, 4.0]), (0.5, [3.0, 0.0]), (1.0, [2.0, 2.0])] {
@@ -202,7 +186,7 @@ mod tests {
             ("of = 'x'\ntake = 'last'\nacross = 'min'", 0.0),
             ("of = 'x'\ntake = 'min'\nacross = 'max'", 1.0),
         ] {
-            let measure: Measure = toml::from_str(text).unwrap();
+            let measure: OfOutput = toml::from_str(text).unwrap();
             let mut watched = Watched::new(&measure);
             for (time, values) in
                 [(0.0, [Some(1.0), Some(4.0)]), (0.5, [Some(3.0), Some(0.0)]), (1.0, [Some(2.0), None])]
@@ -239,7 +223,7 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_said() {
-        let said = |text: &str, agents| toml::from_str::<Measure>(text).unwrap().check(agents).unwrap_err();
+        let said = |text: &str, agents| toml::from_str::<OfOutput>(text).unwrap().check(agents).unwrap_err();
         assert!(said("of = 'x'\ntake = 'last'", 2).contains("across"));
         assert!(said("of = 'x'\ntake = 'first_above'", 1).contains("level"));
         assert!(said("of = 'x'\ntake = 'max'\nlevel = 1", 1).contains("level"));

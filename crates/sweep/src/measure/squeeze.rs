@@ -1,0 +1,126 @@
+//! How long and how hard people are squeezed.
+
+use crate::measure::across::Across;
+use crate::measure::span::Span;
+use lemons_measure::{Exposure, SPANS, squeeze};
+use lemons_record::Frame;
+use serde::{Deserialize, Serialize};
+
+/// A measure of the squeeze of people over time, by its mean over each communication step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OfSqueeze {
+    /// What of it.
+    pub squeeze: Exposed,
+    /// \[s\] For [`Exposed::LargestMean`]: 0.1, 1 or 10.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub over: Option<f64>,
+    /// \[N\] For [`Exposed::TimeAbove`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub level: Option<f64>,
+    /// Ids of agents in Agents.xml; empty: all agents.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub agents: Vec<String>,
+    /// The function over several agents.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub across: Option<Across>,
+    /// \[s\] From this time on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<f64>,
+    /// \[s\] Up to this time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<f64>,
+}
+
+/// What somebody was exposed to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Exposed {
+    /// \[s\] In communication steps whose mean squeeze is above a level.
+    TimeAbove,
+    /// \[N\] The greatest mean squeeze over a time.
+    LargestMean,
+    /// \[N\] The greatest squeeze within any step.
+    Peak,
+    /// \[N s\] The integral of the squeeze over time.
+    Impulse,
+    /// \[s\] How long they were there.
+    Time,
+}
+
+impl OfSqueeze {
+    fn span(&self) -> Span {
+        Span { from: self.from, until: self.until }
+    }
+
+    /// Which of [`SPANS`].
+    fn place(&self) -> Option<usize> {
+        SPANS.into_iter().position(|span| Some(span) == self.over)
+    }
+
+    /// Checks that the measure is complete, for a number of agents.
+    ///
+    /// # Errors
+    /// A sentence that names what is missing.
+    pub(crate) fn check(&self, agents: usize) -> Result<(), String> {
+        self.span().check()?;
+        let (mean, above) = (self.squeeze == Exposed::LargestMean, self.squeeze == Exposed::TimeAbove);
+        match self.over {
+            _ if mean && self.place().is_none() => {
+                return Err("squeeze = \"largest_mean\" needs over = 0.1, 1 or 10 (seconds)".into());
+            }
+            Some(_) if !mean => return Err("over is for squeeze = \"largest_mean\"".into()),
+            _ => {}
+        }
+        match self.level {
+            None if above => return Err("squeeze = \"time_above\" needs a level (newtons)".into()),
+            Some(_) if !above => return Err("level is for squeeze = \"time_above\"".into()),
+            Some(level) if !(level >= 0.0 && level.is_finite()) => {
+                return Err("level must be a finite number of newtons, not below 0".into());
+            }
+            _ => {}
+        }
+        if agents > 1 && self.across.is_none() {
+            return Err(format!("has {agents} agents: {}", Across::NEEDED));
+        }
+        Ok(())
+    }
+}
+
+/// Squeezes during a run.
+pub(crate) struct Squeezed<'a> {
+    measure: &'a OfSqueeze,
+    /// Places of the agents that count.
+    agents: &'a [usize],
+    exposure: Exposure,
+}
+
+impl<'a> Squeezed<'a> {
+    pub fn new(measure: &'a OfSqueeze, agents: &'a [usize]) -> Squeezed<'a> {
+        let levels: Vec<f64> = measure.level.into_iter().collect();
+        Squeezed { measure, agents, exposure: Exposure::new(agents.len(), &levels) }
+    }
+
+    pub fn add(&mut self, frame: &Frame) {
+        if self.measure.span().has(frame.time) {
+            self.exposure.add(frame.time, self.agents.iter().map(|agent| squeeze(frame, *agent)));
+        }
+    }
+
+    /// `None` if it is not known of all of them: there is no step, or the time is too short for a mean over it.
+    pub fn value(self) -> Option<f64> {
+        let Squeezed { measure, exposure, .. } = self;
+        if exposure.longest_step() <= 0.0 {
+            return None;
+        }
+        let of = |one: &lemons_measure::Exposed| match measure.squeeze {
+            Exposed::TimeAbove => one.above.first().copied(),
+            Exposed::LargestMean => one.largest_mean[measure.place()?],
+            Exposed::Peak => Some(one.peak),
+            Exposed::Impulse => Some(one.impulse),
+            Exposed::Time => Some(one.time),
+        };
+        let values: Vec<f64> = exposure.finish().iter().map(of).collect::<Option<_>>()?;
+        measure.across.unwrap_or(Across::Max).of(values.into_iter())
+    }
+}

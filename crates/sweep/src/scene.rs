@@ -1,0 +1,113 @@
+//! What a crowd does at a communication point, as a frame: what lines, areas and exposures are measured by.
+
+use crate::error::{Error, Result};
+use lemons_master::{Fmu, Instance, Selection, System};
+use lemons_plane::{Motion, Pose, Twist, vec2};
+use lemons_record::{Frame, Observed, OfStep, columns};
+
+/// Outputs of each agent that say where it is, and how it moves.
+const MOTION: [&str; 4] =
+    [columns::X.variable, columns::Y.variable, columns::VX.variable, columns::VY.variable];
+/// Outputs of each agent that say how hard it was squeezed within the step.
+const SQUEEZE: [&str; 2] = [columns::MEAN_SQUEEZE.variable, columns::PEAK_SQUEEZE.variable];
+
+/// What is wanted of a crowd.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Wanted {
+    pub motions: bool,
+    pub squeezes: bool,
+}
+
+/// Reads frames of a crowd.
+pub struct Scene {
+    /// Of the crowd among the components.
+    place: usize,
+    people: usize,
+    motions: Selection,
+    squeezes: Selection,
+    /// Whether each agent is there; empty if nobody can leave.
+    there: Selection,
+}
+
+fn of_each(people: usize, names: &[&str]) -> Vec<String> {
+    (0..people).flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}"))).collect()
+}
+
+impl Wanted {
+    fn names(self, people: usize) -> [Vec<String>; 2] {
+        let all = |wanted: bool, names: &[&str]| if wanted { of_each(people, names) } else { Vec::new() };
+        [all(self.motions, &MOTION), all(self.squeezes, &SQUEEZE)]
+    }
+
+    /// Checks that a crowd's FMU has all of it.
+    pub fn check(self, fmu: &Fmu, people: usize) -> Result<()> {
+        let missing = self.names(people).into_iter().flatten().find(|name| fmu.kind(name).is_none());
+        missing.map_or(Ok(()), |name| Err(Error::Spec(format!("the FMU has no output {name}"))))
+    }
+}
+
+impl Scene {
+    /// Of the last component, with so many people.
+    pub fn of(system: &System, wanted: Wanted, people: usize) -> Result<Scene> {
+        let place = system.components().len() - 1;
+        let instance = &system.components()[place].instance;
+        let [motions, squeezes] = wanted.names(people);
+        let mut there = of_each(people, &["Active"]);
+        if !there.iter().all(|name| system.feeds(place, name)) {
+            there.clear();
+        }
+        Ok(Scene {
+            place,
+            people,
+            motions: instance.select(&motions)?,
+            squeezes: instance.select(&squeezes)?,
+            there: instance.select(&there)?,
+        })
+    }
+
+    /// At a time \[s\].
+    pub fn frame(&self, system: &System, time: f64) -> lemons_master::Result<Frame> {
+        let instance = &system.components()[self.place].instance;
+        let motions = reals(instance, &self.motions)?;
+        let motion = |values: &[f64; 4]| {
+            let [x, y, vx, vy] = *values;
+            Motion {
+                pose: Pose { position: vec2(x, y), orientation: 0.0 },
+                twist: Twist { velocity: vec2(vx, vy), angular_velocity: 0.0 },
+            }
+        };
+        let mut agents: Vec<Motion> = motions.as_chunks().0.iter().map(motion).collect();
+        agents.resize(self.people, Motion::default());
+        let squeezes = reals(instance, &self.squeezes)?;
+        let squeezed = |values: &[f64; 2]| {
+            let [mean_normal_force, peak_normal_force] = *values;
+            let of_step = Some(OfStep { mean_normal_force, peak_normal_force, peak_overlap: 0.0 });
+            Observed { of_step, ..Observed::default() }
+        };
+        let observed: Vec<Observed> = squeezes.as_chunks().0.iter().map(squeezed).collect();
+        let mut there = vec![1; self.there.len()];
+        if !there.is_empty() {
+            instance.get_boolean(&self.there, &mut there)?;
+        }
+        Ok(Frame {
+            time,
+            agents,
+            observed: (!observed.is_empty()).then_some(observed),
+            active: (!there.is_empty()).then(|| there.into_iter().map(|there| there != 0).collect()),
+            ..Frame::default()
+        })
+    }
+}
+
+fn reals(instance: &Instance, selection: &Selection) -> lemons_master::Result<Vec<f64>> {
+    let mut values = vec![0.0; selection.len()];
+    if !values.is_empty() {
+        instance.get_real(selection, &mut values)?;
+    }
+    Ok(values)
+}
+
+/// How many people have left.
+pub fn left(frame: &Frame) -> usize {
+    frame.active.iter().flatten().filter(|there| !**there).count()
+}
