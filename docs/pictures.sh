@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of README.md, docs/pictures.md, docs/coupling.md and docs/lab.md again: docs/pictures.sh, after
+# Makes the pictures of README.md, docs/guide, docs/pictures.md, docs/coupling.md and docs/lab.md again: docs/pictures.sh, after
 # cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli.
 # docs/measured.png needs the measured push (../shared/data/push_wed), docs/flow.png a Python with FMPy and Matplotlib
 # (PYTHON, else .venv), docs/lab_*.png also Playwright there, Chromium, and the lab in the command (lab/build.sh).
@@ -17,6 +17,11 @@ trap 'rm -rf "$scratch"' EXIT
 
 "$lemons" crowd --number 80 --box 8x6 --door 8,3,1 --leave -o "$scratch/room" >/dev/null
 "$lemons" measure "$scratch/room" --until left --line door=8,2.5,8,3.5 --window 5 --above 1000 --plot docs/room.png --force >/dev/null
+
+"$lemons" plot resources/Trial_push --at 0.15,0.4,0.55,0.75 --columns 2 --fill squeeze -o docs/guide/push.png --force
+"$lemons" crowd --geometry examples/hall.xml --door 10,1.5,1.2 --number 60 --leave -o "$scratch/hall" >/dev/null
+"$lemons" plot "$scratch/hall" --at 0,6,12,24 --columns 2 --fill speed -o docs/guide/hall.png --force
+"$lemons" measure "$scratch/hall" --until left --line door=10,0.9,10,2.1 --window 2 --above 500 --plot docs/guide/flow.png --force >/dev/null
 
 push=../shared/data/push_wed
 if [[ -d $push ]]; then

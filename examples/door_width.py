@@ -22,19 +22,23 @@ LEMONS = os.environ.get("LEMONS", "lemons")
 SWEEP = """\
 # Each Trial is a room: its door is `width` m wide, its crowd is that of a seed.
 trial = "room_{{width}}_{{seed}}"
-until = 600.0
-stop = {{ of = "decision.Arrived", at_least = {people} }}
+until = "left"
 
 [parameters]
 width = {widths}
 seed = {{ from = 1, to = {seeds} }}
 
+[lines]
+# Along the wall with the door: [m]
+door = [8, 1, 8, 5]
+
 [measures]
-# s: until the first person, and until everybody has left
-first = {{ of = "decision.Arrived", take = "first_at_least", level = 1 }}
-last = {{ of = "decision.Arrived", take = "first_at_least", level = {people} }}
-# N: greatest mean squeeze of a person in a communication step
-squeeze = {{ of = "mean_squeeze", take = "max" }}
+# s: until everybody is through the door
+last = {{ line = "door", direction = "right", number = "evacuation_time" }}
+# 1/(m s)
+flow = {{ line = "door", direction = "right", number = "specific_flow", width = "width" }}
+# N: the greatest mean squeeze of a person over a second
+squeeze = {{ squeeze = "largest_mean", over = 1, across = "max" }}
 """
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -56,7 +60,7 @@ def main() -> None:
                 crowd = [LEMONS, "crowd", "--number", str(given.people), "--box", "8x6", "--door", f"8,3,{width}"]
                 crowd += ["--leave", "--model", given.model, "--seed", str(seed), "-o", room]
                 subprocess.run(crowd, check=True, capture_output=True)
-    text = SWEEP.format(people=given.people, widths=given.widths, seeds=given.seeds)
+    text = SWEEP.format(widths=given.widths, seeds=given.seeds)
     (given.target / "sweep.toml").write_text(text)
     sweep = [LEMONS, "sweep", "sweep.toml", "-o", "results", "--threads", given.threads]
     subprocess.run(sweep, check=True, cwd=given.target)
@@ -65,10 +69,11 @@ def main() -> None:
 
 def draw(given: argparse.Namespace) -> None:
     table = pd.read_parquet(given.target / "results" / "table.parquet")
-    table["flow"] = (given.people - 1) / (table["last"] - table["first"])
-    table["specific"] = table["flow"] / table["width"]
-    wanted = [("last", "everybody has left after [s]"), ("specific", "specific flow [1/(m s)]"), ("squeeze", "greatest squeeze [kN]")]
-    table["squeeze"] /= 1000
+    wanted = [
+        ("last", "everybody is out after [s]"),
+        ("flow", "specific flow [1/(m s)]"),
+        ("squeeze", "greatest mean squeeze over 1 s [N]"),
+    ]
     spread = table.groupby("width")[[name for name, _ in wanted]].quantile([0.0, 0.5, 1.0]).unstack()
     print(spread.round(3).to_string())
     figure, panels = plt.subplots(1, len(wanted), figsize=(9.5, 3.2), layout="constrained")

@@ -5,6 +5,45 @@
 //! linearly. A communication step is divided into mechanical steps. Each of these predicts the motion, evaluates the
 //! contact forces once, and corrects. Bodies that can touch nothing are moved by the closed-form solution. All
 //! quantities are in SI units; angles are in radians, positive counter-clockwise.
+//!
+//! A person of 100 kg meets one of 50 kg who stands, head-on, without friction and damping. For elastic bodies, mechanics
+//! says 1/3 m/s and 4/3 m/s afterwards:
+//!
+//! ```
+//! use crowd_mechanics::engine::*;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let person = |mass| BodySpec {
+//!     mass,                  // [kg]
+//!     inertia: 1.5,          // [kg.m2]
+//!     translation_rate: 0.0, // [1/s] a floor without friction; about 4.5 for people
+//!     rotation_rate: 0.0,
+//!     disks: vec![DiskSpec { radius: 0.2, position: vec2(0.0, 0.0), material: 0 }], // [m]; five for a person's shape
+//! };
+//! let mut laws = LawTable::new(1);
+//! let law = PairLaw { normal_stiffness: 3e5, tangential_stiffness: 3e5, // [N/m]
+//!                     normal_damping: 0.0, tangential_damping: 0.0,     // [kg/s]
+//!                     friction: 0.0 };
+//! laws.set(0, 0, law);
+//! let scene = Scene::new(&[person(100.0), person(50.0)], &[], &laws)?;
+//!
+//! let at = |x| Pose { position: vec2(x, 0.0), orientation: 0.0 };
+//! let moving = |vx| Twist { velocity: vec2(vx, 0.0), angular_velocity: 0.0 };
+//! let state = State::new(vec![at(0.0), at(0.5)], vec![moving(1.0), moving(0.0)]);
+//! let mut world = World::new(scene, state, 1e-5)?; // [s] mechanical step
+//!
+//! for _ in 0..30 {
+//!     world.advance(0.01)?; // [s] communication step
+//! }
+//! let speed = |body: usize| world.state().twists[body].velocity.x;
+//! assert!((speed(0) - 1.0 / 3.0).abs() < 1e-6 && (speed(1) - 4.0 / 3.0).abs() < 1e-6);
+//! assert_eq!(world.contacts().bodies[0].squeeze, 0.0); // they have parted
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`World::drive`] is what people want (a force and a torque of each), [`World::exposures`] how hard each was squeezed
+//! in the last step. `examples/engine_direct.rs` reads a Trial.
 
 #[cfg(test)]
 mod balls;

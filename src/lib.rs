@@ -20,6 +20,11 @@
 //! - [`fmi2`], [`fmi3`]: the C functions of FMI 2.0 and 3.0 (their bodies are in `lemons_fmi`)
 //! - [`c_api`]: the C entry point of the paper's scripts
 
+/// The code of the guide runs as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/guide/rust.md")]
+struct Guide;
+
 pub mod arrays;
 pub mod c_api;
 pub mod engine;

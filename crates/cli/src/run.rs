@@ -86,7 +86,8 @@ pub struct Arguments {
     /// of each component. Default: trajectories.csv
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// File for the outputs of FMUs that are not a crowd. Default: outputs.csv
+    /// File for the outputs of FMUs that are not a crowd. Default: with -o NAME.csv NAME_outputs.csv, else
+    /// outputs.csv
     #[arg(long, value_name = "FILE")]
     outputs: Option<PathBuf>,
     #[arg(long, value_name = "FORMAT", hide_possible_values = true, help = FORMAT_HELP)]
@@ -464,11 +465,9 @@ fn places_of(arguments: &Arguments) -> Result<Places> {
     let Arguments { output, outputs, format, .. } = arguments;
     let format = format.map(Format::from);
     let common = format.or(output.as_deref().and_then(Format::of)).unwrap_or(Format::Csv);
-    let place = |given: &Option<PathBuf>, name: &str| {
-        let Some(path) = given else {
-            let path = PathBuf::from(format!("{name}.{}", common.extension()));
-            return Ok(Place { path, format: common });
-        };
+    let extension = common.extension();
+    let place = |given: &Option<PathBuf>, default: PathBuf| {
+        let Some(path) = given else { return Ok(Place { path: default, format: common }) };
         match (Format::of(path), format) {
             (Some(own), Some(wanted)) if own != wanted => bail!(Misused(format!(
                 "{}: ends in .{}, but --format is {}",
@@ -483,7 +482,13 @@ fn places_of(arguments: &Arguments) -> Result<Places> {
             (own, _) => Ok(Place { path: path.clone(), format: own.unwrap_or(common) }),
         }
     };
-    let (trajectories, outputs) = (place(output, "trajectories")?, place(outputs, "outputs")?);
+    let trajectories = place(output, format!("trajectories.{extension}").into())?;
+    // Beside trajectories that were given a name: two runs with names of their own write to different files.
+    let named = output.as_deref().filter(|path| *path != Path::new("-")).and_then(|path| {
+        let stem = path.file_stem()?.to_str()?;
+        Some(path.with_file_name(format!("{stem}_outputs.{extension}")))
+    });
+    let outputs = place(outputs, named.unwrap_or_else(|| format!("outputs.{extension}").into()))?;
     Ok(Places::Files { trajectories, outputs })
 }
 

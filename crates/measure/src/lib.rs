@@ -6,6 +6,7 @@
 
 mod crossing;
 mod density;
+mod departures;
 mod exposure;
 mod flow;
 mod passages;
@@ -15,6 +16,7 @@ mod voronoi;
 
 pub use crossing::{Crossing, Line, Way};
 pub use density::{Density, MeasuringArea};
+pub use departures::{Departures, Left};
 pub use exposure::{Exposed, Exposure, SPANS};
 pub use flow::{Flow, Window, windows};
 pub use passages::{Passage, Passages};

@@ -3,7 +3,9 @@
 use crate::interrupt::Interrupt;
 use crate::pictures::moment::within;
 use anyhow::{Result, bail};
-use lemons_measure::{Density, Exposed, Exposure, Line, MeasuringArea, Passages, Room, quantile, squeeze};
+use lemons_measure::{
+    Density, Departures, Exposed, Exposure, Left, Line, MeasuringArea, Passages, Room, quantile, squeeze,
+};
 use lemons_record::{Frame, Record};
 use std::collections::VecDeque;
 
@@ -28,6 +30,8 @@ pub struct Passed {
     /// \[s\] First and last frame.
     pub times: (f64, f64),
     pub frames: usize,
+    /// At all exits; `None` if the frames do not say who is there.
+    pub left: Option<Left>,
     pub lines: Vec<Passages>,
     /// Of each area, over time.
     pub areas: Vec<Vec<Density>>,
@@ -89,6 +93,7 @@ impl Pass<'_> {
         let mut passed = Passed {
             times: (f64::NAN, f64::NAN),
             frames: 0,
+            left: None,
             lines: self.lines.iter().map(|line| Passages::over(*line, people)).collect(),
             areas: vec![Vec::new(); self.areas.len()],
             exposed: None,
@@ -97,6 +102,7 @@ impl Pass<'_> {
         };
         let (mut stopped, mut squeezes) = (Ok(()), true);
         let mut running = Running::of(people);
+        let mut departures = Departures::of(people);
         record.each(|_, frame| {
             if stopped.is_ok() {
                 stopped = interrupt.check();
@@ -107,6 +113,7 @@ impl Pass<'_> {
             let step = if passed.frames == 0 { 0.0 } else { frame.time - passed.times.1 };
             passed.times = (if passed.frames == 0 { frame.time } else { passed.times.0 }, frame.time);
             passed.frames += 1;
+            departures.add(&frame);
             passed.lines.iter_mut().for_each(|line| line.add(&frame));
             for ((area, seen), room) in self.areas.iter().zip(&mut passed.areas).zip(self.room.iter().cycle())
             {
@@ -129,6 +136,7 @@ impl Pass<'_> {
         if passed.frames == 0 {
             bail!("{}: no frame between --from and --until", record.source().display());
         }
+        passed.left = departures.left();
         passed.longest_step = exposure.longest_step();
         passed.exposed = squeezes.then(|| exposure.finish());
         Ok(passed)

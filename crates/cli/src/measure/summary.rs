@@ -5,7 +5,7 @@ use super::pass::Passed;
 use super::{Arguments, shown};
 use anyhow::Result;
 use lemons_measure::{
-    Crossings, Density, Exposed, Line, MeanMax, MeasuringArea, Passages, SPANS, Way, quantile,
+    Crossings, Density, Exposed, Left, Line, MeanMax, MeasuringArea, Passages, SPANS, Way, quantile,
 };
 use lemons_record::Record;
 use serde::Serialize;
@@ -30,6 +30,8 @@ pub struct Summary {
     pub until: f64,
     pub frames: usize,
     pub people: usize,
+    /// Who has left, by any exit; null: nobody can leave.
+    pub left: Option<Left>,
     pub lines: Vec<OfLine>,
     pub areas: Vec<OfArea>,
     pub exposure: Option<OfSqueeze>,
@@ -128,6 +130,7 @@ impl Summary {
             until: passed.times.1,
             frames: passed.frames,
             people: record.ids().len(),
+            left: passed.left,
             lines: lines
                 .map(|(k, (line, seen))| OfLine::of(line, k, seen, arguments, record.ids().len()))
                 .collect(),

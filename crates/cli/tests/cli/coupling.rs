@@ -110,7 +110,7 @@ fn several_crowds_have_several_files() {
     let read = |name: &str| fs::read_to_string(at.join(name)).unwrap();
     let (left, right) = (read("t_left_hall.csv"), read("t_right.csv"));
     assert!(left.contains("\n1.2,4,") && left != right, "{left}");
-    assert!(!at.join("t.csv").exists() && !at.join("outputs.csv").exists());
+    assert!(!at.join("t.csv").exists() && !at.join("t_outputs.csv").exists());
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn everybody_leaves_and_the_tables_say_when() {
     let end = cell(&last, "t");
     let left = table.iter().filter(|row| cell(row, "active") == "1").map(|row| cell(row, "t")).next_back();
     assert_ne!(left, Some(end));
-    let outputs = rows(at, "outputs.csv");
+    let outputs = rows(at, "run_outputs.csv");
     assert_eq!(cell(outputs.last().unwrap(), "decision.Arrived"), "10");
 }
 
