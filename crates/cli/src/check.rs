@@ -5,7 +5,7 @@ use crate::tell;
 use crate::words;
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::Setup;
-use lemons_decision::WISHES_FILE;
+use lemons_decision::{Plan, WISHES_FILE};
 use lemons_master::{Given, Warning, plan_of};
 use lemons_trial::DRIVE_FILE;
 use lemons_trial::Problems;
@@ -39,9 +39,17 @@ pub fn check(arguments: &Arguments) -> Result<()> {
             Ok((trial, warnings)) => {
                 print(&mut out, &warnings)?;
                 let wishes = given.wishes();
-                let wished = wishes.iter().try_for_each(|wishes| {
-                    plan_of(&trial, wishes).map(drop).with_context(|| wishes.display().to_string())
-                });
+                let plan = wishes
+                    .as_deref()
+                    .map(|wishes| plan_of(&trial, wishes).with_context(|| wishes.display().to_string()));
+                let (plan, wished) = match plan.transpose() {
+                    Ok(plan) => (plan, Ok(())),
+                    Err(error) => (None, Err(error)),
+                };
+                let hurry = plan.as_ref().and_then(hurried);
+                if let Some(hurry) = &hurry {
+                    writeln!(out, "warning: {}: {hurry}", path.join(WISHES_FILE).display())?;
+                }
                 let driven = given.drive(&trial);
                 let parameters = &trial.parameters;
                 let missed = driven.as_ref().map(|drive| drive.missed(0.0, parameters.time_step));
@@ -95,7 +103,10 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     counted(trial.geometry.walls.len(), "wall"),
                     parameters.time_step,
                     parameters.time_step_mechanical,
-                    match warnings.iter().count() + usize::from(missed.is_some()) {
+                    match warnings.iter().count()
+                        + usize::from(missed.is_some())
+                        + usize::from(hurry.is_some())
+                    {
                         0 => "no problem".to_owned(),
                         1 => "1 warning".to_owned(),
                         n => format!("{n} warnings"),
@@ -110,6 +121,23 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         }
     }
     if broken { Err(TrialHasErrors.into()) } else { Ok(()) }
+}
+
+/// \[m/s\] Faster than this runs nobody in a room.
+const FASTEST: f64 = 5.0;
+
+/// Who wants to be faster than people are.
+fn hurried(plan: &Plan) -> Option<String> {
+    let fast = || plan.agents.iter().filter(|agent| agent.walker.desired_speed > FASTEST);
+    let first = fast().next()?;
+    let (speed, id) = (first.walker.desired_speed, &first.id);
+    let others = match fast().count() {
+        1 => String::new(),
+        n => format!(", and {} others more than {FASTEST:?} m/s", n - 1),
+    };
+    Some(format!(
+        "agent {id:?} wants {speed:?} m/s{others}: people walk at 0.5 to 2 m/s, and run at 3 to 5 m/s"
+    ))
 }
 
 fn say_errors(out: &mut impl Write, path: &Path, errors: usize) -> io::Result<()> {

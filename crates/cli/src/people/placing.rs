@@ -147,6 +147,18 @@ impl PlacingArguments {
             return Err(Misused(message).into());
         }
         let geometry = cut_doors(geometry, &self.doors).context("--door")?;
+        for (number, door) in self.doors.iter().enumerate() {
+            // A corner lies between the ends of the gap.
+            if door.course(&closed).len() > 2 {
+                let Door { at, width } = door;
+                note!(
+                    "note: --door {},{},{width}: door {number} goes round a corner of its wall, because the corner is nearer \
+                     than half the width",
+                    at.x,
+                    at.y
+                );
+            }
+        }
         Ok(Place { grounds, geometry, closed, name })
     }
 

@@ -244,3 +244,15 @@ fn mistakes_in_rooms_are_named() {
     assert_code(&nowhere, 2);
     assert!(err(&nowhere).contains("give -o TRIAL or --zip FILE.zip"), "{}", err(&nowhere));
 }
+
+/// A door of 1 m in a corner has half of its width on each of two walls.
+#[test]
+fn a_door_that_goes_round_a_corner_is_told() {
+    let directory = TempDir::new().unwrap();
+    let made = |door: &str| {
+        let words = ["crowd", "-n", "3", "--box", "4x3", "--door", door, "--leave", "-o", "room", "--force"];
+        err(&done(directory.path(), &words))
+    };
+    assert!(made("4,0.2,1").contains("note: --door 4,0.2,1: door 0 goes round a corner"));
+    assert_eq!(made("4,0.6,1"), "");
+}
