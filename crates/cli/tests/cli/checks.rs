@@ -135,7 +135,8 @@ fn a_misspelt_key_of_decision_toml_is_an_error_with_the_right_one() {
         );
     }
     // Kilometres per hour, for instance.
-    let output = check("desired_speed = 4.8\nwaypoints = [{ x = 6, y = 2 }]\n[agents.1]\ndesired_speed = 5.5");
+    let output =
+        check("desired_speed = 4.8\nwaypoints = [{ x = 6, y = 2 }]\n[agents.1]\ndesired_speed = 5.5");
     assert_code(&output, 0);
     let said = out(&output);
     assert!(said.contains("warning: T/decision.toml: agent \"1\" wants 5.5 m/s: people walk"), "{said}");
