@@ -1,0 +1,282 @@
+"""The pages for users: each code block is run as the page says, or says here why not; what it prints is what the page shows.
+
+The commands of a page run one after the other in a copy of what a user has: a directory with `resources` and `examples`.
+"""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pages
+import pytest
+from crowd import REPOSITORY
+
+# ---- commands that are not run ----
+
+NETWORK = "installs from the network or into this Python; test_the_package_installs and packaging/check.sh install it"
+COMPILES = "compiles; the stage of check.sh does it"
+MINUTES = "takes minutes"
+# Beginnings of commands, on any page.
+NOT_RUN_ANYWHERE = {
+    "pip install": NETWORK,
+    "cargo build": COMPILES,
+}
+# Beginnings of commands, on one page.
+NOT_RUN = {
+    ("README.md", "./check.sh"): "it runs this test",
+    ("docs/lab.md", "lab/build.sh"): COMPILES,
+    ("docs/lab.md", "packaging/release.sh"): "needs compilers for all platforms",
+    ("docs/lab.md", "lemons lab"): "opens a browser; tests/lab does it",
+    ("docs/step.md", "cargo run --release -p lemons-bench --example steps"): MINUTES,
+    ("docs/calibration.md", "cargo build --release && pip install"): NETWORK,
+    ("docs/calibration.md", "python examples/calibrate.py"): "needs measured data, and minutes; test_sweep.py runs its parts",
+    ("docs/validation.md", "python examples/validation.py"): "takes minutes; test_walking_models.py runs its quick cases",
+    ("docs/walking.md", "python examples/door_width.py"): "takes minutes; test_pictures.py makes fewer rooms",
+    ("docs/command.md", "cargo run -p lemons-cli --example reference"): "crates/cli/tests/cli/reference.rs does it",
+    ("examples/sweep_cluster.md", "dask"): "starts servers; test_sweep.py starts them so",
+    ("examples/sweep_cluster.md", "python examples/sweep_push.py"): "needs these servers; test_sweep.py does it",
+}
+# What a page takes for granted before a command, and how a user comes to it.
+BEFORE = {
+    # Of a release.
+    ("README.md", "lemons run push_fmi2.fmu"): "lemons pack resources/Trial_push -o push_fmi2.fmu",
+    # From source instead of from a release.
+    ("README.md", "lemons run resources/Trial_push"): "rm trajectories.csv",
+    # A room of the user's.
+    ("docs/people.md", "lemons crowd --geometry Geometry.xml --region 0,0,8,6 "): "lemons crowd --number 1 --box 8x6 --door 8,3,1 -o empty && cp empty/static/Geometry.xml .",
+}
+# What a page runs with cargo is run with what cargo has built.
+INSTEAD = {"cargo run --release -- ": "lemons "}
+
+# ---- blocks that are no commands for a shell ----
+
+# Blocks of Python that are run as one script elsewhere, with the test that does.
+SCRIPTS = {"python/README.md": "test_package.py::test_the_manual_runs"}
+# By the page and the first line. A block of TOML is written into the file; then the commands are run. In the block, texts
+# are replaced, so that less is computed.
+FILES = {
+    ("docs/walking.md", 'model = "collision-free-speed"     # or "straight" (the default), "social-force"'): (
+        "two_doors/decision.toml",
+        "lemons crowd --number 20 --box 8x6 --door 8,3,1 --door 0,3,1 -o two_doors",
+        "lemons check two_doors && lemons run two_doors --until 0.1 -o two_doors.csv --outputs two_doors_wishes.csv",
+        {},
+    ),
+    ("docs/coupling.md", "desired_speed = 1.34                               # [m/s]; default 1.34"): (
+        "ways.toml",
+        "",
+        "lemons run resources/Trial_door --plan ways.toml --until 0.1 -o ways.csv --outputs ways_wishes.csv",
+        {},
+    ),
+    ("docs/coupling.md", 'trial = "door_{width}_{seed}"     # a name in braces: the value of this parameter'): (
+        "study.toml",
+        "for width in 0.9 1.2; do for seed in 1 2; do cp -r resources/Trial_door door_${width}_$seed; done; done",
+        "lemons sweep study.toml",
+        {"[0.7, 0.8, 0.9, 1.0, 1.2]": "[0.9, 1.2]", "to = 20": "to = 2"},
+    ),
+}
+# Blocks of texts that are no output, with the reason.
+TEXTS = {
+    ("docs/step.md", "error ≈ 5 m × (step / T)²         step = T × √(accuracy / 5 m)"): "an equation",
+    ("docs/install.md", "platforms linux64        glibc 2.17"): "of a release; packaging/check.sh makes it",
+    ("docs/command.md", ""): "generated from the help: a test of crates/cli gives its examples to the command",
+}
+# Numbers that differ from machine to machine, and from run to run.
+MACHINE = re.compile(r"^(wall time|real-time factor) .*$")
+
+
+def reason(page, command):
+    """Why a command is not run; None if it is."""
+    for begin, why in NOT_RUN_ANYWHERE.items():
+        if command.startswith(begin):
+            return why
+    for (where, begin), why in NOT_RUN.items():
+        if where == page and command.startswith(begin):
+            return why
+    return None
+
+
+def commands(block):
+    """The commands of a block, with the program that cargo has built instead of cargo."""
+    for command in pages.commands(block.text):
+        for begin, instead in INSTEAD.items():
+            if command.startswith(begin):
+                command = instead + command.removeprefix(begin)
+        yield command
+
+
+class Shell:
+    """A directory like that of a user, in which the commands of one page run."""
+
+    def __init__(self, directory, lemons):
+        self.directory = directory
+        for name in ("resources", "examples"):
+            shutil.copytree(REPOSITORY / name, directory / name, ignore=shutil.ignore_patterns("__pycache__"))
+        bin = directory / "bin"
+        bin.mkdir()
+        (bin / "lemons").symlink_to(lemons)
+        (bin / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+        (bin / "python").chmod(0o755)
+        # Of the same environment: pythonfmu, dask.
+        path = [str(bin), str(Path(sys.executable).parent), os.environ["PATH"]]
+        own = {"PATH": os.pathsep.join(path), "LEMONS": str(lemons), "XDG_STATE_HOME": str(directory / "state"), "MPLBACKEND": "agg"}
+        self.environment = {**os.environ, **own}
+        self.script = ["set -e -o pipefail", "trap 'echo \"@@ end\"' EXIT"]
+        self.places = []
+
+    def add(self, place, command):
+        """What the command prints is told under its number, which is returned."""
+        self.places.append((place, command))
+        self.script += [f"echo; echo '@@ {len(self.places) - 1}'", command]
+        return len(self.places) - 1
+
+    def run(self):
+        """What each command printed. Variables that one sets hold for those after it."""
+        done = subprocess.run(
+            ["bash", "-c", "\n".join(self.script)],
+            cwd=self.directory,
+            env=self.environment,
+            text=True,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+        )
+        said = re.split(r"^@@ (?:\d+|end)\n", done.stdout, flags=re.MULTILINE)[1:]
+        if done.returncode:
+            place, command = self.places[min(len(said) - 2, len(self.places) - 1)]
+            raise AssertionError(f"{place}: exit code {done.returncode}: {command}\n{said[-2]}")
+        return said
+
+
+def shown_in(shown, said):
+    """None if the lines of a page are those that were printed; `…` alone stands for lines that the page leaves out."""
+    masked = [MACHINE.sub(r"\1", line.rstrip()) for line in said.splitlines()]
+    parts = re.split(r"^\s*…\s*\n", shown, flags=re.MULTILINE)
+    begin = 0
+    for part in parts:
+        wanted = [MACHINE.sub(r"\1", line.rstrip()) for line in part.strip("\n").splitlines()]
+        places = range(begin, len(masked) - len(wanted) + 1)
+        place = next((at for at in places if masked[at : at + len(wanted)] == wanted), None)
+        if place is None:
+            missing = [line for line in wanted if line not in masked] or wanted
+            return "\n".join(missing)
+        begin = place + len(wanted)
+    return None
+
+
+def session(text):
+    """The commands of a block that shows them after `$`, each with what it prints."""
+    parts = re.split(r"^\$ (.*)\n", text, flags=re.MULTILINE)
+    return list(zip(parts[1::2], parts[2::2], strict=True))
+
+
+@pytest.mark.parametrize("page", [page for page in pages.PAGES if pages.blocks(page)])
+def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
+    shell = Shell(tmp_path, lemons)
+    (tmp_path / "target/release").mkdir(parents=True)
+    (tmp_path / "target/release/lemons").symlink_to(lemons)
+    compared = []  # the lines of the page, and the numbers of the commands that print them
+    last = []
+    for block in pages.blocks(page):
+        if block.language == "sh":
+            numbers = []
+            for command in commands(block):
+                if reason(page, command) is None:
+                    before = [own for (where, begin), own in BEFORE.items() if where == page and command.startswith(begin)]
+                    for own in before:
+                        shell.add(block.place, own)
+                    numbers.append(shell.add(block.place, command))
+            last = numbers
+        elif block.language == "python" and page in SCRIPTS:
+            file, name = SCRIPTS[page].split("::")
+            assert f"\ndef {name}(" in (Path(__file__).parent / file).read_text()
+        elif block.language == "python":
+            last = [shell.add(block.place, f"python - <<'END'\n{block.text}END")]
+        elif block.language == "toml":
+            file = FILES.get((page, block.first))
+            assert file, f"{block.place}: nothing says in which file this is, and what reads it"
+            name, before, after, replaced = file
+            text = block.text
+            for old, new in replaced.items():
+                assert old in text
+                text = text.replace(old, new)
+            shell.add(block.place, before or ":")
+            shell.add(block.place, f"cat >{name} <<'END'\n{text}END")
+            last = [shell.add(block.place, after)]
+        elif block.language == "text" and (page, "") not in TEXTS and (page, block.first) not in TEXTS:
+            if block.text.startswith("$ "):
+                for command, shown in session(block.text):
+                    compared.append((block, shown, [shell.add(block.place, command)]))
+            elif page in OWN_TESTS and block.first in OWN_TESTS[page]:
+                continue
+            else:
+                assert last, f"{block.place}: shows what no command of the page prints"
+                compared.append((block, block.text, last))
+        elif block.language == "json":
+            assert block.first in OWN_TESTS.get(page, ()), f"{block.place}: no test looks at it"
+        elif block.language == "c":
+            assert page in OWN_TESTS, f"{block.place}: no test compiles it"
+        elif block.language != "text":
+            raise AssertionError(f"{block.place}: what kind of block is {block.language!r}?")
+    said = shell.run()
+    wrong = []
+    for block, shown, numbers in compared:
+        missing = shown_in(shown, "".join(said[number] for number in numbers))
+        if missing is not None:
+            printed = "".join(said[number] for number in numbers)
+            wrong.append(f"{block.place}: the page shows\n{missing}\nThe command prints\n{printed}")
+    assert not wrong, "\n".join(wrong)
+
+
+# Blocks that a test of their own looks at, by the page and their first line.
+OWN_TESTS = {
+    "docs/trial.md": ["Parameters.xml"],
+    "python/README.md": ["{"],
+}
+
+
+def test_the_files_of_a_trial():
+    (listed,) = (block for block in pages.blocks("docs/trial.md") if block.first == "Parameters.xml")
+    trial = REPOSITORY / "resources/Trial_push"
+    there = {path.relative_to(trial).as_posix() for path in trial.rglob("*.xml")}
+    assert set(listed.text.split()) == there
+
+
+def test_the_identity_of_a_sweep_has_the_keys_of_the_manual(lemons, tmp_path):
+    """Those of `lemons sweep`, which has some more."""
+    (shown,) = (json.loads(block.text) for block in pages.blocks("python/README.md") if block.language == "json")
+    trial = REPOSITORY / "resources/Trial_push"
+    text = f"trial = {str(trial)!r}\nuntil = 0.1\nparameters = {{ TimeStepMechanical = [1e-4] }}\nmeasures = {{ x = {{ of = 'x', take = 'max' }} }}"
+    (tmp_path / "one.toml").write_text(text)
+    subprocess.run([lemons, "sweep", "one.toml"], cwd=tmp_path, check=True, capture_output=True)
+    written = json.loads((tmp_path / "one/sweep.json").read_text())
+    assert shown["format"] == written["format"] and set(shown) <= set(written)
+    for key in ("fmu", "points", "drive"):
+        assert set(shown[key]) <= set(written[key]) or written[key].keys() < shown[key].keys(), key
+
+
+@pytest.mark.parametrize("page", pages.PAGES)
+def test_links_lead_somewhere(page):
+    wrong = []
+    for link in pages.links(page):
+        if re.match(r"[a-z]+:", link):
+            continue
+        path, _, anchor = link.partition("#")
+        file = pages.file_of(page, path)
+        if not file.exists():
+            wrong.append(f"{link}: there is no such file")
+        elif anchor and anchor not in pages.anchors(file.relative_to(REPOSITORY.resolve()).as_posix()):
+            wrong.append(f"{link}: the page has no such heading")
+    assert not wrong, "\n".join([page, *wrong])
+
+
+def test_the_exceptions_are_needed():
+    """Each reason is that of a block which is still there."""
+    for page, begin in [*NOT_RUN, *BEFORE]:
+        own = [c for block in pages.blocks(page) if block.language == "sh" for c in commands(block)]
+        assert any(command.startswith(begin) for command in own), f"{page} has no command {begin}"
+    for page, first in [*FILES, *TEXTS, *((page, first) for page in OWN_TESTS for first in OWN_TESTS[page])]:
+        assert any(first in ("", block.first) for block in pages.blocks(page)), f"{page} has no block {first}"
