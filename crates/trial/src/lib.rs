@@ -12,6 +12,8 @@ mod materials;
 mod parameters;
 mod problem;
 mod pulse;
+#[cfg(test)]
+mod reference;
 mod trial;
 mod xml;
 
