@@ -1,0 +1,321 @@
+"""docs/reference/decision.md and sweep.md against their readers: every key with its example, of other types, out of its
+range; its default; and that the reader knows these keys and no others, which its message about an unknown key lists."""
+
+import copy
+import json
+import re
+import subprocess
+import tomllib
+import zipfile
+
+import pages
+import pytest
+from crowd import REPOSITORY
+
+DECISION, SWEEP = "docs/reference/decision.md", "docs/reference/sweep.md"
+# Values of other types, by the first words of a type.
+OTHER = {
+    "number": ['"fast"', "true", "nan", "inf", "[1]"],
+    "whole number": ['"7"', "1.5", "-1", "true"],
+    "text": ["5", "true", "[]"],
+    "path": ["5", "[]"],
+    "list of tables": ["5", '"x"', "[5]"],
+    "list of texts": ["5", '"0"', "[0]"],
+    "table": ["5", '"x"'],
+    "tables": ["5", '"x"'],
+    "two places": ["[9, 1]", "[[9, 1]]", '"x"', "5"],
+    "three places": ["[[9, 1], [9, 5]]", "[9, 1, 9, 5, 10, 5]", "5"],
+}
+
+
+def toml(value):
+    """As an inline value."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{json.dumps(key)} = {toml(each)}" for key, each in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    if isinstance(value, Raw):
+        return value.text
+    return json.dumps(value)
+
+
+class Raw:
+    """A value as it is written."""
+
+    def __init__(self, text):
+        self.text = text
+
+
+def document(value):
+    return "".join(f"{json.dumps(key)} = {toml(each)}\n" for key, each in value.items())
+
+
+def rows(page):
+    """Each row of the tables of keys: the heading, and the cells by the names of the columns."""
+    found = []
+    for heading, header, cells in pages.tables(page):
+        if header[0] == "key":
+            found += [(heading, dict(zip(header, row, strict=True))) for row in cells]
+    return found
+
+
+def code(cell):
+    """What a cell has between backticks; None if it is no single piece of code."""
+    match = re.fullmatch(r"`([^`]*)`", cell)
+    return match[1] if match else None
+
+
+class Reader:
+    """A command, and where in its file the keys of a heading stand."""
+
+    def __init__(self, directory, lemons):
+        self.directory = directory
+        self.lemons = lemons
+        self.count = 0
+
+    def call(self, *words):
+        done = subprocess.run([self.lemons, *words], cwd=self.directory, capture_output=True, text=True)
+        assert done.returncode in (0, 1), done.stderr
+        return done.returncode, done.stderr
+
+    def refusal(self, content):
+        """What is said of a file; empty if it is taken."""
+        self.count += 1
+        (self.directory / "given.toml").write_text(document(content), encoding="utf-8")
+        code, said = self.read()
+        assert code == 0 or "given.toml" in said, said
+        return said if code else ""
+
+
+class DecisionReader(Reader):
+    def __init__(self, directory, lemons):
+        super().__init__(directory, lemons)
+        crowd = ["--number", "8", "--box", "8x6", "--door", "8,3,1", "--door", "0,3,1", "-o", "Trial"]
+        assert self.call("crowd", *crowd)[0] == 0
+
+    def read(self):
+        return self.call("decide", "Trial", "--plan", "given.toml", "-o", "plan.fmu", "--force")
+
+    def plan(self):
+        """What the FMU is made of."""
+        with zipfile.ZipFile(self.directory / "plan.fmu") as archive:
+            (name,) = (name for name in archive.namelist() if name.endswith("decision.toml"))
+            return archive.read(name)
+
+    BASE = {
+        "exits": [
+            {"name": "door", "line": [[9.0, 1.5], [9.0, 4.5]]},
+            {"name": "back", "polygon": [[-1, 0], [-1, 6], [-2, 6], [-2, 0]]},
+        ],
+        "goals": [{"name": "stage", "polygon": [[3, 4], [5, 4], [4, 5]]}],
+        "waypoints": [{"x": 2.0, "y": 2.0}],
+        "agents": {"0": {}},
+    }
+    # By the heading: where its keys stand in a file.
+    PLACES = {
+        "For everybody": lambda file: file,
+        "A way-point": lambda file: file["waypoints"][0],
+        "An exit or a goal": lambda file: file["exits"][0],
+        "collision-free-speed": lambda file: file.setdefault("collision-free-speed", {}),
+        "social-force": lambda file: file.setdefault("social-force", {}),
+        "[agents.ID]": lambda file: file["agents"]["0"],
+    }
+
+    def base(self, heading, key):
+        file = copy.deepcopy(self.BASE)
+        if heading in ("collision-free-speed", "social-force"):
+            file["model"] = heading
+        elif key in ("collision-free-speed", "social-force"):
+            file["model"] = key
+        if key == "share":
+            for exit in file["exits"]:
+                exit["share"] = 1
+        if key == "polygon":
+            file["exits"].reverse()
+        if key in ("exits", "goals"):
+            # Nobody names one of them.
+            file["agents"] = {}
+        return file
+
+
+class SweepReader(Reader):
+    def __init__(self, directory, lemons):
+        super().__init__(directory, lemons)
+        (directory / "Trial").symlink_to(REPOSITORY / "resources/Trial_door")
+        assert self.call("pack", REPOSITORY / "resources/Trial_push", "-o", "push.fmu")[0] == 0
+        (directory / "push.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,100,0,0\n1,0,100,0,0\n")
+        (directory / "walk.toml").write_bytes((REPOSITORY / "resources/Trial_door/decision.toml").read_bytes())
+        (directory / "points.csv").write_text("TimeStepMechanical\n1e-4\n")
+
+    def read(self):
+        return self.call("sweep", "given.toml", "-o", f"results {self.count}", "--threads", "1")
+
+    BASE = {
+        "trial": "Trial",
+        "until": 0.1,
+        "parameters": {"TimeStepMechanical": [1e-4]},
+        "measures": {"far": {"of": "speed", "take": "max"}},
+    }
+    PLACES = {
+        "The file": lambda file: file,
+        "Parameters": lambda file: file["parameters"]["TimeStepMechanical"],
+        "Measures": lambda file: file["measures"]["far"],
+        "stop": lambda file: file["stop"],
+    }
+
+    def base(self, heading, key):
+        file = copy.deepcopy(self.BASE)
+        if heading == "Parameters":
+            # Without a count, whole numbers: of threads.
+            file["parameters"] = {"TimeStepMechanical": {"from": 1e-5, "to": 1e-4, "count": 2}}
+        if heading == "stop":
+            file["stop"] = {"of": "speed", "at_least": 1}
+        if key == "level":
+            file["measures"]["far"] |= {"take": "first_above", "across": "max"}
+        if key == "drive":
+            file["plan"] = False
+        return file
+
+
+READERS = {DECISION: DecisionReader, SWEEP: SweepReader}
+# Of these two, one must be there, and the other must not.
+EITHER = [("line", "polygon"), ("trial", "fmu"), ("parameters", "table"), ("at_least", "at_most")]
+NOT_BOTH = [*EITHER, ("exit", "goal")]
+
+
+@pytest.fixture(scope="module")
+def readers(lemons, tmp_path_factory):
+    return {page: reader(tmp_path_factory.mktemp("toml"), lemons) for page, reader in READERS.items()}
+
+
+EACH = [(page, pages.plain(heading), row) for page in READERS for heading, row in rows(page)]
+
+
+@pytest.mark.parametrize(("page", "heading", "row"), EACH, ids=[f"{h} {r['key']}" for _, h, r in EACH])
+def test_a_key_is_what_its_row_says(readers, page, heading, row):
+    reader, key, missing = readers[page], code(row["key"]), row["if missing"]
+
+    def refusal(value):
+        # All exits have a share, or none.
+        file = reader.base(heading, None if key == "share" and value is None else key)
+        table = reader.PLACES[heading](file)
+        if value is None:
+            table.pop(key, None)
+        else:
+            for pair in NOT_BOTH:
+                if key in pair:
+                    (other,) = {*pair} - {key}
+                    table.pop(other, None)
+            table[key] = Raw(value)
+        return reader.refusal(file)
+
+    example = code(row["example"])
+    assert not refusal(example)
+    either = next((pair for pair in EITHER if key in pair), None)
+    if missing.startswith("an error"):
+        assert either is None or f"without `{({*either} - {key}).pop()}`" in missing
+        file = reader.base(heading, key)
+        table = reader.PLACES[heading](file)
+        for each in either or [key]:
+            table.pop(each, None)
+        assert reader.refusal(file), f"{key} can be left out"
+    elif key != "count":
+        # Without a count, whole numbers are meant.
+        assert not refusal(None), f"{key} must be there"
+    default = code(missing)
+    if default is not None and page == DECISION:
+        assert not refusal(default)
+        said = reader.plan()
+        assert not refusal(None) and reader.plan() == said, f"{default} is not the default of {key}"
+        # Another value is another plan.
+        if key != "seed":
+            assert not refusal(example) and reader.plan() != said, f"{key} changes nothing"
+    elif default is not None:
+        assert not refusal(default)
+    kind = row["type"]
+    if kind.startswith("`"):
+        for value in re.findall(r"`([^`]*)`", kind):
+            assert not refusal(json.dumps(value)), value
+        assert refusal('"nothing"') and refusal("5")
+    elif kind != "see below":
+        # The longest one that fits.
+        type_ = max((each for each in OTHER if kind.startswith(each)), key=len)
+        for value in OTHER[type_]:
+            if not ("`true`" in kind and value == "true"):
+                assert refusal(value), f"{key} = {value} is taken, and is no {kind}"
+    bounds = row.get("range", "any")
+    if bounds == "≥ 0":
+        assert refusal("-1") and (kind == "whole number" or refusal("-1e-9"))
+        # All shares together must not be 0.
+        assert not refusal("0")
+    elif bounds == "> 0" or "greater than 0" in row["meaning"]:
+        assert refusal("0") and refusal("-1e-9")
+    elif bounds == "at most 10 000":
+        way = "[" + "{ x = 2, y = 2 }, " * 10_000 + "]"
+        assert not refusal(way) and refusal(way[:-1] + "{ x = 2, y = 2 }]")
+    elif bounds.startswith("the name of"):
+        assert refusal('"nowhere"')
+    elif bounds == "no other has it":
+        assert refusal('"back"')
+    elif kind.endswith("2 or more"):
+        assert refusal("1") and not refusal("2")
+
+
+HEADINGS = sorted({(page, heading) for page, heading, _ in EACH}, key=str)
+
+
+@pytest.mark.parametrize(("page", "heading"), HEADINGS, ids=[heading for _, heading in HEADINGS])
+def test_the_page_has_all_keys(readers, page, heading):
+    reader = readers[page]
+    file = reader.base(heading, None)
+    reader.PLACES[heading](file)["nonsense"] = 1
+    said = reader.refusal(file)
+    if heading == "Parameters":
+        # A range is one of several things; its message names its keys in braces.
+        known = re.search(r"\{ ([^}]*) \}", said)[1].split(", ")
+    else:
+        assert "unknown field `nonsense`" in said, said
+        known = re.findall(r"`([^`]*)`", said.split("expected", 1)[1].split("\n")[0])
+    assert [code(row["key"]) for where, each, row in EACH if (where, each) == (page, heading)] == known
+
+
+def test_what_a_measure_may_be_of_and_take(readers, lemons):
+    reader = readers[SWEEP]
+
+    def said(**changed):
+        file = reader.base("Measures", None)
+        file["measures"]["far"].update(changed)
+        return reader.refusal(file)
+
+    tables = {header[0]: [code(row[0]) for row in cells] for _, header, cells in pages.tables(SWEEP)}
+    unknown = said(take="nonsense")
+    assert tables["take"] == re.findall(r"`([^`]*)`", unknown.split("expected", 1)[1].split("\n")[0])
+    for take in tables["take"]:
+        level = {"level": 0.5} if take.startswith("first") else {}
+        assert not said(take=take, across="max", **level)
+    for of in tables["of"]:
+        assert not said(of=of), of
+    assert said(of="mood")
+    # That there are no more of them the reader does not say, but the help does.
+    help = subprocess.run([lemons, "sweep", "--help"], capture_output=True, text=True, check=True).stdout
+    listed = re.search(r"\nof: (.*?)\. Or\s+the name", help, re.DOTALL)[1]
+    listed = re.sub(r"\([^)]*\)|: (at communication points|of the whole step[^.]*)", "", " ".join(listed.split()))
+    assert sorted(name for name in re.split(r"[,; ]+", listed) if name) == sorted(tables["of"])
+
+
+def test_at_most_so_many_exits(readers):
+    reader = readers[DECISION]
+    (most,) = map(int, re.findall(r"at most (\d+) exits and goals", pages.text_of(DECISION)))
+    exit = {"line": [[9.0, 1.5], [9.0, 4.5]]}
+    assert not reader.refusal({"exits": [exit] * most})
+    assert reader.refusal({"exits": [exit] * (most + 1)})
+
+
+@pytest.mark.parametrize("page", READERS)
+def test_the_example_is_taken(readers, page):
+    reader = readers[page]
+    (block,) = (block for block in pages.blocks(page) if block.language == "toml")
+    file = tomllib.loads(block.text)
+    if page == SWEEP:
+        file |= {"trial": str(REPOSITORY / file["trial"]), "until": 0.1}
+    assert not reader.refusal(file)
