@@ -1,4 +1,5 @@
-"""Makes the four pictures of docs/lab.md again: docs/pictures.sh calls it where Playwright, Chromium and the lab are."""
+"""Makes the pictures of docs/lab.md again, in docs/ or in the directory that is given: lab_run.png, lab_3d.png, lab_room.png,
+lab_person.png. docs/pictures.sh calls it where Playwright, Chromium and the lab are."""
 
 import shutil
 import subprocess
@@ -13,7 +14,7 @@ sys.path.insert(0, str(DOCS.parent / "tests/lab"))
 from visit import LEMONS, example, fill, play_until, tab  # noqa: E402
 
 
-def main() -> None:
+def main(to: Path) -> None:
     command = subprocess.Popen([LEMONS, "lab", "--no-browser"], stdout=subprocess.PIPE, text=True)
     assert command.stdout
     url = command.stdout.readline().split()[4].rstrip(",")
@@ -23,7 +24,7 @@ def main() -> None:
         page = browser.new_page(viewport={"width": 1280, "height": 800})
         page.goto(url)
         page.wait_for_selector("canvas")
-        shown = lambda name: page.screenshot(path=DOCS / f"lab_{name}.png")
+        shown = lambda name: page.screenshot(path=to / f"lab_{name}.png")
 
         example(page, "The door", 70)
         page.get_by_label("Forces").check()
@@ -57,4 +58,4 @@ def main() -> None:
     command.terminate()
 
 
-main()
+main(Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS)
