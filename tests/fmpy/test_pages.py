@@ -54,8 +54,15 @@ INSTEAD = {"cargo run --release -- ": "lemons "}
 
 # ---- blocks that are no commands for a shell ----
 
-# Blocks of Python that are run as one script elsewhere, with the test that does.
-SCRIPTS = {"python/README.md": "test_package.py::test_the_manual_runs"}
+# Blocks of a language that another test looks at.
+ELSEWHERE = {
+    ("python/README.md", "python"): "test_package.py::test_the_manual_runs",
+    ("python/README.md", "json"): "test_pages.py::test_the_identity_of_a_sweep_has_the_keys_of_the_manual",
+    ("docs/trial.md", "text"): "test_pages.py::test_the_files_of_a_trial",
+    ("docs/reference/trial.md", "xml"): "test_reference_trial.py::test_the_examples_are_of_the_trial",
+    ("docs/reference/decision.md", "toml"): "test_reference_toml.py::test_the_example_is_taken",
+    ("docs/reference/sweep.md", "toml"): "test_reference_toml.py::test_the_example_is_taken",
+}
 # By the page and the first line. A block of TOML is written into the file; then the commands are run. In the block, texts
 # are replaced, so that less is computed.
 FILES = {
@@ -113,8 +120,12 @@ class Shell:
 
     def __init__(self, directory, lemons):
         self.directory = directory
-        for name in ("resources", "examples"):
+        for name in ("resources", "examples", "include"):
             shutil.copytree(REPOSITORY / name, directory / name, ignore=shutil.ignore_patterns("__pycache__"))
+        built = directory / "target/release"
+        built.mkdir(parents=True)
+        for file in (lemons, *lemons.parent.glob("libcrowd_mechanics.*")):
+            (built / file.name).symlink_to(file)
         bin = directory / "bin"
         bin.mkdir()
         (bin / "lemons").symlink_to(lemons)
@@ -176,11 +187,11 @@ def session(text):
 @pytest.mark.parametrize("page", [page for page in pages.PAGES if pages.blocks(page)])
 def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
     shell = Shell(tmp_path, lemons)
-    (tmp_path / "target/release").mkdir(parents=True)
-    (tmp_path / "target/release/lemons").symlink_to(lemons)
     compared = []  # the lines of the page, and the numbers of the commands that print them
     last = []
     for block in pages.blocks(page):
+        if (page, block.language) in ELSEWHERE:
+            continue
         if block.language == "sh":
             numbers = []
             for command in commands(block):
@@ -190,9 +201,6 @@ def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
                         shell.add(block.place, own)
                     numbers.append(shell.add(block.place, command))
             last = numbers
-        elif block.language == "python" and page in SCRIPTS:
-            file, name = SCRIPTS[page].split("::")
-            assert f"\ndef {name}(" in (Path(__file__).parent / file).read_text()
         elif block.language == "python":
             last = [shell.add(block.place, f"python - <<'END'\n{block.text}END")]
         elif block.language == "toml":
@@ -210,15 +218,12 @@ def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
             if block.text.startswith("$ "):
                 for command, shown in session(block.text):
                     compared.append((block, shown, [shell.add(block.place, command)]))
-            elif page in OWN_TESTS and block.first in OWN_TESTS[page]:
-                continue
             else:
                 assert last, f"{block.place}: shows what no command of the page prints"
                 compared.append((block, block.text, last))
-        elif block.language == "json":
-            assert block.first in OWN_TESTS.get(page, ()), f"{block.place}: no test looks at it"
         elif block.language == "c":
-            assert page in OWN_TESTS, f"{block.place}: no test compiles it"
+            command = f"cat >block.c <<'END'\n{block.text}END\ncc -Wall -Werror -Iinclude -c block.c"
+            shell.add(block.place, command)
         elif block.language != "text":
             raise AssertionError(f"{block.place}: what kind of block is {block.language!r}?")
     said = shell.run()
@@ -229,13 +234,6 @@ def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
             printed = "".join(said[number] for number in numbers)
             wrong.append(f"{block.place}: the page shows\n{missing}\nThe command prints\n{printed}")
     assert not wrong, "\n".join(wrong)
-
-
-# Blocks that a test of their own looks at, by the page and their first line.
-OWN_TESTS = {
-    "docs/trial.md": ["Parameters.xml"],
-    "python/README.md": ["{"],
-}
 
 
 def test_the_files_of_a_trial():
@@ -278,5 +276,9 @@ def test_the_exceptions_are_needed():
     for page, begin in [*NOT_RUN, *BEFORE]:
         own = [c for block in pages.blocks(page) if block.language == "sh" for c in commands(block)]
         assert any(command.startswith(begin) for command in own), f"{page} has no command {begin}"
-    for page, first in [*FILES, *TEXTS, *((page, first) for page in OWN_TESTS for first in OWN_TESTS[page])]:
+    for (page, language), test in ELSEWHERE.items():
+        file, name = test.split("::")
+        assert f"\ndef {name}(" in (Path(__file__).parent / file).read_text(), test
+        assert any(block.language == language for block in pages.blocks(page)), f"{page} has no block of {language}"
+    for page, first in [*FILES, *TEXTS]:
         assert any(first in ("", block.first) for block in pages.blocks(page)), f"{page} has no block {first}"

@@ -59,6 +59,10 @@ def rows(page):
     return found
 
 
+def number(text):
+    return re.fullmatch(r"[-+.0-9e]+", text) is not None
+
+
 def code(cell):
     """What a cell has between backticks; None if it is no single piece of code."""
     match = re.fullmatch(r"`([^`]*)`", cell)
@@ -146,6 +150,7 @@ class SweepReader(Reader):
         (directory / "push.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,100,0,0\n1,0,100,0,0\n")
         (directory / "walk.toml").write_bytes((REPOSITORY / "resources/Trial_door/decision.toml").read_bytes())
         (directory / "points.csv").write_text("TimeStepMechanical\n1e-4\n")
+        (directory / "walkable.wkt").write_text("POLYGON ((-1 -1, 50 -1, 50 6, -1 6, -1 -1))")
 
     def read(self):
         return self.call("sweep", "given.toml", "-o", f"results {self.count}", "--threads", "1")
@@ -154,12 +159,30 @@ class SweepReader(Reader):
         "trial": "Trial",
         "until": 0.1,
         "parameters": {"TimeStepMechanical": [1e-4]},
+        "lines": {"door": [5, 2.05, 5, 2.95]},
+        "areas": {"front": [3, 1, 5, 4]},
         "measures": {"far": {"of": "speed", "take": "max"}},
+    }
+    # By the heading and the key that needs another one.
+    MEASURES = {
+        "Of an output": {"of": "speed", "take": "max"},
+        "Over a line": {"line": "door", "direction": "right", "number": "flow"},
+        "In an area": {"area": "front", "number": "density", "take": "max"},
+        "Squeeze": {"squeeze": "peak", "across": "max"},
+    }
+    NEEDED = {
+        ("Of an output", "level"): {"take": "first_above", "across": "max"},
+        ("Over a line", "width"): {"number": "specific_flow"},
+        ("Squeeze", "over"): {"squeeze": "largest_mean"},
+        ("Squeeze", "level"): {"squeeze": "time_above"},
     }
     PLACES = {
         "The file": lambda file: file,
         "Parameters": lambda file: file["parameters"]["TimeStepMechanical"],
-        "Measures": lambda file: file["measures"]["far"],
+        "Of an output": lambda file: file["measures"]["far"],
+        "Over a line": lambda file: file["measures"]["far"],
+        "In an area": lambda file: file["measures"]["far"],
+        "Squeeze": lambda file: file["measures"]["far"],
         "stop": lambda file: file["stop"],
     }
 
@@ -170,8 +193,8 @@ class SweepReader(Reader):
             file["parameters"] = {"TimeStepMechanical": {"from": 1e-5, "to": 1e-4, "count": 2}}
         if heading == "stop":
             file["stop"] = {"of": "speed", "at_least": 1}
-        if key == "level":
-            file["measures"]["far"] |= {"take": "first_above", "across": "max"}
+        if heading in self.MEASURES:
+            file["measures"]["far"] = self.MEASURES[heading] | self.NEEDED.get((heading, key), {})
         if key == "drive":
             file["plan"] = False
         return file
@@ -234,9 +257,15 @@ def test_a_key_is_what_its_row_says(readers, page, heading, row):
         assert not refusal(default)
     kind = row["type"]
     if kind.startswith("`"):
-        for value in re.findall(r"`([^`]*)`", kind):
-            assert not refusal(json.dumps(value)), value
-        assert refusal('"nothing"') and refusal("5")
+        values = re.findall(r"`([^`]*)`", kind)
+        for value in values:
+            said = refusal(value if number(value) else json.dumps(value))
+            # One of them may need another key.
+            assert not said or "needs" in said, said
+        said = refusal('"nothing"')
+        assert said and refusal("5")
+        listed = re.findall(r"`([^`]*)`", said.split("expected", 1)[1].split("\n")[0]) if "unknown variant" in said else values
+        assert values == listed
     elif kind != "see below":
         # The longest one that fits.
         type_ = max((each for each in OTHER if kind.startswith(each)), key=len)
@@ -283,7 +312,7 @@ def test_what_a_measure_may_be_of_and_take(readers, lemons):
     reader = readers[SWEEP]
 
     def said(**changed):
-        file = reader.base("Measures", None)
+        file = reader.base("Of an output", None)
         file["measures"]["far"].update(changed)
         return reader.refusal(file)
 

@@ -1,0 +1,135 @@
+"""The pictures of the pages: each has a command that makes it, and is what this command draws today.
+
+What is cheap is drawn again. Of the others, a part of the numbers is computed again, or the picture says of what it was
+drawn. CONTRIBUTING.md, "Pictures", says how to make each again.
+"""
+
+import csv
+import hashlib
+import importlib.util
+import io
+import os
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pages
+import pytest
+from conftest import SHARED
+from crowd import REPOSITORY, TRIAL_PUSH
+from PIL import Image
+
+DOCS = REPOSITORY / "docs"
+DIGESTS = DOCS / "pictures.digests"
+VALIDATION = ["rimea_6", "rimea_9", "rimea_12", "single_file", "corridor", "bottleneck", "faster", "peer"]
+# By picture: the file that makes it, and what this file says of it.
+MADE_BY = {
+    **{f"docs/{name}.png": ("docs/pictures.sh", f'"$to/{name}.png"') for name in ("push", "crowd", "room", "measured", "flow")},
+    **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'shown("{name}")') for name in ("run", "3d", "room", "person")},
+    **{f"docs/validation_{name}.svg": ("examples/validation.py", f'"{name}": {name}') for name in VALIDATION},
+    "docs/door_width.svg": ("examples/door_width.py", '"door_width.svg"'),
+    "docs/calibration.png": ("examples/calibrate.py", '"calibration.png"'),
+}
+
+
+def test_every_picture_has_a_command_and_a_page():
+    shown = {picture for page in pages.PAGES for picture in pages.pictures(page)}
+    there = {path.relative_to(REPOSITORY).as_posix() for kind in ("png", "svg", "gif") for path in DOCS.rglob(f"*.{kind}")}
+    assert shown <= there, f"there is no {shown - there}"
+    assert shown >= there, f"no page shows {there - shown}"
+    assert set(MADE_BY) == there, f"without a command, or a command without a picture: {set(MADE_BY) ^ there}"
+    for picture, (file, words) in MADE_BY.items():
+        assert words in (REPOSITORY / file).read_text(), f"{file} does not make {picture}"
+
+
+def pixels(path):
+    return np.asarray(Image.open(path).convert("RGB")).astype(int)
+
+
+def differing(one, other):
+    """The part of the pixels that differ by more than an eighth of the range; all if the sizes do."""
+    one, other = pixels(one), pixels(other)
+    return float((np.abs(one - other).max(axis=2) > 32).mean()) if one.shape == other.shape else 1.0
+
+
+@pytest.mark.parametrize("name", ["push", "crowd", "room", "measured", "flow"])
+def test_a_picture_is_what_pictures_sh_draws(lemons, tmp_path, name):
+    if name == "measured" and not (SHARED / "data/push_wed").is_dir():
+        pytest.skip("../shared is absent")
+    environment = {**os.environ, "LEMONS": str(lemons), "PYTHON": sys.executable, "XDG_STATE_HOME": str(tmp_path / "state")}
+    command = ["bash", DOCS / "pictures.sh", tmp_path, name]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    # Matplotlib draws letters with what a machine has; our own pictures do not.
+    most = 0.01 if name == "flow" else 0.0005
+    part = differing(tmp_path / f"{name}.png", DOCS / f"{name}.png")
+    assert part <= most, f"docs/{name}.png is old ({part:.2%} of its pixels differ): docs/pictures.sh docs {name}"
+
+
+def description(picture):
+    """What a picture in SVG says of its numbers."""
+    found = ElementTree.parse(picture).find(".//{http://purl.org/dc/elements/1.1/}description")
+    assert found is not None, f"{picture.name} does not say what it was drawn from: make it again"
+    return found.text
+
+
+def test_the_widths_of_a_door(lemons, tmp_path):
+    """Some of the runs of the picture, made again."""
+    runs = {(row["width"], row["seed"]): row for row in csv.DictReader(io.StringIO(description(DOCS / "door_width.svg")))}
+    assert len(runs) == 100
+    environment = {**os.environ, "LEMONS": str(lemons), "XDG_STATE_HOME": str(tmp_path / "state")}
+    command = [sys.executable, REPOSITORY / "examples/door_width.py", "few", "--widths", "1.0", "1.6", "--seeds", "1"]
+    subprocess.run(command, cwd=tmp_path, env=environment, check=True, capture_output=True)
+    again = list(csv.DictReader(io.StringIO(description(tmp_path / "few/door_width.svg"))))
+    assert len(again) == 2
+    old = [row for row in again if runs[row["width"], row["seed"]] != row]
+    assert not old, f"docs/door_width.svg is old: today {old}"
+
+
+def script(name):
+    spec = importlib.util.spec_from_file_location(name, REPOSITORY / "examples" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def tables_of(name):
+    """The tables of a figure in docs/validation.md, as text."""
+    return re.search(rf"<!-- {name} -->\n\n(.*?)\n\n<!-- /{name} -->", pages.text_of("docs/validation.md"), re.DOTALL)[1]
+
+
+@pytest.mark.parametrize("name", VALIDATION)
+def test_a_picture_of_the_validation_is_of_the_tables(name):
+    own = script("validation").of_tables([tables_of(name)])
+    assert description(DOCS / f"validation_{name}.svg") == own, f"python examples/validation.py --write {name}"
+
+
+def test_tables_of_the_validation_are_those_of_today(lemons, tmp_path, monkeypatch):
+    """The cheap ones whole, of another one a cell."""
+    monkeypatch.setenv("LEMONS", str(lemons))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    validation = script("validation")
+    for name in ("rimea_1", "rimea_6"):
+        tables, _ = validation.FIGURES[name](tmp_path)
+        assert "\n\n".join(tables) == tables_of(name), f"python examples/validation.py --all --write ({name} is old)"
+    crossed = [validation.leave(tmp_path, "collision-free-speed", 1.2, 80, seed) for seed in range(1, 5)]
+    cell = validation.mean_and_spread(validation.steady(times) / 1.2 for times in crossed)
+    head, _, *rows = map(pages.cells, tables_of("bottleneck").splitlines())
+    (row,) = (row for row in rows if row[0] == "1.2")
+    column = next(k for k, name in enumerate(head) if name.startswith("collision-free-speed"))
+    assert row[column] == cell, "python examples/validation.py --all --write (bottleneck is old)"
+
+
+def test_the_calibration_is_of_this_mechanics(lemons, tmp_path):
+    """Its picture takes minutes and needs measured data. It is old if its script or the mechanics has changed."""
+    words = ["--until", "1", "--set", "TimeStepMechanical=1e-4", "-o", "-"]
+    done = subprocess.run([lemons, "run", TRIAL_PUSH, *words], cwd=tmp_path, capture_output=True, text=True, check=True)
+    poses = [[round(float(row[name]), 6) for name in ("x", "y", "theta")] for row in csv.DictReader(io.StringIO(done.stdout))]
+    assert len(poses) == 5 * 21
+    text = (REPOSITORY / "examples/calibrate.py").read_text() + repr(poses) + hashlib.sha256((DOCS / "calibration.png").read_bytes()).hexdigest()
+    line = f"{hashlib.sha256(text.encode()).hexdigest()}  calibration.png\n"
+    if os.environ.get("FMI_TABLES") == "write":
+        DIGESTS.write_text(line)
+    assert DIGESTS.read_text() == line, "docs/calibration.png may be old: CONTRIBUTING.md, Pictures"
