@@ -85,7 +85,7 @@ def draw(given: argparse.Namespace) -> None:
         panel.grid(alpha=0.3)
     panels[0].legend()
     # The picture says what it was drawn from: a test computes some of it again.
-    runs = table[["width", "seed", "first", "last", "squeeze"]].to_csv(index=False)
+    runs = table[["width", "seed", "last", "flow", "squeeze"]].to_csv(index=False)
     figure.savefig(given.target / "door_width.svg", metadata={"Date": None, "Description": runs})
 
 

@@ -12,7 +12,6 @@ Each figure makes Trials with `lemons crowd`, writes their decision.toml, runs t
 
 import argparse
 import functools
-import hashlib
 import inspect
 import itertools
 import json
@@ -689,11 +688,6 @@ def put_into_page(name, tables):
     PAGE.write_text(f"{before}{begin}\n\n" + "\n\n".join(tables) + f"\n\n{end}{after}")
 
 
-def of_tables(tables):
-    """What a picture says of the tables that belong to it: a test finds pictures that are older."""
-    return f"sha256 of its tables: {hashlib.sha256('\n\n'.join(tables).encode()).hexdigest()}"
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("figure", nargs="*", metavar="FIGURE", help=f"one or more of: {', '.join(FIGURES)}")
@@ -730,7 +724,7 @@ def main():
             if draw:
                 figure = draw(plt)
                 path = (PAGE.parent if arguments.write else arguments.pictures) / f"validation_{name}.svg"
-                figure.savefig(path, metadata={"Date": None, "Description": of_tables(tables)})
+                figure.savefig(path, metadata={"Date": None})
                 plt.close(figure)
                 print(path)
             print(f"{time.monotonic() - began:.0f} s\n", file=sys.stderr, flush=True)

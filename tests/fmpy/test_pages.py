@@ -62,10 +62,23 @@ ELSEWHERE = {
     ("docs/reference/trial.md", "xml"): "test_reference_trial.py::test_the_examples_are_of_the_trial",
     ("docs/reference/decision.md", "toml"): "test_reference_toml.py::test_the_example_is_taken",
     ("docs/reference/sweep.md", "toml"): "test_reference_toml.py::test_the_example_is_taken",
+    # Rust runs them.
+    ("docs/guide/rust.md", "rust"): "src/lib.rs::docs/guide/rust.md",
+    ("docs/guide/rust.md", "rust,no_run"): "src/lib.rs::docs/guide/rust.md",
 }
-# By the page and the first line. A block of TOML is written into the file; then the commands are run. In the block, texts
-# are replaced, so that less is computed.
+# By the page and the first line. A block of TOML or XML is written into the file; the first command is run before, the
+# second one after it. In the block, texts are replaced, so that less is computed.
+ROOMS = "for width in 0.8 1.2; do for seed in 1 2; do lemons crowd --number 20 --box 8x6 --door 8,3,$width --leave --seed $seed -o room_${width}_$seed; done; done"
 FILES = {
+    ("docs/guide/first-half-hour.md", '<?xml version="1.0" encoding="UTF-8"?>'): ("Geometry.xml", "", "", {}),
+    ("docs/guide/sweeps.md", 'trial = "resources/Trial_push"'): ("sweep.toml", "", "", {}),
+    ("docs/guide/sweeps.md", 'trial = "room_{width}_{seed}"'): ("rooms.toml", "", "lemons sweep rooms.toml", {}),
+    ("docs/measure.md", 'trial = "room_{width}_{seed}"'): (
+        "rooms.toml",
+        ROOMS,
+        "lemons sweep rooms.toml",
+        {"[0.8, 1.0, 1.2]": "[0.8, 1.2]", "to = 20": "to = 2"},
+    ),
     ("docs/walking.md", 'model = "collision-free-speed"     # or "straight" (the default), "social-force"'): (
         "two_doors/decision.toml",
         "lemons crowd --number 20 --box 8x6 --door 8,3,1 --door 0,3,1 -o two_doors",
@@ -85,8 +98,10 @@ FILES = {
         {"[0.7, 0.8, 0.9, 1.0, 1.2]": "[0.9, 1.2]", "to = 20": "to = 2"},
     ),
 }
-# Blocks of texts that are no output, with the reason.
-TEXTS = {
+# Blocks that are neither run nor printed, with the reason.
+OTHERS = {
+    ("docs/guide/rust.md", "[dependencies]"): "of another project",
+    ("docs/guide/rust.md", "Agents.xml, Geometry.xml, …                          agent[3].Fp.x      agent[3].Position.x"): "a drawing",
     ("docs/step.md", "error ≈ 5 m × (step / T)²         step = T × √(accuracy / 5 m)"): "an equation",
     ("docs/install.md", "platforms linux64        glibc 2.17"): "of a release; packaging/check.sh makes it",
     ("docs/command.md", ""): "generated from the help: a test of crates/cli gives its examples to the command",
@@ -190,7 +205,7 @@ def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
     compared = []  # the lines of the page, and the numbers of the commands that print them
     last = []
     for block in pages.blocks(page):
-        if (page, block.language) in ELSEWHERE:
+        if (page, block.language) in ELSEWHERE or (page, block.first) in OTHERS or (page, "") in OTHERS and block.language == "text":
             continue
         if block.language == "sh":
             numbers = []
@@ -202,8 +217,8 @@ def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
                     numbers.append(shell.add(block.place, command))
             last = numbers
         elif block.language == "python":
-            last = [shell.add(block.place, f"python - <<'END'\n{block.text}END")]
-        elif block.language == "toml":
+            last = [shell.add(block.place, f"cat >block.py <<'END'\n{block.text}END\npython block.py")]
+        elif block.language in ("toml", "xml"):
             file = FILES.get((page, block.first))
             assert file, f"{block.place}: nothing says in which file this is, and what reads it"
             name, before, after, replaced = file
@@ -213,8 +228,8 @@ def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
                 text = text.replace(old, new)
             shell.add(block.place, before or ":")
             shell.add(block.place, f"cat >{name} <<'END'\n{text}END")
-            last = [shell.add(block.place, after)]
-        elif block.language == "text" and (page, "") not in TEXTS and (page, block.first) not in TEXTS:
+            last = [shell.add(block.place, after or ":")]
+        elif block.language == "text":
             if block.text.startswith("$ "):
                 for command, shown in session(block.text):
                     compared.append((block, shown, [shell.add(block.place, command)]))
@@ -224,7 +239,7 @@ def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
         elif block.language == "c":
             command = f"cat >block.c <<'END'\n{block.text}END\ncc -Wall -Werror -Iinclude -c block.c"
             shell.add(block.place, command)
-        elif block.language != "text":
+        else:
             raise AssertionError(f"{block.place}: what kind of block is {block.language!r}?")
     said = shell.run()
     wrong = []
@@ -278,7 +293,9 @@ def test_the_exceptions_are_needed():
         assert any(command.startswith(begin) for command in own), f"{page} has no command {begin}"
     for (page, language), test in ELSEWHERE.items():
         file, name = test.split("::")
-        assert f"\ndef {name}(" in (Path(__file__).parent / file).read_text(), test
+        of_python = file.startswith("test_")
+        text = (Path(__file__).parent / file if of_python else REPOSITORY / file).read_text()
+        assert (f"\ndef {name}(" if of_python else name) in text, test
         assert any(block.language == language for block in pages.blocks(page)), f"{page} has no block of {language}"
-    for page, first in [*FILES, *TEXTS]:
+    for page, first in [*FILES, *OTHERS]:
         assert any(first in ("", block.first) for block in pages.blocks(page)), f"{page} has no block {first}"
