@@ -3,7 +3,7 @@
 import csv
 
 from crowd import REPOSITORY
-from lemons_fmu.crowd import _clock, points_between, steps_between
+from lemons_fmu.clock import clock_of, points_between, steps_between
 
 # Written by `CLOCK_TABLE=write cargo test -p lemons-master --lib clock`.
 TABLE = REPOSITORY / "tests/clock.csv"
@@ -16,7 +16,7 @@ def test_points_are_those_of_the_command():
     short = 0
     for row in rows:
         step, until = float(row["step"]), float(row["until"])
-        assert _clock(0.0, until, step) == (int(row["steps"]), float(row["last"])), row
+        assert clock_of(0.0, until, step) == (int(row["steps"]), float(row["last"])), row
         if steps_between(0.0, until, step) > 1_000_000:
             continue  # the points of a long run need gigabytes
         points = points_between(0.0, until, step)

@@ -365,10 +365,10 @@ def test_instances_are_used_again_and_forget(fmu, push_fmu, drive):
     wanted = simulate(fmu, drive, until=1.0)
     gc.collect()
     with Crowd(fmu, {"agent[1].Mass": 40.0}) as crowd:
-        instance = crowd._given
+        instance = crowd._given.crowd
         assert not crowd.run(drive, until=1.0).frame().equals(wanted)
     with Crowd(fmu) as crowd:
-        assert crowd._given is instance
+        assert crowd._given.crowd is instance
         assert crowd.run(drive, until=1.0).frame().equals(wanted)
         crowd.reset({"agent[1].Mass": 40.0})
         assert not crowd.run(drive, until=1.0).frame().equals(wanted)

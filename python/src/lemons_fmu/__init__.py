@@ -6,14 +6,16 @@
 """
 
 from .command import CommandError
-from .crowd import Crowd, Run, State
+from .crowd import Crowd, State
 from .drive import Drive
-from .fmu import Fmu, FmuError, load
+from .errors import FmuError
+from .fmu import Fmu, load
 from .measure import Measures
 from .measure import measure as measure
 from .picture import Picture, plot
 from .progress import Progress
 from .results import SweepError
+from .run import Run
 from .simulate import simulate as simulate
 from .sweep import local_cluster, sweep
 from .trial import Trial, pack, person

@@ -1,74 +1,34 @@
-"""Crowds that can be stepped, and runs."""
+"""Crowds that can be stepped."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import monotonic
 from types import TracebackType
-from typing import Any
+from typing import Any, Literal, Union
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 from numpy.typing import NDArray
 
-from .columns import CONTACTS, ID, INPUTS, OF_STEP, REALS, TABLE, TIME, TOTALS
+from .clock import clock_of, points_between
+from .columns import ACTIVE, INPUTS
 from .drive import Drive, DriveLike, Floats, forces, known
-from .fmu import Fmu, FmuError, Instance, Source, Value, load
+from .errors import FmuError
+from .fmu import Fmu
+from .instance import Instance, Value
+from .loaded import Loaded, Source
+from .made import Plan, model_of
+from .model import Algorithm, Model, System
 from .progress import Progress, ProgressLine
+from .record import Record
+from .run import Ints, Run, of_step
 
-Ints = NDArray[np.int32]
-
-
-#: Largest number of communication steps of a run, as in `lemons run`.
-MOST_STEPS = 1_000_000_000
-
-
-def steps_between(start: float, until: float, step: float) -> int:
-    """Returns the number of communication steps between two times [s]; the last may be shorter.
-
-    Raises:
-        ValueError: there are no steps, there are too many, or rounding makes the step zero.
-    """
-    if not (math.isfinite(until) and until > start and math.isfinite(step) and step > 0):
-        raise ValueError(f"nothing to simulate: from {start} s to {until} s in steps of {step} s")
-    return _clock(start, until, step)[0]
-
-
-def _clock(start: float, until: float, step: float) -> tuple[int, float]:
-    """Returns the number of communication steps and the last point [s], as `Clock::new` of `lemons run`."""
-    quotient = (until - start) / step
-    if quotient > MOST_STEPS + 0.5:
-        raise ValueError(f"from {start} s to {until} s there are {quotient:.4e} steps of {step} s: at most {MOST_STEPS:.0e} are made")
-    if start + step <= start or until - step >= until:
-        raise ValueError(f"a communication step of {step} s is lost in rounding between {start} s and {until} s")
-    steps = max(1, math.floor(quotient + 0.5))
-    # Both the quotient and the multiple are rounded: by less than a few of the smallest differences of such times.
-    multiple, rounding = start + steps * step, 4.0 * max(math.ulp(until), math.ulp(start))
-    if abs(multiple - until) <= max(rounding, 1e-9 * step):
-        # If the end is a multiple of the step except for rounding, use that multiple.
-        until = multiple
-    else:
-        steps = max(1, math.ceil(quotient))
-    # No step has the length 0.
-    while steps > 1 and start + (steps - 1) * step >= until:
-        steps -= 1
-    return steps, until
-
-
-def points_between(start: float, until: float, step: float) -> Floats:
-    """Returns the communication points between two times [s], including both; the same bits as in `lemons run`. They are
-    multiples of the step, not sums; the last step may be shorter.
-
-    Raises:
-        ValueError: see `steps_between`.
-    """
-    steps = steps_between(start, until, step)
-    times: Floats = start + np.arange(steps + 1, dtype=np.float64) * step
-    times[-1] = _clock(start, until, step)[1]
-    return times
+#: The end of a run: a time [s]; or "left": when everybody has left who has an exit, at the latest after `LATEST`.
+Until = Union[float, Literal["left"]]
+#: Who has not left until then [s] does not leave, as in `lemons run --until left`.
+LATEST = 3600.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -77,38 +37,66 @@ class State:
 
     time: float
     data: bytes
+    #: Of who decides where people walk.
+    decision: bytes | None = None
 
     def __repr__(self) -> str:
-        return f"<State at {self.time:g} s, {len(self.data)} bytes>"
+        return f"<State at {self.time:g} s, {len(self.data) + len(self.decision or b'')} bytes>"
 
 
 class Crowd:
-    """An instance of a packed crowd of N people, initialized and ready to step.
+    """A crowd of N people, initialized and ready to step.
 
-    `fmu` is a file, the bytes of a file, or a result of `load`. `parameters` are set before initialization: parameters and
-    start values by their names in the FMU; `agent[*].Mass` sets the mass of all agents. Use it in a `with`, or `close` it:
-    the next Crowd then uses its instance again. Only one thread at a time may use it; make one for each thread.
+    `what` is a Trial (its directory, or a zip of it), or a packed crowd: a file, the bytes of a file, or a result of `load`. The
+    people of a Trial walk by its decision.toml, as in `lemons run`: the Decision FMU is coupled with the crowd's, and the
+    results have the same bits. `plan` is another such file, or the FMU that decides (the way to walk with a packed crowd);
+    with `plan=False` nobody walks. `algorithm` says how both exchange values ("jacobi", "gauss-seidel").
+
+    `parameters` are set before initialization: parameters and start values by their names in the FMU; `agent[*].Mass` sets the
+    mass of all agents, `decision.agent[3].DesiredSpeed` a parameter of Decision. Use it in a `with`, or `close` it: the next
+    Crowd of the same FMU then uses its instance again. Only one thread at a time may use it; make one for each thread.
 
     Raises:
-        FmuError: the FMU refuses something; the message is that of the FMU.
+        FmuError: an FMU refuses something (the message is that of the FMU), or two do not fit together.
+        CommandError: the command `lemons` refuses the Trial or the plan, or is missing; the message is its own.
+        ValueError: the plan is for a Trial, and there is an FMU.
     """
 
-    def __init__(self, fmu: Source | Fmu, parameters: Mapping[str, Value] | None = None, *, start: float = 0.0) -> None:
-        self.fmu = load(fmu)
-        self._given: Instance | None = self.fmu.borrow()
+    def __init__(
+        self,
+        what: Source | Fmu | Model,
+        parameters: Mapping[str, Value] | None = None,
+        *,
+        plan: Plan = None,
+        algorithm: Algorithm = "jacobi",
+        start: float = 0.0,
+    ) -> None:
+        self._model = what if isinstance(what, Model) else model_of(what, plan, algorithm)
+        #: The FMU of the crowd.
+        self.fmu = self._model.fmu
+        self._given: System | None = System(self._model)
         #: The current time [s].
         self.time = start
         try:
-            self._instance.initialize(parameters or {}, start)
+            self._system.initialize(parameters or {}, start)
         except BaseException:
             self.close()
             raise
 
     @property
-    def _instance(self) -> Instance:
+    def plan(self) -> Loaded | None:
+        """The FMU that decides where people walk; None: nobody walks. It can be the `plan` of another Crowd."""
+        return self._model.decider
+
+    @property
+    def _system(self) -> System:
         if self._given is None:
             raise FmuError("the Crowd is closed")
         return self._given
+
+    @property
+    def _instance(self) -> Instance:
+        return self._system.crowd
 
     def __enter__(self) -> Crowd:
         return self
@@ -123,40 +111,46 @@ class Crowd:
     def __repr__(self) -> str:
         if self._given is None:
             return "<Crowd, closed>"
-        return f"<Crowd of {self.fmu.agents} people, Trial {self.trial!r}, at {self.time:g} s>"
+        walk = "" if self.plan is None else " who walk"
+        return f"<Crowd of {self.fmu.agents} people{walk}, Trial {self.trial!r}, at {self.time:g} s>"
 
     def __len__(self) -> int:
         """The number of people."""
         return self.fmu.agents
 
     def __getitem__(self, name: str) -> Value:
-        """Returns the value of a variable."""
-        return self._instance.get(name)
+        """Returns the value of a variable, of Decision as `decision.Arrived`."""
+        return self._system.get(name)
 
     def close(self) -> None:
         """Gives the instance back. The Crowd cannot be used any more."""
-        instance, self._given = self._given, None
-        if instance is not None:
-            self.fmu.give_back(instance)
+        system, self._given = self._given, None
+        if system is not None:
+            system.close()
 
     def reset(self, parameters: Mapping[str, Value] | None = None, *, start: float = 0.0) -> None:
         """Goes back to the beginning of the Trial, with these parameters only."""
-        self._instance.reset()
+        self._system.reset()
         self.time = start
-        self._instance.initialize(parameters or {}, start)
+        self._system.initialize(parameters or {}, start)
 
     @property
     def trial(self) -> str:
         """Name of the packed Trial that is simulated."""
-        return str(self["Trial"]) if "Trial" in self.fmu.variables else self.fmu.trial
+        return str(self._instance.get("Trial")) if "Trial" in self.fmu.variables else self.fmu.trial
 
     @property
     def messages(self) -> list[str]:
-        """The messages of the FMU, such as warnings."""
-        return self._instance.messages
+        """The messages of the FMUs, such as warnings."""
+        return self._system.messages
 
     def set_drive(self, drive: Floats) -> None:
-        """Sets Fp.x, Fp.y [N] and Mp [N.m] of all agents, shape (N, 3). They stay until they are set again."""
+        """Sets Fp.x, Fp.y [N] and Mp [N.m] of all agents, shape (N, 3). They stay until they are set again.
+
+        Raises:
+            FmuError: people walk: Decision sets them in each step.
+        """
+        self._undecided("Fp.x")
         self._instance.set_real(self.fmu.inputs, forces(drive, self.fmu.agents))
 
     def drive(self) -> Floats:
@@ -166,7 +160,8 @@ class Crowd:
     @property
     def active(self) -> Presence:
         """Whether people are there, as an array that can be written: `crowd.active[3] = False` takes somebody out. From the
-        next step on they touch nothing and do not move; with True they come back where they were.
+        next step on they touch nothing and do not move; with True they come back where they were. Where people walk, Decision
+        says who is there: it can only be read.
 
         Raises:
             FmuError: the FMU was packed by an early version, from whose crowd nobody can leave.
@@ -177,13 +172,23 @@ class Crowd:
     def active(self, values: npt.ArrayLike) -> None:
         self.active[:] = values
 
+    @property
+    def left(self) -> int:
+        """How many people are not there: who have left, or were taken out."""
+        return 0 if self.fmu.active is None else int((~self._instance.get_boolean(self.fmu.active)).sum())
+
+    def _undecided(self, variable: str) -> None:
+        """Checks that nobody else sets a variable of agents."""
+        if f"agent[0].{variable}" in self._model.fed[-1]:
+            raise FmuError(f"agent[i].{variable} is set by {self._model.plan} in each step; with plan=False nobody walks")
+
     def step(self, step: float | None = None) -> None:
         """Simulates a communication step [s]; by default the Trial's TimeStep."""
-        self.step_to(self.time + (self.fmu.step_of(self.trial) if step is None else step))
+        self.step_to(self.time + (self._model.step_of(self.trial) if step is None else step))
 
     def step_to(self, time: float) -> None:
         """Simulates a communication step that ends at this time [s]."""
-        self._instance.do_step(self.time, time - self.time)
+        self._system.step(self.time, time - self.time)
         self.time = time
 
     def poses(self) -> Floats:
@@ -205,15 +210,15 @@ class Crowd:
         Raises:
             FmuError: the FMU was packed by an early version, which does not have this output and the next two.
         """
-        return self._reals(np.ascontiguousarray(_of_step(self.fmu.reals, 0)))
+        return self._reals(np.ascontiguousarray(of_step(self.fmu.reals, 0)))
 
     def peak_squeeze(self) -> Floats:
         """Returns the largest squeeze within the last communication step [N], shape (N,)."""
-        return self._reals(np.ascontiguousarray(_of_step(self.fmu.reals, 1)))
+        return self._reals(np.ascontiguousarray(of_step(self.fmu.reals, 1)))
 
     def peak_overlap(self) -> Floats:
         """Returns the deepest overlap of the contacts within the last communication step [m], shape (N,)."""
-        return self._reals(np.ascontiguousarray(_of_step(self.fmu.reals, 2)))
+        return self._reals(np.ascontiguousarray(of_step(self.fmu.reals, 2)))
 
     def contacts(self) -> Ints:
         """Returns for all agents the number of contacts with people, of contacts with walls, and of people that touch: shape
@@ -228,55 +233,69 @@ class Crowd:
 
     def save(self) -> State:
         """Returns the state, including contacts. After it is restored, results have the same bits."""
-        return State(self.time, self._instance.save())
+        *decision, crowd = self._system.save()
+        return State(self.time, crowd, *decision)
 
     def restore(self, state: State) -> None:
-        """Restores a state that was saved from this Crowd, or from another one of the same FMU."""
-        self._instance.restore(state.data)
+        """Restores a state that was saved from this Crowd, or from another one of the same FMUs."""
+        self._system.restore([state.data] if state.decision is None else [state.decision, state.data])
         self.time = state.time
 
-    def run(self, drive: DriveLike[Crowd] = None, *, until: float, step: float | None = None, progress: bool = False) -> Run:
+    def run(
+        self,
+        drive: DriveLike[Crowd] = None,
+        *,
+        until: Until,
+        step: float | None = None,
+        stop: Callable[[Crowd], bool] | None = None,
+        progress: bool = False,
+    ) -> Run:
         """Steps until a time [s], and returns poses, velocities, squeeze and contacts at all communication points. These are
         multiples of the step from the present time; the last step may be shorter. The default step is the Trial's TimeStep.
 
-        The default drive is the drive.csv packed with the Trial, as in `lemons run FILE.fmu`. Nobody walks by a
-        decision.toml: `simulate` of the Trial does that. With `False` no drive is set: that of
-        the Trial, or the one that was set before, continues. See `DriveLike` for other drives. `progress` shows the progress
-        on standard error.
+        With `until="left"` the run ends when everybody has left who has an exit, at the latest at 3600 s. `stop` is a function
+        of the Crowd that is called after each step: the run ends when it returns True. `Run.ended` says when that was.
+
+        The default drive is the drive.csv packed with the Trial, as in `lemons run`; nothing where people walk. With `False` no
+        drive is set: that of the Trial, or the one that was set before, continues. See `DriveLike` for other drives.
+        `progress` shows the progress on standard error.
 
         Raises:
-            FmuError: the FMU refuses something; the message is that of the FMU.
+            FmuError: an FMU refuses something (the message is that of the FMU), or nobody can leave.
             TypeError: the drive is not a drive.
-            ValueError: drive, time or step are not valid.
+            ValueError: drive, time or step are not valid, or there is a drive for people who walk.
             OSError: the drive's file cannot be read.
         """
-        step = self.fmu.step_of(self.trial) if step is None else step
-        start = self.time
-        times = points_between(start, until, step)
-        steps = len(times) - 1
-        reals = np.empty((steps + 1, *self.fmu.reals.shape))
-        counts = np.empty((steps + 1, *self.fmu.counts.shape), dtype=np.int32)
-        instance = self._instance
-        drive = self.fmu.drive(self.trial) if drive is None else known(drive, self.fmu.ids)
+        drive = self._model.driven(known(drive, self.fmu.ids), self.trial)
+        leave = None
+        if until == "left":
+            leave, until = self._model.leave(), LATEST
+        elif isinstance(until, str):
+            raise ValueError(f"until={until!r}: must be a time [s], or 'left'")
+        start, step = self.time, self._model.step_of(self.trial) if step is None else step
+        steps, last = clock_of(start, until, step)
         pushes, driven = None, None
         if isinstance(drive, Drive) and drive.tables:
-            pushes, driven = self._pushes(drive, times)
+            pushes, driven = self._pushes(drive, points_between(start, until, step))
         elif isinstance(drive, np.ndarray):
             self.set_drive(drive)
-        instance.get_real(self.fmu.reals, reals[0])
-        instance.get_integer(self.fmu.counts, counts[0])
+        record = Record(self.fmu, self._instance, steps, leave is None and stop is None)
+        record.look(start)
         line, begin = (ProgressLine("steps", failing=False) if progress else None), monotonic()
-        for k in range(steps):
+        ended = None
+        for k in range(1, steps + 1):
             if pushes is not None and driven is not None:
-                instance.set_real(driven, pushes[k])
+                self._instance.set_real(driven, pushes[k - 1])
             elif callable(drive):
                 self.set_drive(drive(self))
-            self.step_to(float(times[k + 1]))
-            instance.get_real(self.fmu.reals, reals[k + 1])
-            instance.get_integer(self.fmu.counts, counts[k + 1])
+            self.step_to(last if k == steps else start + k * step)
+            record.look(self.time)
             if line is not None:
-                line(Progress(k + 1, 0, steps, monotonic() - begin, 0, None))
-        return Run(times, reals, counts, tuple(self.fmu.ids))
+                line(Progress(k, 0, steps, monotonic() - begin, 0, None))
+            if (leave is not None and record.left() >= leave) or (stop is not None and stop(self)):
+                ended = self.time
+                break
+        return record.finish(self.trial, ended, may_leave=self._model.may_leave)
 
     def _pushes(self, drive: Drive, times: Floats) -> tuple[Floats, NDArray[np.uint32]]:
         """Returns the values of tables at each step, and the references of these inputs."""
@@ -322,91 +341,10 @@ class Presence:
         return bool(found) if isinstance(found, np.bool_) else found
 
     def __setitem__(self, which: Any, values: npt.ArrayLike) -> None:
+        self._crowd._undecided(ACTIVE.variable)
         given = np.asarray(values)
         if not np.isin(given, (0, 1)).all():
             raise ValueError(f"whether people are there must be True or False, not {values!r}")
         all_of_them = self._values()
         all_of_them[which] = given
         self._crowd._instance.set_boolean(self._references, all_of_them)
-
-
-@dataclass(frozen=True, repr=False)
-class Run:
-    """The results of a run of N people at its K communication points; the first is the start."""
-
-    #: Times [s], shape (K,).
-    times: Floats
-    reals: Floats
-    counts: Ints
-    #: Ids of the agents in Agents.xml.
-    ids: tuple[str, ...]
-
-    def __repr__(self) -> str:
-        first, last = self.times[[0, -1]]
-        return f"<Run of {len(self.ids)} people from {first:g} s to {last:g} s, {len(self.times)} communication points>"
-
-    @property
-    def poses(self) -> Floats:
-        """x, y [m], theta [rad]: shape (K, N, 3)"""
-        return self.reals[:, :, 0:3]
-
-    @property
-    def velocities(self) -> Floats:
-        """vx, vy [m/s], omega [rad/s]: shape (K, N, 3)"""
-        return self.reals[:, :, 3:6]
-
-    @property
-    def squeeze(self) -> Floats:
-        """Sum of |F_n| over the contacts [N] at the communication points: shape (K, N). Collisions last milliseconds, so
-        its maximum depends on the step; `mean_squeeze` and `peak_squeeze` include the time between the points."""
-        return self.reals[:, :, 6]
-
-    @property
-    def mean_squeeze(self) -> Floats:
-        """Mean of the squeeze over the step that ends at a communication point [N]: shape (K, N).
-
-        Raises:
-            FmuError: the FMU was packed by an early version, which does not have this output and the next two.
-        """
-        return _of_step(self.reals, 0)
-
-    @property
-    def peak_squeeze(self) -> Floats:
-        """Largest squeeze within the step that ends at a communication point [N]: shape (K, N)"""
-        return _of_step(self.reals, 1)
-
-    @property
-    def peak_overlap(self) -> Floats:
-        """Deepest overlap of the contacts within the step that ends at a communication point [m]: shape (K, N)"""
-        return _of_step(self.reals, 2)
-
-    @property
-    def contacts(self) -> Ints:
-        """Number of contacts with people, of contacts with walls, and of people that touch: shape (K, N, 3)"""
-        return self.counts
-
-    def frame(self) -> pd.DataFrame:
-        """Returns the table that `lemons run` writes: a row for each agent at each communication point."""
-        points, agents = self.squeeze.shape
-        ids: list[int] | list[str] = list(self.ids)
-        if all(each.isascii() and each.isdigit() and str(int(each)) == each for each in self.ids):
-            ids = [int(each) for each in self.ids]
-        columns: dict[str, object] = {TIME: np.repeat(self.times, agents), ID: np.tile(np.array(ids), points)}
-        for k, quantity in enumerate((*REALS, *OF_STEP)[: self.reals.shape[2]]):
-            columns[quantity.name] = self.reals[:, :, k].ravel()
-        for k, quantity in enumerate(CONTACTS):
-            columns[quantity.name] = self.counts[:, :, k].ravel().astype(np.int64)
-        of_agents, of_walls, _ = self.counts.sum(axis=1, dtype=np.int64).T
-        # A contact of two people counts for both.
-        for quantity, total in zip(TOTALS, (of_agents // 2, of_walls)):
-            columns[quantity.name] = np.repeat(total, agents)
-        order = (TIME, ID, *(quantity.name for quantity in TABLE))
-        return pd.DataFrame(columns)[[name for name in order if name in columns]]
-
-
-def _of_step(values: NDArray[Any], which: int) -> NDArray[Any]:
-    """Returns one of `OF_STEP`, from values whose last axis is REALS + OF_STEP."""
-    place = len(REALS) + which
-    if values.shape[-1] <= place:
-        raise FmuError(f"the FMU has no output agent[i].{OF_STEP[which].variable}: an earlier version packed it; pack its Trial again")
-    return values[..., place]

@@ -7,6 +7,7 @@ import json
 import os
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -17,8 +18,8 @@ import pandas as pd
 
 from . import files
 from .command import Option, call, options
-from .crowd import Run
 from .picture import Drawn
+from .recorded import table_of
 
 #: Columns that are names, also where they look like numbers.
 NAMES = ("line", "direction", "area", "id")
@@ -65,7 +66,7 @@ def measure(
     """Measures a run.
 
     `what` is a Trial or an FMU, which is simulated first; the table of an earlier run; or a `Run`. `trial` is the Trial or
-    FMU of a table or a Run: its walls bound Voronoi cells. `lines` are names and x1, y1, x2, y2 [m]; directions are those of
+    FMU of a table: its walls bound Voronoi cells; a Run knows its own. `lines` are names and x1, y1, x2, y2 [m]; directions are those of
     somebody who stands at the first point and looks at the second one. `areas` are names and the lower left and the upper
     right corner of a rectangle, or three and more corners of a polygon [m]. `above` are squeezes [N]. `every` is the
     `--every` of the run; 1 for a Run. All other options of the command have the same names here: `window=0.5`,
@@ -74,11 +75,15 @@ def measure(
     Raises:
         CommandError: the command refuses something, or is missing; the message is its own.
     """
-    with tempfile.TemporaryDirectory(prefix="lemons-measure-") as directory:
-        if isinstance(what, Run):
-            table = Path(directory) / "run.csv"
-            what.frame().to_csv(table, index=False, lineterminator="\n")
-            what, every = table, 1 if every is None else every
+    with tempfile.TemporaryDirectory(prefix="lemons-measure-") as directory, ExitStack() as kept:
+        if not isinstance(what, (str, os.PathLike)):
+            if trial is None and "walkable" not in others:
+                trial = kept.enter_context(what.walls())
+            # The name of a temporary file would say nothing.
+            source = repr(what)
+            what, every = table_of(what, Path(directory)), 1 if every is None else every
+        else:
+            source = None
         output = Path(directory) / "measures"
         given = [("--line", lines), ("--area", areas)]
         words = [f"{option}={name}={_joined(each)}" for option, all in given for name, each in (all or {}).items()]
@@ -86,6 +91,8 @@ def measure(
         known: dict[str, Option] = {"trial": trial, "every": every, "above": levels or None, "output": output}
         call(["measure", *words, *options({**known, **others}), "--", os.fspath(what)], state=directory)
         summary = json.loads(files.read(output / "summary.json", files.LARGEST_BINARY))
+        if source is not None:
+            summary["source"] = source
         tables = [_table(output / f"{name}.csv") for name in ("flow", "gaps", "density", "people")]
         return Measures(summary, *tables)
 

@@ -9,10 +9,10 @@ from typing import Literal, Union
 
 from . import files
 from .command import Option, call, options
-from .crowd import Run
+from .recorded import Recorded, table_of
 
 #: What can be drawn: a Trial, an FMU or a table, by its path, or a Run.
-Drawn = Union[str, "os.PathLike[str]", Run]
+Drawn = Union[str, "os.PathLike[str]", Recorded]
 
 
 class Picture:
@@ -64,9 +64,7 @@ def plot(
     """
     with tempfile.TemporaryDirectory(prefix="lemons-plot-") as directory:
         output = Path(directory) / f"picture.{format}"
-        if isinstance(what, Run):
-            table = Path(directory) / "run.csv"
-            what.frame().to_csv(table, index=False, lineterminator="\n")
-            what = table
+        if not isinstance(what, (str, os.PathLike)):
+            what = table_of(what, Path(directory))
         call(["plot", f"--output={output}", *options({"trial": trial, **others}), "--", os.fspath(what)], state=directory)
         return Picture(files.read(output, files.LARGEST_BINARY), format)

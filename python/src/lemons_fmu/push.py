@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from . import files
-from .crowd import Run
 from .drive import Drive, Floats
+from .run import Run
 
 #: Communication step [s]: the push is recorded every 0.029 s, and interpolated.
 STEP = 0.01

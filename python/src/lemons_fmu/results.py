@@ -20,7 +20,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from . import files, locks
-from .fmu import Value
+from .instance import Value
 
 FORMAT = 1
 MANIFEST, TABLE, LOCK = "sweep.json", "table.parquet", "sweep.lock"

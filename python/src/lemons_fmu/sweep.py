@@ -23,9 +23,15 @@ import pandas as pd
 from dask.system import CPU_COUNT
 from distributed import Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
 
-from .crowd import Crowd, Run, steps_between
+from .clock import steps_between
+from .crowd import Crowd
 from .drive import DriveLike, Known, function_identity, identity, known
-from .fmu import Fmu, FmuError, Source, Value, load, scratch
+from .errors import FmuError
+from .fmu import Fmu, load
+from .instance import Value
+from .loaded import Source
+from .run import Run
+from .scratch import scratch
 from .progress import Progress, ProgressLine
 from .results import FAILED, POINT, RESERVED, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of, unicode
 
