@@ -1,13 +1,17 @@
 """People who walk and leave, from Python, against what the command writes."""
 
 import csv
+import json
+import pickle
+import shutil
 import subprocess
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
-from crowd import TRIAL_DOOR
-from lemons_fmu import Crowd, FmuError, Trial, load, simulate, sweep
+from crowd import TRIAL_DOOR, TRIAL_PUSH
+from lemons_fmu import CommandError, Crowd, FmuError, Trial, load, loaded, measure, simulate, sweep
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +30,7 @@ def the_command(lemons, monkeypatch):
 
 def written(lemons, tmp_path, trial, *options):
     table = tmp_path / "command.csv"
-    command = [lemons, "run", trial, *options, "-o", table, "--outputs", tmp_path / "outputs.csv"]
+    command = [lemons, "run", trial, *options, "-o", table, "--outputs", tmp_path / "outputs.csv", "--force"]
     subprocess.run(command, check=True, capture_output=True)
     with table.open(newline="") as file:
         return list(csv.reader(file))
@@ -59,15 +63,191 @@ def test_another_plan_and_none(lemons, leaving, tmp_path):
     assert "active" not in still and (still["vx"] == 0.0).all()
 
 
-def test_what_does_not_walk_is_refused(leaving, pack):
-    fmu = pack(TRIAL_DOOR)
-    with pytest.raises(ValueError, match="a packed crowd does not walk: give the Trial"):
-        simulate(fmu, until=0.1, plan=TRIAL_DOOR / "decision.toml")
-    with pytest.raises(TypeError, match="the drive of a Trial is None, False or a path, not ndarray"):
+def test_gauss_seidel_a_zip_and_the_end(lemons, leaving, tmp_path):
+    """The other algorithm; a zip of the Trial; and a run that ends when everybody has left."""
+    given = {"algorithm": "gauss-seidel", "until": 3.0}
+    seidel = simulate(TRIAL_DOOR, **given)
+    same(seidel, written(lemons, tmp_path, TRIAL_DOOR, "--until", "3", "--algorithm", "gauss-seidel"))
+    assert not seidel.equals(simulate(TRIAL_DOOR, until=3.0))
+    packed = shutil.make_archive(tmp_path / "packed", "zip", leaving.parent, leaving.name)
+    table = simulate(packed, until="left")
+    same(table, written(lemons, tmp_path, packed, "--until", "left"))
+    last = table["t"].iloc[-1]
+    assert 5 < last < 60 and not table["active"][table["t"] == last].any() and table["active"].iloc[-40:-20].any()
+
+
+def test_the_fmus_of_both_walk_as_the_trial(lemons, leaving, pack, decide, tmp_path):
+    """Of FMI 2.0 and 3.0, mixed; by paths, bytes and what is loaded; the end is known from the Decision FMU."""
+    wanted = simulate(leaving, until="left")
+    crowds = [pack(leaving, options=["--fmi", version]).rename(tmp_path / f"{version}.fmu") for version in "23"]
+    deciders = [decide("--fmi", version, trial=leaving) for version in "23"]
+    for crowd, decision in (crowds, deciders[::-1]), (crowds[::-1], deciders):
+        assert simulate(crowd[0], plan=decision[0], until="left").equals(wanted)
+    with Crowd(crowds[0].read_bytes(), plan=deciders[1].read_bytes()) as crowd:
+        assert crowd.run(until="left").frame().equals(wanted)
+        with Crowd(crowd.fmu, plan=crowd.plan) as other:
+            assert other.run(until="left").frame().equals(wanted)
+
+
+#: [s] Sums of it are exact: a run that goes on from its middle has the same times.
+EXACT = 1 / 64
+
+
+def test_a_crowd_that_walks_is_stepped_saved_and_reset(leaving):
+    with Crowd(leaving) as crowd, Crowd(crowd.fmu, plan=crowd.plan) as other:
+        assert repr(crowd) == "<Crowd of 20 people who walk, Trial 'leaving', at 0 s>"
+        wanted = crowd.run(until=8.0, step=EXACT)
+        # By hand, from a state in the middle, which another process could restore.
+        middle = 256
+        for _ in range(middle):
+            other.step(EXACT)
+        assert (other.poses() == wanted.poses[middle]).all() and other.time == 4.0
+        assert other.left == (~wanted.active[middle]).sum() > 0
+        state = pickle.loads(pickle.dumps(other.save()))
+        crowd.reset()
+        crowd.restore(state)
+        on = crowd.run(until=8.0, step=EXACT)
+        # What was seen within the step before is no part of a state.
+        assert on.reals[1:].tobytes() == wanted.reals[middle + 1 :].tobytes()
+        assert (on.poses[0] == wanted.poses[middle]).all() and (on.active == wanted.active[middle:]).all()
+        assert crowd["decision.Arrived"] >= crowd.left > other.left
+        crowd.reset({"decision.agent[*].DesiredSpeed": 0.4})
+        assert crowd.run(until=1.0, step=EXACT).poses[-1].tobytes() != wanted.poses[64].tobytes()
+        crowd.reset()
+        assert crowd.run(until=8.0, step=EXACT).reals.tobytes() == wanted.reals.tobytes()
+    with Crowd(leaving, plan=False) as still, pytest.raises(FmuError, match="the state is of people who walk, and these do not"):
+        still.restore(state)
+
+
+def test_a_run_ends_when_it_is_told_to(leaving):
+    def half(crowd):
+        return crowd.left >= 10
+
+    with Crowd(leaving) as crowd:
+        run = crowd.run(until=30.0, step=EXACT, stop=half)
+        assert run.ended == run.times[-1] == crowd.time < 30.0
+        assert (~run.active[-1]).sum() >= 10 > (~run.active[-2]).sum()
+        # To the last frame, as without an end; more frames than there was room for at first.
+        whole = crowd.run(until="left", step=EXACT)
+        crowd.reset()
+        at_once = crowd.run(until="left", step=EXACT)
+        assert at_once.ended == whole.ended == at_once.times[-1] and len(at_once.times) > 1024
+        assert at_once.reals.tobytes() == np.concatenate([run.reals, whole.reals[1:]]).tobytes()
+        crowd.reset()
+        assert crowd.run(until=0.5, stop=lambda crowd: False).ended is None
+        crowd.reset()
+        assert crowd.run(until=0.5).ended is None
+        with pytest.raises(ValueError, match="until='gone': must be a time"):
+            crowd.run(until="gone")
+
+
+def test_who_has_no_exit_does_not_keep_the_others(lemons, leaving, tmp_path):
+    trial = shutil.copytree(leaving, tmp_path / "staying")
+    plan = (trial / "decision.toml").read_text()
+    stays = 'goals = [{ name = "stage", line = [[1.0, 1.0], [1.0, 2.0]] }]\n'
+    (trial / "decision.toml").write_text(plan + stays + '[agents.3]\ngoal = "stage"\n')
+    table = simulate(trial, until="left")
+    same(table, written(lemons, tmp_path, trial, "--until", "left"))
+    assert table["active"].iloc[-20:].sum() == 1
+    (trial / "decision.toml").write_text("waypoints = [{ x = 1.0, y = 1.0 }]\n")
+    for given in {}, {"plan": False}:
+        with pytest.raises(FmuError, match="until='left': nobody can leave"):
+            simulate(trial, until="left", **given)
+
+
+def test_what_cannot_be_meant_is_refused(leaving, pack, decide, tmp_path):
+    fmu = pack(leaving)
+    with pytest.raises(ValueError, match="is for a Trial: give the Trial instead of its FMU"):
+        simulate(fmu, until=0.1, plan=leaving / "decision.toml")
+    with pytest.raises(TypeError, match="the plan is 5; it must be None, False, the path"):
+        Crowd(leaving, plan=5)
+    with pytest.raises(ValueError, match="the algorithm is 'euler'; it must be one of jacobi, gauss-seidel"):
+        Crowd(leaving, algorithm="euler")
+    with pytest.raises(CommandError, match="nothing.toml"):
+        Crowd(leaving, plan=tmp_path / "nothing.toml")
+    with pytest.raises(FmuError, match="leaving: is a Trial's directory, not an FMU: Crowd, simulate and sweep take it"):
+        load(leaving)
+    with pytest.raises(ValueError, match="there is a drive, but people walk by .*decision.toml: give no drive, or plan=False"):
         simulate(leaving, np.zeros((20, 3)), until=0.1)
-    for refusing in (lambda: sweep(leaving, {"Threads": [1]}, None, lambda run: {}, until=0.1), lambda: Crowd(leaving)):
-        with pytest.raises(FmuError, match="leaving: is a Trial's directory, not an FMU: .*`lemons sweep`"):
-            refusing()
+    for name in ("agent[3].Fp.x", "agent[*].Active", "decision.agent[3].Theta"):
+        with pytest.raises(FmuError, match="would be overwritten: (decision|crowd) feeds agent"):
+            Crowd(leaving, {name: 0})
+    with pytest.raises(FmuError, match=r"did you mean 'decision.agent\[3\].DesiredSpeed'"):
+        Crowd(leaving, {"agent[3].DesiredSpeed": 1.0})
+    with pytest.raises(FmuError, match="^decision: .*agent.3..DesiredSpeed = -1.0"):
+        Crowd(leaving, {"decision.agent[3].DesiredSpeed": -1.0})
+    with pytest.raises(FmuError, match="it decides nothing"):
+        Crowd(fmu, plan=fmu)
+    with Crowd(leaving) as crowd:
+        with pytest.raises(FmuError, match="Fp.x is set by .*decision.toml in each step"):
+            crowd.set_drive(np.zeros((20, 3)))
+        with pytest.raises(FmuError, match="Active is set by .*decision.toml"):
+            crowd.active[3] = False
+        assert crowd.active[:].all()
+    # A dangling link is a plan that cannot be read, and not none.
+    trial = shutil.copytree(leaving, tmp_path / "dangling")
+    (trial / "decision.toml").unlink()
+    (trial / "decision.toml").symlink_to("nowhere")
+    with pytest.raises(CommandError, match="decision.toml"):
+        Crowd(trial)
+
+
+def test_a_drive_beside_a_plan_is_not_silently_ignored(lemons, leaving, tmp_path):
+    trial = shutil.copytree(leaving, tmp_path / "both")
+    (trial / "drive.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,500,0,0\n1,0,500,0,0\n")
+    with pytest.warns(UserWarning, match="drive.csv is not used: people walk by .*decision.toml"):
+        table = simulate(trial, until=0.2)
+    same(table, written(lemons, tmp_path, leaving, "--until", "0.2"))
+    # Without the plan it is used; a Trial takes all drives then.
+    pushed = simulate(trial, until=0.2, plan=False)
+    same(pushed, written(lemons, tmp_path, trial, "--until", "0.2", "--no-plan"))
+    constant = np.zeros((20, 3))
+    constant[0, 0] = 500.0
+    assert simulate(trial, constant, until=0.2, plan=False).equals(pushed) and (pushed["vx"] != 0).any()
+
+
+def test_a_run_is_measured_as_by_the_command(lemons, leaving, tmp_path):
+    """Without files, with the walls of its Trial: the numbers of `lemons measure TRIAL`, to the last bit."""
+    asked = {"lines": {"door": (5, 1.5, 5, 2.5)}, "areas": {"front": (3, 1, 5, 3)}, "above": [500, 1000]}
+    with Crowd(leaving) as crowd:
+        run = crowd.run(until="left")
+    seen = pickle.loads(pickle.dumps(run)).measure(**asked, window=2.0)
+    words = ["--line", "door=5,1.5,5,2.5", "--area", "front=3,1,5,3", "--above", "500,1000", "--window", "2", "--until", "left"]
+    subprocess.run([lemons, "measure", leaving, *words, "-o", tmp_path / "out"], check=True, capture_output=True)
+    wanted = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert seen.summary.pop("source") == repr(run) and wanted.pop("source")
+    assert seen.summary == wanted
+    for name in ("flow", "gaps", "density", "people"):
+        cells = pd.read_csv(tmp_path / "out" / f"{name}.csv", dtype=str, keep_default_na=False)
+        mine = getattr(seen, name)
+        assert list(mine) == list(cells) and len(mine) == len(cells) > 0
+        for column in set(cells) - {"line", "direction", "area", "id"}:
+            numbers = np.array([float(cell) if cell else np.nan for cell in cells[column]])
+            assert np.array_equal(mine[column].to_numpy(dtype=float), numbers, equal_nan=True), (name, column)
+    assert len(seen.passages("door", "right")) == 20 and seen.summary["exposure"]["every_step_known"] is True
+    # The walls matter, and are those of the Trial.
+    front = seen.summary["areas"][0]["voronoi_density"]
+    assert run.measure(areas=asked["areas"], trial=leaving).summary["areas"][0]["voronoi_density"] == front
+    run.frame().to_csv(tmp_path / "run.csv", index=False)
+    assert measure(tmp_path / "run.csv", areas=asked["areas"]).summary["areas"][0]["voronoi_density"] != front
+
+
+def test_few_fmus_stay_unpacked_and_all_go_on(leaving, pack, monkeypatch, tmp_path):
+    """What was used longest ago is removed from the disk; who still has it gets it anew; who uses it now keeps it."""
+    monkeypatch.setattr(loaded, "KEPT", 2)
+    crowds = []
+    for name in "abc":
+        crowds.append(load(pack(shutil.copytree(TRIAL_PUSH, tmp_path / name))))
+    assert [crowd.directory.exists() for crowd in crowds] == [False, True, True]
+    table = simulate(crowds[1], until=0.5)
+    again = simulate(crowds[0], until=0.5)
+    assert again.equals(table) and crowds[0].directory.exists() and table["normal_force"].max() > 100.0
+    with Crowd(crowds[0]) as crowd:
+        for name in "def":
+            load(pack(shutil.copytree(TRIAL_PUSH, tmp_path / name)))
+        assert not crowds[1].directory.exists() and crowds[0].directory.exists()
+        assert crowd.run(until=0.5).frame().equals(table)
+    assert crowds[1].drive("b").tables.keys() == {0} and crowds[1].has("b")
 
 
 @pytest.mark.parametrize("version", ["2", "3"])

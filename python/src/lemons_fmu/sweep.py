@@ -1,4 +1,4 @@
-"""Many runs of a packed crowd with different parameters, on the cores of this machine or on a Dask cluster."""
+"""Many runs with different parameters, on the cores of this machine or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import logging
 import math
 import os
 import queue
+import shutil
 import time
 import weakref
 from asyncio import CancelledError
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any, Union
 
 import cloudpickle
@@ -21,22 +21,21 @@ import dask
 import numpy as np
 import pandas as pd
 from dask.system import CPU_COUNT
-from distributed import Client, Future, KilledWorker, LocalCluster, Worker, WorkerPlugin
+from distributed import Client, Future, KilledWorker, LocalCluster
 
-from .clock import steps_between
-from .crowd import Crowd
-from .drive import DriveLike, Known, function_identity, identity, known
-from .errors import FmuError
-from .fmu import Fmu, load
+from .crowd import Crowd, Until
+from .drive import DriveLike, function_identity
+from .fmu import Fmu
 from .instance import Value
-from .loaded import Source
-from .run import Run
-from .scratch import scratch
+from .loaded import Loaded, Source
+from .made import Plan
+from .model import Algorithm
 from .progress import Progress, ProgressLine
-from .results import FAILED, POINT, RESERVED, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of, unicode
+from .results import FAILED, POINT, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of
+from .scratch import scratch
+from .study import Given, Study, study_of
+from .work import FmuOnWorker, Interrupted, Job, JobOnWorker, Measure, Stop, simulate_points
 
-#: A function of a run that returns its measures: names and numbers (or texts).
-Measure = Callable[[Run], Mapping[str, Any]]
 #: A grid (name → values, all combinations, the last name varies fastest) or a table (a row for each point).
 Grid = Union[Mapping[str, Iterable[Value]], pd.DataFrame]
 
@@ -49,107 +48,20 @@ TASK = 0.5
 DIED = "the worker process ended several times while it simulated this point"
 
 
-@dataclass(frozen=True)
-class _Job:
-    """Data shared by all points of a sweep."""
-
-    key: str
-    fmu: str  # SHA-256
-    names: tuple[str, ...]
-    work: bytes  # drive and measure, pickled by value
-    until: float
-    step: float
-
-
-class _FmuOnWorker(WorkerPlugin):
-    """Sends the FMU's bytes to every worker once, also to those that join later. No shared file system is needed."""
-
-    def __init__(self, data: bytes, sha256: str) -> None:
-        self.data = data
-        self.name = f"lemons-fmu-{sha256}"
-
-    def setup(self, worker: Worker) -> None:
-        fmu = load(self.data)
-        _fmus[fmu.sha256] = fmu
-
-
-class _JobOnWorker(WorkerPlugin):
-    def __init__(self, job: _Job) -> None:
-        self.job = job
-        self.name = f"lemons-sweep-{job.key}"
-
-    def setup(self, worker: Worker) -> None:
-        _jobs[self.job.key] = self.job, cloudpickle.loads(self.job.work)
-
-    def teardown(self, worker: Worker) -> None:
-        _jobs.pop(self.job.key, None)
-
-
-_fmus: dict[str, Fmu] = {}
-_jobs: dict[str, tuple[_Job, tuple[Known[Crowd], Measure]]] = {}
 _sent: weakref.WeakKeyDictionary[Client, set[str]] = weakref.WeakKeyDictionary()
 
 
-def _simulate_points(key: str, points: list[tuple[int, tuple[Value, ...]]]) -> tuple[list[Result], float]:
-    """Runs on a worker. Returns results, and the time that they took [s]."""
-    start = time.perf_counter()
-    results = [_simulate_point(key, point, values) for point, values in points]
-    return results, time.perf_counter() - start
-
-
-def _simulate_point(key: str, point: int, values: tuple[Value, ...]) -> Result:
-    job, (drive, measure) = _jobs[key]
-    try:
-        with Crowd(_fmus[job.fmu], dict(zip(job.names, values))) as crowd:
-            run = crowd.run(drive, until=job.until, step=job.step)
-        return point, _measured(measure(run), job.names), None
-    except FmuError as error:
-        return point, {}, _text(str(error))
-    except KeyboardInterrupt:
-        raise _Interrupted from None
-    except BaseException as error:  # a failed point (even by sys.exit) is a row of the table and does not end the sweep
-        return point, {}, _told(error)
-
-
-class _Interrupted(Exception):
-    """A measure or a drive raised KeyboardInterrupt, which would end Dask's worker process."""
-
-
-def _told(error: BaseException) -> str:
-    kind = type(error).__name__
-    try:
-        return _text(f"{kind}: {error}")
-    except BaseException as worse:
-        return _text(f"{kind}, whose message raises {type(worse).__name__}")
-
-
-def _text(text: str) -> str:
-    """Returns the text without characters that UTF-8 cannot represent."""
-    return text.encode(errors="backslashreplace").decode()
-
-
-def _measured(measures: Mapping[str, Any], parameters: tuple[str, ...]) -> dict[str, float | str]:
-    if not hasattr(measures, "items"):
-        raise TypeError(f"the measure returned {type(measures).__name__}, not names and numbers")
-    out: dict[str, float | str] = {}
-    for key, value in measures.items():
-        name = str(key)
-        if name in parameters or name in RESERVED:
-            raise ValueError(f"the measure has the name of another column: {name!r}")
-        if not unicode(name) or isinstance(value, str) and not unicode(value):
-            raise ValueError(f"the measure {name!r} is not Unicode text: {value!r}")
-        out[name] = value if isinstance(value, str) else math.nan if value is None else float(value)
-    return out
-
-
 def sweep(
-    fmu: Source | Fmu,
+    what: Source | Fmu,
     points: Grid,
     drive: DriveLike[Crowd],
     measure: Measure,
     *,
-    until: float,
+    until: Until,
     step: float | None = None,
+    plan: Plan = None,
+    algorithm: Algorithm = "jacobi",
+    stop: Stop | None = None,
     out: str | os.PathLike[str] | None = None,
     client: Client | str | None = None,
     progress: bool | Callable[[Progress], None] = True,
@@ -158,10 +70,16 @@ def sweep(
     """Simulates every point until a time [s]. Returns a table sorted by point: `point`, the parameters, the measures of each
     run, `status` (`ok` or `failed`) and `error` (the message of a failed point).
 
-    `points` is a grid or a table of parameters by their names in the FMU; `agent[*].Mass` sets the masses of all agents.
-    `drive` is as for `Crowd.run`: None is the drive.csv packed with the point's Trial, False is no drive. Nobody walks by a
-    decision.toml: the command `lemons sweep` does that. `measure` is a function of a `Run` that returns names and numbers
-    (or texts).
+    `what` is a Trial or a packed crowd, and people walk as in a `Crowd` (`plan`, `algorithm`). The path of `what` or `plan` may
+    contain names of parameters in braces: `"room_{width}_{seed}"`. Such a parameter only chooses what is simulated.
+
+    `points` is a grid or a table of parameters by their names in the FMU (`agent[*].Mass` sets the masses of all agents,
+    `decision.agent[3].DesiredSpeed` a parameter of Decision). `drive` is as for `Crowd.run`: None is the drive.csv packed with
+    the point's Trial, False is no drive; people who walk have none. `measure` is a function of a `Run` that returns names and
+    numbers (or texts); None is a number that is not known. `Run.measure` gives it what `lemons measure` computes.
+
+    `until="left"` and `stop` end points as they end `Crowd.run`. The table then has the measure `ended` [s]: when that was; not
+    a number where it never was.
 
     With `out`, results are written to that directory as they come. A sweep that was killed continues from there: finished
     points are not simulated again (failed ones only with `retry_failed`).
@@ -171,31 +89,38 @@ def sweep(
     function that gets it.
 
     Raises:
-        FmuError: the FMU cannot be read, or has no variable with such a name.
+        CommandError: the command `lemons` refuses a Trial or a plan, or is missing.
+        FmuError: an FMU cannot be read or has no variable with such a name, two do not fit together, or nobody can leave.
         TypeError: the drive is not a drive, or the values of a parameter are not a list.
-        ValueError: points, drive or times are not valid.
+        ValueError: points, drive or times are not valid, or there is a drive for people who walk.
         OSError: the drive's file cannot be read.
         SweepError: the directory belongs to another sweep or cannot be written, or the scheduler is gone.
     """
-    fmu = load(fmu)
     table = Points.of(points)
-    for name in table.names:
-        fmu.expand(name)
-    drive = known(drive, fmu.ids)
-    trials = _trials(fmu, table)
-    if drive is None:
-        for trial in trials:
-            fmu.drive(trial)  # reports an invalid file before any point runs
-    if step is None:
-        step, *others = sorted({fmu.step_of(trial) for trial in trials})
-        if others:
-            raise ValueError(f"the Trials have steps of {step} s and {others[0]} s: give one for all (step)")
-    step = float(step)
-    steps_between(0.0, until, step)
-    job = _Job(os.urandom(8).hex(), fmu.sha256, table.names, cloudpickle.dumps((drive, measure)), float(until), step)
-    report = _report(progress)
+    key = os.urandom(8).hex()
+    files = scratch() / f"sweep-{key}"
+    files.mkdir()
+    try:
+        study = study_of(Given(what, plan, algorithm, drive, until, step), table, files)
+        work = cloudpickle.dumps((drive if callable(drive) else None, measure, stop))
+        job = Job(key, table.names, study.set, algorithm, work, until if until == "left" else float(until))
+        manifest = {**study.identity, **_asked(table, measure, stop, job)}
+        return _sweep(study, table, job, manifest, out, client, _report(progress), retry_failed)
+    finally:
+        shutil.rmtree(files, ignore_errors=True)
 
-    directory = None if out is None else Directory(out, _manifest(fmu, table, drive, measure, job), table)
+
+def _sweep(
+    study: Study,
+    table: Points,
+    job: Job,
+    manifest: Mapping[str, Any],
+    out: str | os.PathLike[str] | None,
+    client: Client | str | None,
+    report: Callable[[Progress], None],
+    retry_failed: bool,
+) -> pd.DataFrame:
+    directory = None if out is None else Directory(out, manifest, table)
     try:
         kept = [] if directory is None else [directory.read()]
         threads: int | None
@@ -232,9 +157,10 @@ def sweep(
                 intervals.done()
 
             with client_of(client) as cluster:
-                send_fmu(cluster, fmu)
-                cluster.register_plugin(_JobOnWorker(job))
-                under_way = _Run(cluster, job, table, open_points.tolist())
+                for fmu in study.fmus:
+                    send_fmu(cluster, fmu)
+                cluster.register_plugin(JobOnWorker(job))
+                under_way = _Run(cluster, job, table, study, open_points.tolist())
                 try:
                     for some in under_way.results(lambda: intervals.left() if pending else None):
                         pending += some
@@ -258,27 +184,14 @@ def sweep(
             directory.close()
 
 
-def _trials(fmu: Fmu, points: Points) -> list[str]:
-    """Returns the packed Trials that points choose. Points with another name fail later."""
-    if "Trial" not in points.names:
-        return [fmu.trial]
-    chosen = points.columns[points.names.index("Trial")]
-    return [trial for trial in sorted(set(map(str, chosen))) if fmu.has(trial)] or [fmu.trial]
-
-
-def _manifest(fmu: Fmu, points: Points, drive: Known[Crowd], measure: Measure, job: _Job) -> dict[str, Any]:
-    """Returns the data that must be equal to continue a sweep; python/README.md explains them."""
-    packed = drive is None and "Trial" in points.names  # each Trial has its own
-    if drive is None and not packed:
-        drive = fmu.drive(fmu.trial)
-    return {
-        "fmu": {"model": fmu.model_name, "guid": fmu.guid, "sha256": fmu.sha256},
+def _asked(points: Points, measure: Measure, stop: Stop | None, job: Job) -> dict[str, Any]:
+    """Returns the data that must be equal to continue a sweep, besides what is simulated; python/README.md explains them."""
+    asked = {
         "points": {"parameters": list(points.names), "count": points.count, "sha256": points.sha256()},
-        "drive": {"kind": "packed"} if packed else identity(drive),
         "measure": function_identity(measure),
         "until": job.until,
-        "step": job.step,
     }
+    return asked if stop is None else {**asked, "stop": function_identity(stop)}
 
 
 @contextmanager
@@ -314,22 +227,24 @@ def local_cluster(workers: int | None = None, *, threads: int = 1, processes: bo
         )
 
 
-def send_fmu(client: Client, fmu: Fmu) -> None:
+def send_fmu(client: Client, fmu: Loaded) -> None:
     """Sends an FMU to all workers, if this client has not done so before."""
     sent = _sent.setdefault(client, set())
     if fmu.sha256 not in sent:
-        client.register_plugin(_FmuOnWorker(fmu.data, fmu.sha256))
+        client.register_plugin(FmuOnWorker(fmu))
         sent.add(fmu.sha256)
 
 
 class _Run:
     """Gives the points of a job to the workers and collects their results."""
 
-    def __init__(self, client: Client, job: _Job, points: Points, open_points: list[int]) -> None:
+    def __init__(self, client: Client, job: Job, points: Points, study: Study, open_points: list[int]) -> None:
         self.client = client
         self.job = job
         self.points = points
-        self.left = deque(open_points)
+        self.study = study
+        # A task has points of one subject.
+        self.left = deque(sorted(open_points, key=study.place))
         #: Points whose worker process ended several times. Dask blames all tasks of that worker. So these points are simulated
         #: at the end, one at a time, to find the one that causes it.
         self.suspects: deque[int] = deque()
@@ -362,7 +277,10 @@ class _Run:
         while self.left and len(self.under_way) < 2 * threads + 1:
             # Near the end tasks become smaller, so that no worker is idle.
             count = min(TASK / self.each, len(self.left) / (2 * threads))
-            self.submit([self.left.popleft() for _ in range(max(1, int(count)))])
+            some = [self.left.popleft()]
+            while self.left and len(some) < int(count) and self.study.place(self.left[0]) == self.study.place(some[0]):
+                some.append(self.left.popleft())
+            self.submit(some)
         if self.suspects and not self.under_way:
             self.alone = True
             self.submit([self.suspects.popleft()])
@@ -370,7 +288,8 @@ class _Run:
     def submit(self, some: list[int]) -> None:
         key = f"lemons-{self.job.key}-{next(self.tasks)}"
         work = [(point, self.points.values(point)) for point in some]
-        future = self.client.submit(_simulate_points, self.job.key, work, key=key, pure=False)
+        subject = self.study.subject(some[0])
+        future = self.client.submit(simulate_points, self.job.key, subject, work, key=key, pure=False)
         self.under_way[key] = future, some
         future.add_done_callback(self.arrived.put)
 
@@ -389,7 +308,7 @@ class _Run:
                     self.suspects += some
                 else:
                     results.append((some[0], {}, DIED))
-            except _Interrupted:
+            except Interrupted:
                 raise KeyboardInterrupt from None
             except CancelledError:
                 raise SweepError("the scheduler is gone, or has cancelled the sweep; finished points are kept") from None
@@ -403,7 +322,7 @@ class _Run:
         return results
 
 
-def _clean_up(client: Client, job: _Job, futures: list[Future[Any]]) -> None:
+def _clean_up(client: Client, job: Job, futures: list[Future[Any]]) -> None:
     try:
         if client.status == "running":
             if futures:

@@ -1,0 +1,176 @@
+"""What the points of a sweep simulate: one Trial or FMU, or one that parameters choose."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from dask.system import CPU_COUNT
+from numpy.typing import NDArray
+
+from .clock import steps_between
+from .crowd import LATEST, Crowd, Until
+from .drive import DriveLike, identity, known
+from .fmu import Fmu
+from .loaded import Loaded, Source
+from .made import Plan, model_of
+from .model import ALGORITHMS, Algorithm, Model
+from .results import Points
+from .work import Subject
+
+#: More are taken for a mistake, as by `lemons sweep`: each is packed before the first point is simulated.
+MOST_MODELS = 10_000
+_NAME = re.compile(r"\{([^}]*)\}")
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a user has asked of every point."""
+
+    what: Source | Fmu
+    plan: Plan
+    algorithm: Algorithm
+    drive: DriveLike[Crowd]
+    until: Until
+    step: float | None
+
+
+@dataclass(frozen=True)
+class Study:
+    """What the points simulate."""
+
+    #: Their FMUs are names of files in `directory`, if there are several.
+    subjects: list[Subject]
+    #: Of each point the place of its subject; None if all have the first.
+    places: NDArray[np.int64] | None
+    #: The places of the parameters that are set.
+    set: tuple[int, ...]
+    #: The FMUs of a single subject.
+    fmus: list[Loaded]
+    #: What must be equal to continue a sweep.
+    identity: dict[str, Any]
+    directory: Path
+
+    def place(self, point: int) -> int:
+        """The place of a point's subject."""
+        return 0 if self.places is None else int(self.places[point])
+
+    def subject(self, point: int) -> Subject:
+        """What a point simulates, as it is sent to a worker."""
+        subject = self.subjects[self.place(point)]
+        if self.places is None:
+            return subject
+        fmu, plan = (None if name is None else (self.directory / str(name)).read_bytes() for name in (subject.fmu, subject.plan))
+        assert fmu is not None
+        return replace(subject, fmu=fmu, plan=plan)
+
+
+def study_of(given: Given, points: Points, directory: Path) -> Study:
+    """Loads and checks everything that points simulate. FMUs of several subjects are kept in a directory.
+
+    Raises:
+        CommandError, FmuError, TypeError, ValueError, OSError: see `sweep`.
+    """
+    templates = [text for text in map(_template, (given.what, given.plan)) if text is not None]
+    chosen = list(dict.fromkeys(name for text in templates for name in _NAME.findall(text)))
+    for name in chosen:
+        if name not in points.names:
+            raise ValueError(f"{', '.join(templates)}: there is no parameter {name!r}")
+    columns = [points.names.index(name) for name in chosen]
+    own = tuple(place for place in range(len(points.names)) if place not in columns)
+    if not chosen:
+        model = model_of(given.what, given.plan, given.algorithm)
+        subject, told = _subject(model, given, points, own)
+        fmus = [model.fmu, *([] if model.decider is None else [model.decider])]
+        return Study([subject], None, own, fmus, told, directory)
+
+    known_values: dict[tuple[Any, ...], int] = {}
+    places = np.empty(points.count, dtype=np.int64)
+    for point in range(points.count):
+        row = points.values(point)
+        places[point] = known_values.setdefault(tuple(row[place] for place in columns), len(known_values))
+        if len(known_values) > MOST_MODELS:
+            raise ValueError(f"there are more than {MOST_MODELS} Trials, FMUs or plans")
+    subjects, digest = [], hashlib.sha256()
+    for model in _models(given, chosen, iter(known_values)):
+        subject, told = _subject(model, given, points, own)
+        for fmu in model.parts:
+            path = directory / fmu.sha256
+            if not path.exists():
+                path.write_bytes(fmu.data)
+        subjects.append(subject)
+        digest.update(json.dumps(told, sort_keys=True).encode())
+    return Study(subjects, places, own, [], {"models": {"count": len(subjects), "sha256": digest.hexdigest()}}, directory)
+
+
+def _template(path: object) -> str | None:
+    """Returns a path if there are names of parameters in it. What exists as it is written is no such path."""
+    if not isinstance(path, (str, os.PathLike)) or os.path.lexists(path):
+        return None
+    text = str(os.fspath(path))
+    return text if _NAME.search(text) else None
+
+
+def _models(given: Given, chosen: list[str], values: Iterator[tuple[Any, ...]]) -> Iterator[Model]:
+    """Packs some at a time."""
+
+    def of(row: tuple[Any, ...]) -> Model:
+        def filled(text: Any) -> Any:
+            template = _template(text)
+            return text if template is None else _NAME.sub(lambda found: str(row[chosen.index(found[1])]), template)
+
+        return model_of(filled(given.what), filled(given.plan), given.algorithm)
+
+    with ThreadPoolExecutor(CPU_COUNT) as pool:
+        while some := list(islice(values, 4 * CPU_COUNT)):
+            yield from pool.map(of, some)
+
+
+def _subject(model: Model, given: Given, points: Points, own: tuple[int, ...]) -> tuple[Subject, dict[str, Any]]:
+    """Checks all that is asked of a model, and returns it with what must be equal to continue a sweep."""
+    for place in own:
+        model.check(points.names[place])
+    drive = known(given.drive, model.fmu.ids)
+    trials = _trials(model.fmu, points)
+    # They report invalid files before any point runs.
+    driven = [model.driven(drive, trial) for trial in trials]
+    packed = drive is None and model.decider is None and "Trial" in points.names  # each Trial has its own
+    if given.until == "left":
+        model.leave()
+    elif isinstance(given.until, str):
+        raise ValueError(f"until={given.until!r}: must be a time [s], or 'left'")
+    step = given.step
+    if step is None:
+        step, *others = sorted({model.step_of(trial) for trial in trials})
+        if others:
+            raise ValueError(f"the Trials have steps of {step} s and {others[0]} s: give one for all (step)")
+    step = float(step)
+    steps_between(0.0, LATEST if given.until == "left" else given.until, step)
+    told: dict[str, Any] = {"fmu": _told(model.fmu)}
+    if model.decider is not None:
+        told |= {"plan": _told(model.decider), "algorithm": ALGORITHMS[model.algorithm]}
+    told |= {"drive": {"kind": "packed"} if packed else identity(driven[0]), "step": step}
+    table = None if callable(drive) else drive
+    plan = None if model.decider is None else model.decider.sha256
+    return Subject(model.fmu.sha256, plan, model.plan, table, step), told
+
+
+def _trials(fmu: Fmu, points: Points) -> list[str]:
+    """Returns the packed Trials that points choose. Points with another name fail later."""
+    if "Trial" not in points.names:
+        return [fmu.trial]
+    chosen = points.columns[points.names.index("Trial")]
+    return [trial for trial in sorted(set(map(str, chosen))) if fmu.has(trial)] or [fmu.trial]
+
+
+def _told(fmu: Loaded) -> dict[str, str]:
+    return {"model": fmu.model_name, "guid": fmu.guid, "sha256": fmu.sha256}
