@@ -223,7 +223,9 @@ class Directory:
                 raise SweepError(f"{path}: {error}") from None
             except OSError as error:
                 raise SweepError(f"{path}: {error.strerror or error}") from None
-            other = [key for key in manifest if not isinstance(before, dict) or before.get(key) != manifest[key]]
+            # What only the other one has makes it another sweep, too, such as a condition that ends points.
+            known = before if isinstance(before, dict) else {}
+            other = [key for key in {**manifest, **known} if known.get(key) != manifest.get(key)]
             if other:
                 raise SweepError(
                     f"{self.path} contains another sweep: its {MANIFEST} differs in {', '.join(other)}; "

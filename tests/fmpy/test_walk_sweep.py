@@ -1,0 +1,220 @@
+"""Sweeps of people who walk: over several Trials, with the measures of `lemons measure`; resumed, and refused when they changed."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import cloudpickle
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from distributed import Client
+from lemons_fmu import Crowd, FmuError, SweepError, local_cluster, sweep
+
+# Workers of a cluster need not have this file.
+cloudpickle.register_pickle_by_value(sys.modules[__name__])
+
+GRID = {"width": [0.9, 1.2], "seed": [1, 2]}
+RUN = {"until": "left", "progress": False}
+DOOR = (5.0, 1.0, 5.0, 3.0)
+
+
+@pytest.fixture(autouse=True)
+def the_command(lemons, monkeypatch):
+    monkeypatch.setenv("LEMONS", str(lemons))
+
+
+@pytest.fixture(scope="module")
+def rooms(lemons, tmp_path_factory):
+    """A directory with four Trials: ten people who leave a room by a door."""
+    place = tmp_path_factory.mktemp("rooms")
+    for width in GRID["width"]:
+        for seed in GRID["seed"]:
+            options = f"--number 10 --box 5x4 --door 5,2,{width} --leave --seed {seed}".split()
+            subprocess.run([lemons, "crowd", *options, "-o", place / f"room_{width}_{seed}"], check=True, capture_output=True)
+    return place
+
+
+@pytest.fixture(scope="module")
+def here():
+    """A client with two threads of this process."""
+    with local_cluster(1, threads=2, processes=False) as cluster, Client(cluster) as client:
+        yield client
+
+
+def measure(run):
+    seen = run.measure(lines={"door": DOOR}, above=[300])
+    [right] = [way for way in seen.summary["lines"][0]["directions"] if way["direction"] == "right"]
+    pressed = seen.people["largest_mean_1"].max()
+    return {"flow": right["flow"], "evacuation": right["evacuation_time"], "pressed": pressed, "above": seen.people["time_above_300"].sum()}
+
+
+def left(run):
+    return {"left": (~run.active[-1]).sum()}
+
+
+@pytest.fixture(scope="module")
+def wanted(lemons, rooms):
+    """Of each Trial what the command says: `lemons measure`, and when `lemons run --until left` ends."""
+    rows = []
+    for width in GRID["width"]:
+        for seed in GRID["seed"]:
+            room, out = rooms / f"room_{width}_{seed}", rooms / "out"
+            line = f"door={','.join(map(str, DOOR))}"
+            words = [lemons, "measure", room, "--until", "left", "--line", line, "--above", "300", "-o", out, "--force"]
+            subprocess.run(words, check=True, capture_output=True)
+            summary = json.loads((out / "summary.json").read_text())
+            right = summary["lines"][0]["directions"][0]
+            people = pd.read_csv(out / "people.csv", dtype=str)
+            pressed, above = (people[name].map(float) for name in ("largest_mean_1", "time_above_300"))
+            run = [lemons, "run", room, "--until", "left", "-o", rooms / "run.csv", "--outputs", rooms / "outputs.csv", "--force"]
+            subprocess.run(run, check=True, capture_output=True)
+            ended = float((rooms / "run.csv").read_text().splitlines()[-1].split(",")[0])
+            rows.append((width, seed, right["flow"], right["evacuation_time"], pressed.max(), above.sum(), ended))
+    names = [*GRID, "flow", "evacuation", "pressed", "above", "ended"]
+    return pd.DataFrame(rows, columns=names)
+
+
+def test_trials_are_measured_as_by_the_command(lemons, rooms, wanted, tmp_path):
+    """On worker processes, which get the FMUs' bytes; and the table of `lemons sweep` of the same Trials."""
+    with local_cluster(2) as cluster, Client(cluster) as client:
+        table = sweep(rooms / "room_{width}_{seed}", GRID, None, measure, out=tmp_path / "out", client=client, **RUN)
+    assert table["status"].tolist() == ["ok"] * 4, table["error"].tolist()
+    pd.testing.assert_frame_equal(table[list(wanted)], wanted, check_exact=True)
+    assert list(table) == ["point", *wanted, "status", "error"]
+    assert table["flow"].nunique() == 4 and (table["ended"] < 60).all() and (table["above"] > 0).any()
+    (rooms / "study.toml").write_text(
+        'trial = "room_{width}_{seed}"\nuntil = 600.0\nstop = { of = "decision.Arrived", at_least = 10 }\n'
+        "[parameters]\nwidth = [0.9, 1.2]\nseed = [1, 2]\n"
+        '[measures]\nlast = { of = "decision.Arrived", take = "first_at_least", level = 10 }\n'
+    )
+    subprocess.run([lemons, "sweep", "study.toml", "-o", tmp_path / "study"], cwd=rooms, check=True, capture_output=True)
+    theirs = pd.read_parquet(tmp_path / "study" / "table.parquet")
+    # With Jacobi's algorithm the crowd hears of it a step later.
+    assert np.allclose(table["ended"] - theirs["last"], 0.01, rtol=1e-9)
+
+
+def test_one_trial_many_parameters(rooms, here, tmp_path):
+    """Parameters of both FMUs; other plans by name; the point that is never over says so."""
+    room = rooms / "room_1.2_1"
+    grid = {"decision.agent[*].DesiredSpeed": [1.0, 1.4], "agent[*].Mass": [60.0, -1.0]}
+    table = sweep(room, grid, None, left, client=here, out=tmp_path / "one", **RUN)
+    assert table["status"].tolist() == ["ok", "failed"] * 2 and "agent[0].Mass = -1.0: must be positive" in table["error"][1]
+    for point in (0, 2):
+        with Crowd(room, {name: table[name][point] for name in grid}) as crowd:
+            assert crowd.run(until="left").ended == table["ended"][point]
+    assert table["ended"][0] > table["ended"][2] and (table["left"][[0, 2]] == 10).all()
+    told = json.loads((tmp_path / "one" / "sweep.json").read_text())
+    assert told["plan"]["model"] == "LEMONS decision" and told["algorithm"] == "Jacobi" and told["until"] == "left"
+
+    away = 'exits = [{ name = "far", line = [[6.0, 0.5], [6.0, 3.5]] }]\n'
+    for name, text in {"near": away, "slow": f"desired_speed = 0.5\n{away}"}.items():
+        (tmp_path / f"{name}.toml").write_text(text)
+    options = {**RUN, "until": 4.0, "stop": lambda crowd: crowd.left >= 3, "algorithm": "gauss-seidel"}
+    table = sweep(room, {"case": ["near", "slow"]}, None, left, plan=tmp_path / "{case}.toml", client=here, **options)
+    assert table["left"][0] >= 3 and table["ended"][0] < 4.0 and table["ended"].isna().tolist() == [False, True]
+    with Crowd(room, plan=tmp_path / "near.toml", algorithm="gauss-seidel") as crowd:
+        assert crowd.run(until=4.0, stop=lambda crowd: crowd.left >= 3).ended == table["ended"][0]
+
+
+def test_a_sweep_of_other_trials_or_plans_does_not_go_on(rooms, here, tmp_path):
+    for width in GRID["width"]:
+        shutil.copytree(rooms / f"room_{width}_1", tmp_path / f"room_{width}")
+    several, one = tmp_path / "room_{width}", tmp_path / "room_0.9"
+    options = {"client": here, **RUN, "until": 0.2}
+
+    def both():
+        grid = {"width": GRID["width"]}
+        return (
+            sweep(several, grid, None, left, out=tmp_path / "several", **options),
+            sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one", **options),
+        )
+
+    before = both()
+    plan = one / "decision.toml"
+    text = plan.read_text()
+    plan.write_text("# Who wrote it, and when, makes no other plan.\n" + text)
+    for table, again in zip(before, both()):
+        pd.testing.assert_frame_equal(again, table, check_exact=True)
+    plan.write_text(text.replace("1.34", "1.2"))
+    for what, grid, out, differs in [
+        (several, {"width": GRID["width"]}, "several", "models"),
+        (one, {"agent[*].Mass": [60.0]}, "one", "plan"),
+    ]:
+        with pytest.raises(SweepError, match=f"another sweep: its sweep.json differs in {differs};"):
+            sweep(what, grid, None, left, out=tmp_path / out, **options)
+    plan.write_text(text)
+    with pytest.raises(SweepError, match="differs in algorithm"):
+        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one", algorithm="gauss-seidel", **options)
+    # Where nobody walks; and where points end by a condition.
+    with pytest.raises(SweepError, match="differs in stop;"):
+        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one", stop=lambda crowd: True, **options)
+    with pytest.raises(SweepError, match="differs in .*plan.*algorithm"):
+        sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one", plan=False, **options)
+
+
+def test_what_cannot_be_swept_is_refused_at_once(rooms, here, tmp_path):
+    def refused(error, words, what, grid, drive=None, **options):
+        with pytest.raises(error, match=words):
+            sweep(what, grid, drive, left, out=tmp_path / "out", client=here, **{**RUN, **options})
+        assert not (tmp_path / "out").exists()
+
+    room, mass = rooms / "room_0.9_1", {"agent[*].Mass": [60.0]}
+    refused(ValueError, "there is no parameter 'wdith'", rooms / "room_{wdith}_1", {"width": [0.9]})
+    refused(FmuError, "room_0.7_1: No such file", rooms / "room_{width}_1", {"width": [0.9, 0.7]})
+    refused(ValueError, "there is a drive, but people walk by .*decision.toml", room, mass, np.zeros((10, 3)))
+    refused(FmuError, "would be overwritten: decision feeds agent.3..Active", room, {"agent[3].Active": [0]})
+    refused(FmuError, "did you mean 'decision.agent", room, {"agent[3].DesiredSpeed": [1.0]})
+    refused(FmuError, "nobody can leave", room, mass, plan=False)
+    refused(ValueError, "until='gone'", room, mass, until="gone")
+    table = sweep(room, mass, None, lambda run: {"ended": 1.0}, client=here, **RUN)
+    assert "the measure has the name of another column: 'ended'" in table["error"][0]
+
+
+# A sweep over Trials whose runs are noted, on threads of its own process, so that one SIGKILL ends all.
+SLOW = """
+import sys, time
+from distributed import Client
+from lemons_fmu import local_cluster, sweep
+
+def measure(run):
+    time.sleep(0.3)
+    with open(sys.argv[3], "a") as file:
+        file.write("x\\n")
+    return {"flow": run.measure(lines={"door": (5, 1, 5, 3)}).summary["lines"][0]["directions"][0]["flow"]}
+
+if __name__ == "__main__":
+    points = {"width": [0.9, 1.2], "seed": [1, 2], "decision.agent[*].DesiredSpeed": [1.0, 1.2, 1.4]}
+    with local_cluster(1, processes=False) as cluster, Client(cluster) as client:
+        sweep(sys.argv[1], points, None, measure, until="left", out=sys.argv[2], client=client, progress=False)
+"""
+
+
+def test_a_killed_sweep_over_trials_goes_on_and_gives_the_same_table(rooms, tmp_path):
+    script = tmp_path / "slow.py"
+    script.write_text(SLOW)
+
+    def start(name, out="out"):
+        what = rooms / "room_{width}_{seed}"
+        return subprocess.Popen([sys.executable, script, what, tmp_path / out, tmp_path / name], env=os.environ)
+
+    out, ends = tmp_path / "out", time.monotonic() + 120
+    killed = start("first")
+    while not list(out.glob("part-*.parquet")):
+        assert killed.poll() is None and time.monotonic() < ends
+        time.sleep(0.02)
+    killed.send_signal(signal.SIGKILL)
+    assert killed.wait() == -signal.SIGKILL
+    kept = sum(pq.read_table(path).num_rows for path in out.glob("part-*.parquet"))
+    assert 0 < kept < 12 and not (out / "table.parquet").exists()
+    assert start("second").wait() == 0
+    assert len((tmp_path / "second").read_text().split()) == 12 - kept, "a finished point was simulated again"
+    assert start("third", "whole").wait() == 0
+    assert (out / "table.parquet").read_bytes() == (tmp_path / "whole" / "table.parquet").read_bytes()
+    table = pd.read_parquet(out / "table.parquet")
+    assert (table["status"] == "ok").all() and table["flow"].nunique() == 12
