@@ -49,7 +49,7 @@ def here():
 
 def measure(run):
     seen = run.measure(lines={"door": DOOR}, above=[300])
-    [right] = [way for way in seen.summary["lines"][0]["directions"] if way["direction"] == "right"]
+    right = seen.direction("door", "right")
     pressed = seen.people["largest_mean_1"].max()
     return {"flow": right["flow"], "evacuation": right["evacuation_time"], "pressed": pressed, "above": seen.people["time_above_300"].sum()}
 

@@ -294,6 +294,8 @@ class Crowd:
                 line(Progress(k, 0, steps, monotonic() - begin, 0, None))
             if (leave is not None and record.left() >= leave) or (stop is not None and stop(self)):
                 ended = self.time
+                if line is not None:
+                    line(Progress(k, 0, k, monotonic() - begin, 0, None))
                 break
         return record.finish(self.trial, ended, may_leave=self._model.may_leave)
 

@@ -44,8 +44,8 @@ class Loaded:
         self.directory: Path = scratch() / f"{next(_places)}-{sha256[:16]}"
         self._lock = threading.RLock()
         self._idle: list[Instance] = []
-        #: How many use its files now.
-        self._users = 0
+        #: How many use its files now, and whether they stay when nobody does.
+        self._users, self._kept = 0, True
         self._unpack()
         try:
             description = fmpy.read_model_description(str(self.directory), validate=False)
@@ -115,7 +115,7 @@ class Loaded:
         try:
             return (ArrayInstance if self.arrays else Instance)(self)
         except BaseException:
-            self._users -= 1
+            self._release()
             raise
 
     def give_back(self, instance: Instance) -> None:
@@ -124,12 +124,10 @@ class Loaded:
             instance.reset()
         except FmuError:
             instance.drop()
+        else:
             with self._lock:
-                self._users -= 1
-            return
-        with self._lock:
-            self._idle.append(instance)
-            self._users -= 1
+                self._idle.append(instance)
+        self._release()
 
     @contextmanager
     def unpacked(self) -> Iterator[Path]:
@@ -139,14 +137,22 @@ class Loaded:
         try:
             yield self.directory
         finally:
-            with self._lock:
-                self._users -= 1
+            self._release()
 
     def forget(self) -> None:
-        """Removes its files and its instances, unless somebody uses them. Who uses it later gets them anew."""
+        """Removes its files and its instances as soon as nobody uses them. Who uses it later gets them anew."""
         with self._lock:
-            if self._users:
-                return
+            self._kept = False
+            self._clear()
+
+    def _release(self) -> None:
+        with self._lock:
+            self._users -= 1
+            if not self._kept:
+                self._clear()
+
+    def _clear(self) -> None:
+        if self._users == 0:
             idle, self._idle = self._idle, []
             for instance in idle:
                 instance.drop()

@@ -47,10 +47,22 @@ class Measures:
         Raises:
             KeyError: there is no such line.
         """
-        if line not in [known["name"] for known in self.summary["lines"]]:
-            raise KeyError(line)
+        self.direction(line, direction)
         rows = self.gaps[(self.gaps["line"] == line) & (self.gaps["direction"] == direction)]
         return rows["t"].to_numpy(dtype=np.float64)
+
+    def direction(self, line: str, direction: Literal["right", "left"]) -> dict[str, Any]:
+        """Returns the numbers of a line in a direction, as in the summary: people, flow [1/s], specific_flow [1/(m s)],
+        evacuation_time [s] and so on; None: not known.
+
+        Raises:
+            KeyError: there is no such line or direction.
+        """
+        for known in self.summary["lines"]:
+            for way in known["directions"]:
+                if (known["name"], way["direction"]) == (line, direction):
+                    return dict(way)
+        raise KeyError((line, direction))
 
 
 def measure(

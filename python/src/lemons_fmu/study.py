@@ -21,7 +21,7 @@ from .clock import steps_between
 from .crowd import LATEST, Crowd, Until
 from .drive import DriveLike, identity, known
 from .fmu import Fmu
-from .loaded import Loaded, Source
+from .loaded import KEPT, Loaded, Source
 from .made import Plan, model_of
 from .model import ALGORITHMS, Algorithm, Model
 from .results import Points
@@ -130,8 +130,8 @@ def _models(given: Given, chosen: list[str], values: Iterator[tuple[Any, ...]]) 
 
         return model_of(filled(given.what), filled(given.plan), given.algorithm)
 
-    with ThreadPoolExecutor(CPU_COUNT) as pool:
-        while some := list(islice(values, 4 * CPU_COUNT)):
+    with ThreadPoolExecutor(min(CPU_COUNT, KEPT)) as pool:
+        while some := list(islice(values, KEPT)):
             yield from pool.map(of, some)
 
 

@@ -67,7 +67,7 @@ class FmuOnWorker(WorkerPlugin):
 
     def setup(self, worker: Worker) -> None:
         fmu = load(self.data) if self.crowd else load_any(self.data)
-        _fmus[fmu.sha256] = fmu
+        _fmus[fmu.sha256] = fmu.data
 
 
 class JobOnWorker(WorkerPlugin):
@@ -84,7 +84,7 @@ class JobOnWorker(WorkerPlugin):
         _jobs.pop(self.job.key, None)
 
 
-_fmus: dict[str, Loaded] = {}
+_fmus: dict[str, bytes] = {}
 _jobs: dict[str, tuple[Job, tuple[Known[Crowd], Measure, Stop | None]]] = {}
 
 
@@ -97,12 +97,11 @@ def simulate_points(key: str, subject: Subject, points: list[tuple[int, tuple[Va
 
 
 def _model(subject: Subject, algorithm: Algorithm) -> Model:
-    fmu = _fmus[subject.fmu] if isinstance(subject.fmu, str) else load(subject.fmu)
-    assert isinstance(fmu, Fmu)
-    if subject.plan is None:
-        return Model(fmu, None, algorithm)
-    decider = _fmus[subject.plan] if isinstance(subject.plan, str) else load_any(subject.plan)
-    return Model(fmu, decider, algorithm, subject.shown)
+    def data(fmu: str | bytes) -> bytes:
+        return _fmus[fmu] if isinstance(fmu, str) else fmu
+
+    decider = None if subject.plan is None else load_any(data(subject.plan))
+    return Model(load(data(subject.fmu)), decider, algorithm, subject.shown)
 
 
 def _simulate_point(key: str, model: Model, subject: Subject, point: int, values: tuple[Value, ...]) -> Result:
