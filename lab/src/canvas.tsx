@@ -4,6 +4,7 @@ import { effect, signal, untracked } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { scaleOf, values } from "./colour";
 import { type Inks, inksOf, Painter, paintBar, paintPush, paintWays } from "./draw";
+import { paintPlaces } from "./drawplaces";
 import type { Film } from "./film";
 import { canvas, type Layers, show } from "./layout";
 import { paintLine } from "./line";
@@ -114,7 +115,7 @@ export function Canvas({ film, layers }: { film: Film; layers: Layers }) {
     );
 }
 
-/** Circles of pushes and ways. */
+/** Circles of pushes and ways, corners of exits and goals. */
 function reach({ scene }: Film): Point[] {
     const around = (x: number, y: number, radius: number): Point[] => [
         [x - radius, y - radius],
@@ -122,7 +123,8 @@ function reach({ scene }: Film): Point[] {
     ];
     const { motion } = plan.value.made;
     const pushes = motion.kind === "push" ? motion.pushes.flatMap(({ at, radius }) => around(...at, radius)) : [];
-    return [...scene.ways.flat().flatMap(({ x, y, radius }) => around(x, y, radius)), ...pushes];
+    const places = scene.targets.flatMap(({ corners }) => corners);
+    return [...places, ...scene.ways.flat().flatMap(({ x, y, radius }) => around(x, y, radius)), ...pushes];
 }
 
 function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter, frame: Float64Array, layers: Layers, now: View, inks: Inks) {
@@ -152,6 +154,7 @@ function picture(context: CanvasRenderingContext2D, film: Film, painter: Painter
     const { motion } = plan.value.made;
     const time = film.place.value * scene.step;
     paintWays(context, scene.ways, now, inks, null, tab === "motion");
+    paintPlaces(context, scene.targets, now, inks);
     if (motion.kind === "push") for (const push of motion.pushes) paintPush(context, push, time, now, inks);
     if (line) paintLine(context, line, now, inks);
     if (helper?.paint) {

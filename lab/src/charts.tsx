@@ -89,6 +89,7 @@ export function Charts({ film, selected, line, client }: ChartsProps) {
                 [{ label: "Of all", colour: "--two" }, of("greatest"), "greatest"],
                 ...(agent === null ? [] : [[{ label: name, colour: "--three" }, squeeze, "mean"] as [Line, typeof squeeze, "mean"]]),
             ])}
+            {scene.leaving > 0 && curves("Have left", "people", 0, [[{ label: "People", colour: "--one" }, of("left"), "greatest"]])}
             {line && <FlowChart film={film} line={line} client={client} ends={ends} />}
             <p class="note">
                 Squeeze is the sum of the normal forces on a person. The charts show its mean over each communication step. Disks with stiff springs touch here, so

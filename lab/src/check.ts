@@ -57,6 +57,15 @@ export function tuple<T extends unknown[]>(...items: { [K in keyof T]: Check<T[K
     };
 }
 
+/** Any names, each with a value. */
+export function dictionary<T>(item: Check<T>, most: number): Check<Record<string, T>> {
+    return (given) => {
+        const from = Object.entries(object(given));
+        if (from.length > most) throw new Unfit();
+        return Object.fromEntries(from.map(([name, value]) => [name, item(value)]));
+    };
+}
+
 type Parts<T> = { [K in keyof T]-?: Check<T[K]> };
 
 function object(given: unknown): Record<string, unknown> {

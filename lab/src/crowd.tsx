@@ -3,7 +3,8 @@
 import { ready, shape } from "./drawn";
 import { Hand } from "./hand";
 import { Check, Choice, digits, NumberField } from "./parts";
-import { change, type KeptCrowd, type Made as Planned, plan } from "./plan";
+import { type KeptCrowd } from "./forms";
+import { change, type Made as Planned, plan } from "./plan";
 import { People } from "./people";
 import type { Made, Motion } from "./protocol";
 import { choose, client, made } from "./session";
@@ -21,9 +22,9 @@ function samePlace({ base }: Planned, { room }: KeptCrowd) {
 function make() {
     const { crowd, made } = plan.value;
     const { kind } = made.motion;
-    const gone = (kind === "push" || kind === "walk") && !samePlace(made, crowd);
+    const gone = ["push", "walk", "go"].includes(kind) && !samePlace(made, crowd);
     const motion: Motion = gone ? { kind: "own" } : made.motion;
-    const words = gone ? "The pushes and ways of the place before are gone; Undo brings them back." : "";
+    const words = gone ? "The pushes, ways or exits of the place before are gone; Undo brings them back." : "";
     choose({ base: { kind: "crowd", ...crowd }, edits: [], motion }, false, crowd, words);
 }
 
@@ -88,7 +89,7 @@ export function CrowdTab() {
                         <NumberField label="Speed at which each would walk" unit="m/s" value={crowd.speed} min={0} max={20} step={0.1} onChange={(speed) => set({ speed })} />
                     </>
                 )}
-                {crowd.direction !== null && !["own", "none"].includes(plan.value.made.motion.kind) && <p class="note">Now pushes or ways move them: the tab Motion says which.</p>}
+                {crowd.direction !== null && !["own", "none"].includes(plan.value.made.motion.kind) && <p class="note">Now the tab Motion says what moves them.</p>}
                 <Check label="People wear clothes" value={crowd.clothes} onChange={(clothes) => set({ clothes })} />
                 <button type="submit" class="main" disabled={busy()}>
                     Make this crowd
@@ -101,7 +102,6 @@ export function CrowdTab() {
 }
 
 function Placed({ made: { density, area, largest_overlap, statistics } }: { made: Made }) {
-    const kinds = [...new Set(statistics.map(({ kind }) => kind))];
     return (
         <section class="panel" aria-label="As it was placed">
             <h2>As it was placed</h2>
@@ -119,8 +119,8 @@ function Placed({ made: { density, area, largest_overlap, statistics } }: { made
                             ))}
                         </tr>
                     </thead>
-                    {kinds.map((kind) => (
-                        <Kind key={kind} kind={kind} rows={statistics.filter((row) => row.kind === kind)} />
+                    {statistics.map((kind) => (
+                        <Kind key={kind.kind} {...kind} />
                     ))}
                 </table>
             </div>
@@ -130,15 +130,15 @@ function Placed({ made: { density, area, largest_overlap, statistics } }: { made
 
 const KINDS: Record<string, string> = { male: "Men", female: "Women" };
 
-function Kind({ kind, rows }: { kind: string; rows: Made["statistics"] }) {
+function Kind({ kind, count, measures }: Made["statistics"][number]) {
     return (
         <tbody>
             <tr>
                 <th colSpan={5} scope="rowgroup" class="kind">
-                    {KINDS[kind] ?? kind} ({rows[0]?.count})
+                    {KINDS[kind] ?? kind} ({count})
                 </th>
             </tr>
-            {rows.map(({ measure, unit, ...row }) => {
+            {measures.map(({ measure, unit, ...row }) => {
                 const inCm = unit === "m" && plan.value.unit === "cm";
                 const places = unit === "m" && !inCm ? 3 : 1;
                 const cell = (value: number | null) => (value === null ? "–" : (value * (inCm ? 100 : 1)).toFixed(places));

@@ -21,12 +21,14 @@ export interface Inks {
     mark: string;
     pick: string;
     way: string;
+    exit: string;
+    goal: string;
 }
 
 export function inksOf(canvas: HTMLCanvasElement): Inks {
     const style = getComputedStyle(canvas);
     const named = (name: string) => style.getPropertyValue(`--${name}`);
-    return { ink: named("ink"), paper: named("paper"), mark: named("mark"), pick: named("pick"), way: named("way") };
+    return { ink: named("ink"), paper: named("paper"), mark: named("mark"), pick: named("pick"), way: named("way"), exit: named("exit"), goal: named("goal") };
 }
 
 export interface Picture {

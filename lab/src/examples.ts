@@ -1,6 +1,8 @@
 // Ready scenes to start from.
 
-import { FIRST, type KeptCrowd, type Made, rectangle } from "./plan";
+import { type KeptCrowd } from "./forms";
+import { FIRST_WISHES } from "./places";
+import { FIRST, type Made, rectangle } from "./plan";
 import type { Motion, Point, Push } from "./protocol";
 
 export interface Example {
@@ -11,6 +13,17 @@ export interface Example {
 
 function crowd(part: Partial<KeptCrowd>, motion: Motion): Made {
     return { base: { kind: "crowd", ...FIRST.crowd, speed: 0, ...part }, edits: [], motion };
+}
+
+/** Ways as x, y and radius of their points. */
+function walk(...ways: [number, number, number][][]): Motion {
+    return { kind: "walk", speed: 1.3, ways: ways.map((way) => way.map(([x, y, radius]) => ({ x, y, radius }))) };
+}
+
+/** Exits that are lines. */
+function leave(lines: Record<string, [Point, Point]>): Motion {
+    const exits = Object.entries(lines).map(([name, line]) => ({ name, line, polygon: null, share: null }));
+    return { kind: "go", wishes: { ...FIRST_WISHES, exits } };
 }
 
 const shove: Omit<Push, "at"> = { radius: 0.75, direction: 0, force: 600, start: 0.2, duration: 0.6 };
@@ -63,16 +76,19 @@ export const EXAMPLES: Example[] = [
                 room: { outline: rectangle(8, 6), obstacles: [], doors: [{ at: [8, 3], width: 0.9 }] },
                 region: rectangle(5.5, 5.4, 0.3, 0.3),
             },
+            walk([[8.8, 3, 0.5], [12.5, 3, 2]]),
+        ),
+    },
+    {
+        name: "Two exits",
+        sentence: "60 people go round a pillar and leave by the door that is nearer on foot. The page counts them.",
+        made: crowd(
             {
-                kind: "walk",
-                speed: 1.3,
-                ways: [
-                    [
-                        { x: 8.8, y: 3, radius: 0.5 },
-                        { x: 12.5, y: 3, radius: 2 },
-                    ],
-                ],
+                number: 60,
+                room: { outline: rectangle(8, 6), obstacles: [rectangle(0.8, 0.8, 6, 2.6)], doors: [{ at: [8, 3], width: 1.2 }, { at: [2, 0], width: 1 }] },
+                region: rectangle(5, 5.4, 0.3, 0.3),
             },
+            leave({ right: [[9, 1.4], [9, 4.6]], below: [[0.5, -1], [3.5, -1]] }),
         ),
     },
     {
@@ -85,16 +101,7 @@ export const EXAMPLES: Example[] = [
                 room: { outline: bottleneck, obstacles: [], doors: [{ at: [14, 2.5], width: 1.2 }] },
                 region: rectangle(6.5, 4.6, 0.2, 0.2),
             },
-            {
-                kind: "walk",
-                speed: 1.3,
-                ways: [
-                    [
-                        { x: 13, y: 2.5, radius: 0.6 },
-                        { x: 18, y: 2.5, radius: 2 },
-                    ],
-                ],
-            },
+            walk([[13, 2.5, 0.6], [18, 2.5, 2]]),
         ),
     },
     {
@@ -106,22 +113,7 @@ export const EXAMPLES: Example[] = [
                 room: { outline: vomitory, obstacles: [rectangle(0.6, 1.6, 9.4, 3.2)], doors: [{ at: [20, 4], width: 2.5 }] },
                 region: rectangle(7, 7.4, 0.3, 0.3),
             },
-            {
-                kind: "walk",
-                speed: 1.3,
-                ways: [
-                    [
-                        { x: 9.8, y: 2.3, radius: 0.8 },
-                        { x: 12.5, y: 3.6, radius: 0.7 },
-                        { x: 24, y: 3.6, radius: 2.2 },
-                    ],
-                    [
-                        { x: 9.8, y: 5.7, radius: 0.8 },
-                        { x: 12.5, y: 4.4, radius: 0.7 },
-                        { x: 24, y: 4.4, radius: 2.2 },
-                    ],
-                ],
-            },
+            walk([[9.8, 2.3, 0.8], [12.5, 3.6, 0.7], [24, 3.6, 2.2]], [[9.8, 5.7, 0.8], [12.5, 4.4, 0.7], [24, 4.4, 2.2]]),
         ),
     },
 ];

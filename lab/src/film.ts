@@ -18,6 +18,8 @@ export class Film {
     readonly place = signal(0);
     readonly computed = signal(1);
     readonly advanced = signal<Advanced | null>(null);
+    /** The first frame in which all have left who have an exit; null: none yet. */
+    readonly emptied = signal<number | null>(null);
     /** Processor time for a communication step. */
     readonly cost = signal(ANSWER);
     readonly failed = signal<string | null>(null);
@@ -36,6 +38,7 @@ export class Film {
         this.frames = new Frames(scene.agents.length);
         this.frames.add(new Float64Array(first), 1);
         this.#generation = client.generation;
+        this.#look();
     }
 
     /** Another film took its place, or its worker ended. */
@@ -62,6 +65,14 @@ export class Film {
         return Math.floor(MOST_BYTES / this.frames.bytes);
     }
 
+    /** Whether all have left. */
+    #look() {
+        const { leaving } = this.scene;
+        const left = this.frames.curve("left");
+        if (leaving === 0 || this.emptied.value !== null || left.at(-1)! < leaving) return;
+        this.emptied.value = left.findIndex((count) => count >= leaving);
+    }
+
     /** Computes until there are at least this many frames. */
     async until(count: number) {
         while (this.frames.count < Math.min(count, this.most) && !this.over && !this.failed.value) await this.#ask(count);
@@ -81,6 +92,7 @@ export class Film {
                 this.advanced.value = value;
                 this.cost.value = seconds / steps;
                 this.computed.value = this.frames.count;
+                this.#look();
             });
         } catch (error) {
             if (!this.over && !(error instanceof Stopped)) this.failed.value = `the run ended: ${(error as Error).message}`;
@@ -94,6 +106,11 @@ export class Film {
     tick(seconds: number, pace: number) {
         const from = this.place.value;
         const wanted = from + (seconds * pace) / this.scene.step;
+        const emptied = this.emptied.value;
+        if (emptied !== null && from < emptied && wanted >= emptied) {
+            // The run ends here. Who plays it again sees how it goes on.
+            return this.show(emptied);
+        }
         const there = this.frames.count - 1;
         const smooth = 0.9;
         const real = seconds > 0 ? ((Math.min(wanted, there) - from) * this.scene.step) / seconds : 0;

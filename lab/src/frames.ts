@@ -8,7 +8,7 @@ const SQUEEZE = 6;
 const CONTACTS = 7;
 
 /** Of the whole crowd, one number for each frame. */
-export const CURVES = ["speed", "squeeze", "greatest", "contacts"] as const;
+export const CURVES = ["speed", "squeeze", "greatest", "contacts", "left"] as const;
 export type Curve = (typeof CURVES)[number];
 
 export class Frames {
@@ -30,7 +30,7 @@ export class Frames {
         this.length = COLUMNS * agents;
         this.#perBlock = Math.max(1, Math.floor(BLOCK_BYTES / (8 * Math.max(1, this.length))));
         const curve = () => new Float32Array(1024);
-        this.#curves = { speed: curve(), squeeze: curve(), greatest: curve(), contacts: curve() };
+        this.#curves = { speed: curve(), squeeze: curve(), greatest: curve(), contacts: curve(), left: curve() };
         this.#between = new Float64Array(this.length);
         this.#means = new Float64Array(agents);
     }
@@ -78,9 +78,11 @@ export class Frames {
         this.#curves.squeeze[k] = squeeze / people;
         this.#curves.greatest[k] = greatest;
         this.#curves.contacts[k] = contacts / people;
+        this.#curves.left[k] = this.agents - there;
     }
 
-    /** Of those who have not left: mean speed, mean and greatest squeeze, mean number of contacts of a person; `count` of each. */
+    /** Of those who have not left: mean speed, mean and greatest squeeze, mean number of contacts of a person; and how
+     * many have left. `count` of each. */
     curve(name: Curve): Float32Array {
         return this.#curves[name].subarray(0, this.count);
     }

@@ -2,7 +2,8 @@
 
 import { computed, signal } from "@preact/signals";
 import { digits } from "./parts";
-import { MOST, plan } from "./plan";
+import { MOST } from "./forms";
+import { plan } from "./plan";
 import { COLUMNS, type Edit, isThere, type Overlaps, type Point } from "./protocol";
 import { choose, client, film, problem, selected, selectNext } from "./session";
 import type { Pointer, Tool } from "./tool";

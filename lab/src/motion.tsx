@@ -1,11 +1,16 @@
-// What moves the people: their own drive, nothing, pushes, or ways that they walk.
+// What moves the people: their own drive, nothing, pushes, ways that they walk, or exits and goals.
 
 import { effect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
+import { Exits } from "./exits";
+import { exitTool } from "./exittool";
+import { MOST } from "./forms";
+import { begin, mode, motion, picked, setMotion } from "./motionstate";
+import { FIRST_PUSH, FIRST_RADIUS, motionTool, remove } from "./motiontool";
 import { Choice, LengthField, NumberField } from "./parts";
-import { MOST } from "./plan";
+import { FIRST_WISHES } from "./places";
 import { isThere, type Motion, type Push, type Waypoint } from "./protocol";
-import { begin, FIRST_PUSH, FIRST_RADIUS, mode, motion, motionTool, picked, remove, setMotion } from "./motiontool";
 import { bases, film } from "./session";
 import { useTool } from "./tool";
 
@@ -16,6 +21,7 @@ const KINDS: [Motion["kind"], string][] = [
     ["none", "Nobody moves by themselves"],
     ["push", "Some are pushed"],
     ["walk", "All walk along ways"],
+    ["go", "All walk to exits and goals"],
 ];
 
 const SENTENCES: Record<Motion["kind"], string> = {
@@ -23,6 +29,7 @@ const SENTENCES: Record<Motion["kind"], string> = {
     none: "People stand. They move only if they overlap at the start.",
     push: "A push acts on each whose middle is in its circle at the start. The force on each rises and falls like half a sine.",
     walk: "Everybody takes the way whose first point is nearest, and goes to the next point when near enough to one.",
+    go: "People walk around walls. At an exit they leave; at a goal they stay.",
 };
 
 /** What was chosen before comes back. */
@@ -38,6 +45,7 @@ function starting(kind: Motion["kind"]): Motion {
     if (known) return known;
     if (kind === "push") return { kind, pushes: [] };
     if (kind === "walk") return { kind, speed: 1.3, ways: [] };
+    if (kind === "go") return { kind, wishes: FIRST_WISHES };
     return { kind };
 }
 
@@ -46,8 +54,8 @@ export function MotionTab() {
         begin("change");
         picked.value = null;
     }, []);
-    useTool(motionTool);
     const now = motion.value;
+    useTool(now.kind === "go" ? exitTool : motionTool);
     return (
         <section class="panel" aria-label="Motion">
             <h2>Motion</h2>
@@ -65,6 +73,7 @@ export function MotionTab() {
             <p class="note">{SENTENCES[now.kind]}</p>
             {now.kind === "push" && <Pushes pushes={now.pushes} />}
             {now.kind === "walk" && <Walk speed={now.speed} ways={now.ways} />}
+            {now.kind === "go" && <Exits wishes={now.wishes} middle={middle()} />}
         </section>
     );
 }
@@ -94,6 +103,19 @@ function Drawing({ kind, words, hint, onWrite, write }: { kind: "push" | "way"; 
     );
 }
 
+/** What is drawn, each with its fields. */
+function Drawn<T>({ parts, name, none, children }: { parts: T[]; name: string; none: string; children(part: T, k: number): ComponentChildren }) {
+    if (parts.length === 0) return <p class="note">{none}</p>;
+    return parts.map((part, k) => (
+        <fieldset class={picked.value === k ? "fields marked" : "fields"} key={k} onFocusCapture={() => (picked.value = k)}>
+            <legend>
+                {name} {k + 1}
+            </legend>
+            {children(part, k)}
+        </fieldset>
+    ));
+}
+
 function Pushes({ pushes }: { pushes: Push[] }) {
     const set = (k: number, part: Partial<Push>) => setMotion({ kind: "push", pushes: pushes.map((push, j) => (j === k ? { ...push, ...part } : push)) });
     return (
@@ -107,26 +129,26 @@ function Pushes({ pushes }: { pushes: Push[] }) {
                     onWrite={() => setMotion({ kind: "push", pushes: [...pushes, { ...FIRST_PUSH, at: middle() }] })}
                 />
             )}
-            {pushes.length === 0 && <p class="note">There is no push yet: nobody moves.</p>}
-            {pushes.map((push, k) => {
-                const name = `Push ${k + 1}`;
-                return (
-                    <fieldset class={picked.value === k ? "fields marked" : "fields"} key={k} onFocusCapture={() => (picked.value = k)}>
-                        <legend>{name}</legend>
-                        <LengthField label={`${name}, x`} short="x" value={push.at[0]} min={-FAR} max={FAR} onChange={(x) => set(k, { at: [x, push.at[1]] })} />
-                        <LengthField label={`${name}, y`} short="y" value={push.at[1]} min={-FAR} max={FAR} onChange={(y) => set(k, { at: [push.at[0], y] })} />
-                        <LengthField label={`${name}, radius`} short="radius" value={push.radius} min={0.05} max={100} onChange={(radius) => set(k, { radius })} />
-                        <NumberField label={`${name}, direction`} short="direction" unit="°" value={push.direction} min={-360} max={360} step={5} onChange={(direction) => set(k, { direction })} />
-                        <NumberField label={`${name}, greatest force`} short="greatest force" unit="N" value={push.force} min={1} max={1e5} step={50} onChange={(force) => set(k, { force })} />
-                        <NumberField label={`${name}, start`} short="start" unit="s" value={push.start} min={0} max={1000} step={0.1} onChange={(start) => set(k, { start })} />
-                        <NumberField label={`${name}, duration`} short="duration" unit="s" value={push.duration} min={0.01} max={100} step={0.05} onChange={(duration) => set(k, { duration })} />
-                        <Pulse push={push} />
-                        <button type="button" onClick={() => remove(k)}>
-                            Delete push {k + 1}
-                        </button>
-                    </fieldset>
-                );
-            })}
+            <Drawn parts={pushes} name="Push" none="There is no push yet: nobody moves.">
+                {(push, k) => {
+                    const name = `Push ${k + 1}`;
+                    return (
+                        <>
+                            <LengthField label={`${name}, x`} short="x" value={push.at[0]} min={-FAR} max={FAR} onChange={(x) => set(k, { at: [x, push.at[1]] })} />
+                            <LengthField label={`${name}, y`} short="y" value={push.at[1]} min={-FAR} max={FAR} onChange={(y) => set(k, { at: [push.at[0], y] })} />
+                            <LengthField label={`${name}, radius`} short="radius" value={push.radius} min={0.05} max={100} onChange={(radius) => set(k, { radius })} />
+                            <NumberField label={`${name}, direction`} short="direction" unit="°" value={push.direction} min={-360} max={360} step={5} onChange={(direction) => set(k, { direction })} />
+                            <NumberField label={`${name}, greatest force`} short="greatest force" unit="N" value={push.force} min={1} max={1e5} step={50} onChange={(force) => set(k, { force })} />
+                            <NumberField label={`${name}, start`} short="start" unit="s" value={push.start} min={0} max={1000} step={0.1} onChange={(start) => set(k, { start })} />
+                            <NumberField label={`${name}, duration`} short="duration" unit="s" value={push.duration} min={0.01} max={100} step={0.05} onChange={(duration) => set(k, { duration })} />
+                            <Pulse push={push} />
+                            <button type="button" onClick={() => remove(k)}>
+                                Delete push {k + 1}
+                            </button>
+                        </>
+                    );
+                }}
+            </Drawn>
         </>
     );
 }
@@ -171,37 +193,37 @@ function Walk({ speed, ways }: { speed: number; ways: Waypoint[][] }) {
                     onWrite={add}
                 />
             )}
-            {ways.length === 0 && <p class="note">There is no way yet: nobody walks.</p>}
-            {ways.map((way, w) => (
-                <fieldset class={picked.value === w ? "fields marked" : "fields"} key={w} onFocusCapture={() => (picked.value = w)}>
-                    <legend>Way {w + 1}</legend>
-                    {way.map((point, k) => {
-                        const name = `Way ${w + 1}, point ${k + 1}`;
-                        const put = (part: Partial<Waypoint>) => setWay(w, way.map((old, j) => (j === k ? { ...old, ...part } : old)));
-                        return (
-                            <div class="row" key={k}>
-                                <span class="which">{k + 1}</span>
-                                <LengthField label={`${name}, x`} short="x" value={point.x} min={-FAR} max={FAR} onChange={(x) => put({ x })} />
-                                <LengthField label={`${name}, y`} short="y" value={point.y} min={-FAR} max={FAR} onChange={(y) => put({ y })} />
-                                <LengthField label={`${name}, radius`} short="radius" value={point.radius} min={0.05} max={100} onChange={(radius) => put({ radius })} />
-                                <button type="button" aria-label={`Delete ${name.toLowerCase()}`} onClick={() => setWay(w, way.filter((_, j) => j !== k))}>
-                                    ×
+            <Drawn parts={ways} name="Way" none="There is no way yet: nobody walks.">
+                {(way, w) => (
+                    <>
+                        {way.map((point, k) => {
+                            const name = `Way ${w + 1}, point ${k + 1}`;
+                            const put = (part: Partial<Waypoint>) => setWay(w, way.map((old, j) => (j === k ? { ...old, ...part } : old)));
+                            return (
+                                <div class="row" key={k}>
+                                    <span class="which">{k + 1}</span>
+                                    <LengthField label={`${name}, x`} short="x" value={point.x} min={-FAR} max={FAR} onChange={(x) => put({ x })} />
+                                    <LengthField label={`${name}, y`} short="y" value={point.y} min={-FAR} max={FAR} onChange={(y) => put({ y })} />
+                                    <LengthField label={`${name}, radius`} short="radius" value={point.radius} min={0.05} max={100} onChange={(radius) => put({ radius })} />
+                                    <button type="button" aria-label={`Delete ${name.toLowerCase()}`} onClick={() => setWay(w, way.filter((_, j) => j !== k))}>
+                                        ×
+                                    </button>
+                                </div>
+                            );
+                        })}
+                        <div class="buttons">
+                            {way.length < MOST.points && (
+                                <button type="button" onClick={() => setWay(w, [...way, { ...way.at(-1)!, x: way.at(-1)!.x + 1 }])}>
+                                    Add a point
                                 </button>
-                            </div>
-                        );
-                    })}
-                    <div class="buttons">
-                        {way.length < MOST.points && (
-                            <button type="button" onClick={() => setWay(w, [...way, { ...way.at(-1)!, x: way.at(-1)!.x + 1 }])}>
-                                Add a point
+                            )}
+                            <button type="button" onClick={() => remove(w)}>
+                                Delete way {w + 1}
                             </button>
-                        )}
-                        <button type="button" onClick={() => remove(w)}>
-                            Delete way {w + 1}
-                        </button>
-                    </div>
-                </fieldset>
-            ))}
+                        </div>
+                    </>
+                )}
+            </Drawn>
         </>
     );
 }

@@ -1,57 +1,24 @@
 // Drawing pushes and ways on the picture.
 
-import { computed, effect, signal } from "@preact/signals";
 import { ARROW, label, paintPush, paintWays, tip } from "./draw";
-import { MOST, plan } from "./plan";
-import type { Motion, Point, Push, Waypoint } from "./protocol";
+import { MOST } from "./forms";
+import { addPoint, begin, clicks, dragged, drawingKey, hover, mode, motion, picked, setMotion, sketch, standing } from "./motionstate";
+import type { Point, Push } from "./protocol";
 import { distance, snapped } from "./roomshape";
-import { bases, choose } from "./session";
 import type { Pointer, Tool } from "./tool";
 
-/** What the next presses do. */
-export type Mode = "change" | "push" | "way";
-export const mode = signal<Mode>("change");
-/** The push or the way that is marked. */
-export const picked = signal<number | null>(null);
-
-const dragged = signal<Motion | null>(null);
-/** Which part of it is dragged: of a push its middle, rim or tip; of a way the number of a point. */
+/** Which part is dragged: of a push its middle, rim or tip; of a way the number of a point. */
 let part: "middle" | "rim" | "tip" | number = "middle";
-/** Points of the way that is being drawn. */
-const sketch = signal<Waypoint[]>([]);
-const hover = signal<Point | null>(null);
-
-/** Pushes or ways are wanted, but there is none yet: until then nobody moves. */
-const pending = signal<Motion | null>(null);
-const standing = computed(() => (plan.value.made.motion.kind === "none" && pending.value) || plan.value.made.motion);
-/** As the forms show it. */
-export const motion = computed(() => dragged.value ?? standing.value);
 
 export const FIRST_PUSH: Push = { at: [0, 0], radius: 0.5, direction: 0, force: 500, start: 0.2, duration: 0.3 };
 export const FIRST_RADIUS = 0.5;
 
-export function setMotion(next: Motion) {
-    const empty = (next.kind === "push" && next.pushes.length === 0) || (next.kind === "walk" && next.ways.length === 0);
-    pending.value = empty ? next : null;
-    choose({ motion: empty ? { kind: "none" } : next }, false);
+function wayOf(points: Point[]) {
+    return points.map(([x, y]) => ({ x, y, radius: FIRST_RADIUS }));
 }
-
-export function begin(next: Mode) {
-    mode.value = next;
-    sketch.value = [];
-    dragged.value = null;
-}
-
-// Pushes and ways belong to a place: in another one they would lie anywhere.
-effect(() => {
-    bases.value;
-    pending.value = null;
-    picked.value = null;
-    begin("change");
-});
 
 function finish() {
-    const way = sketch.value;
+    const way = wayOf(sketch.value);
     const now = standing.value;
     begin("change");
     if (now.kind !== "walk" || way.length === 0) return;
@@ -110,18 +77,9 @@ function dragTo({ at }: Pointer) {
     }
 }
 
-/** A press of a way that is being drawn counts when it ends: a second finger may make it a pinch. */
-let held: Pointer | null = null;
-
-function addPoint({ at, double }: Pointer) {
-    const [x, y] = snapped(at);
-    if (!double) sketch.value = [...sketch.value, { x, y, radius: FIRST_RADIUS }];
-    if (double || sketch.value.length >= MOST.points) finish();
-}
-
 function press(pointer: Pointer): boolean {
     const now = standing.value;
-    held = null;
+    clicks.held = null;
     if (mode.value === "push" && now.kind === "push") {
         part = "tip";
         picked.value = now.pushes.length;
@@ -130,7 +88,7 @@ function press(pointer: Pointer): boolean {
         return true;
     }
     if (mode.value === "way" && now.kind === "walk") {
-        held = pointer;
+        clicks.held = pointer;
         return true;
     }
     if (!grab(pointer)) return false;
@@ -146,13 +104,14 @@ export const motionTool: Tool = {
         if (pressed && dragged.value) dragTo(pointer);
     },
     cancel() {
-        held = null;
+        clicks.held = null;
         if (dragged.value && mode.value === "push") picked.value = null;
         dragged.value = null;
     },
     up() {
-        if (held && mode.value === "way") addPoint(held);
-        held = null;
+        const { held } = clicks;
+        clicks.held = null;
+        if (held && mode.value === "way") addPoint(held, MOST.points, finish);
         const next = dragged.value;
         if (!next) return;
         const drawn = mode.value === "push";
@@ -165,8 +124,7 @@ export const motionTool: Tool = {
     key(event) {
         const drawing = mode.value !== "change";
         if (event.key === "Escape" && drawing) begin("change");
-        else if (event.key === "Enter" && mode.value === "way") finish();
-        else if (event.key === "Backspace" && mode.value === "way") sketch.value = sketch.value.slice(0, -1);
+        else if (mode.value === "way" && drawingKey(event, finish)) return true;
         else if (event.key === "Delete" && picked.value !== null) remove(picked.value);
         else return false;
         return true;
@@ -184,9 +142,8 @@ export const motionTool: Tool = {
         if (now.kind === "walk") {
             if (dragged.value) paintWays(context, now.ways, view, inks, picked.value);
             if (mode.value === "way") {
-                const to = hover.value;
-                const next = to && mode.value === "way" ? [{ x: to[0], y: to[1], radius: FIRST_RADIUS }] : [];
-                paintWays(context, [[...sketch.value, ...next]], view, inks, 0);
+                const next = hover.value ? [hover.value] : [];
+                paintWays(context, [wayOf([...sketch.value, ...next])], view, inks, 0);
             }
         }
     },

@@ -16,7 +16,7 @@ export function Numbers({ film }: { film: Film }) {
     return (
         <section class="numbers" aria-label="Numbers">
             <h2>Run</h2>
-            <Facts rows={ofRun(film, playing)} />
+            <Facts rows={ofRun(film, playing, k)} />
             <Overlapping film={film} />
             <h2>Person</h2>
             <Who film={film} />
@@ -26,7 +26,7 @@ export function Numbers({ film }: { film: Film }) {
     );
 }
 
-function ofRun(film: Film, playing: boolean): [string, ComponentChildren][] {
+function ofRun(film: Film, playing: boolean, k: number): [string, ComponentChildren][] {
     const { scene } = film;
     const advanced = playing ? film.advanced.peek() : film.advanced.value;
     const cost = film.cost.peek();
@@ -42,6 +42,7 @@ function ofRun(film: Film, playing: boolean): [string, ComponentChildren][] {
     ];
     if (scene.pushed.length > 0) rows.push(["Pushed", people(scene.pushed.length)]);
     if (scene.walk) rows.push(["Arrived or left", `${advanced?.arrived ?? 0} of ${scene.agents.length}`]);
+    if (scene.leaving > 0) rows.push(["Have left", `${film.frames.curve("left")[k]} of ${scene.leaving}`]);
     return rows;
 }
 

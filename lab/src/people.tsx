@@ -2,7 +2,8 @@
 
 import { signal } from "@preact/signals";
 import { Choice } from "./parts";
-import { type KeptPeople, MOST, plan } from "./plan";
+import { type KeptPeople, MOST } from "./forms";
+import { plan } from "./plan";
 import type { Four, Normal } from "./protocol";
 import { FileInput, type Given, taken } from "./upload";
 

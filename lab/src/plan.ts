@@ -1,19 +1,9 @@
 // What the user has made: kept in the browser, undone and redone, and sent as a link.
 
 import { computed, effect, signal } from "@preact/signals";
-import { type Check, flag, list, nullable, number, one, patched, record, tagged, text, tuple, Unfit, within } from "./check";
-import type { Base, CrowdWanted, Door, Edit, Four, Motion, Normal, People, PersonWanted, Point, Push, Room, Waypoint } from "./protocol";
-
-/** Files of the user's are kept in the browser under this key (store.ts). They are never sent. */
-interface Kept {
-    key: string;
-}
-
-type Table = Extract<People, { kind: "table" }>;
-type Upload = Extract<Base, { kind: "upload" }>;
-export type KeptPeople = Exclude<People, Table> | (Table & Kept);
-export type KeptCrowd = Omit<CrowdWanted, "people"> & { people: KeptPeople };
-export type KeptBase = Extract<Base, { kind: "example" }> | ({ kind: "crowd" } & KeptCrowd) | (Upload & Kept);
+import { flag, list, nullable, number, one, patched, record, tuple, Unfit, within } from "./check";
+import { base, crowd, edit, type KeptBase, type KeptCrowd, MOST, motion, point } from "./forms";
+import type { Edit, Motion, PersonWanted, Point } from "./protocol";
 
 /** What is on the stage. */
 export interface Made {
@@ -82,65 +72,6 @@ export const FIRST: Plan = {
     line: null,
 };
 
-/** Most corners of an outline, most parts of a kind, and most letters of a name and of a path. */
-export const MOST = { corners: 200, parts: 50, ways: 20, points: 50, edits: 1000, name: 200, path: 400, files: 1000 };
-
-const point: Check<Point> = tuple<Point>(number, number);
-const corners = list(point, MOST.corners, 3);
-const room = record<Room>({
-    outline: corners,
-    obstacles: list(corners, MOST.parts),
-    doors: list(record<Door>({ at: point, width: number }), MOST.parts),
-});
-/** Whether it is still a room after a reload: what is larger would be lost then. */
-export function roomFits(given: Room): boolean {
-    try {
-        room(given);
-        return true;
-    } catch {
-        return false;
-    }
-}
-
-const normal: Check<Normal> = tuple<Normal>(number, number, number, number);
-const four = record<Four>({ breadth: normal, depth: normal, stature: normal, mass: normal });
-const people = tagged<"kind", KeptPeople>("kind", {
-    survey: record({}),
-    statistics: record({ male: four, female: four }),
-    table: record({ files: list(tuple<["male" | "female", string, number]>(one("male", "female"), text(MOST.name), number), 2, 1), key: text() }),
-});
-const crowd = {
-    number: nullable(number),
-    density: nullable(number),
-    seed: number,
-    room,
-    region: nullable(corners),
-    people,
-    men: number,
-    direction: nullable(number),
-    speed: number,
-    clothes: flag,
-};
-const base = tagged<"kind", KeptBase>("kind", {
-    example: record({ name: one("push") }),
-    crowd: record<KeptCrowd>(crowd),
-    upload: record({ name: text(MOST.name), files: list(tuple<[string, number]>(text(MOST.path), number), MOST.files, 1), key: text() }),
-});
-const edit = tagged<"do", Edit>("do", {
-    move: record({ id: text(), x: number, y: number, theta: number }),
-    copy: record({ id: text(), as: text(), x: number, y: number, theta: number }),
-    delete: record({ id: text() }),
-});
-/** A circle of a negative radius cannot even be drawn. */
-const radius = within(0, 1e6);
-const push = record<Push>({ at: point, radius, direction: number, force: number, start: number, duration: number });
-const way = list(record<Waypoint>({ x: number, y: number, radius }), MOST.points, 1);
-const motion = tagged<"kind", Motion>("kind", {
-    own: record({}),
-    none: record({}),
-    push: record({ pushes: list(push, MOST.parts) }),
-    walk: record({ speed: number, ways: list(way, MOST.ways) }),
-});
 /** Of colours. */
 const upper = within(1e-3, 1e7);
 const whole = patched<Plan>(

@@ -1,5 +1,9 @@
 // What the page and the worker tell each other. Lengths in m, masses in kg, angles in rad, times in s.
 
+import type { Point, Room, RoomEdit } from "./roomtypes";
+
+export type * from "./roomtypes";
+
 export interface PersonWanted {
     sex: "male" | "female";
     breadth: number | null;
@@ -8,50 +12,6 @@ export interface PersonWanted {
     mass: number | null;
     /** Where `Person.sections` are, in m above the ground; null: nowhere. */
     altitude: number | null;
-}
-
-export type Point = [number, number];
-
-/** A gap in the wall nearest to `at`, with its middle there. */
-export interface Door {
-    at: Point;
-    width: number;
-}
-
-/** Outlines do not repeat their first corner. */
-export interface Room {
-    outline: Point[];
-    obstacles: Point[][];
-    doors: Door[];
-}
-
-/** A change of a room. Ring 0 is its outline, obstacles follow; side 0 begins at corner 0. Doors stay on their walls. */
-export type RoomEdit =
-    | { do: "move"; ring: number; corner: number; to: Point }
-    | { do: "insert"; ring: number; side: number; at: Point }
-    | { do: "remove"; ring: number; corner: number }
-    /** An obstacle goes away, with its doors. */
-    | { do: "clear"; ring: number }
-    /** The outline gets this size; its left and low ends stay. */
-    | { do: "stretch"; width: number; height: number };
-
-/** A room as it is drawn. */
-export interface Drawn {
-    room: Room;
-    /** The way of each door along its wall, from end to end. */
-    doors: Point[][];
-    rings: Outline[];
-    /** The place on a wall that is nearest to the place that was asked for. */
-    near: { ring: number; side: number; at: Point; away: number } | null;
-}
-
-export interface Outline {
-    /** Width, height, left and low of the rectangle around it. */
-    bounds: [number, number, number, number];
-    /** Whether it is this rectangle. */
-    upright: boolean;
-    /** Of its sides. */
-    middles: Point[];
 }
 
 /** Of a normal distribution: mean, standard deviation, smallest, largest value. */
@@ -112,13 +72,40 @@ export interface Waypoint {
     radius: number;
 }
 
+/** How people walk among others. */
+export const MODELS = ["straight", "collision-free-speed", "social-force"] as const;
+export type Model = (typeof MODELS)[number];
+
+/** A line or a polygon, one of the two, where people leave or stay. */
+export interface Place {
+    name: string;
+    line: [Point, Point] | null;
+    polygon: Point[] | null;
+    /** So many of the people take it, relative to the other exits; for all exits or for none. */
+    share: number | null;
+}
+
+/** As decision.toml says it. */
+export interface Wishes {
+    model: Model;
+    desired_speed: number;
+    /** Chooses who takes which exit by shares, and what people do who are stuck. */
+    seed: number;
+    exits: Place[];
+    goals: Place[];
+    /** By Id, for those who do not go where the others go: the name of one of both. */
+    agents: Record<string, { exit: string | null; goal: string | null }>;
+}
+
 export type Motion =
     /** As the Trial says. */
     | { kind: "own" }
     | { kind: "none" }
     | { kind: "push"; pushes: Push[] }
     /** Everybody takes the way whose first point is nearest. */
-    | { kind: "walk"; speed: number; ways: Waypoint[][] };
+    | { kind: "walk"; speed: number; ways: Waypoint[][] }
+    /** They go around walls to exits, where they leave, and to goals, where they stay. */
+    | { kind: "go"; wishes: Wishes };
 
 export interface Shown {
     base: Base;
@@ -214,8 +201,24 @@ export interface Scene {
     walk: boolean;
     /** Where people walk to. */
     ways: Waypoint[][];
+    /** Exits, then goals (`stay`): lines have two corners. */
+    targets: { name: string; stay: boolean; corners: Point[] }[];
+    /** How many have an exit. */
+    leaving: number;
+    /** A line 1 m beyond each door of a crowd's room. */
+    beyond_doors: [Point, Point][];
     /** How the people of a crowd were drawn; null if only their disks are known. */
     people: { sex: string; breadth: number; depth: number; stature: number; mass: number }[] | null;
+}
+
+/** Of one measure of all people of a kind. */
+export interface Summary {
+    measure: string;
+    unit: string;
+    mean: number;
+    sd: number | null;
+    min: number;
+    max: number;
 }
 
 /** How a crowd was placed. */
@@ -224,8 +227,7 @@ export interface Made {
     area: number;
     iterations: number;
     largest_overlap: number;
-    /** A row for each kind and measure. */
-    statistics: { kind: string; count: number; measure: string; unit: string; mean: number; sd: number | null; min: number; max: number }[];
+    statistics: { kind: string; count: number; measures: Summary[] }[];
 }
 
 export interface Opened {

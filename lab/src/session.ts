@@ -3,7 +3,8 @@
 import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { Client, Stopped } from "./client";
 import { Film } from "./film";
-import { change, FIRST, follow, type KeptBase, keysInUse, type Made as Planned, plan, settle, unread } from "./plan";
+import { type KeptBase } from "./forms";
+import { change, FIRST, follow, keysInUse, type Made as Planned, plan, settle, unread } from "./plan";
 import type { Base, Made, Opened } from "./protocol";
 import { kept, remove } from "./store";
 

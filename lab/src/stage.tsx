@@ -15,7 +15,7 @@ import { change, type Plan, plan } from "./plan";
 import { client, selected } from "./session";
 import { Sections } from "./sections";
 import type { Stage3dProps } from "./three";
-import { Legend, Transport } from "./transport";
+import { Leaving, Legend, Transport } from "./transport";
 
 /** Milliseconds between two beats. */
 const BEAT = 100;
@@ -48,6 +48,7 @@ export function Stage({ film }: { film: Film }) {
                         Arrow keys, N and P select people; plus and minus zoom, 0 shows all; the space bar plays.
                     </p>
                     <Transport film={film} />
+                    <Leaving film={film} />
                     <Legend film={film} />
                     <LayerControls />
                     {film.failed.value && <p role="alert">{film.failed.value}</p>}

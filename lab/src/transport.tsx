@@ -60,6 +60,25 @@ function Clock({ film }: { film: Film }) {
     );
 }
 
+/** How many have left in the frame that is shown. */
+export function Leaving({ film }: { film: Film }) {
+    const { leaving, step } = film.scene;
+    if (leaving === 0) return null;
+    const k = film.playing.value ? (beat.value, film.shown.peek()) : film.shown.value;
+    const time = (frame: number) => `${(frame * step).toFixed(2)} s`;
+    const emptied = film.emptied.value;
+    const all = emptied !== null && k >= emptied;
+    return (
+        <>
+            <p class="note">
+                {film.frames.curve("left")[k]} of {leaving} have left, at {time(k)}.
+            </p>
+            {/* Only the end is told to those who do not see it. */}
+            <p role="status">{all && `All ${leaving} have left after ${time(emptied)}.`}</p>
+        </>
+    );
+}
+
 /** What the colours mean. Their upper end follows the run, until it is fixed. */
 export function Legend({ film }: { film: Film }) {
     if (film.playing.value) beat.value;

@@ -1,6 +1,7 @@
 // Files that the user opens: a zip or a folder, chosen or dropped. They stay on this machine.
 
-import { change, keysInUse, MOST, plan } from "./plan";
+import { MOST } from "./forms";
+import { change, keysInUse, plan } from "./plan";
 import { attempt, choose, said } from "./session";
 import { joined, keep, remove } from "./store";
 

@@ -14,7 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::pictures::look::{positive, seconds};
 use crate::pictures::plot::Format;
-use crate::pictures::source::{End, Source};
+use crate::pictures::source::Source;
 use crate::run::{Until, until};
 use anyhow::{Context, Result, bail};
 use lemons_measure::{Line, MeasuringArea, Room};
@@ -90,12 +90,7 @@ pub fn measure(arguments: &Arguments) -> Result<()> {
     let paths: Vec<PathBuf> = output.iter().flat_map(|directory| tables::paths(directory)).collect();
     paths.iter().try_for_each(|path| files::claim(path))?;
 
-    let end = match arguments.until {
-        Some(Until::Left) => End::Left,
-        Some(Until::Time(time)) => End::At(time),
-        None => End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME),
-    };
-    let (trial, record) = source.record_of(source.runs().then_some(end), &interrupt)?;
+    let (trial, record) = source.record_of(source.end(arguments.until)?, &interrupt)?;
     let room = if areas.is_empty() { None } else { Some(arguments.room(&record, trial.as_ref())?) };
     let pass = Pass {
         lines: lines.iter().map(|line| line.what).collect(),
@@ -152,9 +147,7 @@ impl Arguments {
         if self.source.runs() && self.every.is_some() {
             bail!(Misused("--every is for the results of an earlier run".into()));
         }
-        if !self.source.runs() && self.until == Some(Until::Left) {
-            bail!(Misused("--until left is for a Trial that is run now; earlier results have an end".into()));
-        }
+        self.source.end(self.until)?;
         if let (Some(from), Some(until)) = (self.from, self.end())
             && from >= until
         {
@@ -165,10 +158,7 @@ impl Arguments {
 
     /// \[s\] `--until`, if it is a time.
     fn end(&self) -> Option<f64> {
-        match self.until? {
-            Until::Time(time) => Some(time),
-            Until::Left => None,
-        }
+        self.until.and_then(Until::time)
     }
 
     /// Where people can be.

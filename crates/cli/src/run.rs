@@ -115,6 +115,16 @@ pub enum Until {
     Left,
 }
 
+impl Until {
+    /// \[s\]
+    pub fn time(self) -> Option<f64> {
+        match self {
+            Until::Time(time) => Some(time),
+            Until::Left => None,
+        }
+    }
+}
+
 /// \[s\] Who has not left until then does not leave.
 pub const LATEST: f64 = 3600.0;
 

@@ -154,6 +154,23 @@ impl Plan {
         toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
     }
 
+    /// How many leave in the end.
+    pub fn leaving(&self) -> usize {
+        (0..self.agents.len()).filter(|agent| self.has_exit(*agent)).count()
+    }
+
+    /// The different ways of way-points, at most so many.
+    pub fn ways_of_points(&self, most: usize) -> Vec<&[Waypoint]> {
+        let mut ways: Vec<&[Waypoint]> = Vec::new();
+        for Planned { walker, .. } in &self.agents {
+            let way = &walker.waypoints[..];
+            if ways.len() < most && !way.is_empty() && !ways.contains(&way) {
+                ways.push(way);
+            }
+        }
+        ways
+    }
+
     /// Whether an agent leaves in the end.
     pub fn has_exit(&self, agent: usize) -> bool {
         match self.agents.get(agent).map(|agent| agent.destination) {
@@ -189,17 +206,19 @@ impl Plan {
     fn check_ways(&self) -> Result<(), PlanError> {
         let Some(ways) = self.ways()? else { return Ok(()) };
         if let Some(shut) = ways.shut().first() {
-            let Target { name, stay, .. } = &self.targets[*shut];
-            let place = format!("{} {name:?}", if *stay { "goal" } else { "exit" });
-            return Err(PlanError::Shut { place });
+            return Err(PlanError::Shut { place: self.targets[*shut].named() });
         }
         for agent in self.agents.iter().filter(|agent| agent.destination != Destination::None) {
             let last = agent.walker.waypoints.last().map(|w| vec2(w.x, w.y));
             let from = last.unwrap_or(vec2(agent.pose.x, agent.pose.y));
             if !ways.distance(agent.destination, from).is_finite() {
                 let to = match agent.destination {
-                    Destination::Target(k) => format!("{:?}", self.targets[k].name),
-                    _ => "any exit".into(),
+                    Destination::Target(k) => self.targets[k].named(),
+                    _ => {
+                        let exits = self.targets.iter().filter(|target| !target.stay);
+                        let names: Vec<String> = exits.map(|exit| format!("{:?}", exit.name)).collect();
+                        format!("any exit ({})", names.join(", "))
+                    }
                 };
                 let [x, y] = [from.x, from.y].map(|number| format!("{number:.2}"));
                 return Err(PlanError::NoWay { agent: agent.id.clone(), x, y, to });
@@ -221,7 +240,7 @@ impl Plan {
             return Err(PlanError::TooManyTargets(self.targets.len()));
         }
         for target in &self.targets {
-            let place = format!("{} {:?}", if target.stay { "goal" } else { "exit" }, target.name);
+            let place = target.named();
             for corner in target.corners.iter().flatten() {
                 number(&place, "corner", *corner, |_| true, "finite")?;
             }
@@ -271,6 +290,38 @@ impl Plan {
         }
         Ok(self)
     }
+}
+
+/// Wishes in which everybody goes somewhere: without those of people who are not there, and, where there are several
+/// goals and no exits, with the goal that is nearest on foot at the start for each who names none.
+///
+/// # Errors
+/// An exit or a goal is not one, or the area is too large.
+pub fn settled(trial: &Trial, wishes: &Wishes) -> Result<Wishes, PlanError> {
+    let people = Person::all_of(trial);
+    let mut wishes = wishes.without_others(&people).unwrap_or_else(|| wishes.clone());
+    for none in [&mut wishes.exits, &mut wishes.goals] {
+        none.take_if(|places| places.is_empty());
+    }
+    let targets = targets_of(&wishes)?;
+    if targets.len() < 2 || targets.iter().any(|target| !target.stay) {
+        return Ok(wishes);
+    }
+    let walls: Vec<Vec<Vec2>> = trial.geometry.walls.iter().map(|wall| wall.corners.clone()).collect();
+    let at = |person: &Person| vec2(person.pose.x, person.pose.y);
+    let all = people
+        .iter()
+        .flat_map(|person| (0..targets.len()).map(move |target| (at(person), Destination::Target(target))));
+    let ways = Ways::new(&walls, &targets, all)?;
+    for person in &people {
+        let far = |target: usize| ways.distance(Destination::Target(target), at(person));
+        let nearest = (0..targets.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)));
+        let own = wishes.agents.entry(person.id.clone()).or_default();
+        if own.goal.is_none() && own.exit.is_none() {
+            own.goal = nearest.map(|target| targets[target].name.clone());
+        }
+    }
+    Ok(wishes)
 }
 
 /// The exits, then the goals.

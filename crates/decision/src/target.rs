@@ -38,6 +38,11 @@ pub enum Destination {
 }
 
 impl Target {
+    /// What it is, and its name, for messages.
+    pub(crate) fn named(&self) -> String {
+        format!("{} {:?}", if self.stay { "goal" } else { "exit" }, self.name)
+    }
+
     fn points(&self) -> Vec<Vec2> {
         self.corners.iter().map(|&[x, y]| vec2(x, y)).collect()
     }

@@ -50,7 +50,7 @@ pub struct Wishes {
     pub(crate) collision_free_speed: Option<CollisionFreeSpeed>,
     #[serde(rename = "social-force")]
     pub(crate) social_force: Option<SocialForce>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) agents: BTreeMap<String, Wish>,
 }
 

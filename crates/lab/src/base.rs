@@ -3,6 +3,7 @@
 use crate::driven::{Basis, parts};
 use crate::{Refused, crowd, upload};
 use lemons_people::placing::Watch;
+use lemons_trial::Trial;
 use serde::Deserialize;
 
 /// Where a Trial comes from.
@@ -34,5 +35,13 @@ pub fn basis(base: &Base, bytes: &[u8], watch: &mut Watch) -> Result<Basis, Refu
         Base::Example { name } => upload::example(name),
         Base::Crowd(wanted) => crowd::crowd(wanted, bytes, watch),
         Base::Upload { name, files } => upload::open(name, &parts(files, bytes)?, upload::LARGEST_CONTENT),
+    }
+}
+
+impl Base {
+    /// Lines \[m\] beyond the doors of a crowd's room, for the people who are there.
+    pub fn beyond_doors(&self, trial: &Trial) -> Vec<[[f64; 2]; 2]> {
+        let Base::Crowd(wanted) = self else { return Vec::new() };
+        wanted.room.exits(trial.dynamics.iter().map(|here| here.position))
     }
 }

@@ -12,7 +12,7 @@ use lemons_people::{
     Source, Survey, TrialSettings, TruncatedNormal, crowd_trial, heading,
 };
 use serde::Deserialize;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::Path;
 
 /// Largest number of people: what a page can pack and show.
@@ -165,7 +165,7 @@ pub fn crowd(wanted: &Wanted, bytes: &[u8], watch: &mut Watch) -> Result<Basis, 
     let agents: Vec<Agent> = people.iter().copied().map(Agent::Pedestrian).collect();
     let made = json!({
         "density": packing.density, "area": region.area(), "iterations": packing.iterations,
-        "largest_overlap": largest_overlap, "statistics": statistics(&CrowdStatistics::of(&agents)),
+        "largest_overlap": largest_overlap, "statistics": CrowdStatistics::of(&agents),
     });
     Ok(Basis { driven: Driven::alone(trial, Some(people)), notes: Vec::new(), made })
 }
@@ -185,16 +185,4 @@ fn placed(wanted: &Wanted, shapes: &[Shape], region: &Region, watch: &mut Watch)
             packing.clear_density
         ))),
     }
-}
-
-fn statistics(of: &CrowdStatistics) -> Vec<Value> {
-    let rows = of.0.iter().flat_map(|kind| {
-        kind.measures.iter().map(|of| {
-            json!({
-                "kind": kind.kind.name(), "count": kind.count, "measure": of.measure, "unit": of.unit,
-                "mean": of.mean, "sd": of.sd, "min": of.min, "max": of.max,
-            })
-        })
-    });
-    rows.collect()
 }

@@ -211,13 +211,16 @@ impl Lab {
         if !known {
             self.basis = Some((shown.base.clone(), digest, base::basis(&shown.base, bytes, watch)?));
         }
-        let Some((_, _, basis)) = &self.basis else { return Err(Refused("there is nothing to show".into())) };
+        let Some((base, _, basis)) = &self.basis else {
+            return Err(Refused("there is nothing to show".into()));
+        };
         let driven = motion::driven(edit::edited(basis.driven.clone(), &shown.edits)?, &shown.motion)?;
         let notes: Vec<String> = basis.notes.iter().cloned().chain(motion::missed(&driven)).collect();
         let run = run::Run::begin(driven)?;
         let mut value = scene::of(&run);
         self.runs += 1;
         value["run"] = self.runs.into();
+        value["beyond_doors"] = json!(base.beyond_doors(&run.driven().trial));
         let bytes = run.frame();
         self.open = Some(run);
         Ok(Reply { value: json!({ "scene": value, "notes": notes, "made": basis.made }), bytes })

@@ -1,9 +1,9 @@
-//! What drives people: as the Trial says, nothing, pushes, or ways to walk.
+//! What drives people: as the Trial says, nothing, pushes, ways to walk, or exits and goals.
 
 use crate::driven::Driven;
 use crate::{Refused, within};
 use lemons_decision::rule::Waypoint;
-use lemons_decision::{Person, Plan, Wishes};
+use lemons_decision::{Person, Plan, Wishes, plan};
 use lemons_people::heading;
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::{DRIVE_FILE, DriveTable, Pulse, Trial, drive_of_pulses};
@@ -28,6 +28,11 @@ pub enum Motion {
         speed: f64,
         /// Way-points, in order. Everybody takes the way whose first point is nearest.
         ways: Vec<Vec<Waypoint>>,
+    },
+    /// They walk around walls, to exits and goals.
+    Go {
+        /// As decision.toml says it. Without exits, everybody goes to the nearest of several goals.
+        wishes: Wishes,
     },
 }
 
@@ -57,16 +62,20 @@ pub fn driven(mut driven: Driven, motion: &Motion) -> Result<Driven, Refused> {
     if !matches!(motion, Motion::Own {}) {
         driven = Driven::alone(driven.trial, driven.people);
     }
-    if matches!(motion, Motion::None {} | Motion::Walk { .. }) {
+    if matches!(motion, Motion::None {} | Motion::Walk { .. } | Motion::Go { .. }) {
         for here in &mut driven.trial.dynamics {
             (here.fp, here.mp) = (Vec2::ZERO, 0.0);
         }
     }
     match motion {
         Motion::Own {} => forget_deleted(&mut driven)?,
-        Motion::None {} => {}
+        Motion::None {} | Motion::Go { .. } => {}
         Motion::Push { pushes } => driven.drive = drive(&driven.trial, pushes)?,
         Motion::Walk { speed, ways } => driven.wishes = wishes(&driven.trial, *speed, ways)?,
+    }
+    if let Motion::Go { wishes } = motion {
+        driven.wishes =
+            plan::settled(&driven.trial, wishes).and_then(|all| all.to_toml()).map_err(Refused::of)?;
     }
     let Driven { trial, drive, wishes, .. } = &driven;
     let table = match drive.as_str() {

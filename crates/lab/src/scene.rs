@@ -3,14 +3,15 @@
 use crate::look::overlapping;
 use crate::run::Run;
 use crowd_mechanics::setup::Setup;
+use lemons_decision::Plan;
 use lemons_people::Person;
 use lemons_plane::{Rotation, shown_orientation};
 use lemons_trial::{Agent, Shape, Wall};
 use serde_json::{Value, json};
 
 /// Returns the walls' corners \[m\]; each agent's Id, mass \[kg\] and disks (x, y, radius \[m\], in the body's frame), and
-/// measures where they are known; who overlaps; who is pushed, and the ways of those who walk; the steps. Of a run at its
-/// start; its number is added by [`crate::Lab`].
+/// measures where they are known; who overlaps; who is pushed; ways, exits and goals of those who walk, and how many
+/// leave; the steps. Of a run at its start; [`crate::Lab`] adds its number, and lines beyond doors.
 pub fn of(run: &Run) -> Value {
     let driven = run.driven();
     let trial = &driven.trial;
@@ -34,13 +35,9 @@ pub fn of(run: &Run) -> Value {
         json!({ "sex": sex.name(), "breadth": breadth, "depth": depth, "stature": stature, "mass": mass })
     };
     let people = driven.people.as_ref().map(|people| people.iter().map(person).collect::<Vec<_>>());
-    let mut ways: Vec<&Vec<_>> = Vec::new();
-    for agent in driven.plan.iter().flat_map(|plan| &plan.agents) {
-        let way = &agent.walker.waypoints;
-        if !way.is_empty() && !ways.contains(&way) && ways.len() < 100 {
-            ways.push(way);
-        }
-    }
+    let plan = driven.plan.as_ref();
+    let ways = plan.map(|plan| plan.ways_of_points(100)).unwrap_or_default();
+    let targets = plan.map_or(&[][..], |plan| &plan.targets);
     let mut pushed: Vec<&str> = driven.table.agents().collect();
     pushed.sort_unstable();
     let steps = Setup::of(trial).steps();
@@ -54,6 +51,7 @@ pub fn of(run: &Run) -> Value {
         "mechanical_step": trial.parameters.time_step_mechanical,
         "stable": steps.map(|steps| steps.stable()),
         "error": steps.map(|steps| steps.error(trial.parameters.time_step_mechanical)),
-        "pushed": pushed, "walk": driven.plan.is_some(), "ways": ways, "people": people, "overlapping": overlapping, "overlap": overlap,
+        "pushed": pushed, "walk": plan.is_some(), "ways": ways, "targets": targets, "leaving": plan.map_or(0, Plan::leaving),
+        "people": people, "overlapping": overlapping, "overlap": overlap,
     })
 }

@@ -126,6 +126,14 @@ impl Room {
         found.ok_or(RoomError::Corner { ring, corner })
     }
 
+    /// Returns a line \[m\] behind each door, where people have left who are in the room now: [`Door::exit`]. Empty if
+    /// the outline or an obstacle has no corners.
+    pub fn exits(&self, people: impl Iterator<Item = Vec2> + Clone) -> Vec<[[f64; 2]; 2]> {
+        let rings = self.rings().unwrap_or_default();
+        let lines = self.doors.iter().filter_map(|gap| gap.door().exit(&rings, people.clone()));
+        lines.map(|line| line.map(|end| [end.x, end.y])).collect()
+    }
+
     /// Returns its inside, and its walls with doors, of a material.
     ///
     /// # Errors
@@ -219,6 +227,22 @@ mod tests {
         assert_eq!(refused(Edit::Remove { ring: 0, corner: 4 }), RoomError::Corner { ring: 0, corner: 4 });
         assert_eq!(refused(Edit::Clear { ring: 2 }), RoomError::Corner { ring: 2, corner: 0 });
         assert_eq!(refused(Edit::Clear { ring: 0 }), RoomError::Empty);
+    }
+
+    #[test]
+    fn exits_are_a_metre_beyond_the_doors() {
+        let people = [vec2(0.5, 0.5), vec2(3.0, 2.5)];
+        let mut room = room();
+        let lines = room.exits(people.into_iter());
+        // 2 m longer than the doors; of an obstacle, inside of it: nobody is there.
+        let sorted = |mut line: [[f64; 2]; 2]| {
+            line.sort_by(|a, b| a.partial_cmp(b).unwrap());
+            line
+        };
+        let expected = [[[5.0, -0.5], [5.0, 2.0]], [[-1.0, 0.25], [-1.0, 2.75]], [[0.25, 2.0], [2.75, 2.0]]];
+        assert_eq!(lines.into_iter().map(sorted).collect::<Vec<_>>(), expected);
+        room.outline.clear();
+        assert!(room.exits(people.into_iter()).is_empty());
     }
 
     #[test]

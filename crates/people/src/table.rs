@@ -3,6 +3,7 @@
 use crate::bicycle::BICYCLE_MEASURES;
 use crate::person::{Measure, Sex};
 use crate::population::Agent;
+use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// A kind of agents in the tables.
@@ -45,6 +46,12 @@ impl Kind {
     }
 }
 
+impl Serialize for Kind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
 /// The measures of an agent, in the order of [`Kind::measures`].
 fn measures(agent: &Agent) -> Vec<f64> {
     match agent {
@@ -54,7 +61,7 @@ fn measures(agent: &Agent) -> Vec<f64> {
 }
 
 /// Statistics of one measure over some agents.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// Name of the measure.
     pub measure: &'static str,
@@ -71,7 +78,7 @@ pub struct Summary {
 }
 
 /// Statistics of one kind of agents.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KindStatistics {
     /// The kind.
     pub kind: Kind,
@@ -84,7 +91,7 @@ pub struct KindStatistics {
 }
 
 /// Statistics of each kind that a crowd has, in the order of [`Kind::ALL`].
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct CrowdStatistics(pub Vec<KindStatistics>);
 
 impl CrowdStatistics {

@@ -45,8 +45,9 @@ pub struct Arguments {
     from: Option<f64>,
     /// End of the movie, in seconds. The word still: the movie ends when nobody is faster than 1 cm/s or
     /// 0.05 rad/s any more; the simulation of a Trial or FMU then ends after 1 s of standstill, at the
-    /// latest after 120 s. Default: the end of earlier results; 5 for a Trial or FMU
-    #[arg(long, value_name = "SECONDS or still", value_parser = end)]
+    /// latest after 120 s. The word left: the movie ends when everybody has left; a Trial in which people
+    /// walk is run so long, at most for an hour. Default: the end of earlier results; 5 for a Trial or FMU
+    #[arg(long, value_name = "SECONDS, still or left", value_parser = end)]
     until: Option<End>,
     #[command(flatten)]
     _force: Force,
@@ -64,7 +65,8 @@ fn rate(text: &str) -> Result<f64, String> {
 fn end(text: &str) -> Result<End, String> {
     match text {
         "still" => Ok(End::Still),
-        _ => positive(text).map(End::At).map_err(|must| format!("{must} of seconds, or still")),
+        "left" => Ok(End::Left),
+        _ => positive(text).map(End::At).map_err(|must| format!("{must} of seconds, or still or left")),
     }
 }
 
@@ -91,7 +93,8 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let last = match arguments.until {
         Some(End::At(time) | End::NotBefore(time)) => time,
         Some(End::Still) => rest(&footage, first)?,
-        Some(End::Left) | None => footage.last(),
+        Some(End::Left) => left(&footage, first)?,
+        None => footage.last(),
     };
     [first, last].into_iter().try_for_each(|time| footage.check(time))?;
     let frames = ((last - first) * frame_rate / speed_up + 1e-9).floor() + 1.0;
@@ -156,6 +159,26 @@ fn rest(footage: &Footage, first: f64) -> Result<f64> {
             bail!("--until still: {source}: nobody moves after t = {:?} s: nothing to show", told(first))
         }
         Some(still) => Ok(still),
+    }
+}
+
+/// \[s\] Where a movie from `first` on ends as the last one leaves.
+fn left(footage: &Footage, first: f64) -> Result<f64> {
+    let source = footage.run.source.display();
+    match footage.left_from() {
+        None => bail!("--until left: {source}: nobody leaves"),
+        Some((time, _)) if time <= first => {
+            bail!("--until left: {source}: nobody leaves after t = {:?} s: nothing to show", told(first))
+        }
+        Some((time, 0)) => Ok(time),
+        Some((time, stay)) => {
+            let time_told = told(time);
+            note!(
+                "{source}: {stay} of {} people stay: the movie ends at t = {time_told:?} s, when the last of the others has left",
+                footage.run.ids.len()
+            );
+            Ok(time)
+        }
     }
 }
 

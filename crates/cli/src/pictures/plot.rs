@@ -1,6 +1,6 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
-use super::look::{Look, Looks, Quantity, positive, seconds};
+use super::look::{Look, Looks, Quantity, seconds};
 use super::moment::{Moment, within};
 use super::series::{Selection, chart};
 use super::source::{End, Source, Wanted};
@@ -8,6 +8,7 @@ use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
+use crate::run::{Until, until};
 use anyhow::{Result, bail};
 use lemons_picture::{
     ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, SheetStyle, Style, Visibility, chart_svg, pdf, png,
@@ -47,10 +48,11 @@ pub struct Arguments {
     /// Start of time series and density map, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
-    /// End of time series and density map, in seconds. Default: the end of earlier results; 5 for a Trial
-    /// or FMU
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    until: Option<f64>,
+    /// End of time series and density map, in seconds. With the word left, a Trial in which people walk is
+    /// run until everybody has left, for at most an hour. Default: the end of earlier results; 5 for a
+    /// Trial or FMU
+    #[arg(long, value_name = "SECONDS or left", value_parser = until)]
+    until: Option<Until>,
     #[command(flatten)]
     _force: Force,
     #[command(flatten)]
@@ -165,8 +167,8 @@ fn columns(panels: usize, aspect: f64) -> usize {
 
 fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let opened = source.open(source.runs().then(|| End::At(arguments.end())), Wanted::All, interrupt)?;
-    let (from, until) = (arguments.from, arguments.until);
+    let opened = source.open(source.end(arguments.until)?, Wanted::All, interrupt)?;
+    let (from, until) = (arguments.from, arguments.until.and_then(Until::time));
     let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
     let chart = chart(opened, look, &selection)?;
     let theme = look.theme();
@@ -175,11 +177,12 @@ fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
 
 fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
-    let footage = source.footage(source.runs().then(|| End::At(arguments.end())), Wanted::All, interrupt)?;
-    let within = |time: f64| within(time, arguments.from, arguments.until);
+    let footage = source.footage(source.end(arguments.until)?, Wanted::All, interrupt)?;
+    let until = arguments.until.and_then(Until::time);
+    let within = |time: f64| within(time, arguments.from, until);
     let places: Vec<usize> =
         (0..footage.run.frames.len()).filter(|&k| within(footage.run.frames[k].time)).collect();
-    let Some(&last) = places.last() else { bail!(footage.nothing_between(arguments.from, arguments.until)) };
+    let Some(&last) = places.last() else { bail!(footage.nothing_between(arguments.from, until)) };
     let times: Vec<f64> = places.iter().map(|&place| footage.run.frames[place].time).collect();
     let mut looks = Looks::new(look, &footage, &times, interrupt)?;
     let moment = footage.frame(last);
@@ -200,11 +203,4 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let bodies = if one { Visibility::Shown } else { Visibility::Hidden };
     let time = one.then_some(moment.time);
     Ok(svg(&scene, &Style { bodies, time, ..looks.style(&moment) }))
-}
-
-impl Arguments {
-    /// \[s\] Of a run that is made now.
-    fn end(&self) -> f64 {
-        self.until.unwrap_or(crowd_mechanics::model_description::DEFAULT_STOP_TIME)
-    }
 }

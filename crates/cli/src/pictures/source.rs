@@ -7,7 +7,7 @@ use crate::decide::Walk;
 use crate::error::Misused;
 use crate::export::{expect_table, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::run::{self, Ends, Job, drive_of, name_and_value_of_all, simulate};
+use crate::run::{self, Ends, Job, Until, drive_of, name_and_value_of_all, simulate};
 use crate::watch::Places;
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::variables::{Kind, in_documents_mut, table};
@@ -167,6 +167,23 @@ impl Source {
             (_, _, None) => Found::Recorded(Record::table(&self.path)?),
         };
         Ok((trial, found))
+    }
+
+    /// The end of a run that is made now; `None` for earlier results, which have one.
+    ///
+    /// # Errors
+    /// Of earlier results, it is asked when everybody has left.
+    pub fn end(&self, until: Option<Until>) -> Result<Option<End>> {
+        match until {
+            Some(Until::Left) if !self.runs() => Err(Misused(
+                "--until left is for a Trial that is run now; earlier results have an end".into(),
+            )
+            .into()),
+            _ if !self.runs() => Ok(None),
+            Some(Until::Left) => Ok(Some(End::Left)),
+            Some(Until::Time(time)) => Ok(Some(End::At(time))),
+            None => Ok(Some(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME))),
+        }
     }
 
     /// With shapes and walls.

@@ -114,6 +114,54 @@ fn pictures_and_exports_leave_out_who_has_left() {
 }
 
 #[test]
+fn movies_and_plots_end_when_everybody_has_left() {
+    let directory = room();
+    let at = directory.path();
+    done(at, &["run", "room", "--until", "left", "-o", "run.csv"]);
+    let end: f64 = cell(rows(at, "run.csv").last().unwrap(), "t").parse().unwrap();
+    let longer = format!("{:?}", end + 2.0);
+    done(at, &["run", "room", "--until", &longer, "-o", "longer.csv", "--outputs", "o.csv"]);
+    let movie = |source: &[&str]| {
+        let look = ["--until", "left", "--width", "64", "--frame-rate", "10", "-o", "left.png", "--force"];
+        lemons(at, &[&["movie"], source, &look].concat())
+    };
+    for source in [&["room"][..], &["run.csv", "--trial", "room"], &["longer.csv", "--trial", "room"]] {
+        let made = movie(source);
+        assert!(made.status.success() && made.stderr.is_empty(), "{source:?}: {}", err(&made));
+        let file = std::io::BufReader::new(fs::File::open(at.join("left.png")).unwrap());
+        let frames =
+            png::Decoder::new(file).read_info().unwrap().info().animation_control().unwrap().num_frames;
+        assert_eq!(frames, (10.0 * end + 1e-6).floor() as u32 + 1, "{source:?}");
+    }
+    let plotted = |source: &[&str], kind: &[&str]| {
+        done(at, &[&["plot"], source, kind, &["-o", "plot.svg", "--force"]].concat());
+        fs::read_to_string(at.join("plot.svg")).unwrap()
+    };
+    for kind in [&["--density"][..], &["--series", "speed"]] {
+        let made = plotted(&["room", "--until", "left"], kind);
+        assert_eq!(made, plotted(&["run.csv", "--trial", "room"], kind));
+        assert_ne!(made, plotted(&["longer.csv", "--trial", "room"], kind));
+    }
+    let earlier = lemons(at, &["plot", "run.csv", "--series", "speed", "--until", "left"]);
+    assert_code(&earlier, 2);
+    assert!(err(&earlier).contains("earlier results have an end"), "{}", err(&earlier));
+    done(at, &["run", "room", "--no-plan", "--until", "0.5", "-o", "stay.csv"]);
+    let stay = movie(&["stay.csv", "--trial", "room"]);
+    assert_code(&stay, 1);
+    assert!(err(&stay).contains("stay.csv: nobody leaves"), "{}", err(&stay));
+    let stay = movie(&["room", "--no-plan"]);
+    assert!(err(&stay).contains("--until left: nobody can leave"), "{}", err(&stay));
+    // Two who stay at a goal.
+    let wishes = fs::read_to_string(at.join("room/decision.toml")).unwrap();
+    let goal = "goals = [{ name = \"here\", line = [[0.5, 1.0], [0.5, 2.0]] }]\n";
+    let who = "[agents.0]\ngoal = \"here\"\n[agents.1]\ngoal = \"here\"\n";
+    fs::write(at.join("room/decision.toml"), format!("{goal}{wishes}{who}")).unwrap();
+    let some = movie(&["room"]);
+    assert_code(&some, 0);
+    assert!(err(&some).contains("2 of 10 people stay: the movie ends at t = "), "{}", err(&some));
+}
+
+#[test]
 fn a_run_that_nobody_can_leave_says_so() {
     let directory = room();
     let at = directory.path();

@@ -2,6 +2,7 @@
 
 mod design;
 mod files;
+mod leaving;
 mod people;
 mod runs;
 

@@ -146,11 +146,11 @@ fn populations_are_the_survey_own_statistics_or_tables() {
     let people = shown["scene"]["people"].as_array().unwrap();
     let mean = people.iter().map(|person| person["breadth"].as_f64().unwrap()).sum::<f64>() / 30.0;
     assert!(close(mean, 0.6, 0.01) && people.iter().all(|person| person["sex"] == "male"), "{mean}");
-    let rows = shown["made"]["statistics"].as_array().unwrap();
-    assert!(
-        rows.iter().any(|row| row["kind"] == "male" && row["measure"] == "bideltoid breadth"),
-        "{rows:?}"
-    );
+    let kinds = shown["made"]["statistics"].as_array().unwrap();
+    assert_eq!((kinds.len(), &kinds[0]["kind"], &kinds[0]["count"]), (1, &json!("male"), &json!(30)));
+    let breadth =
+        kinds[0]["measures"].as_array().unwrap().iter().find(|of| of["measure"] == "bideltoid breadth");
+    assert!(close(breadth.unwrap()["mean"].as_f64().unwrap(), mean, 1e-9), "{kinds:?}");
     let table = "bideltoidbreadth,chestdepth,stature,weightkg\n400,200,1600,600\n";
     let of = json!({"kind": "table", "files": [["female", "t.csv", table.len()]]});
     let (shown, _) =

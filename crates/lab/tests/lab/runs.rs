@@ -184,7 +184,7 @@ fn who_has_left_has_no_place_and_the_rest_is_as_in_the_coupled_fmus() {
 
 /// Where everybody is, and whether they are there.
 #[derive(Default)]
-struct Seen(Vec<([f64; 2], bool)>);
+pub struct Seen(pub Vec<([f64; 2], bool)>);
 
 impl Observer<System> for Seen {
     type Error = Error;

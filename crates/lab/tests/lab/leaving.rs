@@ -1,0 +1,137 @@
+//! Exits and goals that are drawn on the page.
+
+use crate::runs::Seen;
+use crate::{ask, crowd, numbers, ok, opened, refused, show, square, with};
+use lemons_lab::Lab;
+use lemons_lab::frame::COLUMNS;
+use lemons_master::{Prepared, Settings};
+use serde_json::{Value, json};
+use std::io::Read;
+
+fn line(name: &str, [a, b, c, d]: [f64; 4]) -> Value {
+    json!({"name": name, "line": [[a, b], [c, d]], "polygon": null, "share": null})
+}
+
+fn go(exits: &[Value], goals: &[Value]) -> Value {
+    json!({"kind": "go", "wishes": {
+        "model": "collision-free-speed", "desired_speed": 1.34, "seed": 1,
+        "exits": exits, "goals": goals, "agents": {},
+    }})
+}
+
+/// Four metres by three, with a door on the right.
+fn room() -> Value {
+    with(square(4.0, 3.0), "doors", json!([{"at": [4.0, 1.5], "width": 1.0}]))
+}
+
+fn trial(lab: &mut Lab, run: u32) -> (Vec<u8>, String) {
+    let (_, zip) = ok(lab, json!({"ask": "take", "run": run, "wanted": {"file": "trial"}}));
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(zip.clone())).unwrap();
+    for k in 0..archive.len() {
+        let mut file = archive.by_index(k).unwrap();
+        if file.enclosed_name().unwrap().ends_with("decision.toml") {
+            let mut text = String::new();
+            file.read_to_string(&mut text).unwrap();
+            return (zip, text);
+        }
+    }
+    panic!("no decision.toml");
+}
+
+#[test]
+fn everybody_leaves_beyond_the_door_as_in_the_coupled_fmus() {
+    let mut lab = Lab::default();
+    let base = crowd(8, room());
+    let (shown, _) = ok(&mut lab, show(base.clone(), json!({"kind": "none"})));
+    // A metre beyond, and two metres longer than the door.
+    let beyond = &shown["scene"]["beyond_doors"];
+    assert_eq!(beyond, &json!([[[5.0, 0.0], [5.0, 3.0]]]));
+    assert_eq!((&shown["scene"]["targets"], &shown["scene"]["leaving"]), (&json!([]), &json!(0)));
+    let door = json!({"name": "door 1", "line": beyond[0], "polygon": null, "share": null});
+    let (shown, first) = ok(&mut lab, show(base, go(&[door], &[])));
+    assert_eq!(
+        shown["scene"]["targets"],
+        json!([{"name": "door 1", "stay": false, "corners": [[5.0, 0.0], [5.0, 3.0]]}])
+    );
+    assert_eq!(shown["scene"]["leaving"], 8);
+    let mut frames = numbers(&first);
+    let left = |frames: &[f64]| {
+        frames[frames.len() - 8 * COLUMNS..].chunks(COLUMNS).filter(|of| of[0].is_nan()).count()
+    };
+    while left(&frames) < 8 && frames.len() < 3000 * 8 * COLUMNS {
+        let (_, more) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 1}));
+        frames.extend(numbers(&more));
+    }
+    assert_eq!(left(&frames), 8);
+
+    let (zip, text) = trial(&mut lab, 2);
+    let wishes: toml::Table = text.parse().unwrap();
+    assert_eq!(wishes["model"].as_str(), Some("collision-free-speed"));
+    assert_eq!(wishes["exits"][0]["name"].as_str(), Some("door 1"), "{text}");
+    assert!(!text.contains("goals") && !text.contains("agents"), "{text}");
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("leave.zip");
+    std::fs::write(&path, &zip).unwrap();
+    let steps = frames.len() / (8 * COLUMNS) - 1;
+    let settings = Settings { until: Some(steps as f64 * 0.01), ..Settings::of(path) };
+    let mut seen = Seen::default();
+    assert!(Prepared::of(&settings).unwrap().simulate(&mut seen).unwrap().is_continue());
+    assert_eq!(seen.0.len(), 8 * steps);
+    for (of, (place, active)) in frames.chunks(COLUMNS).skip(8).zip(&seen.0) {
+        assert_eq!(of[0].is_nan(), !active);
+        assert!(!active || of[..2] == place[..]);
+    }
+    // The last one leaves with the last step, not before.
+    assert!(seen.0[8 * (steps - 2)..8 * (steps - 1)].iter().any(|(_, active)| *active));
+    // Opened again, it says the same.
+    let (again, _) = ask(&mut lab, &opened("leave.zip", &zip), &zip);
+    assert_eq!(again["ok"]["scene"]["targets"], shown["scene"]["targets"], "{again}");
+}
+
+#[test]
+fn places_that_nobody_can_reach_are_named() {
+    let mut lab = Lab::default();
+    let mut wrong = |place: Value, exits: &[Value], goals: &[Value], words: &str| {
+        let said = refused(&mut lab, show(crowd(3, place), go(exits, goals)), &[]);
+        assert!(said.contains(words), "{said}");
+    };
+    wrong(room(), &[line("the wall", [0.0, 0.5, 0.0, 2.5])], &[], "exit \"the wall\": lies on walls");
+    let out = line("out", [5.0, 0.0, 5.0, 3.0]);
+    wrong(square(4.0, 3.0), &[out.clone()], &[], "no way leads to any exit (\"out\")");
+    wrong(square(4.0, 3.0), &[], &[out], "no way leads to goal \"out\"");
+    wrong(room(), &[line("point", [5.0, 1.0, 5.0, 1.0])], &[], "exit \"point\"");
+    wrong(room(), &[], &[], "no way-point and no exit");
+    wrong(
+        room(),
+        &[line("a", [5.0, 0.0, 5.0, 3.0])],
+        &[line("a", [1.0, 1.0, 1.0, 2.0])],
+        "\"a\" is that of another",
+    );
+}
+
+/// A wall with a gap at its upper end only: what is near in a straight line is far on foot.
+#[test]
+fn without_exits_everybody_goes_to_the_goal_that_is_nearest_on_foot() {
+    let mut lab = Lab::default();
+    let mut place = square(4.0, 4.0);
+    place["obstacles"] = json!([[[1.9, 0.01], [2.1, 0.01], [2.1, 3.0], [1.9, 3.0]]]);
+    let region = json!([[2.4, 0.2], [3.8, 0.2], [3.8, 1.6], [2.4, 1.6]]);
+    let base = with(crowd(3, place), "region", region);
+    let goals = [line("left", [1.5, 0.3, 1.5, 1.3]), line("above", [2.8, 3.6, 3.6, 3.6])];
+    ok(&mut lab, show(base.clone(), go(&[], &goals)));
+    let wishes: toml::Table = trial(&mut lab, 1).1.parse().unwrap();
+    for id in ["0", "1", "2"] {
+        assert_eq!(wishes["agents"][id]["goal"].as_str(), Some("above"), "{wishes}");
+    }
+    // Whom one sends to the other, goes there; nobody asks about those who are deleted.
+    let mut other = go(&[], &goals);
+    other["wishes"]["agents"] =
+        json!({"0": {"exit": null, "goal": "left"}, "1": {"exit": null, "goal": "left"}});
+    let mut shown = show(base, other);
+    shown["edits"] = json!([{"do": "delete", "id": "1"}]);
+    ok(&mut lab, shown);
+    let wishes: toml::Table = trial(&mut lab, 2).1.parse().unwrap();
+    let agents = wishes["agents"].as_table().unwrap();
+    let goal = |id: &str| agents[id]["goal"].as_str().unwrap();
+    assert_eq!((agents.len(), goal("0"), goal("2")), (2, "left", "above"));
+}

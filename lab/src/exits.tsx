@@ -1,0 +1,183 @@
+// Exits and goals, as forms.
+
+import { middleOf } from "./drawplaces";
+import { mode as now, begin, type Mode, picked } from "./motionstate";
+import { MOST } from "./forms";
+import { remove, setWishes } from "./exittool";
+import { Check, Choice, LengthField, NumberField } from "./parts";
+import { added, changed, cornersOf, hasShares, type Kind, kindOf, placesOf, shaped } from "./places";
+import type { Model, Place, Point, Wishes } from "./protocol";
+import { film, selected } from "./session";
+
+const FAR = 1000;
+
+const NAMES: [Model, string][] = [
+    ["collision-free-speed", "Collision-free speed"],
+    ["straight", "Straight on"],
+    ["social-force", "Social force"],
+];
+
+const GOOD_FOR: Record<Model, string> = {
+    "collision-free-speed": "People turn aside from others and from walls, and keep a distance in time. Take this model for evacuation times.",
+    straight: "The paper's rule: people go on, whoever is in the way, and push. It shows pressure, not evacuation times.",
+    "social-force": "Others and walls repel. Flows through doors are several times too great: not for evacuation times.",
+};
+
+const MODES: [Mode, string, string][] = [
+    ["exit line", "Draw an exit", "Click both ends of the line that people cross to leave."],
+    ["exit area", "Draw an exit area", "Click its corners. Enter, a double click or a click on the first corner ends it."],
+    ["goal line", "Draw a goal", "Click both ends of the line where people stay."],
+    ["goal area", "Draw a goal area", "Click its corners. Enter, a double click or a click on the first corner ends it."],
+];
+
+export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
+    const places = placesOf(wishes);
+    const hint = MODES.find(([key]) => key === now.value)?.[2];
+    return (
+        <>
+            <Choice label="How they walk among others" value={wishes.model} choices={NAMES} onChange={(model) => setWishes({ ...wishes, model })} />
+            <p class="note">{GOOD_FOR[wishes.model]}</p>
+            <div class="row">
+                <NumberField label="Desired speed" unit="m/s" value={wishes.desired_speed} min={0} max={20} step={0.1} onChange={(desired_speed) => setWishes({ ...wishes, desired_speed })} />
+                <NumberField label="Seed" value={wishes.seed} min={0} max={2 ** 53 - 1} step={1} onChange={(seed) => setWishes({ ...wishes, seed })} />
+            </div>
+            {places.length < MOST.places && <Draw wishes={wishes} middle={middle} />}
+            <p class="note" role="status">
+                {hint ? `${hint} Esc ends it without a change. Hold Shift for right angles.` : "Drag corners on the picture, or all of it by its name; Delete removes what is marked."}
+            </p>
+            {places.length === 0 && <p class="note">There is no exit yet: nobody walks. Put exits about 1 m beyond doors, where they hold nobody up.</p>}
+            {wishes.exits.length > 1 && (
+                <Check
+                    label="Each exit gets a share of the people"
+                    value={hasShares(wishes)}
+                    onChange={(on) => setWishes({ ...wishes, exits: wishes.exits.map((exit) => ({ ...exit, share: on ? 1 : null })) })}
+                />
+            )}
+            {places.map((place, k) => (
+                <Fields key={k} wishes={wishes} place={place} k={k} />
+            ))}
+            {places.length > 0 && <p class="note">{whoGoesWhere(wishes)}</p>}
+            {places.length > 1 && <Own wishes={wishes} />}
+        </>
+    );
+}
+
+function whoGoesWhere(wishes: Wishes) {
+    const { exits, goals } = wishes;
+    if (exits.length === 0) return goals.length > 1 ? "Everybody goes to the goal that is nearest on foot at the start." : "Everybody goes to the goal.";
+    const exit = hasShares(wishes) ? "Exits are taken by their shares; the seed chooses by whom." : "Everybody takes the exit that is nearest on foot.";
+    return goals.length > 0 ? `${exit} To a goal go those for whom you choose it here.` : exit;
+}
+
+function Draw({ wishes, middle: [x, y] }: { wishes: Wishes; middle: Point }) {
+    const doors = film.value?.scene.beyond_doors ?? [];
+    const known = wishes.exits.map(({ line }) => JSON.stringify(line));
+    const missing = doors.filter((line) => !known.includes(JSON.stringify(line)));
+    const line: Point[] = [
+        [x, y - 0.5],
+        [x, y + 0.5],
+    ];
+    const write = (kind: Kind) => setWishes(added(wishes, kind, line));
+    return (
+        <>
+            <div class="buttons" role="group" aria-label="Draw on the picture">
+                {MODES.map(([key, words]) => (
+                    <button key={key} type="button" aria-pressed={now.value === key} onClick={() => begin(now.value === key ? "change" : key)}>
+                        {words}
+                    </button>
+                ))}
+            </div>
+            <div class="buttons">
+                <button type="button" disabled={missing.length === 0} onClick={() => setWishes(missing.reduce((all, line) => added(all, "exit", line, "door"), wishes))}>
+                    Put an exit beyond each door
+                </button>
+                <button type="button" onClick={() => write("exit")}>
+                    Add an exit by numbers
+                </button>
+                <button type="button" onClick={() => write("goal")}>
+                    Add a goal by numbers
+                </button>
+            </div>
+            {doors.length === 0 && <p class="note">The room on the picture has no doors of the tab Room.</p>}
+        </>
+    );
+}
+
+function Fields({ wishes, place, k }: { wishes: Wishes; place: Place; k: number }) {
+    const kind = kindOf(wishes, k);
+    const title = `${kind === "exit" ? "Exit" : "Goal"} ${kind === "exit" ? k + 1 : k + 1 - wishes.exits.length}`;
+    const corners = cornersOf(place);
+    const set = (next: Place) => setWishes(changed(wishes, k, next));
+    const move = (j: number, to: Point) => set(shaped(place, corners.map((corner, i) => (i === j ? to : corner))));
+    return (
+        <fieldset class={picked.value === k ? "fields marked" : "fields"} onFocusCapture={() => (picked.value = k)}>
+            <legend>{title}</legend>
+            <label class="field">
+                <span>
+                    <span class="hidden">{title}, </span>name
+                </span>
+                <input
+                    type="text"
+                    value={place.name}
+                    maxLength={MOST.name}
+                    onChange={(event) => {
+                        const name = event.currentTarget.value.trim();
+                        if (name) set({ ...place, name });
+                        else event.currentTarget.value = place.name;
+                    }}
+                />
+            </label>
+            {place.share !== null && <NumberField label={`${title}, share`} short="share" value={place.share} min={0} max={1e6} step={0.5} onChange={(share) => set({ ...place, share })} />}
+            {corners.map(([x, y], j) => {
+                const name = `${title}, ${corners.length === 2 ? "end" : "corner"} ${j + 1}`;
+                return (
+                    <div class="row" key={j}>
+                        <span class="which">{j + 1}</span>
+                        <LengthField label={`${name}, x`} short="x" value={x} min={-FAR} max={FAR} onChange={(to) => move(j, [to, y])} />
+                        <LengthField label={`${name}, y`} short="y" value={y} min={-FAR} max={FAR} onChange={(to) => move(j, [x, to])} />
+                        {corners.length > 3 && (
+                            <button type="button" aria-label={`Delete ${name.toLowerCase()}`} onClick={() => set(shaped(place, corners.filter((_, i) => i !== j)))}>
+                                ×
+                            </button>
+                        )}
+                    </div>
+                );
+            })}
+            <div class="buttons">
+                {corners.length > 2 && corners.length < MOST.corners && (
+                    <button type="button" onClick={() => set(shaped(place, [...corners, middleOf([corners[0]!, corners.at(-1)!])]))}>
+                        Add a corner
+                    </button>
+                )}
+                <button type="button" onClick={() => remove(k)}>
+                    Delete {title.toLowerCase()}
+                </button>
+            </div>
+        </fieldset>
+    );
+}
+
+/** Where the selected person goes. */
+function Own({ wishes }: { wishes: Wishes }) {
+    const agent = selected.value === null ? undefined : film.value?.scene.agents[selected.value];
+    if (!agent) return <p class="note">Select a person to send this one to another place than the others.</p>;
+    const { id } = agent;
+    const own = wishes.agents[id];
+    const places = placesOf(wishes);
+    const chosen = places.findIndex(({ name }, k) => (kindOf(wishes, k) === "exit" ? own?.exit : own?.goal) === name);
+    const set = (key: string) => {
+        const { [id]: _, ...agents } = wishes.agents;
+        const place = places[Number(key)];
+        if (key === "" || !place) return setWishes({ ...wishes, agents });
+        const exit = kindOf(wishes, Number(key)) === "exit";
+        setWishes({ ...wishes, agents: { ...agents, [id]: { exit: exit ? place.name : null, goal: exit ? null : place.name } } });
+    };
+    return (
+        <Choice
+            label={`Person ${id} goes to`}
+            value={chosen < 0 ? "" : String(chosen)}
+            choices={[["", "where the others go"], ...places.map(({ name }, k): [string, string] => [String(k), `${kindOf(wishes, k)} ${JSON.stringify(name)}`])]}
+            onChange={set}
+        />
+    );
+}

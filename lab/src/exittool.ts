@@ -1,0 +1,145 @@
+// Drawing exits and goals on the picture.
+
+import { label } from "./draw";
+import { middleOf, paintHandles, paintPlaces } from "./drawplaces";
+import { MOST } from "./forms";
+import { addPoint, begin, clicks, dragged, drawingKey, hover, mode, motion, picked, setMotion, sketch, standing } from "./motionstate";
+import { length } from "./parts";
+import { added, changed, cornersOf, type Kind, kindOf, placesOf, removed, shaped } from "./places";
+import { plan } from "./plan";
+import type { Motion, Point, Wishes } from "./protocol";
+import { distance, snapped, squared } from "./roomshape";
+import { film } from "./session";
+import type { Pointer, Tool } from "./tool";
+
+/** What is dragged: a corner by its number, or all of it. */
+let part: number | "all" = "all";
+/** As it was pressed on. */
+let pressed: Point[] = [];
+
+/** What is drawn now; null: nothing. */
+function drawn(): { kind: Kind; line: boolean } | null {
+    const [kind, shape] = mode.value.split(" ");
+    return kind === "exit" || kind === "goal" ? { kind, line: shape === "line" } : null;
+}
+
+function wishesOf(of: Motion): Wishes | null {
+    return of.kind === "go" ? of.wishes : null;
+}
+
+export function setWishes(wishes: Wishes) {
+    setMotion({ kind: "go", wishes });
+}
+
+export function remove(k: number) {
+    const wishes = wishesOf(standing.value);
+    picked.value = null;
+    if (wishes) setWishes(removed(wishes, k));
+}
+
+function finish() {
+    const making = drawn();
+    const corners = sketch.value;
+    const wishes = wishesOf(standing.value);
+    begin("change");
+    if (!making || !wishes || corners.length < (making.line ? 2 : 3)) return;
+    const next = added(wishes, making.kind, corners);
+    picked.value = making.kind === "exit" ? wishes.exits.length : next.exits.length + wishes.goals.length;
+    setWishes(next);
+}
+
+/** Level with or straight above the corner before, if Shift is held. */
+function aimed({ at, shift }: Pointer, from: Point | undefined): Point {
+    return snapped(shift && from ? squared(at, from) : at);
+}
+
+function click(pointer: Pointer) {
+    const [first] = sketch.value;
+    const near = first && distance(pointer.at, first) < 1.5 * pointer.reach;
+    if (drawn()!.line) {
+        // Two clicks at one place are no line.
+        if (!near) addPoint({ ...pointer, at: aimed(pointer, first), double: false }, 2, finish);
+    } else if (near && sketch.value.length >= 3) finish();
+    else addPoint({ ...pointer, at: aimed(pointer, sketch.value.at(-1)) }, MOST.corners, finish);
+}
+
+function grab(wishes: Wishes, { at, reach }: Pointer): boolean {
+    for (const [k, place] of placesOf(wishes).entries()) {
+        const corners = cornersOf(place);
+        const corner = corners.findIndex((point) => distance(at, point) < reach);
+        if (corner < 0 && distance(at, middleOf(corners)) >= 1.5 * reach) continue;
+        [picked.value, part, pressed] = [k, corner < 0 ? "all" : corner, corners];
+        return true;
+    }
+    return false;
+}
+
+function dragTo(pointer: Pointer) {
+    const wishes = dragged.value && wishesOf(dragged.value);
+    const k = picked.value;
+    if (!wishes || k === null) return;
+    const middle = middleOf(pressed);
+    const corners = pressed.map((corner, j): Point => {
+        if (part === "all") return snapped([corner[0] + pointer.at[0] - middle[0], corner[1] + pointer.at[1] - middle[1]]);
+        return j === part ? aimed(pointer, pressed.at(j - 1)) : corner;
+    });
+    dragged.value = { kind: "go", wishes: changed(wishes, k, shaped(placesOf(wishes)[k]!, corners)) };
+}
+
+export const exitTool: Tool = {
+    draws: () => mode.value !== "change",
+    down(pointer) {
+        clicks.held = null;
+        const now = standing.value;
+        if (now.kind !== "go") return false;
+        if (drawn()) {
+            clicks.held = pointer;
+            return true;
+        }
+        if (!grab(now.wishes, pointer)) return false;
+        dragged.value = now;
+        return true;
+    },
+    move(pointer, drags) {
+        hover.value = aimed(pointer, sketch.value.at(-1));
+        if (drags && dragged.value) dragTo(pointer);
+    },
+    cancel() {
+        clicks.held = null;
+        dragged.value = null;
+    },
+    up() {
+        const { held } = clicks;
+        clicks.held = null;
+        if (held && drawn()) click(held);
+        const next = dragged.value;
+        if (!next) return;
+        begin("change");
+        setMotion(next);
+    },
+    key(event) {
+        const drawing = mode.value !== "change";
+        if (event.key === "Escape" && drawing) begin("change");
+        else if (drawing && drawingKey(event, finish)) return true;
+        else if (event.key === "Delete" && picked.value !== null) remove(picked.value);
+        else return false;
+        return true;
+    },
+    // There should be room for exits beyond doors.
+    extent: () => film.value?.scene.beyond_doors.flat() ?? [],
+    paint(context, view, inks) {
+        const wishes = wishesOf(motion.value);
+        if (!wishes) return;
+        const places = placesOf(wishes).map((place, k) => ({ name: place.name, stay: kindOf(wishes, k) === "goal", corners: cornersOf(place) }));
+        if (dragged.value) paintPlaces(context, places, view, inks, picked.value);
+        places.forEach(({ stay, corners }, k) => paintHandles(context, corners, view, inks, stay ? inks.goal : inks.exit, k === picked.value));
+        const making = drawn();
+        const to = hover.value;
+        if (!making || !to) return;
+        const { unit } = plan.value;
+        const last = sketch.value.at(-1);
+        paintPlaces(context, [{ name: "", stay: making.kind === "goal", corners: [...sketch.value, to] }], view, inks, 0);
+        const words = last ? length(distance(last, to), unit) : `${length(to[0], unit)}, ${length(to[1], unit)}`;
+        label(context, words, last ? [(last[0] + to[0]) / 2, (last[1] + to[1]) / 2] : [to[0], to[1] - (18 * devicePixelRatio) / view.scale], view, inks);
+    },
+};

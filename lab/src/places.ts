@@ -1,0 +1,66 @@
+// Exits and goals of a plan: added, changed, removed. They are numbered together, exits before goals.
+
+import type { Place, Point, Wishes } from "./protocol";
+
+/** The model that `lemons crowd --leave` writes, and its speed. */
+export const FIRST_WISHES: Wishes = { model: "collision-free-speed", desired_speed: 1.34, seed: 1, exits: [], goals: [], agents: {} };
+
+export type Kind = "exit" | "goal";
+
+export function placesOf({ exits, goals }: Wishes): Place[] {
+    return [...exits, ...goals];
+}
+
+export function kindOf({ exits }: Wishes, k: number): Kind {
+    return k < exits.length ? "exit" : "goal";
+}
+
+export function cornersOf({ line, polygon }: Place): Point[] {
+    return line ?? polygon ?? [];
+}
+
+export function shaped(place: Place, corners: Point[]): Place {
+    const [from, to, ...more] = corners;
+    const line: [Point, Point] | null = from && to && more.length === 0 ? [from, to] : null;
+    return { ...place, line, polygon: line ? null : corners };
+}
+
+/** Shares are for all exits or for none. */
+export function hasShares({ exits }: Wishes) {
+    return exits.some(({ share }) => share !== null);
+}
+
+function free(wishes: Wishes, words: string): string {
+    const names = placesOf(wishes).map(({ name }) => name);
+    let k = 1;
+    while (names.includes(`${words} ${k}`)) k += 1;
+    return `${words} ${k}`;
+}
+
+/** `words` and the next number are its name. */
+export function added(wishes: Wishes, kind: Kind, corners: Point[], words: string = kind): Wishes {
+    const place = shaped({ name: free(wishes, words), line: null, polygon: null, share: kind === "exit" && hasShares(wishes) ? 1 : null }, corners);
+    return kind === "exit" ? { ...wishes, exits: [...wishes.exits, place] } : { ...wishes, goals: [...wishes.goals, place] };
+}
+
+function split(wishes: Wishes, places: Place[], exits: number): Wishes {
+    return { ...wishes, exits: places.slice(0, exits), goals: places.slice(exits) };
+}
+
+/** Those who go there follow its new name. */
+export function changed(wishes: Wishes, k: number, place: Place): Wishes {
+    const places = placesOf(wishes);
+    const before = places[k]!.name;
+    places[k] = place;
+    const next = (name: string | null) => (name === before ? place.name : name);
+    const agents = Object.entries(wishes.agents).map(([id, { exit, goal }]) => [id, { exit: next(exit), goal: next(goal) }]);
+    return { ...split(wishes, places, wishes.exits.length), agents: Object.fromEntries(agents) };
+}
+
+/** Those who went there go where the others go. */
+export function removed(wishes: Wishes, k: number): Wishes {
+    const places = placesOf(wishes);
+    const [gone] = places.splice(k, 1);
+    const agents = Object.entries(wishes.agents).filter(([, { exit, goal }]) => exit !== gone!.name && goal !== gone!.name);
+    return { ...split(wishes, places, wishes.exits.length - (k < wishes.exits.length ? 1 : 0)), agents: Object.fromEntries(agents) };
+}

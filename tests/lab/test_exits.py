@@ -1,0 +1,221 @@
+"""Exits and goals that are drawn on the picture: who leaves, when, and that the Trial says the same."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+from visit import Picture, becomes, download, fill, held, lemons, link, make, places, plan, rows, same_table, tab, wait
+
+
+def room(page: Page, people: int) -> None:
+    """4 m by 3 m, with a door of 1 m in the middle of the wall on the right."""
+    tab(page, "Room")
+    page.get_by_text("Doors (0)").click()
+    page.get_by_role("button", name="Add a door by numbers").click()
+    make(page, people, 400, 300)
+
+
+def exits(page: Page) -> None:
+    tab(page, "Motion")
+    page.get_by_label("What moves them").select_option(label="All walk to exits and goals")
+
+
+def wishes(page: Page) -> dict[str, Any]:
+    return plan(page)["made"]["motion"].get("wishes", {"exits": [], "goals": []})
+
+
+def lines(page: Page) -> list[Any]:
+    return [exit["line"] for exit in wishes(page)["exits"]]
+
+
+def button(page: Page, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def rename(page: Page, which: str, name: str) -> None:
+    field = page.get_by_role("textbox", name=f"{which}, name")
+    field.fill(name)
+    field.press("Tab")
+
+
+def test_everybody_leaves_by_an_exit_that_is_drawn(page: Page, browser: Browser, url: str, tmp_path: Path) -> None:
+    room(page, 12)
+    exits(page)
+    expect(page.get_by_text("There is no exit yet: nobody walks.")).to_be_visible()
+    picture = Picture(page)
+    button(page, "Draw an exit")
+    picture.click(5, 0.5)
+    # The same place again is no second end.
+    picture.click(5, 0.5)
+    picture.click(4.8, 2.5)
+    becomes(page, lambda: lines(page), [[[5, 0.5], [4.8, 2.5]]])
+    expect(page.get_by_text("0 of 12 have left, at 0.00 s.")).to_be_visible()
+    picture.drag((4.8, 2.5), (5, 3))
+    becomes(page, lambda: lines(page), [[[5, 0.5], [5, 3]]])
+    # All of it, by its name in its middle.
+    picture.drag((5, 1.75), (5, 1.5))
+    becomes(page, lambda: lines(page), [[[5, 0.25], [5, 2.75]]])
+    page.get_by_role("button", name="Undo").click()
+    becomes(page, lambda: lines(page), [[[5, 0.5], [5, 3]]])
+    page.get_by_role("button", name="Redo").click()
+    fill(page, "Exit 1, end 1, y", 0)
+    rename(page, "Exit 1", "to the street")
+    drawn = {"name": "to the street", "line": [[5, 0], [5, 2.75]], "polygon": None, "share": None}
+    becomes(page, lambda: wishes(page)["exits"], [drawn])
+    # Delete takes away what is marked, after Esc has ended what is being drawn.
+    picture.canvas.focus()
+    button(page, "Draw an exit")
+    picture.click(1, 1)
+    page.keyboard.press("Escape")
+    page.keyboard.press("Delete")
+    becomes(page, lambda: plan(page)["made"]["motion"], {"kind": "none"})
+    page.get_by_role("button", name="Undo").click()
+    becomes(page, lambda: wishes(page).get("exits"), [drawn])
+    page.reload()
+    expect(page.get_by_text("0 of 12 have left, at 0.00 s.")).to_be_visible()
+    other = browser.new_context().new_page()
+    other.goto(link(url, plan(page)))
+    expect(other.get_by_text("0 of 12 have left, at 0.00 s.")).to_be_visible()
+    assert wishes(other) == wishes(page)
+    other.context.close()
+
+    page.get_by_label("Pace").select_option(label="4 ×")
+    button(page, "Play")
+    # The run ends with them.
+    told = page.get_by_text("All 12 have left after")
+    expect(told).to_be_visible(timeout=120_000)
+    expect(page.get_by_role("button", name="Play")).to_be_visible()
+    found = re.fullmatch(r"All 12 have left after (\S+) s\.", told.inner_text())
+    assert found
+    end = float(found[1])
+    expect(page.get_by_text(f"12 of 12 have left, at {found[1]} s.")).to_be_visible()
+    expect(page.locator(".time")).to_have_text(f"{found[1]} s")
+    shown = download(page, "Trajectories (CSV)", tmp_path)
+    trial = download(page, "Trial (zip)", tmp_path)
+    decision = tomllib.loads(held(trial)["decision.toml"])
+    assert decision["model"] == "collision-free-speed" and decision["desired_speed"] == 1.34
+    assert decision["exits"] == [{"name": "to the street", "line": [[5, 0], [5, 2.75]]}] and "goals" not in decision
+    assert "decision.toml" in lemons("check", trial)
+    table = tmp_path / "run.csv"
+    lemons("run", trial, "--until", "left", "-o", table)
+    same_table(shown, table)
+    poses = rows(table)
+    assert float(poses[-1]["t"]) == pytest.approx(end) and {row["active"] for row in poses if row["t"] == poses[-1]["t"]} == {"0"}
+    assert {row["active"] for row in poses if float(row["t"]) < end - 0.015} == {"0", "1"}
+
+
+def test_exits_beyond_doors_goals_and_shares(page: Page, tmp_path: Path) -> None:
+    room(page, 10)
+    exits(page)
+    # As `lemons crowd --leave` puts it.
+    button(page, "Put an exit beyond each door")
+    becomes(page, lambda: [sorted(line) for line in lines(page)], [[[5, 0], [5, 3]]])
+    assert wishes(page)["exits"][0]["name"] == "door 1"
+    expect(page.get_by_role("button", name="Put an exit beyond each door")).to_be_disabled()
+    picture = Picture(page)
+    button(page, "Draw an exit area")
+    corners = [[3.2, 0.2], [3.8, 0.2], [3.8, 0.8], [3.2, 0.8]]
+    for corner in corners:
+        picture.click(*corner)
+    picture.click(*corners[0])
+    becomes(page, lambda: [exit["polygon"] for exit in wishes(page)["exits"]], [None, corners])
+    page.get_by_label("Each exit gets a share of the people").check()
+    fill(page, "Exit 1, share", 3)
+    fill(page, "Exit 2, share", 7)
+    button(page, "Draw a goal")
+    picture.click(0.3, 0.5)
+    picture.click(0.3, 2.5)
+    becomes(page, lambda: [goal["line"] for goal in wishes(page)["goals"]], [[[0.3, 0.5], [0.3, 2.5]]])
+    rename(page, "Goal 1", "stage")
+    page.get_by_role("combobox", name="Person", exact=True).select_option(label="4")
+    page.get_by_label("Person 4 goes to").select_option(label='goal "stage"')
+    becomes(page, lambda: wishes(page)["agents"], {"4": {"exit": None, "goal": "stage"}})
+    rename(page, "Goal 1", "seat")
+    page.get_by_label("How they walk among others").select_option(label="Straight on")
+    fill(page, "Desired speed", 1)
+    becomes(page, lambda: [wishes(page)[key] for key in ("model", "desired_speed")], ["straight", 1])
+    trial = download(page, "Trial (zip)", tmp_path)
+    decision = tomllib.loads(held(trial)["decision.toml"])
+    assert (decision["model"], decision["desired_speed"], decision["agents"]) == ("straight", 1, {"4": {"goal": "seat"}})
+    assert [(exit["name"], exit["share"]) for exit in decision["exits"]] == [("door 1", 3), ("exit 1", 7)]
+    assert decision["exits"][1]["polygon"] == corners and decision["goals"] == [{"name": "seat", "line": [[0.3, 0.5], [0.3, 2.5]]}]
+    # Nine have an exit.
+    expect(page.get_by_text(" of 9 have left, at 0.00 s.")).to_be_visible()
+    assert "9 leave" in lemons("check", trial) or len(places(trial)) == 10
+
+
+def test_places_that_cannot_be_are_named(page: Page) -> None:
+    room(page, 3)
+    exits(page)
+    alert = page.get_by_role("alert")
+    button(page, "Put an exit beyond each door")
+    becomes(page, lambda: len(lines(page)), 1)
+    rename(page, "Exit 1", "the street")
+    picture = Picture(page)
+    # Onto the wall below: it is refused, and stays where it was.
+    for end, to in ((1, (1.0, 0.0)), (2, (3.0, 0.0))):
+        fill(page, f"Exit 1, end {end}, x", 100 * to[0])
+        fill(page, f"Exit 1, end {end}, y", 100 * to[1])
+    expect(alert).to_contain_text('exit "the street": lies on walls')
+    assert lines(page) != [[[1, 0], [3, 0]]]
+    button(page, "Draw an exit")
+    picture.click(1, 1)
+    picture.click(2, 1)
+    becomes(page, lambda: len(lines(page)), 2)
+    expect(alert).to_have_count(0)
+    rename(page, "Exit 2", "the street")
+    expect(alert).to_contain_text('"the street" is that of another exit or goal')
+    expect(page.get_by_role("textbox", name="Exit 2, name")).to_have_value("exit 1")
+    # Without a door, nobody gets there.
+    page.get_by_label("What moves them").select_option(label="Nobody moves by themselves")
+    tab(page, "Room")
+    button(page, "Delete door 1")
+    make(page, 3, 400, 300)
+    exits(page)
+    expect(page.get_by_role("button", name="Put an exit beyond each door")).to_be_disabled()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_exits_and_goals_can_be_seen(page: Page, scheme: str) -> None:
+    """WCAG 1.4.11 wants a contrast of 3 of what is drawn, 1.4.3 one of 4.5 of small text: these have both."""
+    page.emulate_media(color_scheme="light" if scheme == "light" else "dark")
+    room(page, 3)
+    exits(page)
+    button(page, "Put an exit beyond each door")
+    button(page, "Add a goal by numbers")
+    becomes(page, lambda: len(wishes(page)["goals"]), 1)
+
+    def colour(name: str) -> tuple[int, ...]:
+        text = page.evaluate("name => getComputedStyle(document.documentElement).getPropertyValue(name)", name).strip()
+        return tuple(int(text[k : k + 2], 16) for k in (1, 3, 5))
+
+    def luminance(rgb: tuple[int, ...]) -> float:
+        parts = [c / 255 / 12.92 if c <= 0.04045 * 255 else ((c / 255 + 0.055) / 1.055) ** 2.4 for c in rgb]
+        return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2]
+
+    paper = luminance(colour("--paper"))
+    for name in ("--exit", "--goal"):
+        own = luminance(colour(name))
+        assert (max(own, paper) + 0.05) / (min(own, paper) + 0.05) >= 4.5, name
+
+    def drawn(rgb: tuple[int, ...]) -> int:
+        return page.evaluate(
+            """rgb => {
+                const canvas = document.querySelector("canvas");
+                const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+                let count = 0;
+                for (let k = 0; k < data.length; k += 4) if (rgb.every((value, j) => data[k + j] === value)) count += 1;
+                return count;
+            }""",
+            list(rgb),
+        )
+
+    for name in ("--exit", "--goal"):
+        wait(page, lambda: drawn(colour(name)) > 50, 20)
+    # On other tabs, too.
+    tab(page, "Crowd")
+    for name in ("--exit", "--goal"):
+        wait(page, lambda: drawn(colour(name)) > 50, 20)
