@@ -1,6 +1,6 @@
 // Small parts of forms.
 
-import type { ComponentChildren } from "preact";
+import type { ComponentChildren, Ref } from "preact";
 import { useId, useState } from "preact/hooks";
 import { plan } from "./plan";
 
@@ -131,6 +131,27 @@ export function Facts({ rows }: { rows: [string, ComponentChildren][] }) {
                 ))}
             </tbody>
         </table>
+    );
+}
+
+interface SpaceProps {
+    canvas: Ref<HTMLCanvasElement>;
+    /** Why there is no picture; empty if there is one. */
+    missing: string;
+    label: string;
+    children: ComponentChildren;
+    onPointerDown?(event: PointerEvent): void;
+    onClick?(event: MouseEvent): void;
+}
+
+/** A canvas in three dimensions, with what belongs to it below. */
+export function SpaceCanvas({ canvas, missing, label, children, ...hands }: SpaceProps) {
+    if (missing) return <p role="alert">{missing}</p>;
+    return (
+        <div class="space">
+            <canvas ref={canvas} tabIndex={0} role="application" aria-label={label} {...hands} />
+            {children}
+        </div>
     );
 }
 

@@ -6,6 +6,7 @@ import type { Client } from "./client";
 import { scaleOf, values } from "./colour";
 import { Crowd3d } from "./crowd3d";
 import type { Film } from "./film";
+import { SpaceCanvas } from "./parts";
 import { plan } from "./plan";
 import type { Bodies } from "./protocol";
 import { NoWebGL, Space } from "./space";
@@ -84,25 +85,22 @@ function One({ film, client, selected, altitude = null, onCanvas, onSelect }: St
     });
     useEffect(() => crowd.value?.cut(altitude), [crowd.value, altitude]);
     const pressed = useRef<[number, number]>([0, 0]);
-    if (missing) return <p role="alert">{missing}</p>;
     return (
-        <div class="space">
-            <canvas
-                ref={canvas}
-                tabIndex={0}
-                role="application"
-                aria-label={`${film.scene.agents.length} people in three dimensions. ${KEYS}`}
-                onPointerDown={(event) => {
-                    pressed.current = [event.offsetX, event.offsetY];
-                }}
-                onClick={(event) => {
-                    const [x, y] = pressed.current;
-                    if (Math.hypot(event.offsetX - x, event.offsetY - y) < STILL) onSelect?.(crowd.value?.at(event.offsetX, event.offsetY) ?? null);
-                }}
-            />
+        <SpaceCanvas
+            canvas={canvas}
+            missing={missing}
+            label={`${film.scene.agents.length} people in three dimensions. ${KEYS}`}
+            onPointerDown={(event) => {
+                pressed.current = [event.offsetX, event.offsetY];
+            }}
+            onClick={(event) => {
+                const [x, y] = pressed.current;
+                if (Math.hypot(event.offsetX - x, event.offsetY - y) < STILL) onSelect?.(crowd.value?.at(event.offsetX, event.offsetY) ?? null);
+            }}
+        >
             <p class="note">
                 Lines on the ground: {grid} m apart. {HOW} <span role="status">{words}</span>
             </p>
-        </div>
+        </SpaceCanvas>
     );
 }

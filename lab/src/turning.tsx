@@ -4,6 +4,7 @@ import { useSignal, useSignalEffect } from "@preact/signals";
 import { Box3, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Vector3 } from "three";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { lines, surface } from "./crowd3d";
+import { SpaceCanvas } from "./parts";
 import type { Surface } from "./protocol";
 import { free, Space } from "./space";
 
@@ -105,19 +106,12 @@ export default function Turning({ body, stature, altitude }: TurningProps) {
     useSignalEffect(() => {
         if (turns.value) made.current?.space.draw();
     });
-    if (missing) return <p role="alert">{missing}</p>;
     return (
-        <div class="space">
-            <canvas
-                ref={canvas}
-                tabIndex={0}
-                role="application"
-                aria-label="The body in three dimensions. Arrow keys turn the picture, plus and minus zoom, 0 shows all."
-            />
+        <SpaceCanvas canvas={canvas} missing={missing} label="The body in three dimensions. Arrow keys turn the picture, plus and minus zoom, 0 shows all.">
             <label class="check">
                 <input type="checkbox" checked={turns.value} onChange={(event) => (turns.value = event.currentTarget.checked)} />
                 Turn
             </label>
-        </div>
+        </SpaceCanvas>
     );
 }
