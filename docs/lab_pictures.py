@@ -1,5 +1,5 @@
 """Makes the pictures of docs/lab.md again, in docs/ or in the directory that is given: lab_run.png, lab_3d.png, lab_room.png,
-lab_person.png. docs/pictures.sh calls it where Playwright, Chromium and the lab are."""
+lab_person.png, lab_exits.png. docs/pictures.sh calls it where Playwright, Chromium and the lab are."""
 
 import shutil
 import subprocess
@@ -32,8 +32,16 @@ def main(to: Path) -> None:
         page.wait_for_timeout(1000)
         shown("run")
 
-        tab(page, "Crowd")
         page.get_by_label("Forces").uncheck()
+        example(page, "Two exits", 60)
+        tab(page, "Motion")
+        play_until(page, 5)
+        page.wait_for_timeout(1000)
+        shown("exits")
+
+        example(page, "The door", 70)
+        tab(page, "Crowd")
+        play_until(page, 5)
         page.get_by_label("View").select_option(label="3D")
         page.wait_for_timeout(5000)
         shown("3d")

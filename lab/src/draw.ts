@@ -278,13 +278,16 @@ export function paintWays(context: CanvasRenderingContext2D, ways: Waypoint[][],
 
 /** A short text on a ground of its own. */
 export function label(context: CanvasRenderingContext2D, text: string, at: Point, view: View, inks: Inks) {
-    const [x, y] = toPixels(view, at);
+    const [place, y] = toPixels(view, at);
     const size = 12 * devicePixelRatio;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.font = `${size}px system-ui, sans-serif`;
     context.textAlign = "center";
     context.textBaseline = "middle";
     const width = context.measureText(text).width + 0.6 * size;
+    // Whole, also at the edge.
+    const most = context.canvas.width;
+    const x = place >= 0 && place <= most ? Math.max(width / 2, Math.min(place, most - width / 2)) : place;
     context.fillStyle = inks.paper;
     context.globalAlpha = 0.85;
     context.fillRect(x - width / 2, y - 0.7 * size, width, 1.4 * size);

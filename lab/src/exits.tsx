@@ -1,7 +1,8 @@
 // Exits and goals, as forms.
 
+import type { ComponentChildren } from "preact";
 import { middleOf } from "./drawplaces";
-import { mode as now, begin, type Mode, picked } from "./motionstate";
+import { begin, mode as now, type Mode, picked } from "./motionstate";
 import { MOST } from "./forms";
 import { remove, setWishes } from "./exittool";
 import { Check, Choice, LengthField, NumberField } from "./parts";
@@ -23,16 +24,17 @@ const GOOD_FOR: Record<Model, string> = {
     "social-force": "Others and walls repel. Flows through doors are several times too great: not for evacuation times.",
 };
 
-const MODES: [Mode, string, string][] = [
-    ["exit line", "Draw an exit", "Click both ends of the line that people cross to leave."],
-    ["exit area", "Draw an exit area", "Click its corners. Enter, a double click or a click on the first corner ends it."],
-    ["goal line", "Draw a goal", "Click both ends of the line where people stay."],
-    ["goal area", "Draw a goal area", "Click its corners. Enter, a double click or a click on the first corner ends it."],
-];
+const ENDS = "Enter, a double click or a click on the first corner ends it.";
+const HINTS: Partial<Record<Mode, string>> = {
+    "exit line": "Click both ends of the line that people cross to leave.",
+    "exit area": `Click the corners of the area in which people leave. ${ENDS}`,
+    "goal line": "Click both ends of the line where people stay.",
+    "goal area": `Click the corners of the area in which people stay. ${ENDS}`,
+};
 
 export function Exits({ wishes, middle }: { wishes: Wishes; middle: Point }) {
     const places = placesOf(wishes);
-    const hint = MODES.find(([key]) => key === now.value)?.[2];
+    const hint = HINTS[now.value];
     return (
         <>
             <Choice label="How they walk among others" value={wishes.model} choices={NAMES} onChange={(model) => setWishes({ ...wishes, model })} />
@@ -69,37 +71,48 @@ function whoGoesWhere(wishes: Wishes) {
     return goals.length > 0 ? `${exit} To a goal go those for whom you choose it here.` : exit;
 }
 
-function Draw({ wishes, middle: [x, y] }: { wishes: Wishes; middle: Point }) {
+function Draw({ wishes, middle }: { wishes: Wishes; middle: Point }) {
     const doors = film.value?.scene.beyond_doors ?? [];
     const known = wishes.exits.map(({ line }) => JSON.stringify(line));
     const missing = doors.filter((line) => !known.includes(JSON.stringify(line)));
+    return (
+        <>
+            <Ways kind="exit" wishes={wishes} middle={middle}>
+                <button type="button" disabled={missing.length === 0} onClick={() => setWishes(missing.reduce((all, line) => added(all, "exit", line, "door"), wishes))}>
+                    Put an exit beyond each door
+                </button>
+            </Ways>
+            <Ways kind="goal" wishes={wishes} middle={middle} />
+            {doors.length === 0 && <p class="note">The room on the picture has no doors of the tab Room.</p>}
+        </>
+    );
+}
+
+/** How an exit or a goal can be made. */
+function Ways({ kind, wishes, middle: [x, y], children }: { kind: Kind; wishes: Wishes; middle: Point; children?: ComponentChildren }) {
+    const words = kind === "exit" ? "An exit" : "A goal";
     const line: Point[] = [
         [x, y - 0.5],
         [x, y + 0.5],
     ];
-    const write = (kind: Kind) => setWishes(added(wishes, kind, line));
     return (
-        <>
-            <div class="buttons" role="group" aria-label="Draw on the picture">
-                {MODES.map(([key, words]) => (
-                    <button key={key} type="button" aria-pressed={now.value === key} onClick={() => begin(now.value === key ? "change" : key)}>
-                        {words}
-                    </button>
-                ))}
-            </div>
+        <fieldset class="fields">
+            <legend>{words}</legend>
             <div class="buttons">
-                <button type="button" disabled={missing.length === 0} onClick={() => setWishes(missing.reduce((all, line) => added(all, "exit", line, "door"), wishes))}>
-                    Put an exit beyond each door
+                {(["line", "area"] as const).map((shape) => {
+                    const key: Mode = `${kind} ${shape}`;
+                    return (
+                        <button key={key} type="button" aria-pressed={now.value === key} onClick={() => begin(now.value === key ? "change" : key)}>
+                            <span class="hidden">{words}: </span>Draw {shape === "line" ? "a line" : "an area"}
+                        </button>
+                    );
+                })}
+                <button type="button" onClick={() => setWishes(added(wishes, kind, line))}>
+                    <span class="hidden">{words}: </span>Write numbers
                 </button>
-                <button type="button" onClick={() => write("exit")}>
-                    Add an exit by numbers
-                </button>
-                <button type="button" onClick={() => write("goal")}>
-                    Add a goal by numbers
-                </button>
+                {children}
             </div>
-            {doors.length === 0 && <p class="note">The room on the picture has no doors of the tab Room.</p>}
-        </>
+        </fieldset>
     );
 }
 

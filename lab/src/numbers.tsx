@@ -41,7 +41,7 @@ function ofRun(film: Film, playing: boolean, k: number): [string, ComponentChild
         ["Deepest overlap so far", advanced ? `${digits(1000 * advanced.overlap, 2)} mm` : "–"],
     ];
     if (scene.pushed.length > 0) rows.push(["Pushed", people(scene.pushed.length)]);
-    if (scene.walk) rows.push(["Arrived or left", `${advanced?.arrived ?? 0} of ${scene.agents.length}`]);
+    if (scene.walk && scene.leaving < scene.agents.length) rows.push(["Arrived or left", `${advanced?.arrived ?? 0} of ${scene.agents.length}`]);
     if (scene.leaving > 0) rows.push(["Have left", `${film.frames.curve("left")[k]} of ${scene.leaving}`]);
     return rows;
 }

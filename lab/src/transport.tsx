@@ -69,13 +69,10 @@ export function Leaving({ film }: { film: Film }) {
     const emptied = film.emptied.value;
     const all = emptied !== null && k >= emptied;
     return (
-        <>
-            <p class="note">
-                {film.frames.curve("left")[k]} of {leaving} have left, at {time(k)}.
-            </p>
-            {/* Only the end is told to those who do not see it. */}
-            <p role="status">{all && `All ${leaving} have left after ${time(emptied)}.`}</p>
-        </>
+        <p class="note">
+            {film.frames.curve("left")[k]} of {leaving} have left, at {time(k)}. {/* Only the end is told to those who do not see it. */}
+            <strong role="status">{all && `All ${leaving} have left after ${time(emptied)}.`}</strong>
+        </p>
     );
 }
 
