@@ -81,7 +81,7 @@ export const EXAMPLES: Example[] = [
     },
     {
         name: "Two exits",
-        sentence: "60 people go round a pillar and leave by the door that is nearer on foot. The page counts them.",
+        sentence: "60 people go round a pillar and leave, each by the exit that is nearer on foot. The page counts them.",
         made: crowd(
             {
                 number: 60,

@@ -161,7 +161,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                     () => take("Trial (zip)", { file: "trial" }),
                     decided ? (
                         <>
-                            The XML files and the ways. <code>lemons decide</code> makes the FMU that decides from this Trial, and <code>lemons connect</code> couples both; this page
+                            The XML files and <code>decision.toml</code>, which says where people walk. <code>lemons run</code> computes the same numbers from it. <code>lemons decide</code> makes the FMU that decides from this Trial, and <code>lemons connect</code> couples both; this page
                             opens it again.
                         </>
                     ) : (
@@ -211,7 +211,7 @@ export function TakeTab({ film, client, canvas, said }: TakeProps) {
                     trajectories,
                     decided ? (
                         <>
-                            The run with its ways, computed again from the start, as a table of the form that <code>lemons run</code> writes. R, pandas and spreadsheets read it.
+                            The run, in which people walk, computed again from the start, as a table of the form that <code>lemons run</code> writes. R, pandas and spreadsheets read it.
                         </>
                     ) : (
                         <>

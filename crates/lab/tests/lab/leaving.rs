@@ -96,9 +96,9 @@ fn places_that_nobody_can_reach_are_named() {
         assert!(said.contains(words), "{said}");
     };
     wrong(room(), &[line("the wall", [0.0, 0.5, 0.0, 2.5])], &[], "exit \"the wall\": lies on walls");
-    let out = line("out", [5.0, 0.0, 5.0, 3.0]);
-    wrong(square(4.0, 3.0), &[out.clone()], &[], "no way leads to any exit (\"out\")");
-    wrong(square(4.0, 3.0), &[], &[out], "no way leads to goal \"out\"");
+    let out = [line("out", [5.0, 0.0, 5.0, 3.0])];
+    wrong(square(4.0, 3.0), &out, &[], "no way leads to any exit (\"out\")");
+    wrong(square(4.0, 3.0), &[], &out, "no way leads to goal \"out\"");
     wrong(room(), &[line("point", [5.0, 1.0, 5.0, 1.0])], &[], "exit \"point\"");
     wrong(room(), &[], &[], "no way-point and no exit");
     wrong(
