@@ -43,8 +43,7 @@ pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
 pub fn leavers(fmu: &Fmu) -> Option<(usize, usize)> {
     let path = fmu.directory().join("resources").join(PLAN_FILE);
     let plan = Plan::from_toml(&input::read_text(&path, input::LARGEST_SETTINGS).ok()?).ok()?;
-    let people = plan.agents.len();
-    Some(((0..people).filter(|agent| plan.has_exit(*agent)).count(), people))
+    Some((plan.leaving(), plan.agents.len()))
 }
 
 /// The Decision FMU of a Trial's people, as `lemons decide` makes it, written to a file; and the file that says where
