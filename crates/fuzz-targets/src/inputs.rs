@@ -328,7 +328,11 @@ pub fn sweep_toml(data: &[u8]) {
             return assert!(way % 2 == 0 || of_table, "{error}");
         }
     };
-    assert!(until > 0.0 && until.is_finite() && step.is_none_or(|step| step > 0.0 && step.is_finite()));
+    assert!(
+        until.latest() > 0.0
+            && until.latest().is_finite()
+            && step.is_none_or(|step| step > 0.0 && step.is_finite())
+    );
     assert!(points.count > 0 && points.count * points.columns.len() <= CELLS);
     let measures: Vec<String> = measures.into_iter().map(|(name, _)| name).collect();
     let mut names: Vec<&String> = points.columns.iter().map(|(name, _)| name).chain(&measures).collect();
