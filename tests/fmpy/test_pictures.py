@@ -29,7 +29,7 @@ VALIDATION = ["rimea_6", "rimea_9", "rimea_12", "single_file", "corridor", "bott
 MADE_BY = {
     **{f"docs/{name}.png": ("docs/pictures.sh", f'"$to/{name}.png"') for name in ("push", "crowd", "room", "measured", "flow")},
     **{f"docs/guide/{name}.png": ("docs/pictures.sh", f'"$to/guide/{name}.png"') for name in GUIDE},
-    **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'shown("{name}")') for name in ("run", "3d", "room", "person")},
+    **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'shown("{name}")') for name in ("run", "3d", "room", "person", "exits")},
     **{f"docs/validation_{name}.svg": ("examples/validation.py", f'"{name}": {name}') for name in VALIDATION},
     "docs/door_width.svg": ("examples/door_width.py", '"door_width.svg"'),
     "docs/calibration.png": ("examples/calibrate.py", '"calibration.png"'),

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 from visit import LEMONS, ROOT
 
-NAMES = ["run", "3d", "room", "person"]
+NAMES = ["run", "exits", "3d", "room", "person"]
 
 
 @pytest.fixture(scope="module")
