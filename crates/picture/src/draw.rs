@@ -15,7 +15,7 @@ use crate::world::world;
 ///
 /// Groups, from the lowest: `density`, `walls`, `bodies` (one group for each agent, in their order, with the agent's Id
 /// as title), `bicycles`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
-/// `forces`, `ids`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
+/// `forces`, `ids`, `notes`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
 pub fn svg(scene: &Scene, style: &Style) -> String {
     let width = page_width(style.width);
     let unit = width / NOMINAL_WIDTH;

@@ -65,6 +65,12 @@ fn glyph(c: char) -> &'static str {
         '+' => "0a8a,4e46",
         '=' => "0888,0c8c",
         '_' => "0383",
+        '<' => "8e0a0a86",
+        '>' => "0e8a8a06",
+        '×' => "1c76,167c",
+        '*' => "3g3b,1f5c,1c5f",
+        '→' => "0aba,7dbaba77",
+        '≤' => "8g0c0c88,0484",
         '≥' => "0g8c8c08,0484",
         '/' => "036h",
         '(' | '[' => "3h0e0633",
@@ -74,6 +80,10 @@ fn glyph(c: char) -> &'static str {
         '²' => "0e0g4g4d0a0a4a",
         '³' => "0f0g4g4d1d1d4d4a0a0b",
         'µ' | 'μ' => "0c00,0c047478,7c74",
+        'γ' => "0c2c3535,7c353530",
+        'Δ' => "044g4g848404",
+        'π' => "0c8c,2c24,6c64",
+        'τ' => "0c7c,3c343454",
         'θ' => "@04747g0g,0a7a",
         'ω' => "1c0804444a,4a4484887c",
         'A' => "044g4g84,1878",
@@ -222,7 +232,7 @@ mod tests {
 
     #[test]
     fn every_glyph_is_whole_points() {
-        for c in (' '..='~').chain("²³°µμθω·−≥".chars()) {
+        for c in (' '..='~').chain("²³°µμγΔπτθω·−×→≤≥".chars()) {
             for stroke in glyph(c).split(',').map(|s| s.trim_start_matches('@')) {
                 assert!(
                     stroke.len().is_multiple_of(2)

@@ -6,6 +6,7 @@ mod animation;
 mod charts;
 mod common;
 mod gallery;
+mod notes;
 mod pdf;
 mod picture;
 mod scenes;
