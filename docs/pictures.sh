@@ -39,6 +39,8 @@ if wanted guide; then
     "$lemons" measure "$scratch/hall" --until left --line door=10,0.9,10,2.1 --window 2 --above 500 --plot "$to/guide/flow.png" --force >/dev/null
 fi
 
+cargo run --release --quiet -p lemons-people --example physics -- docs/guide >/dev/null
+
 push=../shared/data/push_wed
 if wanted measured && [[ -d $push ]]; then
     # The recorded push is a force per unit of mass, on agent 0.
