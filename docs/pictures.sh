@@ -39,6 +39,7 @@ if wanted guide; then
     "$lemons" measure "$scratch/hall" --until left --line door=10,0.9,10,2.1 --window 2 --above 500 --plot "$to/guide/flow.png" --force >/dev/null
 fi
 
+# docs/guide/physics_body.svg, _contact, _law, _collision, _speed, _step, _shortlist.
 cargo run --release --quiet -p lemons-people --example physics -- docs/guide >/dev/null
 
 push=../shared/data/push_wed
