@@ -153,6 +153,9 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
             arguments.spec.display(),
             plan.display()
         ),
+        (Err(error @ (lemons_sweep::Error::Spec(_) | lemons_sweep::Error::In { .. })), None) => {
+            return Err(anyhow::Error::new(error).context(arguments.spec.display().to_string()));
+        }
         (Err(error), None) => return Err(error.into()),
     };
     let wall = started.elapsed().as_secs_f64();

@@ -17,7 +17,8 @@ use crate::gait::{CollisionFreeSpeed, Gait, SocialForce};
 use crate::person::Person;
 use crate::rule::Waypoint;
 use lemons_files::words;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
 /// Name of the wishes in a Trial directory.
@@ -78,11 +79,31 @@ pub(crate) struct WantedWaypoint {
 pub(crate) struct WantedTarget {
     pub name: Option<String>,
     /// \[m\] Ends of a line.
+    #[serde(default, deserialize_with = "ends")]
     pub line: Option<[[f64; 2]; 2]>,
     /// \[m\] Corners of an area.
+    #[serde(default, deserialize_with = "corners")]
     pub polygon: Option<Vec<[f64; 2]>>,
     /// Part of the people who take it, instead of the nearest.
     pub share: Option<f64>,
+}
+
+/// Arrays of TOML that are too long would be cut.
+fn corners<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
+    let points = Vec::<Vec<f64>>::deserialize(from)?;
+    let point = |numbers: Vec<f64>| {
+        let count = numbers.len();
+        numbers.try_into().map_err(|_| D::Error::custom(format!("a point has 2 numbers [x, y], not {count}")))
+    };
+    points.into_iter().map(point).collect::<Result<_, _>>().map(Some)
+}
+
+fn ends<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[[f64; 2]; 2]>, D::Error> {
+    let points = corners(from)?.unwrap_or_default();
+    let count = points.len();
+    let line =
+        points.try_into().map_err(|_| D::Error::custom(format!("a line has 2 points, not {count}")))?;
+    Ok(Some(line))
 }
 
 impl Wishes {
@@ -157,5 +178,28 @@ fn explained(error: &toml::de::Error) -> String {
     match unknown.and_then(|unknown| words::meant(unknown, expected)) {
         Some(meant) => format!("{}\ndid you mean `{meant}`?", said.trim_end()),
         None => said,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_points_have_no_further_numbers() {
+        let said =
+            |target: &str| Wishes::from_toml(&format!("exits = [{{ {target} }}]")).map_err(|e| e.to_string());
+        assert!(
+            said("line = [[1, 2], [3, 4]]").is_ok() && said("polygon = [[0, 0], [1, 0], [0, 1]]").is_ok()
+        );
+        for (target, words) in [
+            ("line = [[1, 2], [3, 4], [5, 6]]", "a line has 2 points, not 3"),
+            ("line = [[1, 2]]", "a line has 2 points, not 1"),
+            ("line = [[1, 2, 0], [3, 4, 0]]", "a point has 2 numbers [x, y], not 3"),
+            ("polygon = [[0, 0], [1, 0], [0]]", "a point has 2 numbers [x, y], not 1"),
+        ] {
+            let error = said(target).unwrap_err();
+            assert!(error.contains(words), "{target}: {error}");
+        }
     }
 }
