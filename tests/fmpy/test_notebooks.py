@@ -42,7 +42,8 @@ def run(lemons, tmp_path):
         }
         command = [sys.executable, REPOSITORY / "tests/fmpy/notebooks.py", "run", path, "--pictures", tmp_path / "pictures"]
         done = subprocess.run(command, cwd=directory, env=environment, capture_output=True, text=True, timeout=SECONDS)
-        done.left = [each.name for each in temporary.iterdir() if each.name != "dask-scratch-space"]
+        # Files only: empty directories are those of the package and of Dask, for the next process of this user.
+        done.left = [str(each) for each in temporary.rglob("*") if each.is_file() and "dask" not in str(each)]
         return done
 
     return run
@@ -60,7 +61,7 @@ def test_it_runs(run, tmp_path, name):
     assert done.returncode == 0, done.stderr
     assert "Warning" not in done.stderr, done.stderr
     pictures = list((tmp_path / "pictures").glob("*.png"))
-    assert len(pictures) >= 2 and all(each.stat().st_size > 10_000 for each in pictures)
+    assert len(pictures) >= 1 and all(each.stat().st_size > 10_000 for each in pictures)
     assert done.left == [], "temporary files are removed at the end"
 
 
@@ -91,10 +92,10 @@ def test_measured_heads_are_drawn(run, tmp_path):
     ("name", "cell", "change"),
     [
         ("1_collision", "compare-table", ("beta = gamma / (2 * mu)", "beta = gamma / (2.01 * mu)")),
-        ("1_collision", "compare-table", ('"TimeStepMechanical": 1e-5', '"TimeStepMechanical": 8e-4')),
+        ("1_collision", "steps", ("(end - meet - duration)", "(end - meet - 1.0001 * duration)")),
         ("2_push", "floor", ("rate = 4.5", "rate = 4.501")),
         ("3_door", "measure-room", ("(5, 2 - WIDTH / 2,", "(5, 2,")),
-        ("4_sweep", "sum-check", ("np.arange(300)", "np.arange(299) + 0.01")),
+        ("4_sweep", "sum-check", ("(4.5 * table", "(4.501 * table")),
         ("5_pedpy", "n-of-t-plot", ("[(5.0, 1.5), (5.0, 2.5)]", "[(4.95, 1.5), (4.95, 2.5)]")),
     ],
 )
