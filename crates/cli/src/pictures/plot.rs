@@ -51,7 +51,7 @@ pub struct Arguments {
     /// End of time series and density map, in seconds. With the word left, a Trial in which people walk is
     /// run until everybody has left, for at most an hour. Default: the end of earlier results; 5 for a
     /// Trial or FMU
-    #[arg(long, value_name = "SECONDS or left", value_parser = until)]
+    #[arg(long, value_name = "SECONDS|left", value_parser = until)]
     until: Option<Until>,
     #[command(flatten)]
     _force: Force,

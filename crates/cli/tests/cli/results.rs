@@ -565,7 +565,7 @@ fn negative_numbers_are_values() {
         ),
         (["run", &trial, "--step", "-0.5"], "'-0.5' for '--step <SECONDS>': must be a positive"),
         (["run", &trial, "--every", "-3"], "'-3' for '--every <N>': -3 is not in 1.."),
-        (["plot", &trial, "--until", "-1e3"], "'-1e3' for '--until <SECONDS>': must be a positive"),
+        (["plot", &trial, "--until", "-1e3"], "'-1e3' for '--until <SECONDS|left>': must be a positive"),
         (["movie", &trial, "--frame-rate", "-25"], "'-25' for '--frame-rate <FPS>': must be a number from"),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_lemons"))
