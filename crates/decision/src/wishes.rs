@@ -90,7 +90,8 @@ pub(crate) struct WantedTarget {
 
 /// Arrays of TOML that are too long would be cut.
 fn corners<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, D::Error> {
-    let points = Vec::<Vec<f64>>::deserialize(from)?;
+    // The lab says null where there is none.
+    let Some(points) = Option::<Vec<Vec<f64>>>::deserialize(from)? else { return Ok(None) };
     let point = |numbers: Vec<f64>| {
         let count = numbers.len();
         numbers.try_into().map_err(|_| D::Error::custom(format!("a point has 2 numbers [x, y], not {count}")))
@@ -99,7 +100,7 @@ fn corners<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<[f64; 2]>>, 
 }
 
 fn ends<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[[f64; 2]; 2]>, D::Error> {
-    let points = corners(from)?.unwrap_or_default();
+    let Some(points) = corners(from)? else { return Ok(None) };
     let count = points.len();
     let line =
         points.try_into().map_err(|_| D::Error::custom(format!("a line has 2 points, not {count}")))?;

@@ -47,7 +47,7 @@ pub struct Spec {
 pub enum End {
     /// \[s\] At this time.
     At(f64),
-    /// When everybody has left who has an exit; at the latest at [`LATEST`].
+    /// When everybody has left who has an exit; at the latest after an hour.
     Left,
 }
 
