@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes pictures of README.md and docs/ again: docs/pictures.sh [DIRECTORY [NAME...]]
-# The directory is docs/ if none is given. The names are push crowd room guide measured flow lab; all if none is given. Needs
-# cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli.
+# The directory is docs/ if none is given. The names are push crowd room guide physics measured flow lab; all if none is
+# given. Needs cargo build --release -p crowd-mechanics -p lemons-decision-fmu -p lemons-cli; physics needs cargo, too.
 # measured.png needs the measured push (../shared/data/push_wed), flow.png a Python with FMPy and Matplotlib (PYTHON, else
 # .venv), lab_*.png also Playwright there, Chromium, and the lab in the command (lab/build.sh). Each stays as it is without.
 # All other pictures are made by a script in examples/: CONTRIBUTING.md, "Pictures".
@@ -39,8 +39,11 @@ if wanted guide; then
     "$lemons" measure "$scratch/hall" --until left --line door=10,0.9,10,2.1 --window 2 --above 500 --plot "$to/guide/flow.png" --force >/dev/null
 fi
 
-# docs/guide/physics_body.svg, _contact, _law, _collision, _speed, _step, _shortlist.
-cargo run --release --quiet -p lemons-people --example physics -- docs/guide >/dev/null
+# guide/physics_body.svg, _contact, _law, _collision, _speed, _step, _shortlist.
+if wanted physics; then
+    mkdir -p "$to/guide"
+    cargo run --release --quiet -p lemons-people --example physics -- "$to/guide" >/dev/null
+fi
 
 push=../shared/data/push_wed
 if wanted measured && [[ -d $push ]]; then

@@ -29,6 +29,7 @@ NOT_RUN_ANYWHERE = {
 NOT_RUN = {
     ("README.md", "./check.sh"): "it runs this test",
     ("docs/guide/rust.md", "cargo run --release --example engine_direct"): "compiles; the fixture engine_direct runs it",
+    ("docs/guide/physics.md", "cargo run --release -p lemons-people"): "compiles; crates/people/tests/physics.rs does it",
     ("docs/lab.md", "lab/build.sh"): COMPILES,
     ("docs/lab.md", "packaging/release.sh"): "needs compilers for all platforms",
     ("docs/lab.md", "lemons lab"): "opens a browser; tests/lab does it",
@@ -64,6 +65,8 @@ ELSEWHERE = {
     ("docs/reference/trial.md", "xml"): "test_reference_trial.py::test_the_examples_are_of_the_trial",
     ("docs/reference/decision.md", "toml"): "test_reference_toml.py::test_the_example_is_taken",
     ("docs/reference/sweep.md", "toml"): "test_reference_toml.py::test_the_example_is_taken",
+    # Equations, and numbers that Rust compares.
+    ("docs/guide/physics.md", "text"): "crates/people/tests/physics.rs::the_page_shows_these_numbers",
     # Rust runs them.
     ("docs/guide/rust.md", "rust"): "src/lib.rs::docs/guide/rust.md",
     ("docs/guide/rust.md", "rust,no_run"): "src/lib.rs::docs/guide/rust.md",

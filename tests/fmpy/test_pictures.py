@@ -24,11 +24,14 @@ from PIL import Image
 DOCS = REPOSITORY / "docs"
 DIGESTS = DOCS / "pictures.digests"
 GUIDE = ["push", "hall", "flow"]
+PHYSICS = ["body", "contact", "law", "collision", "speed", "step", "shortlist"]
 VALIDATION = ["rimea_6", "rimea_9", "rimea_12", "single_file", "corridor", "bottleneck", "faster", "peer"]
 # By picture: the file that makes it, and what this file says of it.
 MADE_BY = {
     **{f"docs/{name}.png": ("docs/pictures.sh", f'"$to/{name}.png"') for name in ("push", "crowd", "room", "measured", "flow")},
     **{f"docs/guide/{name}.png": ("docs/pictures.sh", f'"$to/guide/{name}.png"') for name in GUIDE},
+    # crates/people/tests/physics.rs compares them.
+    **{f"docs/guide/physics_{name}.svg": ("crates/people/examples/physics/drawings.rs", f'"physics_{name}.svg"') for name in PHYSICS},
     **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'shown("{name}")') for name in ("run", "3d", "room", "person", "exits")},
     **{f"docs/validation_{name}.svg": ("examples/validation.py", f'"{name}": {name}') for name in VALIDATION},
     "docs/door_width.svg": ("examples/door_width.py", '"door_width.svg"'),
