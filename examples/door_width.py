@@ -21,7 +21,7 @@ import pandas as pd
 LEMONS = os.environ.get("LEMONS", "lemons")
 SWEEP = """\
 # Each Trial is a room: its door is `width` m wide, its crowd is that of a seed.
-trial = "room_{{width}}_{{seed}}"
+trial = "room_{{width}}_{{seed}}_{people}_{model}"
 until = "left"
 
 [parameters]
@@ -55,12 +55,12 @@ def main() -> None:
     given.target.mkdir(exist_ok=True)
     for width in given.widths:
         for seed in range(1, given.seeds + 1):
-            room = given.target / f"room_{width}_{seed}"
+            room = given.target / f"room_{width}_{seed}_{given.people}_{given.model}"
             if not room.exists():
                 crowd = [LEMONS, "crowd", "--number", str(given.people), "--box", "8x6", "--door", f"8,3,{width}"]
                 crowd += ["--leave", "--model", given.model, "--seed", str(seed), "-o", room]
                 subprocess.run(crowd, check=True, capture_output=True)
-    text = SWEEP.format(widths=given.widths, seeds=given.seeds)
+    text = SWEEP.format(widths=given.widths, seeds=given.seeds, people=given.people, model=given.model)
     (given.target / "sweep.toml").write_text(text)
     sweep = [LEMONS, "sweep", "sweep.toml", "-o", "results", "--threads", given.threads]
     subprocess.run(sweep, check=True, cwd=given.target)

@@ -1,5 +1,6 @@
 //! Who crosses a line on the way from one place to another.
 
+use crate::density::FARTHEST;
 use lemons_plane::{Vec2, segments_touch, turn, vec2};
 
 /// A straight line across which people are counted; it has two ends.
@@ -43,10 +44,13 @@ pub struct Crossing {
 }
 
 impl Line {
-    /// Of the numbers x1, y1, x2, y2 \[m\]; `None` if these are not two different points.
+    /// Of the numbers x1, y1, x2, y2 \[m\]; `None` if these are not two different points within 1e6 m of the origin.
     pub fn of_numbers(numbers: &[f64]) -> Option<Line> {
+        let near = numbers.iter().all(|number| number.abs() <= FARTHEST);
         match *numbers {
-            [x1, y1, x2, y2] if (x1, y1) != (x2, y2) => Some(Line { from: vec2(x1, y1), to: vec2(x2, y2) }),
+            [x1, y1, x2, y2] if near && (x1, y1) != (x2, y2) => {
+                Some(Line { from: vec2(x1, y1), to: vec2(x2, y2) })
+            }
             _ => None,
         }
     }

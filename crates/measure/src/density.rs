@@ -5,6 +5,11 @@ use crate::voronoi::{Room, Shape, area, contour, intersection};
 use lemons_plane::{Bounds, Ring, Vec2, vec2};
 use lemons_record::Frame;
 
+/// \[m\] From the origin. Further away, cells and their parts have rounding errors that are not seen.
+pub(crate) const FARTHEST: f64 = 1e6;
+/// More are a mistake.
+const MOST_CORNERS: usize = 10_000;
+
 /// An area in which a crowd is measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuringArea {
@@ -29,9 +34,13 @@ pub struct Density {
 }
 
 impl MeasuringArea {
-    /// Inside a ring \[m\]; `None` if it crosses itself or has no area.
+    /// Inside a ring \[m\]; `None` if it crosses itself, has no area, more than 10 000 corners, or one further than 1e6 m from
+    /// the origin.
     pub fn inside(ring: Ring) -> Option<MeasuringArea> {
-        let whole = ring.is_simple() && ring.area() > 0.0;
+        // Before anything else: simple takes time, and far corners have rounding errors.
+        let near =
+            ring.corners().iter().all(|corner| corner.x.abs() <= FARTHEST && corner.y.abs() <= FARTHEST);
+        let whole = near && ring.corners().len() <= MOST_CORNERS && ring.is_simple() && ring.area() > 0.0;
         whole.then(|| MeasuringArea { shape: vec![contour(&ring)], bounds: ring.bounds(), ring })
     }
 

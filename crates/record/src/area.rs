@@ -11,6 +11,10 @@ use lemons_trial::Wall;
 pub const MARGIN: f64 = 0.5;
 /// \[m\] Thickness that a wall inside the area gets: a polygon cannot have a line for a wall.
 pub const THICKNESS: f64 = 0.02;
+/// \[m\] A corner of a given area that is further away is a mistake; what is computed of it would be wrong.
+const FARTHEST: f64 = 1e6;
+/// More corners of a ring are a mistake.
+const MOST_CORNERS: usize = 10_000;
 /// \[1/m\] A calculated corner is given to one part in so many of a metre.
 const GRAINS: f64 = 1e6;
 
@@ -130,6 +134,13 @@ pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clo
 pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Area, String> {
     let rings = polygon_from_wkt(wkt)?;
     let name = |k: usize| if k == 0 { "the outer ring".to_owned() } else { format!("hole {k}") };
+    let far = |ring: &Ring| ring.corners().iter().any(|p| !(p.x.abs() <= FARTHEST && p.y.abs() <= FARTHEST));
+    if let Some(k) = rings.iter().position(far) {
+        return Err(format!("{} has a corner further than {FARTHEST:e} m from the origin", name(k)));
+    }
+    if let Some(k) = rings.iter().position(|ring| ring.corners().len() > MOST_CORNERS) {
+        return Err(format!("{} has more than {MOST_CORNERS} corners", name(k)));
+    }
     if let Some(k) = rings.iter().position(|ring| !ring.is_simple()) {
         return Err(format!("{} crosses itself or has no area", name(k)));
     }
@@ -416,6 +427,7 @@ mod tests {
             ("POLYGONE ((0 0, 4 0, 4 3, 0 0))", "is not a POLYGON"),
             ("POINT (0 0)", "is not a POLYGON"),
             ("POLYGON ((0 0, 4 0, 4 3))", "is not closed"),
+            ("POLYGON ((0 0, 4 0, 1e300 3, 0 0))", "the outer ring has a corner further than 1e6 m"),
             ("POLYGON ((0 0, 4 0, 4 inf, 0 0))", "\"4 inf\" is not a corner"),
             ("POLYGON ((0 0, 4 4, 4 0, 0 4, 0 0))", "the outer ring crosses itself"),
             ("POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0), (5 5, 6 5, 5 6, 5 5))", "hole 1 is not inside"),

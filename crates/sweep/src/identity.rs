@@ -1,6 +1,7 @@
 //! What must be equal to continue a sweep.
 
 use crate::error::{Place, Result};
+use crate::models::Models;
 use crate::points::hex;
 use crate::spec::{End, Spec};
 use crate::subject::Subject;
@@ -25,9 +26,13 @@ pub fn of_subject(spec: &Spec, subject: &Subject) -> Result<Map<String, Value>> 
     Ok(all)
 }
 
-/// Of several of them.
-pub fn of_subjects(each: &[String]) -> Map<String, Value> {
-    let digest = hex(&Sha256::digest(each.concat()));
+/// Of several of them, by their digests: which point has which, and which parameters only choose.
+pub fn of_subjects(spec: &Spec, each: &[String], models: &Models) -> Map<String, Value> {
+    let mut digest = Sha256::new();
+    each.iter().for_each(|one| digest.update(one));
+    (0..spec.points.count).for_each(|point| digest.update((models.place(point) as u64).to_le_bytes()));
+    (0..spec.points.columns.len()).for_each(|column| digest.update([u8::from(spec.only_chooses(column))]));
+    let digest = hex(&digest.finalize());
     Map::from_iter([("models".to_owned(), json!({ "count": each.len(), "sha256": digest }))])
 }
 

@@ -38,7 +38,7 @@ impl Places {
         let lines = lines.into_iter().map(|(name, value)| {
             let line = Line::of_numbers(&numbers(value)).ok_or_else(|| {
                 Error::Spec(format!(
-                    "lines: {name}: must be two different points [m], as in [8, 2.5, 8, 3.5]"
+                    "lines: {name}: must be two different points [m] within 1e6 m, as in [8, 2.5, 8, 3.5]"
                 ))
             });
             Ok((name, line?))
@@ -48,7 +48,7 @@ impl Places {
             let area = MeasuringArea::of_numbers(&corners).ok_or_else(|| {
                 Error::Spec(format!(
                     "areas: {name}: must be the lower left and the upper right corner [m], as in [3, 1, 5, 4], or at \
-                     least three corners of a polygon that does not cross itself"
+                     least three corners of a polygon that does not cross itself; all within 1e6 m"
                 ))
             });
             Ok((name, corners, area?))
@@ -57,7 +57,9 @@ impl Places {
             let wkt = input::read_given_text(&path, LARGEST_WALKABLE);
             let place = || format!("walkable: {}", path.display());
             let wkt = wkt.place(place)?;
-            polygon_from_wkt(&wkt).map_err(|what| Error::Spec(format!("{}: {what}", place())))?;
+            // Whether it is a polygon at all; who is outside is known later.
+            given_area(&wkt, std::iter::empty())
+                .map_err(|what| Error::Spec(format!("{}: {what}", place())))?;
             Ok::<_, Error>(Walkable { path, wkt })
         });
         Ok(Places {

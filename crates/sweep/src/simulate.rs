@@ -61,7 +61,7 @@ impl Job {
         }
         if only.is_none() {
             let all: Vec<String> = subjects.iter().map(|shared| shared.digest.clone()).collect();
-            identity.extend(identity::of_subjects(&all));
+            identity.extend(identity::of_subjects(&spec, &all, &models));
         }
         Ok((Job { spec, models, subjects, _only: only }, identity, warnings))
     }

@@ -38,12 +38,14 @@ impl Stop {
         Ok(())
     }
 
-    /// Whether it holds for all these values. Those of agents who have left (`None`) do not count.
+    /// Whether it holds for all these values. Those of agents who have left (`None`) do not count; for nobody it does not
+    /// hold.
     pub(crate) fn holds(&self, values: impl Iterator<Item = Option<f64>>) -> bool {
         let beyond = |value: f64| {
             self.at_least.is_none_or(|least| value >= least) && self.at_most.is_none_or(|most| value <= most)
         };
-        values.flatten().all(beyond)
+        let mut there = values.flatten().peekable();
+        there.peek().is_some() && there.all(beyond)
     }
 }
 
@@ -59,6 +61,7 @@ mod tests {
             least.holds([2.0, 3.0].map(Some).into_iter()) && !least.holds([2.0, 1.9].map(Some).into_iter())
         );
         assert!(!least.holds([2.0, f64::NAN].map(Some).into_iter()));
+        assert!(least.holds([None, Some(2.0)].into_iter()) && !least.holds([None, None].into_iter()));
         let most = stop("of = 'decision.Left'\nat_most = 0");
         assert!(most.holds([0.0].map(Some).into_iter()) && !most.holds([1.0].map(Some).into_iter()));
         for (text, said) in [

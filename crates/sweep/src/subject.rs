@@ -10,6 +10,7 @@ use crate::spec::{End, Spec};
 use lemons_master::{Clock, Model, leavers};
 use lemons_ssp::Type;
 use lemons_trial::{DriveTable, Trial};
+use std::collections::HashSet;
 
 /// A Trial or an FMU, ready for any number of points in any number of threads.
 pub struct Subject {
@@ -150,5 +151,10 @@ fn places(trial: &Trial, agents: &[String]) -> Result<Vec<usize>> {
         let found = known.iter().position(|agent| agent.id == *id);
         found.ok_or_else(|| Error::Spec(format!("there is no agent {id:?}")))
     };
-    agents.iter().map(place).collect()
+    let places: Vec<usize> = agents.iter().map(place).collect::<Result<_>>()?;
+    let mut seen = HashSet::new();
+    match places.iter().find(|place| !seen.insert(**place)) {
+        Some(twice) => Err(Error::Spec(format!("agents: {:?} is named twice", known[*twice].id))),
+        None => Ok(places),
+    }
 }

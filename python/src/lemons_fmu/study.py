@@ -109,6 +109,9 @@ def study_of(given: Given, points: Points, directory: Path) -> Study:
                 path.write_bytes(fmu.data)
         subjects.append(subject)
         digest.update(json.dumps(told, sort_keys=True).encode())
+    # Which point has which, and which parameters only choose.
+    digest.update(places.astype("<i8").tobytes())
+    digest.update(json.dumps(chosen).encode())
     return Study(subjects, places, own, [], {"models": {"count": len(subjects), "sha256": digest.hexdigest()}}, directory)
 
 
@@ -120,13 +123,20 @@ def _template(path: object) -> str | None:
     return text if _NAME.search(text) else None
 
 
+def _written(value: object) -> str:
+    """As `lemons sweep` writes it: 1e-5, and not 1e-05."""
+    if not isinstance(value, float):
+        return str(value)
+    return re.sub(r"e([-+])0*", lambda sign: "e-" if sign[1] == "-" else "e", repr(float(value)))
+
+
 def _models(given: Given, chosen: list[str], values: Iterator[tuple[Any, ...]]) -> Iterator[Model]:
     """Packs some at a time."""
 
     def of(row: tuple[Any, ...]) -> Model:
         def filled(text: Any) -> Any:
             template = _template(text)
-            return text if template is None else _NAME.sub(lambda found: str(row[chosen.index(found[1])]), template)
+            return text if template is None else _NAME.sub(lambda found: _written(row[chosen.index(found[1])]), template)
 
         return model_of(filled(given.what), filled(given.plan), given.algorithm)
 

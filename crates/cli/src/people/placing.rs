@@ -123,6 +123,9 @@ impl Wanted {
     }
 }
 
+/// \[m\] About how broad people are across the shoulders.
+const NARROW: f64 = 0.5;
+
 /// More are a mistake.
 const MOST: f64 = 1e6;
 
@@ -148,6 +151,12 @@ impl PlacingArguments {
         }
         let geometry = cut_doors(geometry, &self.doors).context("--door")?;
         for (number, door) in self.doors.iter().enumerate() {
+            if door.width < NARROW {
+                note!(
+                    "note: --door: door {number} is {} m wide: people are about {NARROW} m broad, and may get stuck",
+                    door.width
+                );
+            }
             // A corner lies between the ends of the gap.
             if door.course(&closed).len() > 2 {
                 let Door { at, width } = door;

@@ -136,13 +136,13 @@ fn a_misspelt_key_of_decision_toml_is_an_error_with_the_right_one() {
     }
     // Kilometres per hour, for instance.
     let output =
-        check("desired_speed = 4.8\nwaypoints = [{ x = 6, y = 2 }]\n[agents.1]\ndesired_speed = 5.5");
+        check("desired_speed = 2.9\nwaypoints = [{ x = 6, y = 2 }]\n[agents.1]\ndesired_speed = 5.5");
     assert_code(&output, 0);
     let said = out(&output);
     assert!(said.contains("warning: T/decision.toml: agent \"1\" wants 5.5 m/s: people walk"), "{said}");
     assert!(said.contains(": 1 warning"), "{said}");
     let said = out(&check("desired_speed = 48\nwaypoints = [{ x = 6, y = 2 }]"));
-    assert!(said.contains("agent \"0\" wants 48.0 m/s, and 4 others more than 5.0 m/s:"), "{said}");
+    assert!(said.contains("agent \"0\" wants 48.0 m/s, and 4 others more than 3.0 m/s:"), "{said}");
     let output = check("waypoints = [{ x = 6, y = 2 }]\n[agents.nobody]");
     assert_code(&output, 3);
     assert!(out(&output).contains("there is no agent with this Id"), "{}", out(&output));

@@ -255,4 +255,5 @@ fn a_door_that_goes_round_a_corner_is_told() {
     };
     assert!(made("4,0.2,1").contains("note: --door 4,0.2,1: door 0 goes round a corner"));
     assert_eq!(made("4,0.6,1"), "");
+    assert!(made("4,1.5,0.3").contains("door 0 is 0.3 m wide: people are about 0.5 m broad"));
 }

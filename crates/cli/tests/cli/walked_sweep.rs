@@ -322,3 +322,22 @@ fn measures_of_a_sweep_are_those_of_lemons_measure() {
     assert_eq!(dense, seen["areas"][0]["voronoi_density"]["mean"].as_f64().unwrap());
     assert!(dense < number(&rows[0], "dense"), "walls hold the cells back");
 }
+
+/// The same Trials in the same order, but other points have them: the old table was taken for the new one.
+#[test]
+fn which_parameter_chooses_the_trial_belongs_to_the_sweep() {
+    let directory = door();
+    let at = directory.path();
+    two(at);
+    for (from, to) in [("T_1", "T_1.0"), ("T_2", "T_2.0")] {
+        fs::rename(at.join(from), at.join(to)).unwrap();
+    }
+    let speed = |agent: u32| format!("decision.agent[{agent}].DesiredSpeed");
+    let axes = format!("\"{}\" = [1.0, 2.0]\n\"{}\" = [1.0, 2.0]", speed(3), speed(4));
+    sweep_of(at, &format!("trial = \"T_{{{}}}\"\nuntil = 0.1", speed(3)), &axes);
+    done(at, &["sweep", "sweep.toml"]);
+    sweep_of(at, &format!("trial = \"T_{{{}}}\"\nuntil = 0.1", speed(4)), &axes);
+    let output = lemons(at, &["sweep", "sweep.toml"]);
+    assert_code(&output, 1);
+    assert!(err(&output).contains("its sweep.json differs in models;"), "{}", err(&output));
+}

@@ -63,7 +63,9 @@ pub enum RegionError {
         ring: String,
     },
     /// A wall of a Trial that does not end at its first corner.
-    #[error("wall {id} is not closed: its first corner is {first:?}, its last corner {last:?}")]
+    #[error(
+        "wall {id} is not closed: its first corner is {first:?}, its last corner {last:?} (repeat the first one at the end)"
+    )]
     OpenWall {
         /// Id of the wall.
         id: String,

@@ -147,14 +147,15 @@ impl<'a> Watched<'a> {
         let of = |course: &Course| match self.measure.take {
             Take::Max => Some(course.greatest),
             Take::Min => Some(course.least),
-            Take::Mean => Some(course.sum / f64::from(course.steps.max(1))),
+            Take::Mean => Some(course.sum / f64::from(course.steps)),
             Take::Last => Some(course.last),
             Take::Change => Some(course.last - course.first?),
             Take::Reach => Some((course.greatest - course.first?).max(course.first? - course.least)),
             Take::FirstAbove | Take::FirstAtLeast => course.reached,
         };
-        // Who never was there says nothing.
-        let known = self.agents.iter().filter(|course| course.first.is_some());
+        // Who never was there says nothing, nor does who was there in no step.
+        let steps = if self.measure.take == Take::Mean { 1 } else { 0 };
+        let known = self.agents.iter().filter(|course| course.first.is_some() && course.steps >= steps);
         // Who never reaches it does so later than anybody else.
         let values = known.map(|course| of(course).unwrap_or(f64::INFINITY));
         let result = self.measure.across().of(values);
@@ -195,6 +196,17 @@ mod tests {
             }
             assert_eq!(watched.value(), Some(expected), "{text}");
         }
+    }
+
+    /// It was 0, which is a number that nobody measured.
+    #[test]
+    fn a_mean_over_no_step_is_not_known() {
+        let measure: OfOutput = toml::from_str("of = 'x'\ntake = 'mean'").unwrap();
+        let mut watched = Watched::new(&measure);
+        watched.look(0.0, [Some(3.0), Some(5.0)].into_iter());
+        assert_eq!(watched.value(), None);
+        watched.look(0.5, [Some(2.0), None].into_iter());
+        assert_eq!(watched.value(), Some(2.0));
     }
 
     #[test]
