@@ -164,8 +164,21 @@ unpacked=$work/"Jürgen 試"/unpacked
 python3 -m zipfile -e "$dist/push_fmi2.fmu" "$unpacked"
 guid=$(sed -n 's/.*guid="\([^"]*\)".*/\1/p' "$unpacked/modelDescription.xml" | head -n 1)
 uri=$(python3 -c 'import sys, urllib.parse; print(urllib.parse.quote(sys.argv[1]))' "$unpacked/resources")
+# References of variables, by their names.
+references() {
+    python3 - "$unpacked/modelDescription.xml" "$@" <<'END'
+import sys
+import xml.etree.ElementTree as xml
+
+variables = xml.parse(sys.argv[1]).iter("ScalarVariable")
+known = {variable.get("name"): variable.get("valueReference") for variable in variables}
+print(*(known[name] for name in sys.argv[2:]))
+END
+}
 # A force on the first person; x and y of everybody, after each of 40 steps.
-run=("$guid" 40 0.05 9 1000 12 13 32 33 52 53 72 73 92 93)
+force=$(references "agent[0].Fp.x")
+read -ra outputs <<<"$(references "agent["{0..4}"].Position."{x,y})"
+run=("$guid" 40 0.05 "$force" 1000 "${outputs[@]}")
 cc -O2 -o "$work/importer" packaging/importer.c -ldl
 "$work/importer" "$unpacked/binaries/linux64/CrowdMechanics.so" "file://$uri" "${run[@]}" >"$work/importer.linux64"
 (($(wc -w <"$work/importer.linux64") == 400)) || fail "the importer got no results"

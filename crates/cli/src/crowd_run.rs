@@ -6,7 +6,7 @@ use crate::results::{self, Column, Content, FrameWriter, Kind, Place, Started, t
 use anyhow::{Context, Result, bail};
 use lemons_files::Staged;
 use lemons_master::{Component, CrowdRecord, Extremes, Greatest, Selection, System};
-use lemons_plane::{Motion, Pose, Twist, vec2};
+use lemons_plane::{Motion, Pose, Twist, Vec2, vec2};
 use lemons_record::columns::{self, Groups};
 use lemons_record::{Extent, Frame, Observed, OfStep, Recorder, Run, Totals, Wanted};
 use lemons_ssp::{Interface, Kind as Causality, Type};
@@ -63,8 +63,8 @@ pub struct Crowd {
     peak_passed: bool,
     /// At the last look.
     moves: bool,
-    /// How many.
-    left: usize,
+    /// \[m\] Where everybody was; `None` of those who have left.
+    standing: Vec<Option<Vec2>>,
     follower: Follower,
 }
 
@@ -226,7 +226,7 @@ impl Crowd {
             extremes,
             peak_passed: false,
             moves: false,
-            left: 0,
+            standing: Vec::new(),
         })
     }
 
@@ -235,9 +235,14 @@ impl Crowd {
         !self.active.is_empty()
     }
 
-    /// How many had left at the last look.
-    pub fn left(&self) -> usize {
-        self.left
+    /// \[m\] Where everybody was at the last look; `None` of those who have left.
+    pub fn standing(&self) -> &[Option<Vec2>] {
+        &self.standing
+    }
+
+    /// Of everybody.
+    pub fn ids(&self) -> impl Iterator<Item = &str> {
+        self.ids.iter().map(String::as_str)
     }
 
     /// How many people it has.
@@ -280,7 +285,9 @@ impl Crowd {
         }
         let mut active = vec![0; self.active.len()];
         instance.get_boolean(&self.active, &mut active)?;
-        self.left = active.iter().filter(|active| **active == 0).count();
+        let there = active.iter().map(|active| *active != 0).chain(std::iter::repeat(true));
+        let places = motions.iter().map(|&[x, y, ..]| vec2(x, y)).zip(there);
+        self.standing = places.map(|(place, there)| there.then_some(place)).collect();
         if point == Point::Passed {
             return Ok(());
         }
@@ -328,7 +335,8 @@ impl Crowd {
         let poses = self.follower.finish(&self.ids).into_iter().collect();
         let mut lines = Vec::new();
         if !self.active.is_empty() {
-            lines.push(format!("left               {:>10}     (of {} people)", self.left, self.ids.len()));
+            let left = self.standing.iter().filter(|place| place.is_none()).count();
+            lines.push(format!("left               {left:>10}     (of {} people)", self.ids.len()));
         }
         if self.steps.is_empty() {
             lines.push(squeeze("greatest squeeze", mean_squeeze, "communication point"));

@@ -14,7 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::pictures::look::{positive, seconds};
 use crate::pictures::plot::Format;
-use crate::pictures::source::Source;
+use crate::pictures::source::{Source, lacks_steps};
 use crate::run::{Until, until};
 use anyhow::{Context, Result, bail};
 use lemons_measure::{Line, MeasuringArea, Room};
@@ -49,9 +49,13 @@ pub struct Arguments {
     /// metres. Default: what the walls of the Trial or FMU enclose
     #[arg(long, value_name = "FILE.wkt", requires = "areas")]
     walkable: Option<PathBuf>,
-    /// For each person, the time with a squeeze above these, in newtons
+    /// For each person, the time with a mean squeeze above these, in newtons
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = level)]
     above: Vec<f64>,
+    /// Compare means over so many seconds with --above. Default: the mean over each communication step, in
+    /// which single collisions count
+    #[arg(long, value_name = "SECONDS", requires = "above", value_parser = positive)]
+    over: Option<f64>,
     /// The results of an earlier run have only every N-th communication point: --every of lemons run.
     /// Exposure to squeeze is measured for 1 only. Default: 1 if frames are no further apart than the
     /// TimeStep of --trial; without --trial, 1 is assumed
@@ -97,6 +101,7 @@ pub fn measure(arguments: &Arguments) -> Result<()> {
         areas: areas.iter().map(|area| &area.what).collect(),
         room: room.as_ref(),
         above: &arguments.above,
+        over: arguments.over,
         from: arguments.from,
         until: arguments.end(),
         spread: picture.is_some(),
@@ -182,7 +187,7 @@ impl Arguments {
             )),
             (None, Some(trial)) => {
                 let step = trial.parameters.time_step;
-                if longest <= step * (1.0 + 1e-6) + 2e-9 {
+                if !lacks_steps(trial, longest) {
                     return Steps::All;
                 }
                 Steps::Some(format!(

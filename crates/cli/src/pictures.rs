@@ -5,6 +5,7 @@ mod measured;
 pub mod moment;
 pub mod movie;
 pub mod plot;
+mod quantity;
 mod series;
 pub mod source;
 mod spread;

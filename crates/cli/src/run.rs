@@ -26,10 +26,11 @@ use lemons_master::{
     Algorithm, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings, System,
     leavers, writers,
 };
+use lemons_measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_record::Run;
 use lemons_trial::DriveChoice;
 pub use rest::REST;
-use rest::Rest;
+use rest::{Rest, Still};
 pub use series::writes as writes_in_series;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -42,7 +43,8 @@ pub struct Arguments {
     #[arg(value_name = "TRIAL, FILE.fmu or FILE.ssp")]
     input: PathBuf,
     /// End of the simulation, in seconds; or the word left: when everybody has left by the exits of
-    /// decision.toml, at the latest after 3600 s. Default: the stop time of the SSP, else 5
+    /// decision.toml, or when in 300 s nobody has left or got further than 5 m; at the latest after 3600 s.
+    /// Default: the stop time of the SSP, else 5
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
     until: Option<Until>,
     /// Communication step, in seconds. Default: the Trial's TimeStep; for several FMUs, the smallest
@@ -124,9 +126,6 @@ impl Until {
         }
     }
 }
-
-/// \[s\] Who has not left until then does not leave.
-pub const LATEST: f64 = 3600.0;
 
 pub fn until(text: &str) -> Result<Until, String> {
     match text {
@@ -343,15 +342,24 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
     let watch = Watch::create(&system, trials, places, recording)?;
     let rest = match ends {
         Ends::AtTime => None,
-        Ends::Still => Some(Rest::after(pushes.end())),
-        Ends::Left => Some(until_left(&system, &watch)?),
+        Ends::Still => Some(Rest::Still(Still::after(pushes.end()))),
+        Ends::Left => Some(Rest::Left(until_left(&system, &watch)?)),
     };
     let file = state.map(|path| Ok::<_, anyhow::Error>((files::stage(&path)?, path))).transpose()?;
     let coupling = coupled.then(|| described(&system, progress.clock.step));
     let kept = if file.is_some() { Some(Kept::of(&mut system, &progress)?) } else { None };
     series::remove(&left)?;
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
-    let bar = ProgressBar::new(progress.clock.steps.saturating_sub(progress.index)).with_style(style);
+    let bar = match rest.as_ref().and_then(Rest::left) {
+        // How long it takes is not known.
+        Some((leave, _)) => {
+            let style = ProgressStyle::with_template("{bar:40} {msg}  {pos} of {len} have left")?;
+            ProgressBar::new(leave as u64).with_style(style)
+        }
+        None => {
+            let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
+            ProgressBar::new(progress.clock.steps.saturating_sub(progress.index)).with_style(style)
+        }
+    };
     shared.put(Underway {
         first,
         time: first,
@@ -371,6 +379,9 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
     let Underway { started, coupling, watch, file, .. } = shared.take().context("the run was given up")?;
     let wall = started.elapsed();
     let records = watch.records(&system);
+    if let Some(Rest::Left(leaving)) = &stepping.rest {
+        stayed(leaving, &watch, &system, &stepping.progress);
+    }
     let Recorded { lines: seen, run: recorded, poses, placed } = watch.finish();
     let saved = file.map(|(file, path)| stepping.save(&system, file, &path, records)).transpose();
     // States are given back while their FMUs are there.
@@ -403,13 +414,13 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
 }
 
 /// The end of a run in which people leave: when nobody is there any more who has an exit.
-fn until_left(system: &System, watch: &Watch) -> Result<Rest> {
+fn until_left(system: &System, watch: &Watch) -> Result<Leaving> {
     let nobody =
         "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)";
     ensure!(watch.may_leave(), nobody);
     // Only our own Decision FMU says who has an exit; of others, all might leave.
     let known = system.components().iter().find_map(|component| leavers(&component.fmu));
-    let Some((leave, people)) = known else { return Ok(Rest::when_left(watch.people())) };
+    let Some((leave, people)) = known else { return Ok(Leaving::of(watch.people())) };
     ensure!(leave > 0, nobody);
     if leave < people {
         note!(
@@ -417,7 +428,34 @@ fn until_left(system: &System, watch: &Watch) -> Result<Rest> {
             people - leave
         );
     }
-    Ok(Rest::when_left(leave))
+    Ok(Leaving::of(leave))
+}
+
+/// Ids of people who are told.
+const TOLD: usize = 5;
+
+/// Says who has not left, and why the run ends nevertheless.
+fn stayed(leaving: &Leaving, watch: &Watch, system: &System, progress: &Progress) {
+    let time = system.time();
+    let why = match leaving.over() {
+        Some(Over::Standstill) => {
+            format!("in the last {STANDSTILL} s nobody has left or got further than {REACH} m")
+        }
+        None if time >= progress.clock.until => "this is the latest end".to_owned(),
+        // Stopped, or failed.
+        _ => return,
+    };
+    let (leave, left) = leaving.counts();
+    let ids: Vec<&str> = watch.ids().collect();
+    let mut stay: Vec<&str> = leaving.stay().take(TOLD).map(|agent| ids[agent]).collect();
+    if leaving.stay().nth(TOLD).is_some() {
+        stay.push("…");
+    }
+    note!(
+        "warning: {} of {leave} people have not left: {why}; the run ends at t = {time:.3} s (still there: {})",
+        leave - left,
+        stay.join(", ")
+    );
 }
 
 /// A coupled system, for the lines at the end of a run. `step` \[s\] is the communication step.
@@ -541,7 +579,7 @@ impl Observer<System> for Stepping<'_> {
             underway.watch.look(system, point)?;
             underway.time = reached.time;
             if let Some(rest) = rest {
-                rest.see(underway.time, underway.watch.moves(), underway.watch.left());
+                rest.see(underway.time, &underway.watch);
             }
             Ok(())
         })?;
@@ -553,7 +591,10 @@ impl Observer<System> for Stepping<'_> {
             self.put_by(system)?;
         }
         self.bar.set_message(format!("t = {:.2} s", reached.time));
-        self.bar.inc(1);
+        match self.rest.as_ref().and_then(Rest::left) {
+            Some((_, left)) => self.bar.set_position(left as u64),
+            None => self.bar.inc(1),
+        }
         Ok(())
     }
 }

@@ -10,6 +10,7 @@ use crate::recording::Recording;
 use crate::results::{Extent, Place};
 use anyhow::{Result, bail};
 use lemons_master::{CrowdRecord, System};
+use lemons_plane::Vec2;
 use lemons_record::Wanted;
 use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
@@ -98,9 +99,14 @@ impl Watch {
         self.crowds.iter().filter(|(_, crowd)| crowd.may_leave()).map(|(_, crowd)| crowd.people()).sum()
     }
 
-    /// How many had left at the last look.
-    pub fn left(&self) -> usize {
-        self.crowds.iter().map(|(_, crowd)| crowd.left()).sum()
+    /// \[m\] Where everybody was at the last look; `None` of those who have left.
+    pub fn standing(&self) -> Vec<Option<Vec2>> {
+        self.crowds.iter().flat_map(|(_, crowd)| crowd.standing()).copied().collect()
+    }
+
+    /// Ids of everybody, in the same order.
+    pub fn ids(&self) -> impl Iterator<Item = &str> {
+        self.crowds.iter().flat_map(|(_, crowd)| crowd.ids())
     }
 
     /// Whether somebody of any crowd moved at the last look.

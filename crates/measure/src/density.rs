@@ -27,8 +27,9 @@ pub struct Density {
     pub people: usize,
     /// \[1/m²\] Their number over the area.
     pub classic: f64,
-    /// \[1/m²\] Of each person the part of the Voronoi cell that is in the area; the sum over the area.
-    pub voronoi: f64,
+    /// \[1/m²\] Of each person the part of the Voronoi cell that is in the area; the sum over the area. `None` without a
+    /// room.
+    pub voronoi: Option<f64>,
     /// \[m/s\] Mean speed of those in the area; `None` without any.
     pub speed: Option<f64>,
 }
@@ -65,19 +66,21 @@ impl MeasuringArea {
         self.ring.area()
     }
 
-    /// Measures a frame. `room` is where people can be.
-    pub fn measure(&self, frame: &Frame, room: &Room) -> Density {
+    /// Measures a frame. `room` is where people can be, which Voronoi cells need.
+    pub fn measure(&self, frame: &Frame, room: Option<&Room>) -> Density {
         let there: Vec<_> = (0..frame.agents.len()).filter_map(|agent| present(frame, agent)).collect();
         let inside = there.iter().filter(|motion| self.ring.contains(motion.pose.position));
         let speeds: Vec<f64> = inside.map(|motion| motion.twist.velocity.norm()).collect();
         let people: Vec<Vec2> = there.iter().map(|motion| motion.pose.position).collect();
-        let cells = room.cells(&people, self.bounds).into_iter().flatten();
-        // A cell without area is that of somebody outside of the room, or squeezed into a corner of the polygon.
-        let parts = cells.filter(|cell| cell.area > 0.0).map(|cell| {
-            let common: f64 = intersection(&cell.shape, &self.shape).iter().map(area).sum();
-            common / cell.area
+        let voronoi = room.map(|room| {
+            let cells = room.cells(&people, self.bounds).into_iter().flatten();
+            // A cell without area is that of somebody outside of the room, or squeezed into a corner of the polygon.
+            let parts = cells.filter(|cell| cell.area > 0.0).map(|cell| {
+                let common: f64 = intersection(&cell.shape, &self.shape).iter().map(area).sum();
+                common / cell.area
+            });
+            parts.sum::<f64>() / self.area()
         });
-        let voronoi = parts.sum::<f64>() / self.area();
         let count = speeds.len();
         Density {
             time: frame.time,
@@ -114,24 +117,27 @@ mod tests {
         let room = Room::of(&[square(0.0, 5.0)]).unwrap();
         // Its rim cuts cells, which the classic density cannot see.
         let area = MeasuringArea::inside(square(1.1, 3.7)).unwrap();
-        let seen = area.measure(&frame(&places), &room);
-        assert!((seen.voronoi - 4.0).abs() < 1e-6, "{seen:?}");
+        let seen = area.measure(&frame(&places), Some(&room));
+        assert!((seen.voronoi.unwrap() - 4.0).abs() < 1e-6, "{seen:?}");
         assert_eq!((seen.people, seen.classic), (25, 25.0 / area.area()));
         // |v| = x / 2, of x = 1.25, 1.75, …, 3.25.
         assert!((seen.speed.unwrap() - 1.125).abs() < 1e-12);
-        let nobody = area.measure(&frame(&[]), &room);
-        assert_eq!((nobody.people, nobody.voronoi, nobody.speed), (0, 0.0, None));
+        let nobody = area.measure(&frame(&[]), Some(&room));
+        assert_eq!((nobody.people, nobody.voronoi, nobody.speed), (0, Some(0.0), None));
     }
 
     #[test]
     fn who_has_left_counts_no_more() {
         let room = Room::of(&[square(0.0, 5.0)]).unwrap();
         let area = MeasuringArea::inside(square(0.0, 5.0)).unwrap();
-        let seen = area.measure(&frame(&[(1.0, 1.0), (f64::NAN, f64::NAN)]), &room);
-        assert!((seen.people, seen.classic) == (1, 0.04) && (seen.voronoi - 0.04).abs() < 1e-9, "{seen:?}");
+        let seen = area.measure(&frame(&[(1.0, 1.0), (f64::NAN, f64::NAN)]), Some(&room));
+        assert!(
+            (seen.people, seen.classic) == (1, 0.04) && (seen.voronoi.unwrap() - 0.04).abs() < 1e-9,
+            "{seen:?}"
+        );
         // Two at one place are two.
-        let seen = area.measure(&frame(&[(1.0, 1.0), (1.0, 1.0)]), &room);
-        assert!((seen.voronoi - 0.08).abs() < 1e-9, "{seen:?}");
+        let seen = area.measure(&frame(&[(1.0, 1.0), (1.0, 1.0)]), Some(&room));
+        assert!((seen.voronoi.unwrap() - 0.08).abs() < 1e-9, "{seen:?}");
     }
 
     #[test]

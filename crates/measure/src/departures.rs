@@ -1,5 +1,6 @@
 //! Who has left, by any exit.
 
+use lemons_plane::{Bounds, Vec2};
 use lemons_record::Frame;
 use serde::Serialize;
 
@@ -8,6 +9,8 @@ use serde::Serialize;
 pub struct Departures {
     /// \[s\] Of each person who is gone, the first frame without it.
     times: Vec<Option<f64>>,
+    /// \[m\] Where each person was seen last.
+    places: Vec<Vec2>,
     /// Whether a frame says who is there.
     known: bool,
 }
@@ -23,12 +26,14 @@ pub struct Left {
     pub last: Option<f64>,
     /// \[s\] When nobody was there any more; `None` if somebody is.
     pub evacuation_time: Option<f64>,
+    /// \[m\] Lower left and upper right corner of a rectangle around where they were seen last.
+    pub last_seen: Option<[[f64; 2]; 2]>,
 }
 
 impl Departures {
     /// Of so many people.
     pub fn of(people: usize) -> Departures {
-        Departures { times: vec![None; people], known: false }
+        Departures { times: vec![None; people], places: vec![Vec2::default(); people], known: false }
     }
 
     /// Adds the next frame. Who comes back has not left.
@@ -37,6 +42,9 @@ impl Departures {
         for (place, gone) in self.times.iter_mut().enumerate() {
             *gone = if frame.is_there(place) { None } else { gone.or(Some(frame.time)) };
         }
+        for (place, agent) in frame.present() {
+            self.places[place] = agent.pose.position;
+        }
     }
 
     /// Returns who has left; `None` if no frame says who is there.
@@ -44,8 +52,16 @@ impl Departures {
         let gone = || self.times.iter().flatten().copied();
         let (people, last) = (gone().count(), gone().reduce(f64::max));
         let all = people == self.times.len();
-        let left =
-            Left { people, first: gone().reduce(f64::min), last, evacuation_time: last.filter(|_| all) };
+        let places =
+            self.times.iter().zip(&self.places).filter(|(time, _)| time.is_some()).map(|(_, at)| *at);
+        let around = Bounds::of(places);
+        let left = Left {
+            people,
+            first: gone().reduce(f64::min),
+            last,
+            evacuation_time: last.filter(|_| all),
+            last_seen: around.map(|Bounds { low, high }| [[low.x, low.y], [high.x, high.y]]),
+        };
         self.known.then_some(left)
     }
 }
@@ -53,12 +69,19 @@ impl Departures {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lemons_plane::{Motion, Pose, vec2};
 
     fn left(frames: &[Option<[bool; 2]>]) -> Option<Left> {
         let mut departures = Departures::of(2);
         for (k, active) in frames.iter().enumerate() {
             let active = active.map(|there| there.to_vec());
-            departures.add(&Frame { time: k as f64, active, ..Frame::default() });
+            // Both walk along x, two metres apart.
+            let at = |y: f64| Motion {
+                pose: Pose { position: vec2(k as f64, y), orientation: 0.0 },
+                ..Motion::default()
+            };
+            let agents = vec![at(0.0), at(2.0)];
+            departures.add(&Frame { time: k as f64, active, agents, ..Frame::default() });
         }
         departures.left()
     }
@@ -67,11 +90,13 @@ mod tests {
     fn who_is_gone_for_good_has_left() {
         let (here, gone) = (true, false);
         assert_eq!(left(&[None, None]), None);
-        let nobody = Left { people: 0, first: None, last: None, evacuation_time: None };
+        let nobody = Left { people: 0, first: None, last: None, evacuation_time: None, last_seen: None };
         assert_eq!(left(&[Some([here, here]), Some([gone, here]), Some([here, here])]), Some(nobody));
-        let one = Left { people: 1, first: Some(1.0), last: Some(1.0), evacuation_time: None };
+        let (first, last, last_seen) = (Some(1.0), Some(1.0), Some([[0.0, 2.0]; 2]));
+        let one = Left { people: 1, first, last, evacuation_time: None, last_seen };
         assert_eq!(left(&[Some([here, here]), Some([here, gone]), Some([here, gone])]), Some(one));
-        let both = Left { people: 2, first: Some(1.0), last: Some(3.0), evacuation_time: Some(3.0) };
+        let (last, last_seen) = (Some(3.0), Some([[0.0, 0.0], [2.0, 2.0]]));
+        let both = Left { people: 2, first, last, evacuation_time: Some(3.0), last_seen };
         assert_eq!(
             left(&[Some([here, here]), Some([here, gone]), Some([here, gone]), Some([gone, gone])]),
             Some(both)

@@ -1,5 +1,5 @@
 //! What is measured of a run: who crosses a line and when ([`Line`], [`Passages`], [`Flow`]), how dense a crowd is in an
-//! area ([`Room`], [`MeasuringArea`]), how long and how hard people are squeezed ([`Exposure`]).
+//! area ([`Room`], [`MeasuringArea`]), how long and how hard people are squeezed ([`Exposure`], [`MovingMeans`]).
 //!
 //! Frames are given one after the other, in the order of time; nothing here keeps them. docs/measure.md defines each
 //! number. SI units.
@@ -9,6 +9,8 @@ mod density;
 mod departures;
 mod exposure;
 mod flow;
+mod impulses;
+mod leaving;
 mod passages;
 mod quantile;
 mod summary;
@@ -19,6 +21,8 @@ pub use density::{Density, MeasuringArea};
 pub use departures::{Departures, Left};
 pub use exposure::{Exposed, Exposure, SPANS};
 pub use flow::{Flow, Window, windows};
+pub use impulses::MovingMeans;
+pub use leaving::{LATEST, Leaving, Over, REACH, STANDSTILL};
 pub use passages::{Passage, Passages};
 pub use quantile::quantile;
 pub use summary::{Crossings, MeanMax};
@@ -26,6 +30,14 @@ pub use voronoi::Room;
 
 use lemons_plane::Motion;
 use lemons_record::Frame;
+
+/// \[s\] Times are sums of steps: rounding does not leave a frame out.
+const ROUNDING: f64 = 1e-9;
+
+/// Returns whether a time lies between two, where they are given; all \[s\].
+pub fn within(time: f64, from: Option<f64>, until: Option<f64>) -> bool {
+    from.is_none_or(|from| time >= from - ROUNDING) && until.is_none_or(|until| time <= until + ROUNDING)
+}
 
 /// Returns where a person is and how it moves; `None` if the person is not in the frame, or has left.
 pub fn present(frame: &Frame, agent: usize) -> Option<&Motion> {

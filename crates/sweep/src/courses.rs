@@ -9,22 +9,34 @@ use crate::places::Places;
 use crate::spec::Spec;
 use crate::subject::{Reads, Subject};
 use lemons_measure::Density;
+use lemons_plane::Vec2;
 use lemons_record::Frame;
 use lemons_trial::Wall;
 use std::collections::HashMap;
 
 /// All measures of a point.
 pub struct Courses<'a> {
+    places: &'a Places,
     of_each: Vec<Course<'a>>,
-    /// For areas: where people could be is known at the end.
-    frames: Option<Vec<Frame>>,
+    kept: Option<Kept>,
 }
 
 enum Course<'a> {
     Output(Watched<'a>),
     Line(Crossed<'a>),
-    Area(&'a InArea),
+    Area(&'a InArea, Vec<Density>),
+    /// What is measured at the end, in the frames that are kept.
+    AreaOfRoom(&'a InArea),
     Squeeze(Squeezed<'a>),
+}
+
+/// What is needed at the end: only then it is known where people could be.
+#[derive(Default)]
+struct Kept {
+    /// In which areas are measured.
+    frames: Vec<Frame>,
+    /// \[m\] Of everybody, in all other frames.
+    positions: Vec<Vec2>,
 }
 
 impl<'a> Courses<'a> {
@@ -33,14 +45,13 @@ impl<'a> Courses<'a> {
     /// # Errors
     /// A sentence: its parameters are no possible width.
     pub fn begin(spec: &'a Spec, subject: &'a Subject, point: usize) -> Result<Courses<'a>, String> {
-        let people = subject.trial.agents.len();
+        let (people, places) = (subject.trial.agents.len(), &spec.places);
         let of_each = spec.measures.iter().zip(&subject.measures).map(|((_, measure), reads)| {
             Ok(match measure {
                 Measure::Output(of) => Course::Output(Watched::new(of)),
-                Measure::Line(of) => {
-                    Course::Line(Crossed::new(of, &spec.places, &spec.points, point, people)?)
-                }
-                Measure::Area(of) => Course::Area(of),
+                Measure::Line(of) => Course::Line(Crossed::new(of, places, &spec.points, point, people)?),
+                Measure::Area(of) if of.needs_room() => Course::AreaOfRoom(of),
+                Measure::Area(of) => Course::Area(of, Vec::new()),
                 Measure::Squeeze(of) => {
                     let agents = if let Reads::Crowd(agents) = reads { &agents[..] } else { &[] };
                     Course::Squeeze(Squeezed::new(of, agents))
@@ -48,8 +59,10 @@ impl<'a> Courses<'a> {
             })
         });
         let of_each: Vec<Course> = of_each.collect::<Result<_, String>>()?;
-        let areas = of_each.iter().any(|course| matches!(course, Course::Area(_)));
-        Ok(Courses { of_each, frames: areas.then(Vec::new) })
+        let of_room = of_each.iter().any(|course| matches!(course, Course::AreaOfRoom(_)));
+        // Nobody may be outside of what is walkable.
+        let kept = (of_room || places.has_walkable()).then(Kept::default);
+        Ok(Courses { places, of_each, kept })
     }
 
     /// Shows a measure the values of its output at a time \[s\]; `None` of those who have left.
@@ -60,43 +73,60 @@ impl<'a> Courses<'a> {
     }
 
     /// Shows all others the crowd.
-    pub fn see_frame(&mut self, frame: Frame) {
+    ///
+    /// # Errors
+    /// A sentence: an area is not known.
+    pub fn see_frame(&mut self, frame: Frame) -> Result<(), String> {
+        let mut wanted = false;
         for course in &mut self.of_each {
             match course {
                 Course::Line(crossed) => crossed.add(&frame),
                 Course::Squeeze(squeezed) => squeezed.add(&frame),
-                Course::Output(_) | Course::Area(_) => {}
+                Course::Area(of, seen) if of.span().has(frame.time) => {
+                    seen.push(self.places.area(&of.area)?.measure(&frame, None));
+                }
+                Course::AreaOfRoom(of) => wanted |= of.span().has(frame.time),
+                Course::Output(_) | Course::Area(..) => {}
             }
         }
-        if let Some(frames) = &mut self.frames {
-            frames.push(Frame { observed: None, ..frame });
+        match &mut self.kept {
+            Some(kept) if wanted => kept.frames.push(Frame { observed: None, ..frame }),
+            Some(kept) => kept.positions.extend(frame.present().map(|(_, motion)| motion.pose.position)),
+            None => {}
         }
+        Ok(())
     }
 
     /// Returns the measures of the point, within these walls.
     ///
     /// # Errors
     /// A sentence: somebody was outside of the given walkable area.
-    pub fn finish(self, places: &Places, walls: &[Wall]) -> Result<Vec<Option<f64>>, String> {
-        let frames = self.frames.unwrap_or_default();
-        let room = if frames.is_empty() { None } else { Some(places.room(walls, &frames)?) };
-        let mut seen: HashMap<usize, Vec<Density>> = HashMap::new();
-        let values = self.of_each.into_iter().map(|course| {
+    pub fn finish(self, walls: &[Wall]) -> Result<Vec<Option<f64>>, String> {
+        let Courses { places, of_each, kept } = self;
+        let room = kept.as_ref().map(|kept| places.room(walls, kept.all_positions())).transpose()?;
+        let frames = kept.map(|kept| kept.frames).unwrap_or_default();
+        let mut seen: HashMap<&str, Vec<Density>> = HashMap::new();
+        let values = of_each.into_iter().map(|course| {
             Ok(match course {
                 Course::Output(watched) => watched.value(),
                 Course::Line(crossed) => crossed.value(),
                 Course::Squeeze(squeezed) => squeezed.value(),
-                Course::Area(of) => {
+                Course::Area(of, seen) => of.value(&seen),
+                Course::AreaOfRoom(of) => {
                     let area = places.area(&of.area)?;
-                    let Some(room) = &room else { return Ok(None) };
-                    let measured = || {
-                        let of_frame = |frame| places.area_at(area).measure(frame, room);
-                        frames.iter().map(of_frame).collect()
-                    };
-                    of.value(seen.entry(area).or_insert_with(measured))
+                    let measured = || frames.iter().map(|frame| area.measure(frame, room.as_ref())).collect();
+                    of.value(seen.entry(&of.area).or_insert_with(measured))
                 }
             })
         });
         values.collect()
+    }
+}
+
+impl Kept {
+    /// \[m\] Of everybody at all times.
+    fn all_positions(&self) -> impl Iterator<Item = Vec2> + Clone {
+        let of_frames = self.frames.iter().flat_map(Frame::present).map(|(_, motion)| motion.pose.position);
+        of_frames.chain(self.positions.iter().copied())
     }
 }

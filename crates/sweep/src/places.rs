@@ -4,7 +4,7 @@ use crate::error::{Error, Place, Result};
 use lemons_files::input;
 use lemons_measure::{Line, MeasuringArea, Room};
 use lemons_plane::{Vec2, polygon_from_wkt};
-use lemons_record::{Frame, given_area, walkable_area};
+use lemons_record::{given_area, walkable_area};
 use lemons_trial::Wall;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
@@ -88,35 +88,36 @@ impl Places {
         found.ok_or_else(|| missing("line", "lines", name, self.lines.iter().map(|(name, _)| name)))
     }
 
-    /// The place of an area by its name.
+    /// An area by its name.
     ///
     /// # Errors
     /// A sentence: there is none.
-    pub(crate) fn area(&self, name: &str) -> Result<usize, String> {
-        let found = self.areas.iter().position(|(known, _, _)| known == name);
+    pub(crate) fn area(&self, name: &str) -> Result<&MeasuringArea, String> {
+        let found = self.areas.iter().find(|(known, _, _)| known == name).map(|(_, _, area)| area);
         found.ok_or_else(|| missing("area", "areas", name, self.areas.iter().map(|(name, _, _)| name)))
     }
 
-    /// The area at a place.
-    pub(crate) fn area_at(&self, place: usize) -> &MeasuringArea {
-        &self.areas[place].2
+    /// Whether a user says where people can be.
+    pub(crate) fn has_walkable(&self) -> bool {
+        self.walkable.is_some()
     }
 
-    /// Where people could be who were in these frames.
+    /// Where people could be who were at these positions \[m\].
     ///
     /// # Errors
     /// A sentence: somebody was outside of the polygon of `walkable`.
-    pub(crate) fn room(&self, walls: &[Wall], frames: &[Frame]) -> Result<Room, String> {
-        let positions = || {
-            let all = frames.iter().flat_map(|frame| frame.present());
-            all.map(|(_, motion)| motion.pose.position).filter(|position: &Vec2| position.is_finite())
-        };
+    pub(crate) fn room(
+        &self,
+        walls: &[Wall],
+        positions: impl Iterator<Item = Vec2> + Clone,
+    ) -> Result<Room, String> {
+        let positions = positions.filter(|position| position.is_finite());
         let area = match &self.walkable {
             Some(Walkable { path, wkt }) => {
-                let given = given_area(wkt, positions());
+                let given = given_area(wkt, positions);
                 given.map_err(|what| format!("walkable: {}: {what}", path.display()))?
             }
-            None => walkable_area(walls, positions()),
+            None => walkable_area(walls, positions),
         };
         let rings = polygon_from_wkt(&area.wkt)?;
         Room::of(&rings).ok_or_else(|| "the walkable area has no ring".into())

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use lemons_master::{Fmu, Instance, Selection, System};
-use lemons_plane::{Motion, Pose, Twist, vec2};
+use lemons_plane::{Motion, Pose, Twist, Vec2, vec2};
 use lemons_record::{Frame, Observed, OfStep, columns};
 
 /// Outputs of each agent that say where it is, and how it moves.
@@ -107,7 +107,8 @@ fn reals(instance: &Instance, selection: &Selection) -> lemons_master::Result<Ve
     Ok(values)
 }
 
-/// How many people have left.
-pub fn left(frame: &Frame) -> usize {
-    frame.active.iter().flatten().filter(|there| !**there).count()
+/// \[m\] Where everybody is; `None` of those who have left.
+pub fn standing(frame: &Frame) -> Vec<Option<Vec2>> {
+    let place = |(agent, motion): (usize, &Motion)| frame.is_there(agent).then_some(motion.pose.position);
+    frame.agents.iter().enumerate().map(place).collect()
 }

@@ -5,11 +5,12 @@ use crate::error::{Error, Place, Result};
 use crate::identity;
 use crate::models::Models;
 use crate::output::Names;
-use crate::scene::{Scene, left};
+use crate::scene::{Scene, standing};
 use crate::spec::Spec;
 use crate::stop::Stop;
 use crate::subject::{Reads, Subject};
 use lemons_master::{Kind, Observer, PlanChoice, Pushes, Reached, Selection, System};
+use lemons_measure::{Leaving, Over};
 use lemons_trial::DriveChoice;
 use serde_json::{Map, Value};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -147,7 +148,7 @@ impl<'a> Worker<'a> {
         Worker { job, runner: None }
     }
 
-    /// Simulates a point and returns its measures. The worker can be used again unless this failed.
+    /// Simulates a point and returns its measures, and when it ended by itself \[s\] if it may. The worker can be used again unless this failed.
     pub fn simulate(&mut self, point: usize) -> Result<Vec<Option<f64>>> {
         let place = self.job.models.place(point);
         let mut runner = match self.runner.take() {
@@ -212,13 +213,18 @@ impl Runner {
         system.initialize(0.0, None)?;
         let courses = Courses::begin(spec, subject, point).map_err(Error::Spec)?;
         let stop = spec.stop.as_ref().zip(stop.as_ref());
-        let (scene, leave) = (scene.as_ref(), subject.leave);
-        let mut measured = Measured { looks: measures, scene, courses, stop, leave, over: false };
+        let (scene, leaving) = (scene.as_ref(), subject.leave.map(Leaving::of));
+        let mut measured =
+            Measured { looks: measures, scene, courses, stop, leaving, ended: None, over: false };
         measured.see(system, 0.0)?;
-        // Whether its condition or its end ended it makes no difference.
+        // Whether its condition or its end ended it, it says itself.
         let _ = lemons_master::simulate(system, &subject.clock, 0, pushes, &mut measured)?;
         system.terminate()?;
-        measured.courses.finish(&spec.places, &subject.trial.geometry.walls).map_err(Error::Spec)
+        let Measured { courses, ended, .. } = measured;
+        let walls = &subject.trial.geometry.walls;
+        let mut values = courses.finish(walls).map_err(Error::Spec)?;
+        values.extend(spec.may_end().then_some(ended));
+        Ok(values)
     }
 }
 
@@ -228,39 +234,49 @@ struct Measured<'a> {
     scene: Option<&'a Scene>,
     courses: Courses<'a>,
     stop: Option<(&'a Stop, &'a Look)>,
-    /// It ends when so many have left.
-    leave: Option<usize>,
-    /// Whether the condition holds.
+    /// It ends when people have left.
+    leaving: Option<Leaving>,
+    /// \[s\] When its condition held, or all had left.
+    ended: Option<f64>,
+    /// Whether it ends now.
     over: bool,
 }
 
 impl Observer<System> for Measured<'_> {
-    type Error = lemons_master::Error;
+    type Error = Error;
 
     fn goes_on(&mut self, _: &System) -> bool {
         !self.over
     }
 
-    fn look(&mut self, system: &mut System, reached: Reached) -> lemons_master::Result<()> {
+    fn look(&mut self, system: &mut System, reached: Reached) -> Result<()> {
         self.see(system, reached.time)
     }
 }
 
 impl Measured<'_> {
-    fn see(&mut self, system: &System, time: f64) -> lemons_master::Result<()> {
+    fn see(&mut self, system: &System, time: f64) -> Result<()> {
         for (place, look) in self.looks.iter().enumerate() {
             if let Some(look) = look {
                 self.courses.see_values(place, time, look.values(system)?.into_iter());
             }
         }
-        if let Some((stop, look)) = self.stop {
-            self.over = stop.holds(look.values(system)?.into_iter());
-        }
+        let mut holds = match self.stop {
+            Some((stop, look)) => stop.holds(look.values(system)?.into_iter()),
+            None => false,
+        };
+        let mut stuck = false;
         if let Some(scene) = self.scene {
             let frame = scene.frame(system, time)?;
-            self.over |= self.leave.is_some_and(|leave| left(&frame) >= leave);
-            self.courses.see_frame(frame);
+            if let Some(leaving) = &mut self.leaving {
+                let over = leaving.see(time, &standing(&frame));
+                holds |= over == Some(Over::Left);
+                stuck = over == Some(Over::Standstill);
+            }
+            self.courses.see_frame(frame).map_err(Error::Spec)?;
         }
+        self.ended = holds.then_some(time);
+        self.over = holds || stuck;
         Ok(())
     }
 }

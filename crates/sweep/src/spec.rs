@@ -10,6 +10,7 @@ use crate::stop::Stop;
 use crate::template::Template;
 use lemons_files::input;
 use lemons_master::{Algorithm, Kind, PlanChoice};
+use lemons_measure::LATEST;
 use lemons_trial::DriveChoice;
 use serde::Deserialize;
 use std::collections::HashSet;
@@ -47,12 +48,9 @@ pub struct Spec {
 pub enum End {
     /// \[s\] At this time.
     At(f64),
-    /// When everybody has left who has an exit; at the latest after an hour.
+    /// When everybody has left who has an exit, or nobody gets any further; at the latest after an hour.
     Left,
 }
-
-/// \[s\] Who has not left until then does not leave.
-pub const LATEST: f64 = 3600.0;
 
 impl End {
     /// \[s\] The latest end.
@@ -120,7 +118,9 @@ enum AlgorithmText {
 }
 
 /// Names that the table uses itself.
-const RESERVED: [&str; 3] = ["point", "status", "error"];
+const RESERVED: [&str; 4] = ["point", "status", "error", ENDED];
+/// The column of a sweep whose points may end by themselves: when they did \[s\].
+pub const ENDED: &str = "ended";
 
 impl Spec {
     /// Reads a `sweep.toml`.
@@ -243,6 +243,11 @@ impl Spec {
     /// What is simulated at all points.
     pub(crate) fn models(&self) -> Result<Models> {
         Models::of(&self.points, &self.model, &self.plan)
+    }
+
+    /// Whether points may end by themselves, before their latest end. The table then has the column [`ENDED`].
+    pub fn may_end(&self) -> bool {
+        self.until == End::Left || self.stop.is_some()
     }
 
     /// Whether a parameter only chooses what is simulated, and is no variable of it.

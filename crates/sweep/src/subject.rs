@@ -86,7 +86,9 @@ impl Subject {
         let stop = spec.stop.as_ref().map(|stop| names(&stop.of, &stop.agents).place(|| "stop".into()));
         let stop = stop.transpose()?;
         let leave = if spec.until == End::Left { Some(who_leaves(&model)?) } else { None };
-        let wanted = (wanted.motions || wanted.squeezes || leave.is_some()).then_some(wanted);
+        // Whether people get any further.
+        wanted.motions |= leave.is_some();
+        let wanted = (wanted.motions || wanted.squeezes).then_some(wanted);
         Ok(Subject { model, trial, drive, clock, parameters, measures, stop, wanted, leave })
     }
 }

@@ -3,7 +3,7 @@
 use crate::directory::{Directory, Finished};
 use crate::error::{Error, Place, Result};
 use crate::simulate::{Job, Worker};
-use crate::spec::Spec;
+use crate::spec::{ENDED, Spec};
 use lemons_master::PATIENCE;
 use std::path::Path;
 use std::sync::Arc;
@@ -63,7 +63,8 @@ pub fn sweep(
 ) -> Result<Swept> {
     let (job, identity, warnings) = Job::open(spec)?;
     let Spec { points, measures, .. } = &job.spec;
-    let measures: Vec<String> = measures.iter().map(|(name, _)| name.clone()).collect();
+    let ended = job.spec.may_end().then(|| ENDED.to_owned());
+    let measures: Vec<String> = measures.iter().map(|(name, _)| name.clone()).chain(ended).collect();
     let kept = Directory::open(directory, identity, points, &measures, by)?;
     let before = kept.read()?;
     let mut left = vec![true; points.count];

@@ -1,13 +1,12 @@
 //! One pass over the frames of a run.
 
 use crate::interrupt::Interrupt;
-use crate::pictures::moment::within;
 use anyhow::{Result, bail};
 use lemons_measure::{
-    Density, Departures, Exposed, Exposure, Left, Line, MeasuringArea, Passages, Room, quantile, squeeze,
+    Density, Departures, Exposed, Exposure, Left, Line, MeasuringArea, MovingMeans, Passages, Room, quantile,
+    squeeze, within,
 };
 use lemons_record::{Frame, Record};
-use std::collections::VecDeque;
 
 /// What is looked at.
 pub struct Pass<'a> {
@@ -17,6 +16,8 @@ pub struct Pass<'a> {
     pub room: Option<&'a Room>,
     /// \[N\]
     pub above: &'a [f64],
+    /// \[s\] Of the means that are compared with these levels; else each communication step.
+    pub over: Option<f64>,
     /// \[s\]
     pub from: Option<f64>,
     /// \[s\]
@@ -54,42 +55,11 @@ fn says_squeeze(frame: &Frame) -> bool {
 /// \[s\] Single steps show hard collisions of milliseconds, and no pressure.
 pub const OVER: f64 = 1.0;
 
-/// Everybody's mean squeeze over the last [`OVER`], or since the first frame.
-struct Running {
-    /// \[s\], \[N s\] Duration of each step, and everybody's impulse in it.
-    steps: VecDeque<(f64, Vec<f64>)>,
-    /// \[s\]
-    time: f64,
-    /// \[N s\]
-    impulses: Vec<f64>,
-}
-
-impl Running {
-    fn of(people: usize) -> Running {
-        Running { steps: VecDeque::new(), time: 0.0, impulses: vec![0.0; people] }
-    }
-
-    /// Adds a step \[s\] with everybody's mean squeeze \[N\], and returns their means over all steps that are kept.
-    fn add(&mut self, step: f64, means: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
-        let impulses: Vec<f64> = means.map(|mean| mean * step).collect();
-        self.impulses.iter_mut().zip(&impulses).for_each(|(sum, one)| *sum += one);
-        self.time += step;
-        self.steps.push_back((step, impulses));
-        // Times are sums of steps.
-        while self.steps.front().is_some_and(|(first, _)| self.time - first > (1.0 - 1e-9) * OVER) {
-            let Some((first, impulses)) = self.steps.pop_front() else { break };
-            self.time -= first;
-            self.impulses.iter_mut().zip(&impulses).for_each(|(sum, one)| *sum -= one);
-        }
-        let time = self.time;
-        self.impulses.iter().map(move |impulse| if time > 0.0 { (impulse / time).max(0.0) } else { 0.0 })
-    }
-}
-
 impl Pass<'_> {
     pub fn over(&self, record: &Record, interrupt: &Interrupt) -> Result<Passed> {
         let people = record.ids().len();
-        let mut exposure = Exposure::new(people, self.above);
+        let exposure = Exposure::new(people, self.above);
+        let mut exposure = self.over.into_iter().fold(exposure, Exposure::over);
         let mut passed = Passed {
             times: (f64::NAN, f64::NAN),
             frames: 0,
@@ -101,7 +71,7 @@ impl Pass<'_> {
             spread: Vec::new(),
         };
         let (mut stopped, mut squeezes) = (Ok(()), true);
-        let mut running = Running::of(people);
+        let mut moving = MovingMeans::over(OVER);
         let mut departures = Departures::of(people);
         record.each(|_, frame| {
             if stopped.is_ok() {
@@ -110,25 +80,24 @@ impl Pass<'_> {
             if stopped.is_err() || !within(frame.time, self.from, self.until) {
                 return Ok(());
             }
-            let step = if passed.frames == 0 { 0.0 } else { frame.time - passed.times.1 };
             passed.times = (if passed.frames == 0 { frame.time } else { passed.times.0 }, frame.time);
             passed.frames += 1;
             departures.add(&frame);
             passed.lines.iter_mut().for_each(|line| line.add(&frame));
-            for ((area, seen), room) in self.areas.iter().zip(&mut passed.areas).zip(self.room.iter().cycle())
-            {
-                seen.push(area.measure(&frame, room));
+            for (area, seen) in self.areas.iter().zip(&mut passed.areas) {
+                seen.push(area.measure(&frame, self.room));
             }
             squeezes &= says_squeeze(&frame);
             exposure.add(frame.time, (0..people).map(|agent| squeeze(&frame, agent)));
             if self.spread && squeezes {
                 let of_step = |agent| squeeze(&frame, agent).map(|(mean, _)| mean);
-                let over = running.add(step, (0..people).map(|agent| of_step(agent).unwrap_or(0.0)));
-                let there = over.enumerate().filter(|(agent, _)| of_step(*agent).is_some());
-                let mut means: Vec<f64> = there.map(|(_, mean)| mean).collect();
-                means.sort_by(f64::total_cmp);
-                let at = QUANTILES.map(|part| quantile(&means, part).unwrap_or(f64::NAN));
-                passed.spread.push((frame.time, at));
+                if let Some(means) = moving.add(frame.time, (0..people).map(of_step)) {
+                    let there = means.into_iter().enumerate().filter(|(agent, _)| of_step(*agent).is_some());
+                    let mut means: Vec<f64> = there.map(|(_, mean)| mean).collect();
+                    means.sort_by(f64::total_cmp);
+                    let at = QUANTILES.map(|part| quantile(&means, part).unwrap_or(f64::NAN));
+                    passed.spread.push((frame.time, at));
+                }
             }
             Ok(())
         })?;

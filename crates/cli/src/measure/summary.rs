@@ -71,6 +71,8 @@ pub struct OfSqueeze {
     pub every_step_known: bool,
     /// \[s\]
     pub longest_step: f64,
+    /// \[s\] Of the means that are compared with the levels; null: each communication step.
+    pub above_over: Option<f64>,
     pub time_above: Vec<OfLevel>,
     pub largest_mean: Vec<OfSpan>,
     /// \[N\]
@@ -85,8 +87,8 @@ pub struct OfLevel {
     pub above: f64,
     /// Who were above it at all.
     pub people: usize,
-    /// \[s\]
-    pub time: OfPeople,
+    /// \[s\] null: the record is shorter than the means, or a communication step is longer.
+    pub time: Option<OfPeople>,
 }
 
 #[derive(Serialize)]
@@ -118,7 +120,7 @@ impl Summary {
                 (None, Some(why.to_owned()))
             }
             (steps, Some(exposed)) => {
-                let all = OfSqueeze::of(exposed, record.ids(), &arguments.above, passed.longest_step, steps);
+                let all = OfSqueeze::of(exposed, record.ids(), arguments, passed.longest_step, steps);
                 let why =
                     all.is_none().then(|| "there is only one frame, so no communication step".to_owned());
                 (all, why)
@@ -165,7 +167,7 @@ impl OfArea {
             area: area.what.area(),
             people: of(|seen| seen.people as f64),
             density: of(|seen| seen.classic),
-            voronoi_density: of(|seen| seen.voronoi),
+            voronoi_density: of(|seen| seen.voronoi.unwrap_or(f64::NAN)),
             speed: MeanMax::of(seen.iter().filter_map(|seen| seen.speed)),
         }
     }
@@ -175,7 +177,7 @@ impl OfSqueeze {
     fn of(
         exposed: &[Exposed],
         ids: &[String],
-        above: &[f64],
+        Arguments { above, over, .. }: &Arguments,
         longest_step: f64,
         steps: &Steps,
     ) -> Option<OfSqueeze> {
@@ -184,15 +186,16 @@ impl OfSqueeze {
             OfPeople::of(&values?, ids)
         };
         let level = |(k, &above): (usize, &f64)| {
-            let people = exposed.iter().filter(|one| one.above[k] > 0.0).count();
-            Some(OfLevel { above, people, time: of(&|one| Some(one.above[k]))? })
+            let people = exposed.iter().filter(|one| one.above[k] > Some(0.0)).count();
+            OfLevel { above, people, time: of(&|one| one.above[k]) }
         };
         let spans = SPANS.into_iter().enumerate();
         (longest_step > 0.0).then_some(())?;
         Some(OfSqueeze {
             every_step_known: *steps == Steps::All,
             longest_step,
-            time_above: above.iter().enumerate().map(level).collect::<Option<_>>()?,
+            above_over: *over,
+            time_above: above.iter().enumerate().map(level).collect(),
             largest_mean: spans
                 .map(|(k, over)| OfSpan { over, mean: of(&|one| one.largest_mean[k]) })
                 .collect(),

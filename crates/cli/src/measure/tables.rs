@@ -114,7 +114,7 @@ fn density(arguments: &Arguments, passed: &Passed) -> Rows {
                 cell(Some(seen.time)),
                 seen.people.to_string(),
                 cell(Some(seen.classic)),
-                cell(Some(seen.voronoi)),
+                cell(seen.voronoi),
                 cell(seen.speed),
             ]);
         }
@@ -126,14 +126,15 @@ fn density(arguments: &Arguments, passed: &Passed) -> Rows {
 fn people(arguments: &Arguments, record: &Record, passed: &Passed, summary: &Summary) -> Rows {
     let above = &arguments.above;
     let mut names = head(&["id", "time"]);
-    names.extend(above.iter().map(|level| format!("time_above_{level}")));
+    let over = arguments.over.map_or(String::new(), |over| format!("_over_{over}"));
+    names.extend(above.iter().map(|level| format!("time_above_{level}{over}")));
     names.extend(SPANS.iter().map(|span| format!("largest_mean_{span}")));
     names.extend(head(&["peak", "impulse"]));
     let mut rows = vec![names];
     let exposed = passed.exposed.as_deref().filter(|_| summary.exposure.is_some());
     for (id, one) in record.ids().iter().zip(exposed.unwrap_or_default()) {
         let mut row = vec![id.clone(), cell(Some(one.time))];
-        row.extend(one.above.iter().map(|time| cell(Some(*time))));
+        row.extend(one.above.iter().copied().map(cell));
         row.extend(one.largest_mean.map(cell));
         row.extend([one.peak, one.impulse].map(Some).map(cell));
         rows.push(row);

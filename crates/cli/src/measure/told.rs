@@ -3,7 +3,7 @@
 use super::summary::{OfArea, OfLine, OfPeople, OfSqueeze, Summary};
 use crate::tell;
 use anyhow::Result;
-use lemons_measure::{Crossings, MeanMax};
+use lemons_measure::{Crossings, Left, MeanMax};
 use std::io::Write;
 
 pub fn tell(summary: &Summary) -> Result<()> {
@@ -14,7 +14,7 @@ pub fn tell(summary: &Summary) -> Result<()> {
         let last = left.last.map_or(String::new(), |last| format!(", the last one until {last:.3} s"));
         writeln!(out, "{:<18} {} of {people} people{last}", "left", left.people)?;
     }
-    summary.lines.iter().try_for_each(|line| of_line(&mut out, line))?;
+    summary.lines.iter().try_for_each(|line| of_line(&mut out, line, summary.left))?;
     summary.areas.iter().try_for_each(|area| of_area(&mut out, area))?;
     summary.exposure.iter().try_for_each(|squeeze| of_squeeze(&mut out, squeeze))?;
     Ok(())
@@ -36,12 +36,19 @@ fn arrow(line: &OfLine, way: &Crossings) -> char {
     ['→', '↗', '↑', '↖', '←', '↙', '↓', '↘'][(eighths.round() as i64).rem_euclid(8) as usize]
 }
 
-fn of_line(out: &mut impl Write, line: &OfLine) -> Result<()> {
+fn of_line(out: &mut impl Write, line: &OfLine, left: Option<Left>) -> Result<()> {
     let [[x1, y1], [x2, y2]] = [line.from, line.to];
     writeln!(out, "\nline {}: ({x1}, {y1}) to ({x2}, {y2}) m", line.name)?;
     let crossed: Vec<&Crossings> = line.directions.iter().filter(|way| way.people > 0).collect();
     if crossed.is_empty() {
         writeln!(out, "  nobody crossed it")?;
+        // Perhaps the line lies behind the exit.
+        if let Some([[x0, y0], [x1, y1]]) = left.and_then(|left| left.last_seen) {
+            writeln!(
+                out,
+                "  (who has left was seen last at x from {x0:.2} to {x1:.2} m, y from {y0:.2} to {y1:.2} m)"
+            )?;
+        }
     }
     for way in crossed {
         let again =
@@ -89,28 +96,43 @@ fn of_area(out: &mut impl Write, area: &OfArea) -> Result<()> {
     Ok(())
 }
 
+/// How a number is spread over people; dashes if it is not known.
+fn row_of_people(
+    out: &mut impl Write,
+    label: &str,
+    of: Option<&OfPeople>,
+    unit: &str,
+    more: &str,
+) -> Result<()> {
+    let Some(OfPeople { median, quantile_90, max, max_id }) = of else {
+        return Ok(writeln!(out, "  {label:<18} {:>10} {:>10} {:>10}", "-", "-", "-")?);
+    };
+    let who = if *max > 0.0 { format!("(agent {max_id}{more})") } else { String::new() };
+    let line = format!("  {label:<18} {median:>10.3} {quantile_90:>10.3} {max:>10.3} {unit:<4} {who}");
+    Ok(writeln!(out, "{}", line.trim_end())?)
+}
+
 fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
     writeln!(
         out,
         "\nsqueeze of each person\n  {:18} {:>10} {:>10} {:>10}",
         "", "median", "90 %", "greatest"
     )?;
-    let mut row = |label: &str, of: Option<&OfPeople>, unit: &str, more: &str| {
-        let Some(OfPeople { median, quantile_90, max, max_id }) = of else {
-            return writeln!(out, "  {label:<18} {:>10} {:>10} {:>10}", "-", "-", "-");
-        };
-        let who = if *max > 0.0 { format!("(agent {max_id}{more})") } else { String::new() };
-        let line = format!("  {label:<18} {median:>10.3} {quantile_90:>10.3} {max:>10.3} {unit:<4} {who}");
-        writeln!(out, "{}", line.trim_end())
-    };
     for span in &squeeze.largest_mean {
-        row(&format!("mean over {} s", span.over), span.mean.as_ref(), "N", "")?;
+        row_of_people(out, &format!("mean over {} s", span.over), span.mean.as_ref(), "N", "")?;
     }
-    row("peak", Some(&squeeze.peak), "N", "")?;
-    row("impulse", Some(&squeeze.impulse), "N s", "")?;
+    row_of_people(out, "peak", Some(&squeeze.peak), "N", "")?;
+    row_of_people(out, "impulse", Some(&squeeze.impulse), "N s", "")?;
+    if !squeeze.time_above.is_empty() {
+        let means = match squeeze.above_over {
+            Some(over) => format!("means over {over} s"),
+            None => format!("means over a communication step (longest: {:.6} s)", squeeze.longest_step),
+        };
+        writeln!(out, "\ntime above a level, of {means}")?;
+    }
     for level in &squeeze.time_above {
         let people = format!("; {} above", level.people);
-        row(&format!("time above {} N", level.above), Some(&level.time), "s", &people)?;
+        row_of_people(out, &format!("{} N", level.above), level.time.as_ref(), "s", &people)?;
     }
     if !squeeze.every_step_known {
         writeln!(

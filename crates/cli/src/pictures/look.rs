@@ -2,16 +2,18 @@
 
 use super::measured::{Measured, Origin};
 use super::moment::{Footage, Moment, Shadow};
+use super::quantity::{Quantity, Shown, longest_gap};
 use super::spread::Spread;
+use crate::error::Misused;
 use crate::interrupt::Interrupt;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_picture::{
     Colour, ColourMap, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, View, Visibility,
     body_area, ids_without_room,
 };
-use lemons_plane::{Motion, Vec2, vec2};
-use lemons_record::{Observed, OfStep, Run};
+use lemons_plane::{Vec2, vec2};
+use lemons_record::Run;
 use std::path::PathBuf;
 
 /// \[m\] A trail's points are not nearer than this to each other.
@@ -23,9 +25,14 @@ const CLIP: f64 = 0.98;
 #[command(next_help_heading = "Look")]
 pub struct Look {
     /// Colour of the bodies: area, speed, contacts, squeeze (mean over the communication step that ends
-    /// at this time), peak-squeeze (largest value within that step), or one colour such as #8cb4de
+    /// at this time, or --over), greatest-squeeze (the greatest such mean until this time), peak-squeeze
+    /// (largest value within that step), or one colour such as #8cb4de
     #[arg(long, value_name = "FILL", default_value = "area", value_parser = filling)]
     pub fill: Filling,
+    /// Show squeeze and greatest-squeeze as means over so many seconds before the time, which are not known
+    /// at first. Default: over one communication step, in which single collisions count
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    over: Option<f64>,
     /// Values at the two ends of the colour bar. Default: 0 and the 98 % quantile of the values that are
     /// not 0 (the bar says ≥ if there are greater ones); for areas, the least and the greatest
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
@@ -70,88 +77,6 @@ pub enum Filling {
     Single(Colour),
 }
 
-/// What is known of each agent at each time.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Quantity {
-    /// x of the centre of mass
-    X,
-    /// y of the centre of mass
-    Y,
-    /// Speed of the centre of mass
-    Speed,
-    /// Sum of |F_n| over the contacts: its mean over the communication step that ends at this time
-    Squeeze,
-    /// Largest value of this sum within that step
-    PeakSqueeze,
-    /// Its value at the time: of runs that do not say the others.
-    #[value(skip)]
-    SqueezeAtTheTime,
-    /// Number of contacts with disks of other people and with walls
-    Contacts,
-}
-
-impl Quantity {
-    /// Name and unit.
-    pub fn label(self) -> (&'static str, &'static str) {
-        match self {
-            Quantity::X => ("x", "m"),
-            Quantity::Y => ("y", "m"),
-            Quantity::Speed => ("speed", "m/s"),
-            Quantity::Squeeze => ("mean squeeze", "N"),
-            Quantity::PeakSqueeze => ("peak squeeze", "N"),
-            Quantity::SqueezeAtTheTime => ("squeeze at the time", "N"),
-            Quantity::Contacts => ("contacts", ""),
-        }
-    }
-
-    /// What contacts do; else it is known of every run.
-    pub fn is_of_contacts(self) -> bool {
-        !matches!(self, Quantity::X | Quantity::Y | Quantity::Speed)
-    }
-
-    /// What can be shown of it: of a run that does not say what contacts did during its steps, the squeeze at
-    /// the times, which is told.
-    pub fn known_of(self, run: &Run) -> Quantity {
-        let mut observed = run.frames.iter().flat_map(|frame| frame.observed.iter().flatten());
-        let of_steps = !matches!(self, Quantity::Squeeze | Quantity::PeakSqueeze);
-        if of_steps || observed.all(|seen| seen.of_step.is_some()) {
-            return self;
-        }
-        let (label, _) = self.label();
-        let source = run.source.display();
-        note!(
-            "{source}: it does not contain the {label} over communication steps; the squeeze at this time is shown instead"
-        );
-        Quantity::SqueezeAtTheTime
-    }
-
-    /// Of an agent; NaN where it is not known.
-    pub fn of(self, agent: &Motion, seen: Option<&Observed>) -> f64 {
-        let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
-        let known = match self {
-            Quantity::X => Some(agent.pose.position.x),
-            Quantity::Y => Some(agent.pose.position.y),
-            Quantity::Speed => Some(agent.twist.velocity.norm()),
-            Quantity::Squeeze => of_step(|step| step.mean_normal_force),
-            Quantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
-            Quantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
-            Quantity::Contacts => {
-                seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
-            }
-        };
-        known.unwrap_or(f64::NAN)
-    }
-
-    fn of_all(self, moment: &Moment) -> Vec<f64> {
-        let of = |(k, agent)| self.of(agent, moment.observed.get(k));
-        moment.agents.iter().enumerate().map(of).collect()
-    }
-
-    fn map(self) -> ColourMap {
-        if self.is_of_contacts() { ColourMap::FromPaper } else { ColourMap::Viridis }
-    }
-}
-
 fn filling(text: &str) -> Result<Filling, String> {
     if text == "area" {
         return Ok(Filling::Area);
@@ -161,7 +86,7 @@ fn filling(text: &str) -> Result<Filling, String> {
     }
     match Quantity::from_str(text, false) {
         Ok(quantity) if !matches!(quantity, Quantity::X | Quantity::Y) => Ok(Filling::Of(quantity)),
-        _ => Err("must be area, speed, contacts, squeeze, peak-squeeze or a colour as in #8cb4de".into()),
+        _ => Err("must be area, speed, contacts, squeeze, greatest-squeeze, peak-squeeze or a colour as in #8cb4de".into()),
     }
 }
 
@@ -220,7 +145,8 @@ pub struct Looks<'f> {
     measured: Option<Measured>,
     shadow: Option<Shadow>,
     scene: Scene<'f>,
-    fill: Filling,
+    /// What the colours say, unless they are of areas or a single one.
+    shown: Option<Shown>,
     range: Option<(f64, f64)>,
     /// Of the values shown, where some are beyond the range for it.
     quantile: Option<f64>,
@@ -249,6 +175,46 @@ impl Look {
         self.trails.is_some() || self.measured.is_some()
     }
 
+    /// Whether scenes depend on all that was before.
+    pub fn needs_all(&self) -> bool {
+        self.shows_trails() || self.over.is_some() || self.fill == Filling::Of(Quantity::GreatestSqueeze)
+    }
+
+    /// Says so if colours are of single steps, and those between two pictures of a movie \[s\] are not shown.
+    pub fn tell_sampled(&self, run: &Run, between: f64) {
+        let of_step = match self.fill {
+            Filling::Of(Quantity::Squeeze) => self.over.is_none(),
+            Filling::Of(quantity) => quantity == Quantity::PeakSqueeze,
+            _ => false,
+        };
+        let longest = longest_gap(run);
+        if of_step && longest > 0.0 && between > 1.5 * longest {
+            note!(
+                "note: each picture shows one step of {longest:.6} s, and the next picture is {between:.6} s later: what \
+                 is between is not shown (--fill squeeze --over 1: means over the last second)"
+            );
+        }
+    }
+
+    /// That means over a time are asked for where they are shown: as colours, or in `series`.
+    ///
+    /// # Errors
+    /// They are not.
+    pub fn check(&self, series: &[Quantity]) -> Result<()> {
+        let colours = if let Filling::Of(quantity) = self.fill { Some(quantity) } else { None };
+        if self.over.is_some() && !series.iter().chain(&colours).any(|quantity| quantity.is_mean()) {
+            bail!(Misused(
+                "--over is for squeeze and greatest-squeeze (--fill, --series), and neither is shown".into()
+            ));
+        }
+        Ok(())
+    }
+
+    /// \[s\] `--over`
+    pub fn over(&self) -> Option<f64> {
+        self.over
+    }
+
     /// `--range`
     pub fn range(&self) -> Option<(f64, f64)> {
         self.range
@@ -275,9 +241,9 @@ impl<'f> Looks<'f> {
             measured: look.measured(&footage.run)?,
             shadow: look.forces.then(|| Shadow::new(&footage.trial)).transpose()?,
             scene: Scene::new(&footage.trial, footage.frame(0).poses()),
-            fill: match look.fill {
-                Filling::Of(quantity) => Filling::Of(quantity.known_of(&footage.run)),
-                fill => fill,
+            shown: match look.fill {
+                Filling::Of(quantity) => Some(Shown::of(quantity, &footage.run, look.over)?),
+                _ => None,
             },
             range: look.range,
             quantile: None,
@@ -290,8 +256,8 @@ impl<'f> Looks<'f> {
         for time in times {
             interrupt.check()?;
             let moment = footage.at(*time);
-            if let (Filling::Of(quantity), None) = (looks.fill, look.range) {
-                quantity.of_all(&moment).into_iter().for_each(|value| spread.add(value));
+            if let (Some(shown), None) = (&looks.shown, look.range) {
+                shown.of_all(&moment).into_iter().for_each(|value| spread.add(value));
             }
             if look.widest.is_none() {
                 let forces = looks.forces(&moment).into_iter().map(|force| force.normal_force);
@@ -301,7 +267,7 @@ impl<'f> Looks<'f> {
             let own = looks.scene.extent();
             extent = Some(extent.map_or(own, |all| around(all, own)));
         }
-        if let (Filling::Of(_), None) = (look.fill, look.range) {
+        if looks.shown.is_some() && look.range.is_none() {
             // A spike of a millisecond would leave all others at the low end.
             // Without any but zeros the picture says so.
             if let Some((high, beyond)) = spread.quantile(CLIP) {
@@ -334,20 +300,20 @@ impl<'f> Looks<'f> {
 
     /// How.
     pub fn style(&self, moment: &Moment) -> Style {
-        let values = |values, (label, unit): (&str, &str), map| {
-            let (label, unit, range) = (label.to_owned(), unit.to_owned(), self.range);
+        let values = |values, label: String, unit: &str, map| {
+            let (unit, range) = (unit.to_owned(), self.range);
             Fill::Values(Values { values, label, unit, range, quantile: self.quantile, map })
         };
         let shown = |shown: bool| if shown { Visibility::Shown } else { Visibility::Hidden };
         Style {
             width: f64::from(self.look.width),
-            fill: match self.fill {
-                Filling::Single(colour) => Fill::Single(colour),
-                Filling::Of(quantity) => values(quantity.of_all(moment), quantity.label(), quantity.map()),
-                Filling::Area if self.range.is_none() => Fill::BodyArea,
-                Filling::Area => {
+            fill: match (&self.shown, self.look.fill) {
+                (Some(shown), _) => values(shown.of_all(moment), shown.label(), shown.unit(), shown.map()),
+                (None, Filling::Single(colour)) => Fill::Single(colour),
+                (None, _) if self.range.is_none() => Fill::BodyArea,
+                (None, _) => {
                     let areas = self.footage.trial.agents.iter().map(body_area);
-                    values(areas.collect(), ("body area", "m²"), ColourMap::Viridis)
+                    values(areas.collect(), "body area".to_owned(), "m²", ColourMap::Viridis)
                 }
             },
             theme: self.look.theme(),

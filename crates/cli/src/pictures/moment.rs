@@ -38,11 +38,6 @@ const AGREEMENT: (f64, f64) = (1e-3, 1.0);
 /// \[s\] Times are sums of steps: rounding does not leave a frame out.
 const ROUNDING: f64 = 1e-9;
 
-/// Whether a time lies between two, where they are given; all \[s\].
-pub fn within(time: f64, from: Option<f64>, until: Option<f64>) -> bool {
-    from.is_none_or(|from| time >= from - ROUNDING) && until.is_none_or(|until| time <= until + ROUNDING)
-}
-
 /// A run of a Trial, whose frames all say what contacts do to each agent.
 pub struct Footage {
     pub trial: Trial,

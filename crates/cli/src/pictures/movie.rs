@@ -84,11 +84,13 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     {
         bail!(Misused(format!("--from {from:?} is not before --until {until:?}")));
     }
+    look.check(&[])?;
     // Before there is anything that would be left.
     let interrupt = Interrupt::watch();
     let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME));
     let footage = source.footage(source.runs().then_some(until), Wanted::All, &interrupt)?;
+    source.tell_lacking(look, &footage.run, Some(&footage.trial));
     let first = arguments.from.unwrap_or_else(|| footage.first());
     let last = match arguments.until {
         Some(End::At(time) | End::NotBefore(time)) => time,
@@ -105,6 +107,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
         );
     }
     let times: Vec<f64> = (0..frames as u64).map(|k| first + k as f64 * speed_up / frame_rate).collect();
+    look.tell_sampled(&footage.run, speed_up / frame_rate);
     let mut looks = Looks::new(look, &footage, &times, &interrupt)?;
     let of_path = || path.display().to_string();
     let mut film = Film::begin(file.writer(), kind, *frame_rate, times.len()).with_context(of_path)?;

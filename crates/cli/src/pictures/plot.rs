@@ -1,7 +1,8 @@
 //! `lemons plot`: scenes, time series, a map of density.
 
-use super::look::{Look, Looks, Quantity, seconds};
-use super::moment::{Moment, within};
+use super::look::{Look, Looks, seconds};
+use super::moment::Moment;
+use super::quantity::Quantity;
 use super::series::{Selection, chart};
 use super::source::{End, Source, Wanted};
 use crate::error::Misused;
@@ -10,6 +11,7 @@ use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::run::{Until, until};
 use anyhow::{Result, bail};
+use lemons_measure::within;
 use lemons_picture::{
     ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, SheetStyle, Style, Visibility, chart_svg, pdf, png,
     sheet, svg,
@@ -73,6 +75,7 @@ pub fn plot(arguments: &Arguments) -> Result<()> {
     if arguments.at.iter().any(|time| !(*time >= 0.0 && time.is_finite())) {
         bail!(Misused("--at: times are numbers of seconds, not below 0".into()));
     }
+    look.check(&arguments.series)?;
     // Before there is anything that would be left.
     let interrupt = Interrupt::watch();
     let mut file = Output::open(output)?;
@@ -122,9 +125,10 @@ impl Format {
 fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, at, look, .. } = arguments;
     let latest = at.iter().copied().reduce(f64::max).filter(|time| *time > 0.0);
-    let wanted = if look.shows_trails() { Wanted::All } else { Wanted::Around(at.clone()) };
+    let wanted = if look.needs_all() { Wanted::All } else { Wanted::Around(at.clone()) };
     let footage = source.footage(latest.map(End::NotBefore), wanted, interrupt)?;
     at.iter().try_for_each(|time| footage.check(*time))?;
+    source.tell_lacking(look, &footage.run, Some(&footage.trial));
     // Poses between two frames would stand beside forces of one of them.
     let asked = if at.is_empty() { vec![footage.last()] } else { at.clone() };
     let times: Vec<f64> = asked.iter().map(|time| footage.run.frames[footage.nearest(*time)].time).collect();
@@ -168,6 +172,7 @@ fn columns(panels: usize, aspect: f64) -> usize {
 fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
     let opened = source.open(source.end(arguments.until)?, Wanted::All, interrupt)?;
+    source.tell_lacking(look, &opened.run, opened.trial.as_ref());
     let (from, until) = (arguments.from, arguments.until.and_then(Until::time));
     let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
     let chart = chart(opened, look, &selection)?;

@@ -1,12 +1,14 @@
 //! Time series of each agent.
 
-use super::look::{Look, Quantity};
+use super::look::Look;
 use super::measured::Measured;
-use super::moment::{Footage, within};
+use super::moment::Footage;
+use super::quantity::{Quantity, Shown};
 use super::source::Opened;
 use anyhow::{Result, bail};
+use lemons_measure::within;
 use lemons_picture::{Axis, Chart, ChartPanel, Line};
-use lemons_record::{Frame, Run};
+use lemons_record::Run;
 
 /// What is shown of a run.
 pub struct Selection<'a> {
@@ -42,25 +44,19 @@ pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart
         bail!("{}: no frame between --from and --until", run.source.display());
     }
     let measured = look.measured(&run)?;
-    let mut quantities: Vec<Quantity> = Vec::new();
-    for quantity in selection.quantities.iter().map(|quantity| quantity.known_of(&run)) {
+    let mut quantities: Vec<Shown> = Vec::new();
+    for quantity in selection.quantities {
+        let shown = Shown::of(*quantity, &run, look.over())?;
         // Mean and peak may have become the same.
-        if !quantities.contains(&quantity) {
-            quantities.push(quantity);
+        if !quantities.iter().any(|known| known.quantity == shown.quantity) {
+            quantities.push(shown);
         }
     }
-    let panels = quantities.into_iter().map(|quantity| {
-        let (label, unit) = quantity.label();
+    let panels = quantities.into_iter().map(|shown| {
+        let quantity = shown.quantity;
         let simulated = places.iter().map(|&place| {
-            let frames = run.frames.iter().filter(|frame| within(frame.time));
-            let value = |frame: &Frame| {
-                if !frame.is_there(place) {
-                    return f64::NAN;
-                }
-                let seen = frame.observed.as_ref().and_then(|all| all.get(place));
-                quantity.of(&frame.agents[place], seen)
-            };
-            let points = frames.map(|frame| (frame.time, value(frame))).collect();
+            let frames = run.frames.iter().enumerate().filter(|(_, frame)| within(frame.time));
+            let points = frames.map(|(k, frame)| (frame.time, shown.of_one(&run, k, place))).collect();
             Line { name: run.ids[place].clone(), points, group: place, dashed: false }
         });
         let seen = places.iter().filter_map(|&place| {
@@ -69,7 +65,7 @@ pub fn chart(opened: Opened, look: &Look, selection: &Selection) -> Result<Chart
             Some(Line { name: run.ids[place].clone(), points, group: place, dashed: true })
         });
         ChartPanel {
-            y: Axis { label: label.to_owned(), unit: unit.to_owned() },
+            y: Axis { label: shown.label(), unit: shown.unit().to_owned() },
             lines: simulated.chain(seen).collect(),
             steps: quantity == Quantity::Contacts,
         }

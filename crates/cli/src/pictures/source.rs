@@ -1,13 +1,14 @@
 //! What `lemons plot` and `lemons movie` show, and `lemons measure` measures: a Trial, an FMU, or the record of a run.
 
-use super::look::positive;
+use super::look::{Look, positive};
 use super::moment::Footage;
+use super::quantity::longest_gap;
 use crate::compared::Poses;
 use crate::decide::Walk;
 use crate::error::Misused;
 use crate::export::{expect_table, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::run::{self, Ends, Job, Until, drive_of, name_and_value_of_all, simulate};
+use crate::run::{Ends, Job, Until, drive_of, name_and_value_of_all, simulate};
 use crate::watch::Places;
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::variables::{Kind, in_documents_mut, table};
@@ -58,7 +59,7 @@ pub enum End {
     NotBefore(f64),
     /// When all have come to rest, and at [`LATEST`].
     Still,
-    /// When nobody is there any more, and at [`run::LATEST`].
+    /// When nobody is there any more, and at [`lemons_measure::LATEST`].
     Left,
 }
 
@@ -84,7 +85,7 @@ impl End {
         match self {
             End::At(time) | End::NotBefore(time) => time,
             End::Still => LATEST,
-            End::Left => run::LATEST,
+            End::Left => lemons_measure::LATEST,
         }
     }
 }
@@ -198,6 +199,19 @@ impl Source {
         Ok(Footage::new(trial.with_context(need)?, run)?)
     }
 
+    /// Says so if means over a time are shown of earlier results that probably lack communication points.
+    pub fn tell_lacking(&self, look: &Look, run: &Run, trial: Option<&Trial>) {
+        let longest = longest_gap(run);
+        let Some(trial) = trial.filter(|trial| !self.runs() && lacks_steps(trial, longest)) else { return };
+        if look.over().is_some() {
+            note!(
+                "warning: frames are up to {longest:.6} s apart, but the TimeStep of the Trial is {:?} s: if the table has \
+                 not all communication points (--every), the means over a time are wrong",
+                trial.parameters.time_step
+            );
+        }
+    }
+
     /// Whether it is something to run.
     pub fn runs(&self) -> bool {
         let ends = |with: &str| self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case(with));
@@ -243,6 +257,11 @@ impl Source {
         };
         Ok(Run { source: self.path.clone(), ..ended.recorded.with_context(none)? })
     }
+}
+
+/// Whether frames are further apart \[s\] than communication points of the Trial.
+pub fn lacks_steps(trial: &Trial, longest: f64) -> bool {
+    longest > trial.parameters.time_step * (1.0 + 1e-6) + 2e-9
 }
 
 /// A Trial as it begins.

@@ -1,5 +1,8 @@
 //! When a crowd has come to rest, or has left.
 
+use crate::watch::Watch;
+use lemons_measure::Leaving;
+
 /// \[s\] Nobody moves for so long.
 pub const REST: f64 = 1.0;
 /// \[s\] The same where nobody has moved yet: the crowd may be waiting for something.
@@ -8,42 +11,62 @@ const WAIT: f64 = 5.0;
 /// \[s\] Times are sums of steps.
 const ROUNDING: f64 = 1e-9;
 
+/// What ends a run before its time.
+pub enum Rest {
+    Still(Still),
+    Left(Leaving),
+}
+
 /// Since when nobody moves, while a run is made.
-pub struct Rest {
+pub struct Still {
     /// \[s\]
     since: f64,
     moved: bool,
-    /// It is over only when so many have left.
-    leave: Option<usize>,
-    left: usize,
 }
 
 impl Rest {
+    /// At the last look at a time \[s\].
+    pub fn see(&mut self, time: f64, watch: &Watch) {
+        match self {
+            Rest::Still(still) => still.see(time, watch.moves()),
+            Rest::Left(leaving) => {
+                leaving.see(time, &watch.standing());
+            }
+        }
+    }
+
+    /// At a time \[s\].
+    pub fn is_over(&self, time: f64) -> bool {
+        match self {
+            Rest::Still(still) => still.is_over(time),
+            Rest::Left(leaving) => leaving.over().is_some(),
+        }
+    }
+
+    /// How many have left of how many, if the run waits for that.
+    pub fn left(&self) -> Option<(usize, usize)> {
+        match self {
+            Rest::Still(_) => None,
+            Rest::Left(leaving) => Some(leaving.counts()),
+        }
+    }
+}
+
+impl Still {
     /// Of a run whose propulsion over time ends then \[s\]: before, nobody rests.
-    pub fn after(pushes_end: Option<f64>) -> Rest {
-        let since = pushes_end.unwrap_or(f64::NEG_INFINITY);
-        Rest { since, moved: false, leave: None, left: 0 }
+    pub fn after(pushes_end: Option<f64>) -> Still {
+        Still { since: pushes_end.unwrap_or(f64::NEG_INFINITY), moved: false }
     }
 
-    /// Over as soon as so many have left.
-    pub fn when_left(leave: usize) -> Rest {
-        Rest { leave: Some(leave), ..Rest::after(None) }
-    }
-
-    /// At a time \[s\], whether somebody moves, and how many have left.
-    pub fn see(&mut self, time: f64, moves: bool, left: usize) {
-        self.left = left;
+    /// At a time \[s\], whether somebody moves.
+    fn see(&mut self, time: f64, moves: bool) {
         self.moved |= moves;
         if moves || self.since == f64::NEG_INFINITY {
             self.since = self.since.max(time);
         }
     }
 
-    /// At a time \[s\].
-    pub fn is_over(&self, time: f64) -> bool {
-        if let Some(leave) = self.leave {
-            return self.left >= leave;
-        }
+    fn is_over(&self, time: f64) -> bool {
         let enough = if self.moved { REST } else { WAIT };
         self.since.is_finite() && time - self.since >= enough - ROUNDING
     }
@@ -55,9 +78,9 @@ mod tests {
 
     /// When a run ends in which somebody moves at these times \[s\].
     fn end(pushes_end: Option<f64>, moves: impl Fn(f64) -> bool) -> Option<f64> {
-        let mut rest = Rest::after(pushes_end);
+        let mut rest = Still::after(pushes_end);
         (1..=200).map(|k| 0.1 * f64::from(k)).find(|time| {
-            rest.see(*time, moves(*time), 0);
+            rest.see(*time, moves(*time));
             rest.is_over(*time)
         })
     }

@@ -48,7 +48,12 @@ pub enum MeanOrMax {
 }
 
 impl InArea {
-    fn span(&self) -> Span {
+    /// Whether it needs the cells of people in the room, which is known at the end of a run.
+    pub(crate) fn needs_room(&self) -> bool {
+        self.number == OfDensity::VoronoiDensity
+    }
+
+    pub(crate) fn span(&self) -> Span {
         Span { from: self.from, until: self.until }
     }
 
@@ -67,7 +72,7 @@ impl InArea {
         let number = |seen: &Density| match self.number {
             OfDensity::People => Some(seen.people as f64),
             OfDensity::Density => Some(seen.classic),
-            OfDensity::VoronoiDensity => Some(seen.voronoi),
+            OfDensity::VoronoiDensity => seen.voronoi,
             OfDensity::Speed => seen.speed,
         };
         let all = MeanMax::of(seen.iter().filter(|seen| span.has(seen.time)).filter_map(number))?;

@@ -1,5 +1,7 @@
 //! Which part of a run counts.
 
+use lemons_measure::within;
+
 /// A part of the time of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Span {
@@ -8,9 +10,6 @@ pub(crate) struct Span {
     /// \[s\] Up to this one; `None`: to the end.
     pub until: Option<f64>,
 }
-
-/// \[s\] Times are sums of steps.
-const ROUNDING: f64 = 1e-9;
 
 impl Span {
     /// Checks that it is a part.
@@ -32,7 +31,6 @@ impl Span {
 
     /// Whether a time \[s\] is in it.
     pub(crate) fn has(&self, time: f64) -> bool {
-        self.from.is_none_or(|from| time >= from - ROUNDING)
-            && self.until.is_none_or(|until| time <= until + ROUNDING)
+        within(time, self.from, self.until)
     }
 }

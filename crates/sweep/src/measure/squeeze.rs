@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 pub struct OfSqueeze {
     /// What of it.
     pub squeeze: Exposed,
-    /// \[s\] For [`Exposed::LargestMean`]: 0.1, 1 or 10.
+    /// \[s\] For [`Exposed::LargestMean`]: 0.1, 1 or 10. For [`Exposed::TimeAbove`]: of the means that are compared with
+    /// the level; else they are those of communication steps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<f64>,
     /// \[N\] For [`Exposed::TimeAbove`].
@@ -36,7 +37,7 @@ pub struct OfSqueeze {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exposed {
-    /// \[s\] In communication steps whose mean squeeze is above a level.
+    /// \[s\] In which the mean squeeze over a time, or over a communication step, is above a level.
     TimeAbove,
     /// \[N\] The greatest mean squeeze over a time.
     LargestMean,
@@ -69,7 +70,12 @@ impl OfSqueeze {
             _ if mean && self.place().is_none() => {
                 return Err("squeeze = \"largest_mean\" needs over = 0.1, 1 or 10 (seconds)".into());
             }
-            Some(_) if !mean => return Err("over is for squeeze = \"largest_mean\"".into()),
+            Some(over) if above && !(over > 0.0 && over.is_finite()) => {
+                return Err("over must be a positive number of seconds".into());
+            }
+            Some(_) if !mean && !above => {
+                return Err("over is for squeeze = \"largest_mean\" and \"time_above\"".into());
+            }
             _ => {}
         }
         match self.level {
@@ -98,7 +104,9 @@ pub(crate) struct Squeezed<'a> {
 impl<'a> Squeezed<'a> {
     pub fn new(measure: &'a OfSqueeze, agents: &'a [usize]) -> Squeezed<'a> {
         let levels: Vec<f64> = measure.level.into_iter().collect();
-        Squeezed { measure, agents, exposure: Exposure::new(agents.len(), &levels) }
+        let exposure = Exposure::new(agents.len(), &levels);
+        let over = measure.over.filter(|_| measure.squeeze == Exposed::TimeAbove);
+        Squeezed { measure, agents, exposure: over.into_iter().fold(exposure, Exposure::over) }
     }
 
     pub fn add(&mut self, frame: &Frame) {
@@ -114,7 +122,7 @@ impl<'a> Squeezed<'a> {
             return None;
         }
         let of = |one: &lemons_measure::Exposed| match measure.squeeze {
-            Exposed::TimeAbove => one.above.first().copied(),
+            Exposed::TimeAbove => one.above.first().copied().flatten(),
             Exposed::LargestMean => one.largest_mean[measure.place()?],
             Exposed::Peak => Some(one.peak),
             Exposed::Impulse => Some(one.impulse),

@@ -1,0 +1,194 @@
+//! What is shown of each agent at each time.
+
+use super::moment::Moment;
+use crate::error::Misused;
+use anyhow::{Result, bail};
+use clap::ValueEnum;
+use lemons_measure::{MovingMeans, squeeze};
+use lemons_picture::ColourMap;
+use lemons_plane::Motion;
+use lemons_record::{Observed, OfStep, Run};
+
+/// What is known of each agent at each time.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Quantity {
+    /// x of the centre of mass
+    X,
+    /// y of the centre of mass
+    Y,
+    /// Speed of the centre of mass
+    Speed,
+    /// Sum of |F_n| over the contacts: its mean over the communication step that ends at this time, or --over
+    Squeeze,
+    /// The greatest such mean until this time
+    GreatestSqueeze,
+    /// Largest value of this sum within that step
+    PeakSqueeze,
+    /// Its value at the time: of runs that do not say the others.
+    #[value(skip)]
+    SqueezeAtTheTime,
+    /// Number of contacts with disks of other people and with walls
+    Contacts,
+}
+
+impl Quantity {
+    /// Name and unit.
+    pub fn label(self) -> (&'static str, &'static str) {
+        match self {
+            Quantity::X => ("x", "m"),
+            Quantity::Y => ("y", "m"),
+            Quantity::Speed => ("speed", "m/s"),
+            Quantity::Squeeze => ("mean squeeze", "N"),
+            Quantity::GreatestSqueeze => ("greatest mean squeeze", "N"),
+            Quantity::PeakSqueeze => ("peak squeeze", "N"),
+            Quantity::SqueezeAtTheTime => ("squeeze at the time", "N"),
+            Quantity::Contacts => ("contacts", ""),
+        }
+    }
+
+    /// Whether it is a mean over a time.
+    pub fn is_mean(self) -> bool {
+        matches!(self, Quantity::Squeeze | Quantity::GreatestSqueeze)
+    }
+
+    /// What contacts do; else it is known of every run.
+    pub fn is_of_contacts(self) -> bool {
+        !matches!(self, Quantity::X | Quantity::Y | Quantity::Speed)
+    }
+
+    /// What can be shown of it: of a run that does not say what contacts did during its steps, the squeeze at
+    /// the times, which is told.
+    fn known_of(self, run: &Run) -> Quantity {
+        let mut observed = run.frames.iter().flat_map(|frame| frame.observed.iter().flatten());
+        let of_steps = !(self.is_mean() || self == Quantity::PeakSqueeze);
+        if of_steps || observed.all(|seen| seen.of_step.is_some()) {
+            return self;
+        }
+        let (label, _) = self.label();
+        let source = run.source.display();
+        note!(
+            "{source}: it does not contain the {label} over communication steps; the squeeze at this time is shown instead"
+        );
+        Quantity::SqueezeAtTheTime
+    }
+
+    /// Of an agent; NaN where it is not known.
+    fn of(self, agent: &Motion, seen: Option<&Observed>) -> f64 {
+        let of_step = |value: fn(&OfStep) -> f64| seen?.of_step.as_ref().map(value);
+        let known = match self {
+            Quantity::X => Some(agent.pose.position.x),
+            Quantity::Y => Some(agent.pose.position.y),
+            Quantity::Speed => Some(agent.twist.velocity.norm()),
+            Quantity::Squeeze | Quantity::GreatestSqueeze => of_step(|step| step.mean_normal_force),
+            Quantity::PeakSqueeze => of_step(|step| step.peak_normal_force),
+            Quantity::SqueezeAtTheTime => seen.map(|seen| seen.normal_force),
+            Quantity::Contacts => {
+                seen.map(|seen| f64::from(seen.agent_contacts) + f64::from(seen.wall_contacts))
+            }
+        };
+        known.unwrap_or(f64::NAN)
+    }
+
+    fn map(self) -> ColourMap {
+        if self.is_of_contacts() { ColourMap::FromPaper } else { ColourMap::Viridis }
+    }
+}
+
+/// A quantity of everybody in each frame of a run.
+pub struct Shown {
+    pub quantity: Quantity,
+    /// \[s\] What means are over; `None`: one communication step.
+    over: Option<f64>,
+    /// \[N\] Of each frame, where frames before it count.
+    values: Option<Vec<Vec<f64>>>,
+}
+
+impl Shown {
+    /// # Errors
+    /// Means are over less than a communication step.
+    pub fn of(quantity: Quantity, run: &Run, over: Option<f64>) -> Result<Shown> {
+        let quantity = quantity.known_of(run);
+        let over = over.filter(|_| quantity.is_mean());
+        if let Some(over) = over {
+            let longest = longest_gap(run);
+            if longest > over * (1.0 + 1e-9) {
+                bail!(Misused(format!(
+                    "--over {over:?}: shorter than the time between two frames, {longest:.6} s"
+                )));
+            }
+        }
+        let greatest = quantity == Quantity::GreatestSqueeze;
+        let values = (over.is_some() || greatest).then(|| means(run, over, greatest));
+        Ok(Shown { quantity, over, values })
+    }
+
+    pub fn label(&self) -> String {
+        let (label, _) = self.quantity.label();
+        let over = self.over.map_or("a step".to_owned(), |over| format!("{over} s"));
+        match self.quantity {
+            Quantity::Squeeze => format!("{label} over {over}"),
+            Quantity::GreatestSqueeze => format!("{label} over {over} so far"),
+            _ => label.to_owned(),
+        }
+    }
+
+    pub fn unit(&self) -> &'static str {
+        self.quantity.label().1
+    }
+
+    pub fn map(&self) -> ColourMap {
+        self.quantity.map()
+    }
+
+    /// Of everybody; NaN where it is not known.
+    pub fn of_all(&self, moment: &Moment) -> Vec<f64> {
+        if let Some(values) = &self.values {
+            return values[moment.nearest].clone();
+        }
+        let of = |(k, agent)| self.quantity.of(agent, moment.observed.get(k));
+        moment.agents.iter().enumerate().map(of).collect()
+    }
+
+    /// Of an agent in a frame; NaN where it is not known, or has left.
+    pub fn of_one(&self, run: &Run, frame: usize, agent: usize) -> f64 {
+        let seen = &run.frames[frame];
+        match &self.values {
+            _ if !seen.is_there(agent) => f64::NAN,
+            Some(values) => values[frame][agent],
+            None => {
+                let observed = seen.observed.as_ref().and_then(|all| all.get(agent));
+                self.quantity.of(&seen.agents[agent], observed)
+            }
+        }
+    }
+}
+
+/// \[s\] The longest time between two frames.
+pub fn longest_gap(run: &Run) -> f64 {
+    run.frames.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max)
+}
+
+/// \[N\] Of each frame the mean squeeze of everybody over a time \[s\], or over the step that ends there; or the greatest
+/// until then. NaN where it is not known yet.
+fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
+    let people = run.ids.len();
+    let mut moving = over.map(MovingMeans::over);
+    let mut most = vec![f64::NAN; people];
+    let of_frame = |(k, frame)| {
+        let of_step: Vec<Option<f64>> =
+            (0..people).map(|agent| squeeze(frame, agent).map(|(mean, _)| mean)).collect();
+        let means = match &mut moving {
+            Some(moving) => moving.add(frame.time, of_step.into_iter()),
+            // At the start there was no step.
+            None => (k > 0).then(|| of_step.into_iter().map(|mean| mean.unwrap_or(f64::NAN)).collect()),
+        };
+        let means = means.unwrap_or_else(|| vec![f64::NAN; people]);
+        // The greater one; what is known, if the other is not.
+        most.iter_mut().zip(&means).for_each(|(most, mean)| *most = most.max(*mean));
+        let shown = if greatest { &most } else { &means };
+        // Who has left has no value, and no part in the scale.
+        let of = |(agent, value): (usize, &f64)| if frame.is_there(agent) { *value } else { f64::NAN };
+        shown.iter().enumerate().map(of).collect()
+    };
+    run.frames.iter().enumerate().map(of_frame).collect()
+}
