@@ -603,7 +603,15 @@ impl Stepping<'_> {
     /// Looks at the first point, unless the run goes on from there; steps to the end.
     fn advance(&mut self, system: &mut System, from_start: bool) -> Result<()> {
         if from_start {
-            self.shared.with(|underway| underway.watch.look(system, Point::Start))?;
+            let rest = &mut self.rest;
+            self.shared.with(|underway| {
+                underway.watch.look(system, Point::Start)?;
+                // Where everybody stands; whether anybody rests is asked after a step.
+                if let Some(Rest::Left(leaving)) = rest {
+                    leaving.see(system.time(), &underway.watch.standing());
+                }
+                Ok(())
+            })?;
         }
         self.put_by(system)?;
         let (clock, first) = (self.progress.clock, self.progress.index);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import monotonic
@@ -18,6 +19,7 @@ from .drive import Drive, DriveLike, Floats, forces, known
 from .errors import FmuError
 from .fmu import Fmu
 from .instance import Instance, Value
+from .leaving import LATEST, REACH, STANDSTILL, Leaving
 from .loaded import Loaded, Source
 from .made import Plan, model_of
 from .model import Algorithm, Model, System
@@ -25,10 +27,8 @@ from .progress import Progress, ProgressLine
 from .record import Record
 from .run import Ints, Run, of_step
 
-#: The end of a run: a time [s]; or "left": when everybody has left who has an exit, at the latest after `LATEST`.
+#: The end of a run: a time [s]; or "left": when everybody has left who has an exit, or nobody gets out any more (`leaving`).
 Until = Union[float, Literal["left"]]
-#: Who has not left until then [s] does not leave, as in `lemons run --until left`.
-LATEST = 3600.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -253,8 +253,9 @@ class Crowd:
         """Steps until a time [s], and returns poses, velocities, squeeze and contacts at all communication points. These are
         multiples of the step from the present time; the last step may be shorter. The default step is the Trial's TimeStep.
 
-        With `until="left"` the run ends when everybody has left who has an exit, at the latest at 3600 s. `stop` is a function
-        of the Crowd that is called after each step: the run ends when it returns True. `Run.ended` says when that was.
+        With `until="left"` the run ends when everybody has left who has an exit; or, with a warning, when in 300 s nobody has
+        left or got further than 5 m; at the latest at 3600 s. `stop` is a function of the Crowd that is called after each step:
+        the run ends when it returns True. `Run.ended` says when all had left, or `stop` returned True.
 
         The default drive is the drive.csv packed with the Trial, as in `lemons run`; nothing where people walk. With `False` no
         drive is set: that of the Trial, or the one that was set before, continues. See `DriveLike` for other drives.
@@ -267,9 +268,10 @@ class Crowd:
             OSError: the drive's file cannot be read.
         """
         drive = self._model.driven(known(drive, self.fmu.ids), self.trial)
-        leave = None
+        leaving = None
         if until == "left":
             leave, until = self._model.leave(), LATEST
+            leaving = Leaving(leave)
         elif isinstance(until, str):
             raise ValueError(f"until={until!r}: must be a time [s], or 'left'")
         start, step = self.time, self._model.step_of(self.trial) if step is None else step
@@ -279,8 +281,10 @@ class Crowd:
             pushes, driven = self._pushes(drive, points_between(start, until, step))
         elif isinstance(drive, np.ndarray):
             self.set_drive(drive)
-        record = Record(self.fmu, self._instance, steps, leave is None and stop is None)
+        record = Record(self.fmu, self._instance, steps, leaving is None and stop is None)
         record.look(start)
+        if leaving is not None:
+            leaving.see(start, *record.standing())
         line, begin = (ProgressLine("steps", failing=False) if progress else None), monotonic()
         ended = None
         for k in range(1, steps + 1):
@@ -292,12 +296,20 @@ class Crowd:
             record.look(self.time)
             if line is not None:
                 line(Progress(k, 0, steps, monotonic() - begin, 0, None))
-            if (leave is not None and record.left() >= leave) or (stop is not None and stop(self)):
+            over = None if leaving is None else leaving.see(self.time, *record.standing())
+            if over == "left" or (stop is not None and stop(self)):
                 ended = self.time
+            if over == "standstill" or (k == steps and leaving is not None and ended is None):
+                self._warn_of_stay(int(record.standing()[1].sum()))
+            if ended is not None or over is not None:
                 if line is not None:
                     line(Progress(k, 0, k, monotonic() - begin, 0, None))
                 break
         return record.finish(self.trial, ended, may_leave=self._model.may_leave)
+
+    def _warn_of_stay(self, stay: int) -> None:
+        why = f"in {STANDSTILL:g} s nobody has left or got further than {REACH:g} m, or {LATEST:g} s are over"
+        warnings.warn(f"{stay} of {self.fmu.agents} people are still there at t = {self.time:g} s: {why}", stacklevel=3)
 
     def _pushes(self, drive: Drive, times: Floats) -> tuple[Floats, NDArray[np.uint32]]:
         """Returns the values of tables at each step, and the references of these inputs."""

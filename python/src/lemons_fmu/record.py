@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .drive import Floats
 from .fmu import Fmu
 from .instance import Instance
 from .run import Run
@@ -45,9 +46,10 @@ class Record:
             self._active[k] = self._instance.get_boolean(self._fmu.active)
         self._frames = k + 1
 
-    def left(self) -> int:
-        """How many are not there now."""
-        return int(self._active.shape[1] - self._active[self._frames - 1].sum())
+    def standing(self) -> tuple[Floats, NDArray[np.bool_]]:
+        """Where everybody is now, x and y [m], and whether they are there."""
+        now = self._frames - 1
+        return self._reals[now, :, 0:2], self._active[now]
 
     def finish(self, trial: str, ended: float | None, *, may_leave: bool) -> Run:
         """Returns the run."""
