@@ -346,7 +346,7 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
         Ends::Left => Some(Rest::Left(until_left(&system, &watch)?)),
     };
     let file = state.map(|path| Ok::<_, anyhow::Error>((files::stage(&path)?, path))).transpose()?;
-    let coupling = coupled.then(|| described(&system, progress.clock.step));
+    let coupling = described(&system, coupled, progress.clock.step);
     let kept = if file.is_some() { Some(Kept::of(&mut system, &progress)?) } else { None };
     series::remove(&left)?;
     let bar = match rest.as_ref().and_then(Rest::left) {
@@ -364,7 +364,7 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
         first,
         time: first,
         started: Instant::now(),
-        coupling: coupling.into_iter().flatten().collect(),
+        coupling,
         watch,
         file,
         at_hand: None,
@@ -458,14 +458,12 @@ fn stayed(leaving: &Leaving, watch: &Watch, system: &System, progress: &Progress
     );
 }
 
-/// A coupled system, for the lines at the end of a run. `step` \[s\] is the communication step.
-fn described(system: &System, step: f64) -> [String; 2] {
+/// A system, for the lines at the end of a run. `step` \[s\] is the communication step.
+fn described(system: &System, coupled: bool, step: f64) -> Vec<String> {
     let (components, connections) = (system.components().len(), system.connections());
     let algorithm = system.algorithm();
-    [
-        format!("components         {components:>10}     ({connections} connections, {algorithm})"),
-        format!("communication step {step:>10} s"),
-    ]
+    let parts = format!("components         {components:>10}     ({connections} connections, {algorithm})");
+    coupled.then_some(parts).into_iter().chain([format!("communication step {step:>10} s")]).collect()
 }
 
 /// The error of a run that stopped at a time \[s\], after what became of its files was told.
