@@ -172,8 +172,10 @@ class Loaded:
         try:
             _check_unpacked(self.data)
             fmpy.extract(BytesIO(self.data), self.directory)
-        except Exception as error:  # fmpy and zipfile raise any exception
+        except BaseException as error:
             self._remove()
+            if not isinstance(error, Exception):  # fmpy and zipfile raise any
+                raise
             what = "cannot be unpacked" if isinstance(error, OSError) else "is not a readable FMU"
             raise FmuError(f"{what}: {error}") from error
 
