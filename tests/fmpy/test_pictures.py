@@ -19,7 +19,7 @@ import pages
 import pytest
 from conftest import SHARED
 from crowd import REPOSITORY, TRIAL_PUSH
-from drawn import differing
+from drawn import differing, pixels
 
 DOCS = REPOSITORY / "docs"
 DIGESTS = DOCS / "pictures.digests"
@@ -34,7 +34,7 @@ MADE_BY = {
     **{f"docs/guide/{name}.png": ("docs/pictures.sh", f'"$to/guide/{name}.png"') for name in GUIDE},
     # crates/people/tests/physics.rs compares them.
     **{f"docs/guide/physics_{name}.svg": ("crates/people/examples/physics/drawings.rs", f'"physics_{name}.svg"') for name in PHYSICS},
-    **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'shown("{name}")') for name in ("run", "3d", "room", "person", "exits")},
+    **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'"{name}": ') for name in ("run", "3d", "room", "person", "exits")},
     **{f"docs/validation_{name}.svg": ("examples/validation.py", f'"{name}": {name}') for name in VALIDATION},
     "docs/door_width.svg": ("examples/door_width.py", '"door_width.svg"'),
     "docs/calibration.png": ("examples/calibrate.py", '"calibration.png"'),
@@ -62,7 +62,7 @@ def test_a_picture_is_what_pictures_sh_draws(lemons, tmp_path, name):
     # Matplotlib draws letters with what a machine has; our own pictures do not.
     most = 0.01 if name == "flow" else 0.0005
     for file in [f"guide/{each}.png" for each in GUIDE] if name == "guide" else [f"{name}.png"]:
-        part = differing(tmp_path / file, DOCS / file).mean()
+        part = differing(pixels(tmp_path / file), pixels(DOCS / file)).mean()
         assert part <= most, f"docs/{file} is old ({part:.2%} of its pixels differ): docs/pictures.sh docs {name}"
 
 
