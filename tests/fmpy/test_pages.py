@@ -269,7 +269,8 @@ def test_a_page_that_hangs_says_where(lemons, tmp_path):
     shell.add("page.md:1", "echo first")
     shell.add("page.md:2", "echo second; sleep 600 | cat")
     begun = time.monotonic()
-    with pytest.raises(AssertionError, match=r"^page.md:2: the page took longer than 1 s, and was here: echo second; sleep 600 \| cat\nsecond\n"):
+    told = r"^page.md:2: the page took longer than 1 s, and was here: echo second; sleep 600 \| cat\nsecond\n"
+    with pytest.raises(AssertionError, match=told):
         shell.run(limit=1)
     assert time.monotonic() - begun < 60
 
@@ -285,7 +286,8 @@ def test_the_identity_of_a_sweep_has_the_keys_of_the_manual(lemons, tmp_path):
     (shown,) = (json.loads(block.text) for block in pages.blocks("python/README.md") if block.language == "json")
     subprocess.run([lemons, "pack", TRIAL_PUSH, "-o", tmp_path / "push.fmu"], check=True, capture_output=True)
     with local_cluster(1, processes=False) as cluster, Client(cluster) as client:
-        sweep(tmp_path / "push.fmu", {"Threads": [1]}, None, lambda run: {}, until=0.1, out=tmp_path / "python", client=client, progress=False)
+        options = {"until": 0.1, "out": tmp_path / "python", "client": client, "progress": False}
+        sweep(tmp_path / "push.fmu", {"Threads": [1]}, None, lambda run: {}, **options)
 
     def swept(name, trial, *lines):
         text = [f"trial = {str(trial)!r}", "until = 0.1", "parameters = { TimeStepMechanical = [1e-4] }", *lines]
@@ -324,7 +326,8 @@ def test_links_lead_somewhere(page):
 
 def test_the_exceptions_are_needed():
     """Each is that of a block or a command which is still there."""
-    shells = [(page, command) for page in pages.PAGES for block in pages.blocks(page) if block.language == "sh" for command in commands(block)]
+    blocks = [block for page in pages.PAGES for block in pages.blocks(page) if block.language == "sh"]
+    shells = [(block.page, command) for block in blocks for command in commands(block)]
     entries = {exception(page, command) for page, command in shells}
     assert entries - {None} == {*NOT_RUN_ANYWHERE, *NOT_RUN}
     for page, begin in BEFORE:

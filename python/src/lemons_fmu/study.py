@@ -49,7 +49,7 @@ class Given:
 class Study:
     """What the points simulate."""
 
-    #: Their FMUs are those that a plugin has sent.
+    #: With the SHA-256 of their FMUs.
     subjects: list[Subject]
     #: Of each point the place of its subject; None if all have the first.
     places: NDArray[np.int64] | None
@@ -67,7 +67,7 @@ class Study:
         return 0 if self.places is None else int(self.places[point])
 
     def packed(self, place: int) -> Subject:
-        """Packs a subject again, with the bytes of its FMUs: no worker may have them.
+        """Packs a subject again, and returns it with the bytes of its FMUs, which workers do not have.
 
         Raises:
             CommandError, FmuError: it cannot be packed any more.
