@@ -1,69 +1,117 @@
 """Makes the pictures of docs/lab.md again, in docs/ or in the directory that is given: lab_run.png, lab_3d.png, lab_room.png,
-lab_person.png, lab_exits.png. docs/pictures.sh calls it where Playwright, Chromium and the lab are."""
+lab_person.png, lab_exits.png. docs/pictures.sh calls it where Playwright, Chromium and the lab are. Everything in them is the
+same each time, but for how long the computer took: `--places` prints where that is, and where other things are."""
 
+import argparse
+import json
+import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
-from playwright.sync_api import sync_playwright
+import matplotlib
+from playwright.sync_api import Page, sync_playwright
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS.parent / "tests/lab"))
 
-from visit import LEMONS, example, fill, play_until, tab  # noqa: E402
+from visit import LEMONS, example, fill, show_at, tab  # noqa: E402
+
+# Letters of Matplotlib, which is on every machine that makes pictures.
+FONTS = f"""<?xml version="1.0"?>
+<fontconfig>
+  <dir>{Path(matplotlib.get_data_path()) / "fonts/ttf"}</dir>
+  <cachedir>{{cache}}</cachedir>
+  <match><edit name="family" mode="prepend" binding="strong"><string>DejaVu Sans</string></edit></match>
+  <match target="font">
+    <edit name="antialias" mode="assign"><bool>true</bool></edit>
+    <edit name="hinting" mode="assign"><bool>false</bool></edit>
+    <edit name="rgba" mode="assign"><const>none</const></edit>
+  </match>
+</fontconfig>
+"""
+# What depends on the computer's speed.
+CHANGING = "p:has-text('placed in'), tr:has-text('Time to compute') td, tr:has-text('per person and') td"
+THINGS = "button, select, input, canvas, svg, h1, h2, h3, legend, th, td, p"
 
 
-def main(to: Path) -> None:
+def run(page: Page) -> None:
+    example(page, "The door", 70)
+    page.get_by_label("Forces").check()
+    show_at(page, 5)
+
+
+def exits(page: Page) -> None:
+    example(page, "Two exits", 60)
+    tab(page, "Motion")
+    show_at(page, 5)
+
+
+def space(page: Page) -> None:
+    example(page, "The door", 70)
+    tab(page, "Crowd")
+    show_at(page, 5)
+    page.get_by_label("View").select_option(label="3D")
+    page.wait_for_timeout(5000)
+
+
+def room(page: Page) -> None:
+    example(page, "A stadium's vomitory", 130)
+    show_at(page, 0.2)
+    tab(page, "Room")
+
+
+def person(page: Page) -> None:
+    tab(page, "Person")
+    fill(page, "Bideltoid breadth", 48)
+    page.get_by_label("Section of the body").check()
+    page.wait_for_timeout(2000)
+
+
+PICTURES = {"run": run, "exits": exits, "3d": space, "room": room, "person": person}
+
+
+def boxes(page: Page, selector: str) -> list[list[float]]:
+    """Left, top, width and height of what is visible [pixel]."""
+    found = [each.bounding_box() for each in page.locator(selector).all() if each.is_visible()]
+    return [[box["x"], box["y"], box["width"], box["height"]] for box in found if box]
+
+
+def main(to: Path) -> dict[str, dict[str, list[list[float]]]]:
+    """Returns, for each picture, where things are and where they change."""
     command = subprocess.Popen([LEMONS, "lab", "--no-browser"], stdout=subprocess.PIPE, text=True)
     assert command.stdout
     url = command.stdout.readline().split()[4].rstrip(",")
-    with sync_playwright() as playwright:
+    places = {}
+    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as scratch:
+        fonts = Path(scratch) / "fonts.conf"
+        fonts.write_text(FONTS.format(cache=scratch))
         arguments = ["--no-sandbox", "--enable-unsafe-swiftshader"]
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=arguments)
-        page = browser.new_page(viewport={"width": 1280, "height": 800})
-        page.goto(url)
-        page.wait_for_selector("canvas")
-        shown = lambda name: page.screenshot(path=to / f"lab_{name}.png")
-
-        example(page, "The door", 70)
-        page.get_by_label("Forces").check()
-        play_until(page, 5)
-        page.wait_for_timeout(1000)
-        shown("run")
-
-        page.get_by_label("Forces").uncheck()
-        example(page, "Two exits", 60)
-        tab(page, "Motion")
-        play_until(page, 5)
-        page.wait_for_timeout(1000)
-        shown("exits")
-
-        example(page, "The door", 70)
-        tab(page, "Crowd")
-        play_until(page, 5)
-        page.get_by_label("View").select_option(label="3D")
-        page.wait_for_timeout(5000)
-        shown("3d")
-        page.get_by_label("View").select_option(label="From above")
-
-        tab(page, "Start")
-        example(page, "A stadium's vomitory", 130)
-        play_until(page, 0.2)
-        tab(page, "Room")
-        page.wait_for_timeout(500)
-        shown("room")
-
-        tab(page, "Person")
-        fill(page, "Bideltoid breadth", 48)
-        page.get_by_label("Section of the body").check()
-        page.wait_for_timeout(2000)
-        # Without a graphics card, a body that turns is coarse.
-        page.get_by_role("checkbox", name="Turn").uncheck()
-        page.wait_for_timeout(1500)
-        shown("person")
+        environment = {**os.environ, "FONTCONFIG_FILE": str(fonts)}
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=arguments, env=environment)
+        for name, show in PICTURES.items():
+            # Nothing moves unless it is asked to.
+            page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
+            page.goto(url)
+            page.wait_for_selector("canvas")
+            show(page)
+            page.mouse.move(0, 0)
+            page.wait_for_timeout(1000)
+            page.screenshot(path=to / f"lab_{name}.png")
+            places[name] = {"changing": boxes(page, CHANGING), "things": boxes(page, THINGS)}
+            page.close()
         browser.close()
     command.terminate()
+    return places
 
 
-main(Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS)
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("to", metavar="DIR", type=Path, nargs="?", default=DOCS)
+    parser.add_argument("--places", action="store_true", help="print places in pixels, as JSON")
+    given = parser.parse_args()
+    found = main(given.to)
+    if given.places:
+        print(json.dumps(found))

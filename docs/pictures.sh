@@ -62,6 +62,6 @@ if wanted flow && "$python" -c 'import fmpy, matplotlib' 2>/dev/null; then
     "$python" examples/coupled_fmpy.py "$scratch/decision.fmu" "$scratch/crowd.fmu" "$to/flow.png" >/dev/null
 fi
 
-if wanted lab && "$python" -c 'import playwright' 2>/dev/null && command -v chromium >/dev/null; then
+if wanted lab && "$python" -c 'import matplotlib, playwright' 2>/dev/null && command -v chromium >/dev/null; then
     LEMONS=$lemons "$python" docs/lab_pictures.py "$to"
 fi

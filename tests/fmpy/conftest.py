@@ -13,6 +13,8 @@ from documented import tool_version
 from fmpy import extract
 
 SHARED = REPOSITORY.parent / "shared"
+# What tests/lab uses, too.
+sys.path.insert(0, str(REPOSITORY / "tests" / "common"))
 
 
 @pytest.fixture

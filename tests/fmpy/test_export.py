@@ -11,6 +11,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH, bits, ids_of, push_drive, read_table, write_trial
+from lemons_fmu import CommandError, Crowd, crowd, export
 from test_examples import run as run_example
 
 
@@ -216,6 +217,40 @@ def test_a_run_goes_on_from_its_series(call, pack, instantiate, push_directory, 
         for one in (crowd, again):
             one.step_to((k + 1) * 0.05)
         assert bits(again.look()) == bits(crowd.look())
+
+
+def test_a_run_of_python_in_pedpy(lemons, pedpy, call, tmp_path, monkeypatch):
+    """Places and the walkable area, of people of whom some have left; what is in the database is what the command writes."""
+    monkeypatch.setenv("LEMONS", str(lemons))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    room = crowd(number=10, box=(5, 4), door=[5, 2, 1], leave=True, output=tmp_path / "room")
+    with Crowd(room) as people:
+        run = people.run(until=20.0, stop=lambda people: people.left >= 2)
+    assert run.export(tmp_path / "run.sqlite", to="jupedsim") == tmp_path / "run.sqlite"
+    data = pedpy.load_trajectory_from_jupedsim_sqlite(trajectory_file=tmp_path / "run.sqlite")
+    frames, agents = np.nonzero(run.active)
+    assert (~run.active[-1]).sum() > 0 and len(frames) == len(data.data)
+    seen = data.data.sort_values(["frame", "id"])
+    order = np.lexsort((np.array(run.ids, dtype=int)[agents], frames))
+    assert np.array_equal(seen[["x", "y"]], run.poses[frames, agents, :2][order])
+    area = pedpy.load_walkable_area_from_jupedsim_sqlite(trajectory_file=tmp_path / "run.sqlite")
+    assert pedpy.is_trajectory_valid(traj_data=data, walkable_area=area)
+
+    call("run", room.directory, "--until", repr(run.times[-1].item()), "-o", "room.csv")
+    call("export", "room.csv", "theirs.sqlite", "--to", "jupedsim", "--trial", room.directory)
+    export(tmp_path / "room.csv", tmp_path / "again.sqlite", to="jupedsim", trial=room)
+
+    def content(name):
+        with closing(sqlite3.connect(tmp_path / name)) as database:
+            return list(database.iterdump())
+
+    assert content("run.sqlite") == content("again.sqlite") == content("theirs.sqlite")
+    run.export(tmp_path / "run.txt", to="pedpy", every=2)
+    assert pedpy.load_trajectory(trajectory_file=tmp_path / "run.txt").frame_rate == data.frame_rate / 2
+    with pytest.raises(CommandError, match="--force replaces it"):
+        run.export(tmp_path / "run.txt", to="pedpy")
+    run.export(tmp_path / "run.txt", to="pedpy", force=True)
+    assert pedpy.load_trajectory(trajectory_file=tmp_path / "run.txt").frame_rate == data.frame_rate
 
 
 def test_analyse(pedpy, call, decide, pack, tmp_path):

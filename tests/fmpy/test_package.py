@@ -20,6 +20,7 @@ from lemons_fmu import Crowd, Drive, FmuError, load, simulate
 from lemons_fmu import drive as drives
 from lemons_fmu import files
 from lemons_fmu.push import Push
+from lemons_fmu.scratch import scratch
 
 STEP, STEPS = 0.05, 8  # s; at the end agents 0 and 1 are in contact
 FRICTION = "contact.human_naked.human_naked.KineticFriction"
@@ -357,6 +358,42 @@ def test_files_that_are_no_crowds(decide, tmp_path, what):
         path = decide()
     with pytest.raises(FmuError, match=path.name):
         load(path)
+
+
+LIBRARY, DESCRIPTION = "binaries/", "modelDescription.xml"
+
+
+@pytest.mark.parametrize(
+    ("fmi", "file", "old", "new"),
+    [
+        (2, DESCRIPTION, b"<fmiModelDescription", b"<fmiModel"),
+        (2, DESCRIPTION, b".Mp", b".Nothing"),
+        (2, LIBRARY, b"\x7fELF", b"none"),
+        (3, DESCRIPTION, b"<Float64", b"<Float65"),
+        (3, DESCRIPTION, b'stepSize="', b'stepSize="x'),
+        # The value reference of AgentId, which is read from an instance.
+        (3, DESCRIPTION, b'"36"', b'"9936"'),
+        (3, LIBRARY, b"\x7fELF", b"none"),
+    ],
+)
+def test_nothing_stays_of_an_fmu_that_cannot_be_used(pack, tmp_path, fmi, file, old, new):
+    good, bad = pack(TRIAL_PUSH, options=[f"--fmi={fmi}"]), tmp_path / "bad.fmu"
+    changed = 0
+    with zipfile.ZipFile(good) as source, zipfile.ZipFile(bad, "w") as target:
+        for name in source.namelist():
+            data = source.read(name)
+            if name.startswith(file):
+                assert old in data
+                data, changed = data.replace(old, new), changed + 1
+            target.writestr(name, data)
+    assert changed == 1
+    before, here = set(scratch().iterdir()), Path.cwd()
+    with pytest.raises(FmuError):
+        Crowd(bad)
+    # fmpy leaves a process in the directory of a library that cannot be loaded.
+    assert set(scratch().iterdir()) == before and Path.cwd() == here
+    with Crowd(good):
+        assert load(good).directory in scratch().iterdir()
 
 
 def test_instances_are_used_again_and_forget(fmu, push_fmu, drive):

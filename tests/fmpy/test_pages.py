@@ -9,11 +9,15 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
+import limited
 import pages
 import pytest
-from crowd import REPOSITORY
+from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH
+from distributed import Client
+from lemons_fmu import local_cluster, sweep
 
 # ---- commands that are not run ----
 
@@ -34,7 +38,6 @@ NOT_RUN = {
     ("docs/lab.md", "packaging/release.sh"): "needs compilers for all platforms",
     ("docs/lab.md", "lemons lab"): "opens a browser; tests/lab does it",
     ("docs/step.md", "cargo run --release -p lemons-bench --example steps"): MINUTES,
-    ("docs/calibration.md", "cargo build --release && pip install"): NETWORK,
     ("docs/calibration.md", "python examples/calibrate.py"): "needs measured data, and minutes; test_sweep.py runs its parts",
     ("docs/validation.md", "python examples/validation.py"): "takes minutes; test_walking_models.py runs its quick cases",
     ("docs/walking.md", "python examples/door_width.py"): "takes minutes; test_pictures.py makes fewer rooms",
@@ -111,19 +114,18 @@ OTHERS = {
     ("docs/install.md", "platforms linux64        glibc 2.17"): "of a release; packaging/check.sh makes it",
     ("docs/command.md", ""): "generated from the help: a test of crates/cli gives its examples to the command",
 }
+#: All commands of a page may take so long [s].
+LIMIT = 1200
 # Numbers that differ from machine to machine, and from run to run.
 MACHINE = re.compile(r"^(wall time|real-time factor) .*$")
 
 
-def reason(page, command):
-    """Why a command is not run; None if it is."""
-    for begin, why in NOT_RUN_ANYWHERE.items():
+def exception(page, command):
+    """The entry by which a command is not run; None if it is."""
+    for begin in NOT_RUN_ANYWHERE:
         if command.startswith(begin):
-            return why
-    for (where, begin), why in NOT_RUN.items():
-        if where == page and command.startswith(begin):
-            return why
-    return None
+            return begin
+    return next(((where, begin) for where, begin in NOT_RUN if where == page and command.startswith(begin)), None)
 
 
 def commands(block):
@@ -164,21 +166,20 @@ class Shell:
         self.script += [f"echo; echo '@@ {len(self.places) - 1}'", command]
         return len(self.places) - 1
 
-    def run(self):
-        """What each command printed. Variables that one sets hold for those after it."""
-        done = subprocess.run(
-            ["bash", "-c", "\n".join(self.script)],
-            cwd=self.directory,
-            env=self.environment,
-            text=True,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-        )
-        said = re.split(r"^@@ (?:\d+|end)\n", done.stdout, flags=re.MULTILINE)[1:]
-        if done.returncode:
+    def run(self, limit=LIMIT):
+        """What each command printed. Variables that one sets hold for those after it. All together may take `limit` [s]."""
+        script = ["bash", "-c", "\n".join(self.script)]
+        streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+        try:
+            done = limited.run(script, limit, cwd=self.directory, env=self.environment, **streams)
+            text, why = done.stdout, f"exit code {done.returncode}" if done.returncode else ""
+        except limited.Overdue as overdue:
+            # `trap` is not called.
+            text, why = f"{overdue.said}\n@@ end\n", f"the page took longer than {limit} s, and was here"
+        said = re.split(r"^@@ (?:\d+|end)\n", text, flags=re.MULTILINE)[1:]
+        if why:
             place, command = self.places[min(len(said) - 2, len(self.places) - 1)]
-            raise AssertionError(f"{place}: exit code {done.returncode}: {command}\n{said[-2]}")
+            raise AssertionError(f"{place}: {why}: {command}\n{said[-2]}")
         return said
 
 
@@ -215,7 +216,7 @@ def test_every_block_is_run_or_says_why_not(page, lemons, tmp_path):
         if block.language == "sh":
             numbers = []
             for command in commands(block):
-                if reason(page, command) is None:
+                if exception(page, command) is None:
                     before = [own for (where, begin), own in BEFORE.items() if where == page and command.startswith(begin)]
                     for own in before:
                         shell.add(block.place, own)
@@ -263,17 +264,49 @@ def test_the_files_of_a_trial():
     assert set(listed.text.split()) == there
 
 
+def test_a_page_that_hangs_says_where(lemons, tmp_path):
+    shell = Shell(tmp_path, lemons)
+    shell.add("page.md:1", "echo first")
+    shell.add("page.md:2", "echo second; sleep 600 | cat")
+    begun = time.monotonic()
+    told = r"^page.md:2: the page took longer than 1 s, and was here: echo second; sleep 600 \| cat\nsecond\n"
+    with pytest.raises(AssertionError, match=told):
+        shell.run(limit=1)
+    assert time.monotonic() - begun < 60
+
+
+def keys(what):
+    """The keys of an object with those of the objects in it, as `points.count`."""
+    own = what.items() if isinstance(what, dict) else ()
+    return {key for key, _ in own} | {f"{key}.{below}" for key, value in own for below in keys(value)}
+
+
 def test_the_identity_of_a_sweep_has_the_keys_of_the_manual(lemons, tmp_path):
-    """Those of `lemons sweep`, which has some more."""
+    """Of both sweeps. Each key that only some sweeps have is named below the block."""
     (shown,) = (json.loads(block.text) for block in pages.blocks("python/README.md") if block.language == "json")
-    trial = REPOSITORY / "resources/Trial_push"
-    text = f"trial = {str(trial)!r}\nuntil = 0.1\nparameters = {{ TimeStepMechanical = [1e-4] }}\nmeasures = {{ x = {{ of = 'x', take = 'max' }} }}"
-    (tmp_path / "one.toml").write_text(text)
-    subprocess.run([lemons, "sweep", "one.toml"], cwd=tmp_path, check=True, capture_output=True)
-    written = json.loads((tmp_path / "one/sweep.json").read_text())
-    assert shown["format"] == written["format"] and set(shown) <= set(written)
-    for key in ("fmu", "points", "drive"):
-        assert set(shown[key]) <= set(written[key]) or written[key].keys() < shown[key].keys(), key
+    subprocess.run([lemons, "pack", TRIAL_PUSH, "-o", tmp_path / "push.fmu"], check=True, capture_output=True)
+    with local_cluster(1, processes=False) as cluster, Client(cluster) as client:
+        options = {"until": 0.1, "out": tmp_path / "python", "client": client, "progress": False}
+        sweep(tmp_path / "push.fmu", {"Threads": [1]}, None, lambda run: {}, **options)
+
+    def swept(name, trial, *lines):
+        text = [f"trial = {str(trial)!r}", "until = 0.1", "parameters = { TimeStepMechanical = [1e-4] }", *lines]
+        (tmp_path / f"{name}.toml").write_text("\n".join([*text, "measures = { x = { of = 'x', take = 'max' } }"]))
+        subprocess.run([lemons, "sweep", f"{name}.toml"], cwd=tmp_path, check=True, capture_output=True)
+
+    swept("push", TRIAL_PUSH)
+    (tmp_path / "area.wkt").write_text("POLYGON ((-1 -1, 20 -1, 20 6, -1 6, -1 -1))")
+    places = ["lines = { door = [5, 1, 5, 3] }", "areas = { front = [3, 1, 5, 3] }", "walkable = 'area.wkt'"]
+    swept("door", TRIAL_DOOR, "stop = { of = 'decision.Arrived', at_least = 10 }", *places)
+    written = {name: json.loads((tmp_path / name / "sweep.json").read_text()) for name in ("python", "push", "door")}
+    assert keys(written["python"]) == keys(shown) and written["python"]["format"] == shown["format"]
+    # There, the measure is a table of the user's.
+    own = {"measure", *(key for key in keys(shown) if not key.startswith("measure."))}
+    assert {key for key in keys(written["push"]) if not key.startswith("measure.")} == own
+    assert written["push"]["measure"] == {"x": {"of": "x", "take": "max"}}
+    below = pages.text_of("python/README.md").split("## The results directory")[1].split("```\n")[1]
+    unnamed = [key for key in written["door"].keys() - shown.keys() if f"`{key}`" not in below]
+    assert {"plan", "stop", "lines", "areas", "walkable"} <= written["door"].keys() and not unnamed
 
 
 @pytest.mark.parametrize("page", pages.PAGES)
@@ -292,15 +325,23 @@ def test_links_lead_somewhere(page):
 
 
 def test_the_exceptions_are_needed():
-    """Each reason is that of a block which is still there."""
-    for page, begin in [*NOT_RUN, *BEFORE]:
-        own = [c for block in pages.blocks(page) if block.language == "sh" for c in commands(block)]
-        assert any(command.startswith(begin) for command in own), f"{page} has no command {begin}"
+    """Each is that of a block or a command which is still there."""
+    blocks = [block for page in pages.PAGES for block in pages.blocks(page) if block.language == "sh"]
+    shells = [(block.page, command) for block in blocks for command in commands(block)]
+    entries = {exception(page, command) for page, command in shells}
+    assert entries - {None} == {*NOT_RUN_ANYWHERE, *NOT_RUN}
+    for page, begin in BEFORE:
+        own = [command for where, command in shells if where == page and command.startswith(begin)]
+        assert own and not any(exception(page, command) for command in own), f"{page} does not run {begin}"
     for (page, language), test in ELSEWHERE.items():
         file, name = test.split("::")
         of_python = file.startswith("test_")
         text = (Path(__file__).parent / file if of_python else REPOSITORY / file).read_text()
         assert (f"\ndef {name}(" if of_python else name) in text, test
         assert any(block.language == language for block in pages.blocks(page)), f"{page} has no block of {language}"
-    for page, first in [*FILES, *OTHERS]:
-        assert any(first in ("", block.first) for block in pages.blocks(page)), f"{page} has no block {first}"
+    for page, first in FILES:
+        assert any((block.language, block.first) in (("toml", first), ("xml", first)) for block in pages.blocks(page)), f"{page}: {first}"
+    for page, first in OTHERS:
+        # Without a first line: all texts of the page.
+        own = [block.first if first else "" for block in pages.blocks(page) if first or block.language == "text"]
+        assert first in own, f"{page} has no block {first}"

@@ -14,15 +14,17 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 
-import numpy as np
+import limited
 import pages
 import pytest
 from conftest import SHARED
 from crowd import REPOSITORY, TRIAL_PUSH
-from PIL import Image
+from drawn import differing, pixels
 
 DOCS = REPOSITORY / "docs"
 DIGESTS = DOCS / "pictures.digests"
+#: Each command may take so long [s].
+LIMIT = 600
 GUIDE = ["push", "hall", "flow"]
 PHYSICS = ["body", "contact", "law", "collision", "speed", "step", "shortlist"]
 VALIDATION = ["rimea_6", "rimea_9", "rimea_12", "single_file", "corridor", "bottleneck", "faster", "peer"]
@@ -32,7 +34,7 @@ MADE_BY = {
     **{f"docs/guide/{name}.png": ("docs/pictures.sh", f'"$to/guide/{name}.png"') for name in GUIDE},
     # crates/people/tests/physics.rs compares them.
     **{f"docs/guide/physics_{name}.svg": ("crates/people/examples/physics/drawings.rs", f'"physics_{name}.svg"') for name in PHYSICS},
-    **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'shown("{name}")') for name in ("run", "3d", "room", "person", "exits")},
+    **{f"docs/lab_{name}.png": ("docs/lab_pictures.py", f'"{name}": ') for name in ("run", "3d", "room", "person", "exits")},
     **{f"docs/validation_{name}.svg": ("examples/validation.py", f'"{name}": {name}') for name in VALIDATION},
     "docs/door_width.svg": ("examples/door_width.py", '"door_width.svg"'),
     "docs/calibration.png": ("examples/calibrate.py", '"calibration.png"'),
@@ -49,28 +51,18 @@ def test_every_picture_has_a_command_and_a_page():
         assert words in (REPOSITORY / file).read_text(), f"{file} does not make {picture}"
 
 
-def pixels(path):
-    return np.asarray(Image.open(path).convert("RGB")).astype(int)
-
-
-def differing(one, other):
-    """The part of the pixels that differ by more than an eighth of the range; all if the sizes do."""
-    one, other = pixels(one), pixels(other)
-    return float((np.abs(one - other).max(axis=2) > 32).mean()) if one.shape == other.shape else 1.0
-
-
 @pytest.mark.parametrize("name", ["push", "crowd", "room", "guide", "measured", "flow"])
 def test_a_picture_is_what_pictures_sh_draws(lemons, tmp_path, name):
     if name == "measured" and not (SHARED / "data/push_wed").is_dir():
         pytest.skip("../shared is absent")
     environment = {**os.environ, "LEMONS": str(lemons), "PYTHON": sys.executable, "XDG_STATE_HOME": str(tmp_path / "state")}
     command = ["bash", DOCS / "pictures.sh", tmp_path, name]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    done = limited.run(command, LIMIT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert done.returncode == 0, done.stderr
     # Matplotlib draws letters with what a machine has; our own pictures do not.
     most = 0.01 if name == "flow" else 0.0005
     for file in [f"guide/{each}.png" for each in GUIDE] if name == "guide" else [f"{name}.png"]:
-        part = differing(tmp_path / file, DOCS / file)
+        part = differing(pixels(tmp_path / file), pixels(DOCS / file)).mean()
         assert part <= most, f"docs/{file} is old ({part:.2%} of its pixels differ): docs/pictures.sh docs {name}"
 
 
@@ -87,7 +79,8 @@ def test_the_widths_of_a_door(lemons, tmp_path):
     assert len(runs) == 100
     environment = {**os.environ, "LEMONS": str(lemons), "XDG_STATE_HOME": str(tmp_path / "state")}
     command = [sys.executable, REPOSITORY / "examples/door_width.py", "few", "--widths", "1.0", "1.6", "--seeds", "1"]
-    subprocess.run(command, cwd=tmp_path, env=environment, check=True, capture_output=True)
+    done = limited.run(command, LIMIT, cwd=tmp_path, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    assert done.returncode == 0, done.stderr
     again = list(csv.DictReader(io.StringIO(description(tmp_path / "few/door_width.svg"))))
     assert len(again) == 2
     old = [row for row in again if runs[row["width"], row["seed"]] != row]
@@ -124,7 +117,8 @@ def test_tables_of_the_validation_are_those_of_today(lemons, tmp_path, monkeypat
 def mechanics(lemons, directory):
     """Where a push brings five people, to a micrometre: the text differs if the mechanics does."""
     words = ["--until", "1", "--set", "TimeStepMechanical=1e-4", "-o", "-"]
-    done = subprocess.run([lemons, "run", TRIAL_PUSH, *words], cwd=directory, capture_output=True, text=True, check=True)
+    done = limited.run([lemons, "run", TRIAL_PUSH, *words], LIMIT, cwd=directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert done.returncode == 0, done.stderr
     poses = [[f"{float(row[name]):.6f}" for name in ("x", "y", "theta")] for row in csv.DictReader(io.StringIO(done.stdout))]
     assert len(poses) == 5 * 21
     return repr(poses)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import zipfile
 
 import cloudpickle
 import numpy as np
@@ -15,6 +16,9 @@ import pyarrow.parquet as pq
 import pytest
 from distributed import Client
 from lemons_fmu import Crowd, FmuError, SweepError, local_cluster, sweep
+from lemons_fmu.loaded import KEPT
+from lemons_fmu.scratch import scratch
+from lemons_fmu.study import Study
 
 # Workers of a cluster need not have this file.
 cloudpickle.register_pickle_by_value(sys.modules[__name__])
@@ -156,6 +160,41 @@ def test_a_sweep_of_other_trials_or_plans_does_not_go_on(rooms, here, tmp_path):
         sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one", stop=lambda crowd: True, **options)
     with pytest.raises(SweepError, match="differs in .*plan.*algorithm"):
         sweep(one, {"agent[*].Mass": [60.0]}, None, left, out=tmp_path / "one", plan=False, **options)
+
+
+def test_trials_are_packed_shortly_before_they_are_simulated(rooms, here, tmp_path, monkeypatch):
+    """Of many Trials only some are in memory, and none is on the disk. One that changes meanwhile ends the sweep."""
+    # Two threads have five tasks, and for each core one more is packed.
+    most = 5 + min(os.cpu_count(), KEPT)
+    count, ahead = 2 * most, []
+    for case in range(count):
+        shutil.copytree(rooms / "room_1.2_1", tmp_path / f"room_{case}")
+    packed = []
+    again = Study.packed
+    monkeypatch.setattr(Study, "packed", lambda study, place: packed.append(place) or again(study, place))
+
+    def swept(out, told):
+        what, grid = tmp_path / "room_{case}", {"case": range(count)}
+        return sweep(what, grid, None, left, out=tmp_path / out, client=here, until=0.05, progress=told)
+
+    def look(progress):
+        ahead.append(len(packed) - progress.done)
+        assert not [path for path in scratch().rglob("*") if zipfile.is_zipfile(path)]
+
+    wanted = swept("whole", look)
+    assert sorted(packed) == list(range(count))
+    assert max(ahead) <= most and wanted["status"].tolist() == ["ok"] * count
+
+    changed = tmp_path / f"room_{count - 1}" / "decision.toml"
+    text = changed.read_text()
+    with pytest.raises(SweepError, match=f"room_{count - 1} has changed since the sweep began; finished points are kept"):
+        swept("out", lambda progress: changed.write_text(text.replace("1.34", "1.2")))
+    changed.write_text(text)
+    kept = sum(pq.read_table(path).num_rows for path in (tmp_path / "out").glob("part-*.parquet"))
+    assert 0 < kept < count
+    swept("out", False)
+    tables = [(tmp_path / out / "table.parquet").read_bytes() for out in ("out", "whole")]
+    assert tables[0] == tables[1]
 
 
 def test_what_cannot_be_swept_is_refused_at_once(rooms, here, tmp_path):

@@ -3,11 +3,15 @@
 import shutil
 import signal
 import subprocess
+import sys
 from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
-from visit import LEMONS
+from visit import LEMONS, ROOT
+
+# What tests/fmpy uses, too.
+sys.path.insert(0, str(ROOT / "tests/common"))
 
 # In ms. A machine may have much else to do.
 expect.set_options(timeout=20_000)

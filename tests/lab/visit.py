@@ -85,6 +85,17 @@ def play_until(page: Page, end: float) -> None:
     page.get_by_role("button", name="Pause").click()
 
 
+def show_at(page: Page, end: float) -> None:
+    """Shows a time [s] up to which the run is computed, and no further."""
+    if end > 1:
+        play_until(page, end - 1)
+    page.locator(".scrub input").press("End")
+    while (now := seconds(page)) < end:
+        page.get_by_role("button", name="Step", exact=True).click()
+        wait(page, lambda: seconds(page) > now)
+    assert seconds(page) == end, "it was computed further: the machine is too busy"
+
+
 def plan(page: Page) -> dict[str, Any]:
     """What the page keeps of its visitor's work."""
     return json.loads(page.evaluate(f"localStorage.getItem('{KEY}')"))

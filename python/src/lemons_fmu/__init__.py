@@ -1,14 +1,15 @@
-"""LEMONS-FMU from Python: make a crowd, pack it, step it, run it, measure it, draw it, sweep its parameters.
+"""LEMONS-FMU from Python: make a crowd, pack it, step it, run it, measure it, draw it, export it, sweep its parameters.
 
-    from lemons_fmu import Crowd, crowd, measure, pack, plot, simulate, sweep
+    from lemons_fmu import Crowd, crowd, export, measure, pack, plot, simulate, sweep
 
-`crowd`, `person`, `pack`, `plot`, `measure`, and `simulate` of a Trial call the command `lemons`, which wheels contain. The manual is python/README.md.
+`crowd`, `person`, `pack`, `plot`, `measure`, `export`, and `simulate` of a Trial call the command `lemons`, which wheels contain. The manual is python/README.md.
 """
 
 from .command import CommandError
 from .crowd import Crowd, State
 from .drive import Drive
 from .errors import FmuError
+from .export import export as export
 from .fmu import Fmu, load
 from .measure import Measures
 from .measure import measure as measure
@@ -35,6 +36,7 @@ __all__ = [
     "SweepError",
     "Trial",
     "crowd",
+    "export",
     "load",
     "local_cluster",
     "measure",

@@ -1,4 +1,4 @@
-"""The command `lemons`, of which this package uses what makes crowds, packs, draws and measures them."""
+"""The command `lemons`, of which this package uses what makes crowds, packs, draws, measures and exports them."""
 
 from __future__ import annotations
 

@@ -24,7 +24,8 @@ DRIVE_FILE = "drive.csv"
 class Fmu(Loaded):
     """A packed crowd that this process has loaded, returned by `load`. Threads may share it."""
 
-    def _describe(self, description: Any) -> None:
+    def _take(self, description: Any) -> None:
+        super()._take(description)
         #: Communication step of the default Trial [s].
         self.step: float = self.own_step or 0.05
         #: Name of the default Trial, which is simulated unless the parameter `Trial` names another.
@@ -127,15 +128,17 @@ class Fmu(Loaded):
     def _read_ids(self) -> tuple[list[str], list[str]]:
         """Returns the Ids of agents and of materials, which an instance of FMI 3.0 tells."""
         instance = self.borrow()
-        with instance.calls() as slave:
-            slave.enterInitializationMode()
-            ids = [
-                [str(text) for text in slave.getString([array.reference], array.size)]
-                for name in ("AgentId", "MaterialId")
-                for array in self.arrays
-                if array.name == name
-            ]
-        self.give_back(instance)
+        try:
+            with instance.calls() as slave:
+                slave.enterInitializationMode()
+                ids = [
+                    [str(text) for text in slave.getString([array.reference], array.size)]
+                    for name in ("AgentId", "MaterialId")
+                    for array in self.arrays
+                    if array.name == name
+                ]
+        finally:
+            self.give_back(instance)
         if len(ids) != 2 or len(ids[0]) != self.agents:
             raise FmuError(f"{self.model_name!r} is not a packed crowd: it has no Ids of its agents and materials")
         return ids[0], ids[1]

@@ -7,8 +7,8 @@ import itertools
 import os
 import threading
 from collections import deque
-from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, Union
@@ -64,15 +64,20 @@ class Described(Protocol):
     def plan(self, keys: NDArray[np.uint32]) -> Plan: ...
 
 
-# fmpy changes the working directory while it loads a library.
 _loading = [threading.RLock()]
 #: For the names of instances.
 numbers = itertools.count()
 
 
-def loading() -> AbstractContextManager[Any]:
-    """The lock of whoever loads a library."""
-    return _loading[0]
+@contextmanager
+def loading() -> Iterator[None]:
+    """Lets nobody else load a library. fmpy changes the working directory meanwhile, and stays there if it fails."""
+    with _loading[0]:
+        here = os.getcwd()
+        try:
+            yield
+        finally:
+            os.chdir(here)
 
 
 def _forget() -> None:

@@ -46,15 +46,28 @@ class Loaded:
         self._idle: list[Instance] = []
         #: How many use its files now, and whether they stay when nobody does.
         self._users, self._kept = 0, True
+        self._plans: dict[bytes, Plan] = {}
         self._unpack()
+        try:
+            self._take(self._read())
+        except BaseException as error:
+            self.forget()
+            if isinstance(error, ValueError):
+                raise FmuError(f"is not a readable FMU: {error}") from error
+            raise
+
+    def _read(self) -> Any:
+        """Reads the description of what is unpacked."""
         try:
             description = fmpy.read_model_description(str(self.directory), validate=False)
         except Exception as error:  # fmpy raises any exception
-            self._remove()
             raise FmuError(f"is not a readable FMU: {error}") from error
         if description.fmiVersion[:2] not in ("2.", "3.") or description.coSimulation is None:
-            self._remove()
             raise FmuError("is not a co-simulation FMU of FMI 2.0 or 3.0")
+        return description
+
+    def _take(self, description: Any) -> None:
+        """Takes from the description what is needed."""
         self.guid: str = description.guid
         self.model_name: str = description.modelName
         self.identifier: str = description.coSimulation.modelIdentifier
@@ -64,7 +77,6 @@ class Loaded:
         self.variables = {v.name: _variable(v) for v in description.modelVariables}
         if self.arrays:
             self.variables = singles_of(description, self.arrays)
-        self._plans: dict[bytes, Plan] = {}
         experiment = description.defaultExperiment
         size = None if experiment is None else experiment.stepSize
         #: The communication step that it asks for [s], if it asks for one.
@@ -72,14 +84,6 @@ class Loaded:
         indices = (int(found[1]) for found in map(_OF_AGENT.match, self.variables) if found)
         #: How many agents its variables are of.
         self._indices = max(indices, default=-1) + 1
-        try:
-            self._describe(description)
-        except BaseException:
-            self.forget()
-            raise
-
-    def _describe(self, description: Any) -> None:
-        """Takes from the description what else is needed."""
 
     def __reduce__(self) -> tuple[Any, tuple[bytes]]:
         """It is pickled as its bytes. The process that reads them loads them, if it has not done so before."""
@@ -115,7 +119,7 @@ class Loaded:
         try:
             return (ArrayInstance if self.arrays else Instance)(self)
         except BaseException:
-            self._release()
+            self._release(failed=True)
             raise
 
     def give_back(self, instance: Instance) -> None:
@@ -145,10 +149,11 @@ class Loaded:
             self._kept = False
             self._clear()
 
-    def _release(self) -> None:
+    def _release(self, *, failed: bool = False) -> None:
+        """`failed`: the files of an FMU that cannot be instantiated do not stay."""
         with self._lock:
             self._users -= 1
-            if not self._kept:
+            if failed or not self._kept:
                 self._clear()
 
     def _clear(self) -> None:
@@ -167,8 +172,10 @@ class Loaded:
         try:
             _check_unpacked(self.data)
             fmpy.extract(BytesIO(self.data), self.directory)
-        except Exception as error:  # fmpy and zipfile raise any exception
+        except BaseException as error:
             self._remove()
+            if not isinstance(error, Exception):  # fmpy and zipfile raise any
+                raise
             what = "cannot be unpacked" if isinstance(error, OSError) else "is not a readable FMU"
             raise FmuError(f"{what}: {error}") from error
 

@@ -17,6 +17,7 @@ from .columns import ACTIVE, CONTACTS, ID, OF_STEP, REALS, TABLE, TIME, TOTALS
 from .command import Option
 from .drive import Floats
 from .errors import FmuError
+from .export import Format, export
 from .fmu import Fmu
 from .measure import Measures, measure
 
@@ -125,6 +126,18 @@ class Run:
         It calls the command `lemons`: some hundredths of a second, and more for long runs (python/README.md).
         """
         return measure(self, lines=lines, areas=areas, above=above, trial=trial, every=None, **others)
+
+    def export(
+        self,
+        output: str | os.PathLike[str],
+        *,
+        to: Format,
+        trial: str | os.PathLike[str] | None = None,
+        **others: Option,
+    ) -> Path:
+        """Converts the run for another program, as `lemons export` does: `run.export("run.sqlite", to="jupedsim")`. The Trial is
+        its own, unless `trial` is given. Arguments, results and errors are those of `lemons_fmu.export`."""
+        return export(self, output, to=to, trial=trial, **others)
 
     @contextmanager
     def walls(self) -> Iterator[Path | None]:

@@ -6,11 +6,10 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import islice
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,13 +21,15 @@ from .crowd import LATEST, Crowd, Until
 from .drive import DriveLike, identity, known
 from .fmu import Fmu
 from .loaded import KEPT, Loaded, Source
-from .made import Plan, model_of
+from .made import Plan, made_of, model_of
 from .model import ALGORITHMS, Algorithm, Model
-from .results import Points
+from .results import Points, SweepError
 from .work import Subject
 
-#: More are taken for a mistake, as by `lemons sweep`: each is packed before the first point is simulated.
+#: More are taken for a mistake, as by `lemons sweep`: each is packed and checked before the first point is simulated.
 MOST_MODELS = 10_000
+#: So many are packed at once.
+_AT_ONCE = min(CPU_COUNT, KEPT)
 _NAME = re.compile(r"\{([^}]*)\}")
 
 
@@ -48,7 +49,7 @@ class Given:
 class Study:
     """What the points simulate."""
 
-    #: Their FMUs are names of files in `directory`, if there are several.
+    #: With the SHA-256 of their FMUs.
     subjects: list[Subject]
     #: Of each point the place of its subject; None if all have the first.
     places: NDArray[np.int64] | None
@@ -58,24 +59,52 @@ class Study:
     fmus: list[Loaded]
     #: What must be equal to continue a sweep.
     identity: dict[str, Any]
-    directory: Path
+    #: If there are several subjects: what each is made of, and its plan.
+    sources: list[tuple[Source | Fmu, Plan]]
 
     def place(self, point: int) -> int:
         """The place of a point's subject."""
         return 0 if self.places is None else int(self.places[point])
 
-    def subject(self, point: int) -> Subject:
-        """What a point simulates, as it is sent to a worker."""
-        subject = self.subjects[self.place(point)]
-        if self.places is None:
-            return subject
-        fmu, plan = (None if name is None else (self.directory / str(name)).read_bytes() for name in (subject.fmu, subject.plan))
-        assert fmu is not None
+    def packed(self, place: int) -> Subject:
+        """Packs a subject again, and returns it with the bytes of its FMUs, which workers do not have.
+
+        Raises:
+            CommandError, FmuError: it cannot be packed any more.
+            SweepError: it has changed since the sweep began.
+        """
+        subject = self.subjects[place]
+        fmu, plan = made_of(*self.sources[place]).data
+        if (_sha256(fmu), _sha256(plan)) != (subject.fmu, subject.plan):
+            changed = " or ".join(os.fspath(each) for each in self.sources[place] if isinstance(each, (str, os.PathLike)))
+            raise SweepError(f"{changed} has changed since the sweep began; finished points are kept")
         return replace(subject, fmu=fmu, plan=plan)
 
 
-def study_of(given: Given, points: Points, directory: Path) -> Study:
-    """Loads and checks everything that points simulate. FMUs of several subjects are kept in a directory.
+class Packing:
+    """Packs subjects shortly before they are sent, some at a time, and keeps none that is not needed next."""
+
+    def __init__(self, study: Study) -> None:
+        self._study = study
+        self._pool = ThreadPoolExecutor(_AT_ONCE)
+        self._packed: dict[int, Future[Subject]] = {}
+
+    def subject(self, point: int, next_points: Iterable[int]) -> Subject:
+        """What a point simulates, as it is sent to a worker. The subjects of the next points are packed meanwhile."""
+        place = self._study.place(point)
+        if self._study.places is None:
+            return self._study.subjects[place]
+        needed = dict.fromkeys([place, *map(self._study.place, islice(next_points, _AT_ONCE))])
+        self._packed = {each: self._packed.get(each) or self._pool.submit(self._study.packed, each) for each in needed}
+        return self._packed[place].result()
+
+    def close(self) -> None:
+        """Packs nothing more."""
+        self._pool.shutdown(cancel_futures=True)
+
+
+def study_of(given: Given, points: Points) -> Study:
+    """Loads and checks everything that points simulate.
 
     Raises:
         CommandError, FmuError, TypeError, ValueError, OSError: see `sweep`.
@@ -91,7 +120,7 @@ def study_of(given: Given, points: Points, directory: Path) -> Study:
         model = model_of(given.what, given.plan, given.algorithm)
         subject, told = _subject(model, given, points, own)
         fmus = [model.fmu, *([] if model.decider is None else [model.decider])]
-        return Study([subject], None, own, fmus, told, directory)
+        return Study([subject], None, own, fmus, told, [])
 
     known_values: dict[tuple[Any, ...], int] = {}
     places = np.empty(points.count, dtype=np.int64)
@@ -100,19 +129,16 @@ def study_of(given: Given, points: Points, directory: Path) -> Study:
         places[point] = known_values.setdefault(tuple(row[place] for place in columns), len(known_values))
         if len(known_values) > MOST_MODELS:
             raise ValueError(f"there are more than {MOST_MODELS} Trials, FMUs or plans")
+    sources = [(_filled(given.what, chosen, row), _filled(given.plan, chosen, row)) for row in known_values]
     subjects, digest = [], hashlib.sha256()
-    for model in _models(given, chosen, iter(known_values)):
+    for model in _models(sources, given.algorithm):
         subject, told = _subject(model, given, points, own)
-        for fmu in model.parts:
-            path = directory / fmu.sha256
-            if not path.exists():
-                path.write_bytes(fmu.data)
         subjects.append(subject)
         digest.update(json.dumps(told, sort_keys=True).encode())
     # Which point has which, and which parameters only choose.
     digest.update(places.astype("<i8").tobytes())
     digest.update(json.dumps(chosen).encode())
-    return Study(subjects, places, own, [], {"models": {"count": len(subjects), "sha256": digest.hexdigest()}}, directory)
+    return Study(subjects, places, own, [], {"models": {"count": len(subjects), "sha256": digest.hexdigest()}}, sources)
 
 
 def _template(path: object) -> str | None:
@@ -130,19 +156,22 @@ def _written(value: object) -> str:
     return re.sub(r"e([-+])0*", lambda sign: "e-" if sign[1] == "-" else "e", repr(float(value)))
 
 
-def _models(given: Given, chosen: list[str], values: Iterator[tuple[Any, ...]]) -> Iterator[Model]:
+def _filled(text: Any, chosen: list[str], row: tuple[Any, ...]) -> Any:
+    """A path with the values of parameters instead of their names; anything else as it is."""
+    template = _template(text)
+    return text if template is None else _NAME.sub(lambda found: _written(row[chosen.index(found[1])]), template)
+
+
+def _models(sources: list[tuple[Source | Fmu, Plan]], algorithm: Algorithm) -> Iterator[Model]:
     """Packs some at a time."""
+    rest = iter(sources)
+    with ThreadPoolExecutor(_AT_ONCE) as pool:
+        while some := list(islice(rest, KEPT)):
+            yield from pool.map(lambda source: model_of(source[0], source[1], algorithm), some)
 
-    def of(row: tuple[Any, ...]) -> Model:
-        def filled(text: Any) -> Any:
-            template = _template(text)
-            return text if template is None else _NAME.sub(lambda found: _written(row[chosen.index(found[1])]), template)
 
-        return model_of(filled(given.what), filled(given.plan), given.algorithm)
-
-    with ThreadPoolExecutor(min(CPU_COUNT, KEPT)) as pool:
-        while some := list(islice(values, KEPT)):
-            yield from pool.map(of, some)
+def _sha256(data: bytes | None) -> str | None:
+    return None if data is None else hashlib.sha256(data).hexdigest()
 
 
 def _subject(model: Model, given: Given, points: Points, own: tuple[int, ...]) -> tuple[Subject, dict[str, Any]]:

@@ -7,7 +7,6 @@ import logging
 import math
 import os
 import queue
-import shutil
 import time
 import weakref
 from asyncio import CancelledError
@@ -33,7 +32,7 @@ from .model import Algorithm
 from .progress import Progress, ProgressLine
 from .results import FAILED, POINT, STATUS, Directory, Intervals, Points, Result, SweepError, joined, part_of
 from .scratch import scratch
-from .study import Given, Study, study_of
+from .study import Given, Packing, Study, study_of
 from .work import FmuOnWorker, Interrupted, Job, JobOnWorker, Measure, Stop, simulate_points
 
 #: A grid (name → values, all combinations, the last name varies fastest) or a table (a row for each point).
@@ -97,17 +96,11 @@ def sweep(
         SweepError: the directory belongs to another sweep or cannot be written, or the scheduler is gone.
     """
     table = Points.of(points)
-    key = os.urandom(8).hex()
-    files = scratch() / f"sweep-{key}"
-    files.mkdir()
-    try:
-        study = study_of(Given(what, plan, algorithm, drive, until, step), table, files)
-        work = cloudpickle.dumps((drive if callable(drive) else None, measure, stop))
-        job = Job(key, table.names, study.set, algorithm, work, until if until == "left" else float(until))
-        manifest = {**study.identity, **_asked(table, measure, stop, job)}
-        return _sweep(study, table, job, manifest, out, client, _report(progress), retry_failed)
-    finally:
-        shutil.rmtree(files, ignore_errors=True)
+    study = study_of(Given(what, plan, algorithm, drive, until, step), table)
+    work = cloudpickle.dumps((drive if callable(drive) else None, measure, stop))
+    job = Job(os.urandom(8).hex(), table.names, study.set, algorithm, work, until if until == "left" else float(until))
+    manifest = {**study.identity, **_asked(table, measure, stop, job)}
+    return _sweep(study, table, job, manifest, out, client, _report(progress), retry_failed)
 
 
 def _sweep(
@@ -172,6 +165,7 @@ def _sweep(
                             threads = under_way.threads
                             tell()
                 finally:
+                    under_way.packing.close()
                     write()
                     _clean_up(cluster, job, [future for future, _ in under_way.under_way.values()])
         whole = joined(table, kept) if directory is None else directory.read()
@@ -243,6 +237,7 @@ class _Run:
         self.job = job
         self.points = points
         self.study = study
+        self.packing = Packing(study)
         # A task has points of one subject.
         self.left = deque(sorted(open_points, key=study.place))
         #: Points whose worker process ended several times. Dask blames all tasks of that worker. So these points are simulated
@@ -288,7 +283,7 @@ class _Run:
     def submit(self, some: list[int]) -> None:
         key = f"lemons-{self.job.key}-{next(self.tasks)}"
         work = [(point, self.points.values(point)) for point in some]
-        subject = self.study.subject(some[0])
+        subject = self.packing.subject(some[0], self.left)
         future = self.client.submit(simulate_points, self.job.key, subject, work, key=key, pure=False)
         self.under_way[key] = future, some
         future.add_done_callback(self.arrived.put)
