@@ -260,6 +260,13 @@ mod tests {
             ("waypoints = []", ["agent \"0\"", "no way-point"]),
             ("desired_speed = 1.0", ["agent \"0\"", "no way-point"]),
             ("desired_speed = -1.0\nwaypoints = [{ x = 1, y = 0 }]", ["desired_speed = -1.0", "agent \"0\""]),
+            ("desired_speed = 1e308\nwaypoints = [{ x = 1, y = 0 }]", ["speed = 1e308", "from 0 to 1e9"]),
+            ("waypoints = [{ x = -1e300, y = 0 }]", ["x = -1e300", "from -1e9 to 1e9 m"]),
+            ("exits = [{ line = [[0, 0], [1e300, 1]] }]", ["exit \"exit 0\": corner = 1e300", "1e9 m"]),
+            (
+                "model = \"social-force\"\nsocial-force = { strength = 1e300 }\nwaypoints = [{ x = 1, y = 0 }]",
+                ["strength = 1e300", "social-force"],
+            ),
             ("desired_speed = \"fast\"", ["desired_speed", "line 1"]),
             ("waypoints = [{ x = 1, y = 0 }]\n[agents.9]", ["agents.9", "no agent"]),
             ("waypoints = [", ["line 1", "waypoints"]),

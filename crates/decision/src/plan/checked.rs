@@ -1,8 +1,10 @@
 //! Whether a plan can be carried out.
 
 use super::Plan;
-use crate::error::{MOST_TARGETS, MOST_WAYPOINTS, PlanError, not_negative, number, positive};
-use crate::target::Destination;
+use crate::error::{
+    MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number, positive,
+};
+use crate::target::{Destination, Target};
 use lemons_plane::vec2;
 
 impl Plan {
@@ -38,27 +40,9 @@ impl Plan {
         positive("the plan", "time_step", self.time_step)?;
         self.gait.check()?;
         for corner in self.walls.iter().flatten().flatten() {
-            number("a wall", "corner", *corner, |_| true, "finite")?;
+            coordinate("a wall", "corner", *corner)?;
         }
-        if self.targets.len() > MOST_TARGETS {
-            return Err(PlanError::TooManyTargets(self.targets.len()));
-        }
-        for target in &self.targets {
-            let place = target.named();
-            for corner in target.corners.iter().flatten() {
-                number(&place, "corner", *corner, |_| true, "finite")?;
-            }
-            if target.corners.len() < 2 {
-                return Err(PlanError::LineOrPolygon { place });
-            }
-            let flat = target.area().is_some_and(|ring| !(ring.area() > 0.0 && ring.is_simple()));
-            let point = target.corners.iter().all(|corner| *corner == target.corners[0]);
-            if flat || point {
-                let must = "a line of some length, or a polygon with an area whose sides do not cross";
-                let value = format!("{:?}", target.corners);
-                return Err(PlanError::Value { place, key: "corners", value, must });
-            }
-        }
+        check_targets(&self.targets)?;
         for agent in &self.agents {
             let (place, walker, pose) = (format!("agent {:?}", agent.id), &agent.walker, &agent.pose);
             if matches!(agent.destination, Destination::Target(k) if k >= self.targets.len()) {
@@ -81,17 +65,41 @@ impl Plan {
             positive(&place, "moment_of_inertia", walker.moment_of_inertia)?;
             not_negative(&place, "floor_damping", walker.floor_damping)?;
             not_negative(&place, "angular_damping", walker.angular_damping)?;
-            not_negative(&place, "desired_speed", walker.desired_speed)?;
-            for (key, value) in [("x", pose.x), ("y", pose.y), ("theta", pose.theta)] {
-                number(&place, key, value, |_| true, "finite")?;
-            }
+            moderate(&place, "desired_speed", walker.desired_speed)?;
+            coordinate(&place, "x", pose.x)?;
+            coordinate(&place, "y", pose.y)?;
+            number(&place, "theta", pose.theta, |_| true, "finite")?;
             for (k, waypoint) in walker.waypoints.iter().enumerate() {
                 let place = format!("{place}, way-point {k}");
-                number(&place, "x", waypoint.x, |_| true, "finite")?;
-                number(&place, "y", waypoint.y, |_| true, "finite")?;
+                coordinate(&place, "x", waypoint.x)?;
+                coordinate(&place, "y", waypoint.y)?;
                 not_negative(&place, "radius", waypoint.radius)?;
             }
         }
         Ok(self)
     }
+}
+
+/// That each is a line or an area.
+pub(super) fn check_targets(targets: &[Target]) -> Result<(), PlanError> {
+    if targets.len() > MOST_TARGETS {
+        return Err(PlanError::TooManyTargets(targets.len()));
+    }
+    for target in targets {
+        let place = target.named();
+        for corner in target.corners.iter().flatten() {
+            coordinate(&place, "corner", *corner)?;
+        }
+        if target.corners.len() < 2 {
+            return Err(PlanError::LineOrPolygon { place });
+        }
+        let flat = target.area().is_some_and(|ring| !(ring.area() > 0.0 && ring.is_simple()));
+        let point = target.corners.iter().all(|corner| *corner == target.corners[0]);
+        if flat || point {
+            let must = "a line of some length, or a polygon with an area whose sides do not cross";
+            let value = format!("{:?}", target.corners);
+            return Err(PlanError::Value { place, key: "corners", value, must });
+        }
+    }
+    Ok(())
 }

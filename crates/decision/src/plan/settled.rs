@@ -1,5 +1,6 @@
 //! Wishes in which everybody has a goal.
 
+use super::checked::check_targets;
 use super::destinations::targets_of;
 use crate::error::PlanError;
 use crate::person::Person;
@@ -20,6 +21,7 @@ pub fn settled(trial: &Trial, wishes: &Wishes) -> Result<Wishes, PlanError> {
         none.take_if(|places| places.is_empty());
     }
     let targets = targets_of(&wishes)?;
+    check_targets(&targets)?;
     if targets.len() < 2 || targets.iter().any(|target| !target.stay) {
         return Ok(wishes);
     }
