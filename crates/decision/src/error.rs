@@ -1,13 +1,14 @@
 //! What is wrong with wishes or a plan.
 
 use crate::field::TooLarge;
+use lemons_trial::FARTHEST;
 use thiserror::Error;
 
 /// Each needs a field of distances in memory.
 pub(crate) const MOST_TARGETS: usize = 50;
 /// Of one agent: each is some variables of the FMU.
 pub(crate) const MOST_WAYPOINTS: usize = 10_000;
-/// Speeds and strengths of a user are at most so great, as places are (lemons_trial): products of a few stay finite.
+/// Of speeds and strengths: products of a few of them are finite.
 const GREATEST: f64 = 1e9;
 
 /// What is wrong with wishes or a plan. The messages do not name the file.
@@ -86,5 +87,5 @@ pub(crate) fn moderate(place: &str, key: &'static str, value: f64) -> Result<(),
 
 /// A coordinate \[m\].
 pub(crate) fn coordinate(place: &str, key: &'static str, value: f64) -> Result<(), PlanError> {
-    number(place, key, value, |value| value.abs() <= GREATEST, "from -1e9 to 1e9 m")
+    number(place, key, value, |value| value.abs() <= FARTHEST, "from -1e9 to 1e9 m")
 }
