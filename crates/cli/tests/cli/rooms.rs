@@ -108,7 +108,8 @@ fn eighty_people_in_a_room_with_a_door_leave_by_it() {
     let again = ["--leave", "--speed", "0.8", "--model", "social-force", "-o", "M"];
     let made = done(at, &[&room[..], &again, &["--fmu", "m.fmu"]].concat());
     let said = err(&made);
-    assert!(said.starts_with("note: decision.toml is not in m.fmu") && said.lines().count() == 1, "{said}");
+    assert!(said.starts_with("note: decision.toml is not in m.fmu") && said.lines().count() == 2, "{said}");
+    assert!(said.contains("note: M was another Trial before"), "{said}");
     let text = fs::read_to_string(at.join("M/decision.toml")).unwrap();
     assert!(text.starts_with("model = \"social-force\"\ndesired_speed = 0.8 "), "{text}");
     assert!(read(&at.join("M")).dynamics.iter().all(|moving| moving.fp == lemons_plane::Vec2::ZERO));

@@ -270,3 +270,22 @@ fn a_refused_crowd_says_why_and_nothing_else() {
         "{said}"
     );
 }
+
+/// A table of the crowd before lay beside, and nothing said that it was of another one.
+#[test]
+fn a_crowd_that_replaces_another_one_says_so() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path();
+    let crowd = ["crowd", "-n", "3", "-o", "T"];
+    let note =
+        "note: T was another Trial before: tables and other results made from that one no longer fit\n";
+    for (more, said) in [
+        (&[][..], ""),
+        (&[], ""),
+        (&["--seed", "2"], note),
+        (&["--seed", "2"], ""),
+        (&["--seed", "2", "--time-step", "0.02", "--force"], note),
+    ] {
+        assert_eq!(err(&done(place, &[&crowd[..], more].concat())), said, "{more:?}");
+    }
+}
