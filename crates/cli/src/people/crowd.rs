@@ -37,7 +37,7 @@ use std::time::Instant;
 #[command(after_help = format!("{REGION_HELP}\n\n{CUSTOM_HELP}"))]
 pub struct Arguments {
     /// Number of people
-    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
+    #[arg(short, long, alias = "people", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     number: Option<u32>,
     /// People per m² of the region. In the open, with --number: the least density within the convex
     /// hull of the crowd (default there: as dense as possible)
