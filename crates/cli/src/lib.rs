@@ -25,6 +25,7 @@ mod info;
 mod interrupt;
 mod lab;
 mod measure;
+mod misspelt;
 mod output;
 mod outputs;
 mod pack;
@@ -44,6 +45,7 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use error::{Misused, TrialHasErrors, said};
 use interrupt::{EXIT_CODE, Interrupted};
 use lemons_files::{give_up, waited_in_vain};
+use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 use version::SHORT_AND_LONG;
@@ -110,8 +112,12 @@ pub fn definition() -> clap::Command {
     })
 }
 
-fn arguments() -> Result<(Arguments, ArgMatches), clap::Error> {
-    let matches = definition().try_get_matches()?;
+fn arguments(words: &[OsString]) -> Result<(Arguments, ArgMatches), clap::Error> {
+    let mut all = definition();
+    let matches = all.try_get_matches_from_mut(words).map_err(|error| {
+        let named = words.get(1).and_then(|name| name.to_str());
+        misspelt::with_tip(error, named.and_then(|name| all.find_subcommand_mut(name)))
+    })?;
     Ok((Arguments::from_arg_matches(&matches)?, matches))
 }
 
@@ -144,7 +150,8 @@ pub fn main() -> ExitCode {
 }
 
 fn command() -> Result<()> {
-    let (arguments, matches) = match arguments() {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let (arguments, matches) = match arguments(&words) {
         Ok(read) => read,
         // Where it was asked for, help goes where everything goes.
         Err(asked) if std::io::stdout().is_terminal() || asked.use_stderr() => asked.exit(),
@@ -203,6 +210,33 @@ mod tests {
                 assert!(line.len() <= 78, "{line}");
             }
         }
+    }
+
+    /// The option that `meant` is, or no tip.
+    #[test]
+    fn the_tip_for_a_misspelt_option_is_the_nearest_one() {
+        for (line, tip) in [
+            ("lemons run X --til left", "--until"),
+            ("lemons run X --untill=3", "--until"),
+            ("lemons crowd --numbr 80", "--number"),
+            ("lemons crowd --persons 80", ""),
+            ("lemons run X --colour red", ""),
+            ("lemons sweep X --thread 2", "--threads"),
+        ] {
+            let words: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
+            let said = arguments(&words).err().unwrap().render().to_string();
+            let given = words.iter().find_map(|word| word.to_str()?.strip_prefix("--")).unwrap();
+            let given = given.split('=').next().unwrap();
+            assert!(said.contains(&format!("unexpected argument '--{given}' found")), "{said}");
+            let expected = format!("tip: a similar argument exists: '{tip}'");
+            assert!(if tip.is_empty() { !said.contains("tip:") } else { said.contains(&expected) }, "{said}");
+            assert!(
+                said.contains(&format!("Usage: lemons {} [OPTIONS]", words[1].to_str().unwrap())),
+                "{said}"
+            );
+        }
+        let people = ["lemons", "crowd", "--people", "80"].map(OsString::from);
+        assert!(arguments(&people).is_ok());
     }
 
     #[test]

@@ -490,8 +490,9 @@ mod tests {
 
     #[test]
     fn a_drive_beyond_all_numbers_is_an_error_that_names_it() {
-        let mut decision = decision("waypoints = [{ x = -1e308, y = 0 }]");
-        decision.set_real(Quantity::Agent(0, AgentQuantity::PositionX), 1.7e308, Phase::StepComplete);
+        let mut decision = decision("waypoints = [{ x = 1, y = 0 }]");
+        // An importer's, not a user's.
+        decision.set_real(Quantity::Agent(0, AgentQuantity::DesiredSpeed), 1.7e308, Phase::StepComplete);
         let error = decision.real(Quantity::Agent(0, AgentQuantity::FpX)).unwrap_err().to_string();
         assert!(error.contains("agent[0]") && error.contains("Fp.x"), "{error}");
     }

@@ -1,12 +1,15 @@
 //! What is wrong with wishes or a plan.
 
 use crate::field::TooLarge;
+use lemons_trial::FARTHEST;
 use thiserror::Error;
 
 /// Each needs a field of distances in memory.
 pub(crate) const MOST_TARGETS: usize = 50;
 /// Of one agent: each is some variables of the FMU.
 pub(crate) const MOST_WAYPOINTS: usize = 10_000;
+/// Of speeds and strengths: products of a few of them are finite.
+const GREATEST: f64 = 1e9;
 
 /// What is wrong with wishes or a plan. The messages do not name the file.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -75,4 +78,14 @@ pub(crate) fn positive(place: &str, key: &'static str, value: f64) -> Result<(),
 
 pub(crate) fn not_negative(place: &str, key: &'static str, value: f64) -> Result<(), PlanError> {
     number(place, key, value, |value| value >= 0.0, "finite and at least 0")
+}
+
+/// A speed or a strength.
+pub(crate) fn moderate(place: &str, key: &'static str, value: f64) -> Result<(), PlanError> {
+    number(place, key, value, |value| (0.0..=GREATEST).contains(&value), "from 0 to 1e9")
+}
+
+/// A coordinate \[m\].
+pub(crate) fn coordinate(place: &str, key: &'static str, value: f64) -> Result<(), PlanError> {
+    number(place, key, value, |value| value.abs() <= FARTHEST, "from -1e9 to 1e9 m")
 }

@@ -11,7 +11,7 @@
 //! the centres of mass. Somebody is in front of a person if the shadows of their outlines on a line across the way overlap
 //! by more than a third.
 
-use crate::error::{PlanError, not_negative, positive};
+use crate::error::{PlanError, moderate, positive};
 use lemons_plane::{Rotation, Vec2, nearest_on_segment, segments_cross, vec2};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -130,13 +130,13 @@ impl Gait {
             Gait::CollisionFreeSpeed(of) => {
                 let place = "collision-free-speed";
                 positive(place, "time_gap", of.time_gap)?;
-                not_negative(place, "neighbour_strength", of.neighbour_strength)?;
+                moderate(place, "neighbour_strength", of.neighbour_strength)?;
                 positive(place, "neighbour_range", of.neighbour_range)?;
-                not_negative(place, "wall_strength", of.wall_strength)?;
+                moderate(place, "wall_strength", of.wall_strength)?;
                 positive(place, "wall_range", of.wall_range)
             }
             Gait::SocialForce(of) => {
-                not_negative("social-force", "strength", of.strength)?;
+                moderate("social-force", "strength", of.strength)?;
                 positive("social-force", "range", of.range)
             }
         }

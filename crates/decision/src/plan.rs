@@ -2,20 +2,27 @@
 //!
 //! A plan is TOML (`decision.toml` in the FMU's resources).
 
-use crate::error::{MOST_TARGETS, MOST_WAYPOINTS, PlanError, not_negative, number, positive};
+mod checked;
+mod destinations;
+mod settled;
+
+use crate::error::PlanError;
 use crate::gait::Gait;
 use crate::person::Person;
 use crate::rule::{Pose, Walker, Waypoint};
 use crate::target::{Destination, Target, Ways};
-use crate::wishes::{WantedTarget, Wish, Wishes};
+use crate::wishes::{Wish, Wishes};
+use destinations::{destinations, targets_of};
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::Trial;
 use serde::{Deserialize, Serialize};
+pub use settled::settled;
 
 /// \[m\] Radius of a way-point that gives none.
 const DEFAULT_RADIUS: f64 = 0.3;
 /// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).
 const DEFAULT_SPEED: f64 = 1.34;
+
 /// An agent of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Planned {
@@ -201,220 +208,6 @@ impl Plan {
         });
         Ok(Some(Ways::new(&self.polylines(), &self.targets, places)?))
     }
-
-    /// From where they start, or from their last way-point, all must be able to reach their destination.
-    fn check_ways(&self) -> Result<(), PlanError> {
-        let Some(ways) = self.ways()? else { return Ok(()) };
-        if let Some(shut) = ways.shut().first() {
-            return Err(PlanError::Shut { place: self.targets[*shut].named() });
-        }
-        for agent in self.agents.iter().filter(|agent| agent.destination != Destination::None) {
-            let last = agent.walker.waypoints.last().map(|w| vec2(w.x, w.y));
-            let from = last.unwrap_or(vec2(agent.pose.x, agent.pose.y));
-            if !ways.distance(agent.destination, from).is_finite() {
-                let to = match agent.destination {
-                    Destination::Target(k) => self.targets[k].named(),
-                    _ => {
-                        let exits = self.targets.iter().filter(|target| !target.stay);
-                        let names: Vec<String> = exits.map(|exit| format!("{:?}", exit.name)).collect();
-                        format!("any exit ({})", names.join(", "))
-                    }
-                };
-                let [x, y] = [from.x, from.y].map(|number| format!("{number:.2}"));
-                return Err(PlanError::NoWay { agent: agent.id.clone(), x, y, to });
-            }
-        }
-        Ok(())
-    }
-
-    fn checked(self) -> Result<Plan, PlanError> {
-        if self.agents.is_empty() {
-            return Err(PlanError::Empty);
-        }
-        positive("the plan", "time_step", self.time_step)?;
-        self.gait.check()?;
-        for corner in self.walls.iter().flatten().flatten() {
-            number("a wall", "corner", *corner, |_| true, "finite")?;
-        }
-        if self.targets.len() > MOST_TARGETS {
-            return Err(PlanError::TooManyTargets(self.targets.len()));
-        }
-        for target in &self.targets {
-            let place = target.named();
-            for corner in target.corners.iter().flatten() {
-                number(&place, "corner", *corner, |_| true, "finite")?;
-            }
-            if target.corners.len() < 2 {
-                return Err(PlanError::LineOrPolygon { place });
-            }
-            let flat = target.area().is_some_and(|ring| !(ring.area() > 0.0 && ring.is_simple()));
-            let point = target.corners.iter().all(|corner| *corner == target.corners[0]);
-            if flat || point {
-                let must = "a line of some length, or a polygon with an area whose sides do not cross";
-                let value = format!("{:?}", target.corners);
-                return Err(PlanError::Value { place, key: "corners", value, must });
-            }
-        }
-        for agent in &self.agents {
-            let (place, walker, pose) = (format!("agent {:?}", agent.id), &agent.walker, &agent.pose);
-            if matches!(agent.destination, Destination::Target(k) if k >= self.targets.len()) {
-                let value = format!("{:?}", agent.destination);
-                return Err(PlanError::Value {
-                    place,
-                    key: "destination",
-                    value,
-                    must: "one of the targets",
-                });
-            }
-            if walker.waypoints.len() > MOST_WAYPOINTS {
-                let (agent, count) = (agent.id.clone(), walker.waypoints.len());
-                return Err(PlanError::TooManyWaypoints { agent, count });
-            }
-            for length in agent.disks.iter().flatten() {
-                number(&place, "disk", *length, |_| true, "finite")?;
-            }
-            positive(&place, "mass", walker.mass)?;
-            positive(&place, "moment_of_inertia", walker.moment_of_inertia)?;
-            not_negative(&place, "floor_damping", walker.floor_damping)?;
-            not_negative(&place, "angular_damping", walker.angular_damping)?;
-            not_negative(&place, "desired_speed", walker.desired_speed)?;
-            for (key, value) in [("x", pose.x), ("y", pose.y), ("theta", pose.theta)] {
-                number(&place, key, value, |_| true, "finite")?;
-            }
-            for (k, waypoint) in walker.waypoints.iter().enumerate() {
-                let place = format!("{place}, way-point {k}");
-                number(&place, "x", waypoint.x, |_| true, "finite")?;
-                number(&place, "y", waypoint.y, |_| true, "finite")?;
-                not_negative(&place, "radius", waypoint.radius)?;
-            }
-        }
-        Ok(self)
-    }
-}
-
-/// Wishes in which everybody goes somewhere: without those of people who are not there, and, where there are several
-/// goals and no exits, with the goal that is nearest on foot at the start for each who names none.
-///
-/// # Errors
-/// An exit or a goal is not one, or the area is too large.
-pub fn settled(trial: &Trial, wishes: &Wishes) -> Result<Wishes, PlanError> {
-    let people = Person::all_of(trial);
-    let mut wishes = wishes.without_others(&people).unwrap_or_else(|| wishes.clone());
-    for none in [&mut wishes.exits, &mut wishes.goals] {
-        none.take_if(|places| places.is_empty());
-    }
-    let targets = targets_of(&wishes)?;
-    if targets.len() < 2 || targets.iter().any(|target| !target.stay) {
-        return Ok(wishes);
-    }
-    let walls: Vec<Vec<Vec2>> = trial.geometry.walls.iter().map(|wall| wall.corners.clone()).collect();
-    let at = |person: &Person| vec2(person.pose.x, person.pose.y);
-    let all = people
-        .iter()
-        .flat_map(|person| (0..targets.len()).map(move |target| (at(person), Destination::Target(target))));
-    let ways = Ways::new(&walls, &targets, all)?;
-    for person in &people {
-        let far = |target: usize| ways.distance(Destination::Target(target), at(person));
-        let nearest = (0..targets.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)));
-        let own = wishes.agents.entry(person.id.clone()).or_default();
-        if own.goal.is_none() && own.exit.is_none() {
-            own.goal = nearest.map(|target| targets[target].name.clone());
-        }
-    }
-    Ok(wishes)
-}
-
-/// The exits, then the goals.
-fn targets_of(wishes: &Wishes) -> Result<Vec<Target>, PlanError> {
-    let mut targets: Vec<Target> = Vec::new();
-    let kinds = [("exit", "exits", &wishes.exits, false), ("goal", "goals", &wishes.goals, true)];
-    for (kind, key, wanted, stay) in kinds {
-        for (k, WantedTarget { name, line, polygon, share }) in wanted.iter().flatten().enumerate() {
-            let place = format!("{key}[{k}]");
-            let name = name.clone().unwrap_or_else(|| format!("{kind} {k}"));
-            let corners = match (line, polygon) {
-                (Some(line), None) => line.to_vec(),
-                (None, Some(polygon)) if polygon.len() > 2 => polygon.clone(),
-                (None, Some(polygon)) => {
-                    let (value, must) = (format!("{polygon:?}"), "three corners or more");
-                    return Err(PlanError::Value { place, key: "polygon", value, must });
-                }
-                _ => return Err(PlanError::LineOrPolygon { place }),
-            };
-            if let Some(share) = share {
-                not_negative(&place, "share", *share)?;
-            }
-            if targets.iter().any(|other| other.name == name) {
-                return Err(PlanError::SameName { place, name });
-            }
-            targets.push(Target { name, stay, corners });
-        }
-    }
-    Ok(targets)
-}
-
-/// Where everybody goes: the own wish; else by the shares of exits; else the nearest exit; else the only goal.
-fn destinations(
-    people: &[Person],
-    wishes: &Wishes,
-    targets: &[Target],
-) -> Result<Vec<Destination>, PlanError> {
-    let exits = targets.iter().filter(|target| !target.stay).count();
-    let shared = shared(people, wishes)?;
-    let usual = match exits {
-        0 if targets.len() == 1 => Destination::Target(0),
-        0 => Destination::None,
-        _ => Destination::NearestExit,
-    };
-    let one = |(person, shared): (&Person, Option<usize>)| {
-        let own = wishes.agents.get(&person.id);
-        let named = |key: &'static str, name: &String, stay: bool| {
-            let found = targets.iter().position(|target| target.stay == stay && target.name == *name);
-            found.map(Destination::Target).ok_or_else(|| {
-                let known: Vec<String> = targets
-                    .iter()
-                    .filter(|target| target.stay == stay)
-                    .map(|target| format!("{:?}", target.name))
-                    .collect();
-                let known = if known.is_empty() { "none".into() } else { known.join(", ") };
-                PlanError::UnknownTarget { agent: person.id.clone(), key, name: name.clone(), known }
-            })
-        };
-        match own.map(|own| (&own.exit, &own.goal)) {
-            Some((Some(_), Some(_))) => Err(PlanError::Both(person.id.clone())),
-            Some((Some(exit), None)) => named("exit", exit, false),
-            Some((None, Some(goal))) => named("goal", goal, true),
-            _ => Ok(shared.map_or(usual, Destination::Target)),
-        }
-    };
-    people.iter().zip(shared).map(one).collect()
-}
-
-/// The exit of everybody by shares: as many people for each as its share says, chosen by the seed.
-fn shared(people: &[Person], wishes: &Wishes) -> Result<Vec<Option<usize>>, PlanError> {
-    let exits = wishes.exits.as_deref().unwrap_or_default();
-    let shares: Vec<f64> = exits.iter().filter_map(|exit| exit.share).collect();
-    if shares.is_empty() {
-        return Ok(vec![None; people.len()]);
-    }
-    let sum: f64 = shares.iter().sum();
-    if shares.len() != exits.len() {
-        return Err(PlanError::SomeShares);
-    }
-    positive("exits", "the sum of all shares", sum)?;
-    let mut order: Vec<usize> = (0..people.len()).collect();
-    let seed = wishes.seed.unwrap_or(0);
-    order.sort_by_key(|&i| crate::patience::draw(seed, i as u64, u64::MAX));
-    let (mut taken, mut next, mut chosen) = (0.0, 0, vec![None; people.len()]);
-    for (k, share) in shares.iter().enumerate() {
-        taken += share / sum;
-        let end = (taken * people.len() as f64).round() as usize;
-        while next < end.min(people.len()) {
-            chosen[order[next]] = Some(k);
-            next += 1;
-        }
-    }
-    Ok(chosen)
 }
 
 #[cfg(test)]
@@ -467,6 +260,13 @@ mod tests {
             ("waypoints = []", ["agent \"0\"", "no way-point"]),
             ("desired_speed = 1.0", ["agent \"0\"", "no way-point"]),
             ("desired_speed = -1.0\nwaypoints = [{ x = 1, y = 0 }]", ["desired_speed = -1.0", "agent \"0\""]),
+            ("desired_speed = 1e308\nwaypoints = [{ x = 1, y = 0 }]", ["speed = 1e308", "from 0 to 1e9"]),
+            ("waypoints = [{ x = -1e300, y = 0 }]", ["x = -1e300", "from -1e9 to 1e9 m"]),
+            ("exits = [{ line = [[0, 0], [1e300, 1]] }]", ["exit \"exit 0\": corner = 1e300", "1e9 m"]),
+            (
+                "model = \"social-force\"\nsocial-force = { strength = 1e300 }\nwaypoints = [{ x = 1, y = 0 }]",
+                ["strength = 1e300", "social-force"],
+            ),
             ("desired_speed = \"fast\"", ["desired_speed", "line 1"]),
             ("waypoints = [{ x = 1, y = 0 }]\n[agents.9]", ["agents.9", "no agent"]),
             ("waypoints = [", ["line 1", "waypoints"]),

@@ -256,3 +256,19 @@ pub enum Arrival {
     /// At an exit.
     Leaves,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Everybody within its bounds had left at the start.
+    #[test]
+    fn who_stands_beside_a_slanted_exit_has_not_left() {
+        let exit = Target { name: "exit".into(), stay: false, corners: vec![[0.0, 0.0], [4.0, 4.0]] };
+        let (beside, on) = (vec2(3.0, 1.0), vec2(2.0, 2.0));
+        let people = [beside, on].map(|at| (at, Destination::NearestExit));
+        let ways = Ways::new(&[], &[exit], people.into_iter()).unwrap();
+        let arrived = |at| ways.arrived(Destination::NearestExit, at, at);
+        assert_eq!((arrived(beside), arrived(on)), (None, Some(Arrival::Leaves)));
+    }
+}

@@ -26,7 +26,7 @@ pub enum DoorError {
     #[error("door {door}: width = {width} m: must be positive and finite")]
     Width { door: usize, width: f64 },
     #[error(
-        "door {door} at ({x}, {y}) m is {distance:.2} m from the nearest wall; at most {FARTHEST} m is allowed"
+        "door {door} at ({x}, {y}) m is {distance:.2} m from the nearest closed wall; at most {FARTHEST} m is allowed"
     )]
     Far { door: usize, x: f64, y: f64, distance: f64 },
     #[error("door {door}: there is no wall left beside its {width} m")]

@@ -54,6 +54,12 @@ pub fn cut_doors(geometry: Geometry, doors: &[Door]) -> Result<Geometry, DoorErr
 }
 
 impl Door {
+    /// Returns the closed wall that [`cut_doors`] cuts it into; `None` without any.
+    pub fn wall<'a>(&self, geometry: &'a Geometry) -> Option<&'a Wall> {
+        let (place, _) = nearest_wall(&closed_walls(geometry), self.at)?;
+        geometry.walls.iter().filter(|wall| is_closed(wall)).nth(place)
+    }
+
     /// Returns the line \[m\] that people cross when they have left by this door of closed walls: parallel to the wall,
     /// 1 m behind it, and 2 m longer than the door is wide. Behind is the side of the wall where fewer of the `people`
     /// are \[m\]. `None` without rings.
@@ -114,12 +120,17 @@ mod tests {
         let ids: Vec<&str> = cut.walls.iter().map(|wall| &*wall.id).collect();
         assert_eq!(ids, ["0", "room", "2", "1"]);
         assert!(cut.walls[0] == geometry.walls[0] && cut.walls[3] == geometry.walls[2]);
+        assert_eq!(door(8.1, 3.0, 1.0).wall(&geometry), Some(&geometry.walls[1]));
+        assert_eq!(door(8.1, 3.0, 1.0).wall(&walls(&[], "")), None);
         assert!(cut.walls[1..3].iter().all(|wall| wall.material_id == "concrete"));
         let length =
             |wall: &Wall| wall.corners.windows(2).map(|side| (side[1] - side[0]).norm()).sum::<f64>();
         assert!((cut.walls[1..3].iter().map(length).sum::<f64>() - 25.0).abs() < 1e-9);
         let far = cut_doors(geometry, &[door(20.0, 3.0, 1.0)]).unwrap_err();
-        assert!(far.to_string().contains("door 0 at (20, 3) m is 12.00 m from the nearest wall"), "{far}");
+        assert!(
+            far.to_string().contains("door 0 at (20, 3) m is 12.00 m from the nearest closed wall"),
+            "{far}"
+        );
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod nalgebra;
 mod pose;
 mod ring;
 mod segment;
+mod simple;
 mod union;
 mod vec2;
 mod wkt;

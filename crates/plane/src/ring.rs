@@ -112,23 +112,6 @@ impl Ring {
     pub fn touches(&self, other: &Ring) -> bool {
         self.sides().any(|(a, b)| other.sides().any(|(c, d)| segments_touch(a, b, c, d)))
     }
-
-    /// Returns whether it has an area and its sides meet only where one follows the other.
-    pub fn is_simple(&self) -> bool {
-        let sides: Vec<_> = self.sides().collect();
-        let n = sides.len();
-        let meet = |i: usize, j: usize| {
-            let ((a, b), (c, d)) = (sides[i], sides[j]);
-            if j == i + 1 || (i == 0 && j + 1 == n) {
-                // They share a corner, and more only if one goes back along the other.
-                let (from, over, to) = if j == i + 1 { (a, b, d) } else { (c, a, b) };
-                turn(from, over, to) == 0.0 && (from - over).dot(to - over) > 0.0
-            } else {
-                segments_touch(a, b, c, d)
-            }
-        };
-        n >= 3 && !(0..n).any(|i| (i + 1..n).any(|j| meet(i, j)))
-    }
 }
 
 #[cfg(test)]
@@ -172,14 +155,6 @@ mod tests {
         assert!(ring(&[(4.0, 3.0), (4.0, 0.0), (0.0, 0.0), (0.0, 3.0)]).is_upright());
         assert!(!ring(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.001)]).is_upright());
         assert!(!ring(&[(0.0, 0.0), (2.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]).is_upright());
-    }
-
-    #[test]
-    fn simple_is_what_meets_itself_nowhere() {
-        assert!(ring(&[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]).is_simple());
-        assert!(!ring(&[(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)]).is_simple());
-        assert!(!ring(&[(0.0, 0.0), (1.0, 0.0)]).is_simple());
-        assert!(!ring(&[(0.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0)]).is_simple());
     }
 
     #[test]

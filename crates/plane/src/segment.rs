@@ -10,11 +10,15 @@ pub fn turn(a: Vec2, b: Vec2, c: Vec2) -> f64 {
 
 /// Returns whether the segments `a b` and `c d` have a common point.
 pub fn segments_touch(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
+    // This is exact. Of points on one line, rounding may give turns of any sign.
+    let apart = |a: f64, b: f64, c: f64, d: f64| a.max(b) < c.min(d) || c.max(d) < a.min(b);
+    if apart(a.x, b.x, c.x, d.x) || apart(a.y, b.y, c.y, d.y) {
+        return false;
+    }
     let (c_side, d_side) = (turn(a, b, c), turn(a, b, d));
-    if c_side == 0.0 && d_side == 0.0 {
-        // On one line: they touch if their bounding rectangles do.
-        let apart = |a: f64, b: f64, c: f64, d: f64| a.max(b) < c.min(d) || c.max(d) < a.min(b);
-        return !apart(a.x, b.x, c.x, d.x) && !apart(a.y, b.y, c.y, d.y);
+    // On one line. A point has no line.
+    if c_side == 0.0 && d_side == 0.0 && a != b {
+        return true;
     }
     let parts = |p: f64, q: f64| (p > 0.0 && q > 0.0) || (p < 0.0 && q < 0.0);
     !parts(c_side, d_side) && !parts(turn(c, d, a), turn(c, d, b))
@@ -56,6 +60,18 @@ mod tests {
         assert!(!segments_touch(o, e, n, ne));
         assert!(!segments_touch(o, e, vec2(1.5, 0.0), vec2(2.0, 0.0)));
         assert!(!segments_touch(o, e, vec2(0.5, 1e-9), vec2(0.5, 1.0)));
+        // A point is on a piece, or only within its bounds.
+        let (middle, beside) = (vec2(0.5, 0.5), vec2(0.75, 0.25));
+        assert!(segments_touch(middle, middle, o, ne) && segments_touch(o, ne, middle, middle));
+        assert!(!segments_touch(beside, beside, o, ne) && !segments_touch(o, ne, beside, beside));
+        // Apart on one line: by their rounded turns they would cross.
+        for places in [
+            [(3.7, 16.2), (5.9, 25.44), (7.9, 33.84), (10.7, 45.6)],
+            [(15.5, 24.979999999999997), (19.3, 34.1), (20.0, 35.78), (21.4, 39.14)],
+        ] {
+            let [a, b, c, d] = places.map(|(x, y)| vec2(x, y));
+            assert!(!segments_touch(a, b, c, d) && !segments_touch(c, d, a, b), "{places:?}");
+        }
         assert!(segments_cross(o, ne, e, n) && !segments_cross(o, e, e, ne));
         assert!(!segments_cross(o, e, vec2(0.5, 0.0), vec2(0.5, 2.0)));
     }

@@ -28,3 +28,4 @@ pub use parameters::Parameters;
 pub use problem::Problems;
 pub use pulse::{Pulse, drive_of_pulses};
 pub use trial::{FileNames, INTERACTIONS, Places, Trial, output_names};
+pub use xml::FARTHEST;

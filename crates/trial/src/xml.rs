@@ -73,7 +73,7 @@ const LONGEST_NAME: usize = 80;
 
 /// \[m\] Places further from the origin along x or y are refused: up to there a micrometre is exact, and no square of a
 /// distance overflows.
-pub(crate) const FARTHEST: f64 = 1e9;
+pub const FARTHEST: f64 = 1e9;
 
 /// What a number may be, apart from finite.
 #[derive(Clone, Copy)]

@@ -19,7 +19,8 @@ use clap::ValueEnum;
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_decision::{Plan, WISHES_FILE, Wishes};
-use lemons_files::{Scratch, names_beside};
+use lemons_files::{Scratch, input, names_beside};
+use lemons_fmi::fingerprint;
 use lemons_master::Given;
 use lemons_people::{
     Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialError,
@@ -36,7 +37,7 @@ use std::time::Instant;
 #[command(after_help = format!("{REGION_HELP}\n\n{CUSTOM_HELP}"))]
 pub struct Arguments {
     /// Number of people
-    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
+    #[arg(short, long, alias = "people", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     number: Option<u32>,
     /// People per m² of the region. In the open, with --number: the least density within the convex
     /// hull of the crowd (default there: as dense as possible)
@@ -60,7 +61,9 @@ pub struct Arguments {
 #[derive(clap::Args)]
 #[command(next_help_heading = "Trial and FMU (pedestrians only)")]
 struct TrialArguments {
-    /// Write the crowd as a Trial directory
+    /// Write the crowd as a Trial directory. One that lemons crowd has written there, and that nobody has
+    /// changed since, is replaced; if it was another one, the command says so: results made from it no
+    /// longer fit
     #[arg(short, long, value_name = "TRIAL")]
     output: Option<PathBuf>,
     /// Write the Trial as a zip
@@ -398,10 +401,24 @@ impl TrialArguments {
         }
         interrupt.check()?;
         if let Some(directory) = &self.output {
+            let before = fingerprints(directory);
             wrote("Trial", directory, self.write_into(directory, trial, beside));
+            if before.iter().any(Option::is_some) && before != fingerprints(directory) {
+                note!(
+                    "note: {} was another Trial before: tables and other results made from that one no longer fit",
+                    directory.display()
+                );
+            }
         }
         Ok(done)
     }
+}
+
+/// Of the files of a Trial that a crowd may change; `None` for those that are not there.
+fn fingerprints(trial: &Path) -> Vec<Option<u128>> {
+    let read = |file: &&str| input::read(&trial.join(file), input::LARGEST_TRIAL_FILE).ok();
+    let files = TRIAL_FILES.iter().chain([&WISHES_FILE]);
+    files.map(|file| read(file).map(|bytes| fingerprint(&bytes))).collect()
 }
 
 impl TrialArguments {

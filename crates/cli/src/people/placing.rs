@@ -10,9 +10,9 @@ use lemons_people::placing::{
     Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, RegionError, Stage, dense,
     grid, measure, paper, placing_seed, wider,
 };
-use lemons_people::{Door, Shape, closed_walls, cut_doors, walls};
+use lemons_people::{Door, Shape, closed_walls, cut_doors, nearest_wall, walls};
 use lemons_plane::{Bounds, Pose, Ring, Vec2, vec2};
-use lemons_trial::Geometry;
+use lemons_trial::{Geometry, Wall};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -37,7 +37,8 @@ pub struct PlacingArguments {
     #[arg(long = "region", value_name = "REGION", value_parser = region, allow_hyphen_values = true)]
     regions: Vec<RegionArgument>,
     /// Cut a door into the nearest closed wall: a gap of this width, in m, whose middle is the wall's
-    /// nearest point. People are placed before. Can be given several times
+    /// nearest point. People are placed before. A door in an obstacle is refused: nobody stands inside it.
+    /// Can be given several times
     #[arg(long = "door", value_name = "X,Y,WIDTH", value_parser = door, allow_hyphen_values = true)]
     doors: Vec<Door>,
     /// Packing algorithm. dense: our own, without overlap; paper: that of the paper's appendix D; grid:
@@ -123,6 +124,12 @@ impl Wanted {
     }
 }
 
+/// After "close the wall": what to do with --door where walls have openings.
+const OPENINGS: &str = "give its opening as a --door, too; or leave out --door: --region takes walls with openings, \
+                        and with --leave, --exit says where people leave";
+/// The same where no wall is closed.
+const CLOSE: &str = "close one (repeat its first corner at the end), and ";
+
 /// \[m\] About how broad people are across the shoulders.
 const NARROW: f64 = 0.5;
 
@@ -136,20 +143,32 @@ impl PlacingArguments {
             let region = match (self.sides, &self.geometry) {
                 (Some(sides), _) => Region::rectangle(Vec2::ZERO, sides).context("--box")?,
                 (None, Some(_)) => Region::from_walls(&geometry)
-                    .map_err(|error| with_a_way_out(&error, &geometry))
+                    .map_err(|error| self.with_a_way_out(&error, &geometry))
                     .with_context(|| format!("--geometry {name}"))?,
                 (None, None) => Region::plane(),
             };
-            vec![Ground { region, name: name.clone(), amount: Amount::AsAll, said: String::new() }]
+            // All walls are closed; the others are within the outline.
+            let is_outline = |wall: &&Wall| Bounds::of(wall.corners.iter().copied()) == region.bounds();
+            let (rooms, obstacles) = geometry.walls.iter().partition::<Vec<_>, _>(is_outline);
+            let [rooms, obstacles] =
+                [rooms, obstacles].map(|walls| walls.iter().map(|wall| wall.id.clone()).collect());
+            let (name, said) = (name.clone(), String::new());
+            vec![Ground { region, name, amount: Amount::AsAll, rooms, obstacles, said }]
         } else {
             grounds(&self.regions, &geometry, &name)?
         };
         let closed = closed_walls(&geometry);
         if !self.doors.is_empty() && closed.is_empty() {
-            let message = format!("--door: there is no closed wall in {name}; --box or --geometry has some");
-            return Err(Misused(message).into());
+            let advice = if geometry.walls.is_empty() {
+                "--box or --geometry has some".to_owned()
+            } else {
+                format!("{CLOSE}{OPENINGS}")
+            };
+            return Err(Misused(format!("--door: there is no closed wall in {name}; {advice}")).into());
         }
+        let uncut = geometry.clone();
         let geometry = cut_doors(geometry, &self.doors).context("--door")?;
+        self.doors.iter().try_for_each(|door| refuse_obstacle(door, &uncut, &grounds))?;
         for (number, door) in self.doors.iter().enumerate() {
             if door.width < NARROW {
                 note!(
@@ -192,6 +211,24 @@ impl PlacingArguments {
             return Ok((geometry, path.display().to_string()));
         }
         Ok((walls(&[], ""), "the open".into()))
+    }
+
+    /// Of an open wall, what to do.
+    fn with_a_way_out(&self, error: &RegionError, geometry: &Geometry) -> anyhow::Error {
+        let corners = geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied());
+        match (error, Bounds::of(corners)) {
+            (RegionError::OpenWall { .. }, _) if !self.doors.is_empty() => {
+                anyhow!("{error}; --door needs closed walls: close it, and {OPENINGS}")
+            }
+            (RegionError::OpenWall { .. }, Some(Bounds { low, high })) => anyhow!(
+                "{error}; --region says where people stand among walls with openings, for example --region {},{},{},{}",
+                low.x,
+                low.y,
+                high.x,
+                high.y
+            ),
+            _ => anyhow!("{error}"),
+        }
     }
 
     /// Lines \[m\] behind the doors, where people \[m\] have left.
@@ -396,19 +433,28 @@ impl PlacingArguments {
     }
 }
 
-/// Of an open wall, what to do.
-fn with_a_way_out(error: &RegionError, geometry: &Geometry) -> anyhow::Error {
-    let corners = geometry.walls.iter().flat_map(|wall| wall.corners.iter().copied());
-    match (error, Bounds::of(corners)) {
-        (RegionError::OpenWall { .. }, Some(Bounds { low, high })) => anyhow!(
-            "{error}; --region says where people stand among walls with openings, for example --region {},{},{},{}",
-            low.x,
-            low.y,
-            high.x,
-            high.y
-        ),
-        _ => anyhow!("{error}"),
-    }
+/// A door leads out of the room: people would walk into a pillar.
+fn refuse_obstacle(door: &Door, geometry: &Geometry, grounds: &[Ground]) -> Result<()> {
+    let is_obstacle = |wall: &Wall| {
+        grounds.iter().any(|ground| ground.obstacles.contains(&wall.id))
+            && !grounds.iter().any(|ground| ground.rooms.contains(&wall.id))
+    };
+    let Some(wall) = door.wall(geometry).filter(|wall| is_obstacle(wall)) else { return Ok(()) };
+    let others = geometry.walls.iter().filter(|wall| !is_obstacle(wall)).cloned().collect();
+    let others = Geometry { walls: others, ..geometry.clone() };
+    let Door { at: Vec2 { x, y }, width } = door;
+    let advice = match (door.wall(&others), nearest_wall(&closed_walls(&others), door.at)) {
+        (Some(Wall { id, .. }), Some((_, foot))) => {
+            let [x, y] = [foot.place.x, foot.place.y].map(|x| (1e3 * x).round() / 1e3 + 0.0);
+            format!("in wall {id} it is --door {x},{y},{width}")
+        }
+        _ => format!("no other wall is closed: {CLOSE}{OPENINGS}"),
+    };
+    bail!(
+        "--door {x},{y},{width}: the nearest closed wall is {}, an obstacle: nobody stands inside it. A door is in a \
+         wall of the room where people stand; {advice}",
+        wall.id
+    );
 }
 
 /// On a terminal, once a placing takes a moment.

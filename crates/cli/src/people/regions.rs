@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use lemons_people::Door;
 use lemons_people::placing::{Part, Region};
 use lemons_plane::{Vec2, vec2};
-use lemons_trial::Geometry;
+use lemons_trial::{FARTHEST, Geometry};
 
 /// More are a mistake.
 const MOST: f64 = 1e6;
@@ -48,6 +48,10 @@ pub struct Ground {
     /// As messages call it.
     pub name: String,
     pub amount: Amount,
+    /// Ids of the closed walls in which people stand.
+    pub rooms: Vec<String>,
+    /// Ids of those in which nobody stands.
+    pub obstacles: Vec<String>,
     /// What walls make of it, for the summary.
     pub said: String,
 }
@@ -87,10 +91,14 @@ pub fn region(text: &str) -> Result<RegionArgument, String> {
 pub fn door(text: &str) -> Result<Door, String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     match numbers.as_deref() {
-        Some(&[x, y, width]) if x.is_finite() && y.is_finite() && (0.1..=1e3).contains(&width) => {
+        Some(&[x, y, width])
+            if [x, y].iter().all(|x| x.abs() <= FARTHEST) && (0.1..=1e3).contains(&width) =>
+        {
             Ok(Door { at: vec2(x, y), width })
         }
-        _ => Err("must be x, y and width in m, as in 8,3,1; the width is from 0.1 to 1000".into()),
+        _ => Err("must be x, y and width in m, as in 8,3,1; the width is from 0.1 to 1000, x and y are from -1e9 to \
+                  1e9"
+            .into()),
     }
 }
 
@@ -104,7 +112,8 @@ pub fn grounds(regions: &[RegionArgument], geometry: &Geometry, place: &str) -> 
         let part = Region::among(corners, geometry, &earlier).with_context(|| format!("--region: {name}"))?;
         drawn.push(Region::polygon(corners, &[]).context("--region")?);
         let said = described(&part);
-        grounds.push(Ground { region: part.region, name, amount: *amount, said });
+        let Part { region, rooms, obstacles, .. } = part;
+        grounds.push(Ground { region, name, amount: *amount, rooms, obstacles, said });
     }
     Ok(grounds)
 }

@@ -143,6 +143,18 @@ fn a_misspelt_key_of_decision_toml_is_an_error_with_the_right_one() {
     assert!(said.contains(": 1 warning"), "{said}");
     let said = out(&check("desired_speed = 48\nwaypoints = [{ x = 6, y = 2 }]"));
     assert!(said.contains("agent \"0\" wants 48.0 m/s, and 4 others more than 3.0 m/s:"), "{said}");
+    // No force for it is a number; a message showed all 300 digits of a place.
+    for (wishes, words) in [
+        (
+            "desired_speed = 1e308\nwaypoints = [{ x = 6, y = 2 }]",
+            "desired_speed = 1e308: must be from 0 to 1e9",
+        ),
+        ("exits = [{ line = [[1e300, 0], [1e300, 9]] }]", "corner = 1e300: must be from -1e9 to 1e9 m"),
+    ] {
+        let output = check(wishes);
+        assert_code(&output, 3);
+        assert!(out(&output).contains(words), "{}", out(&output));
+    }
     let output = check("waypoints = [{ x = 6, y = 2 }]\n[agents.nobody]");
     assert_code(&output, 3);
     assert!(out(&output).contains("there is no agent with this Id"), "{}", out(&output));

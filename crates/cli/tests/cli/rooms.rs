@@ -108,7 +108,8 @@ fn eighty_people_in_a_room_with_a_door_leave_by_it() {
     let again = ["--leave", "--speed", "0.8", "--model", "social-force", "-o", "M"];
     let made = done(at, &[&room[..], &again, &["--fmu", "m.fmu"]].concat());
     let said = err(&made);
-    assert!(said.starts_with("note: decision.toml is not in m.fmu") && said.lines().count() == 1, "{said}");
+    assert!(said.starts_with("note: decision.toml is not in m.fmu") && said.lines().count() == 2, "{said}");
+    assert!(said.contains("note: M was another Trial before"), "{said}");
     let text = fs::read_to_string(at.join("M/decision.toml")).unwrap();
     assert!(text.starts_with("model = \"social-force\"\ndesired_speed = 0.8 "), "{text}");
     assert!(read(&at.join("M")).dynamics.iter().all(|moving| moving.fp == lemons_plane::Vec2::ZERO));
@@ -214,9 +215,11 @@ fn mistakes_in_rooms_are_named() {
     let at = directory.path();
     fs::write(at.join("room.xml"), ROOM).unwrap();
     let room = ["--geometry", "room.xml"];
-    let cases: [(&[&str], i32, &str); 14] = [
+    let cases: [(&[&str], i32, &str); 16] = [
         (&["-n", "5"], 1, "wall room is not closed"),
         (&["-n", "5"], 1, "for example --region 0,-1,8,6"),
+        (&["-n", "5", "--door", "0,3,1"], 1, "close it, and give its opening as a --door, too"),
+        (&["--region", "0,0,8,6", "-n", "5", "--door", "2.5,1.9,1"], 1, "is pillar, an obstacle"),
         (&["--region", "0,0,8,6"], 2, "the number of people is missing in region 0 of room.xml"),
         (&["--region", "0,0,8"], 2, "two opposite corners"),
         (&["--region", "0,0 8,0 8"], 2, "the corners of a polygon"),
@@ -254,6 +257,75 @@ fn a_door_that_goes_round_a_corner_is_told() {
         err(&done(directory.path(), &words))
     };
     assert!(made("4,0.2,1").contains("note: --door 4,0.2,1: door 0 goes round a corner"));
-    assert_eq!(made("4,0.6,1"), "");
+    assert!(!made("4,0.6,1").contains("corner"));
     assert!(made("4,1.5,0.3").contains("door 0 is 0.3 m wide: people are about 0.5 m broad"));
+}
+
+/// A hall of 8 m x 6 m and, in it, something of 1.5 m x 2 m: a pillar or a smaller room.
+const HALL: &str = r#"<Geometry>
+<Wall Id="hall" MaterialId="concrete"><Corner Coordinates="0,0"/><Corner Coordinates="8,0"/>
+<Corner Coordinates="8,6"/><Corner Coordinates="0,6"/><Corner Coordinates="0,0"/></Wall>
+<Wall Id="inner" MaterialId="concrete"><Corner Coordinates="6,2"/><Corner Coordinates="7.5,2"/>
+<Corner Coordinates="7.5,4"/><Corner Coordinates="6,4"/><Corner Coordinates="6,2"/></Wall></Geometry>"#;
+
+/// It opened the pillar: people left into it.
+#[test]
+fn a_door_is_in_a_wall_of_a_room_that_people_stand_in() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    fs::write(at.join("hall.xml"), HALL).unwrap();
+    let hall = ["crowd", "--geometry", "hall.xml", "-o", "T", "--force"];
+    let walls = || {
+        let trial = read(&at.join("T"));
+        let closed = |wall: &lemons_trial::Wall| wall.corners.first() == wall.corners.last();
+        trial.geometry.walls.iter().map(|wall| (wall.id.clone(), closed(wall))).collect::<Vec<_>>()
+    };
+    let ground: [&[&str]; 2] = [&["-n", "5"], &["-n", "5", "--region", "0,0,8,6"]];
+    for ground in ground {
+        let refused = lemons(at, &[&hall[..], ground, &["--door", "7.6,3,1"]].concat());
+        assert_code(&refused, 1);
+        let said = err(&refused);
+        assert!(
+            said.starts_with("lemons: --door 7.6,3,1: the nearest closed wall is inner, an obstacle"),
+            "{said}"
+        );
+        // What it proposes does.
+        assert!(said.ends_with("in wall hall it is --door 8,3,1\n"), "{said}");
+        done(at, &[&hall[..], ground, &["--door", "8,3,1", "--leave"]].concat());
+        assert_eq!(walls(), [("hall".into(), false), ("inner".into(), true)]);
+    }
+    // People in the smaller room, or in both.
+    for regions in [
+        &["--region", "6,2,7.5,4;number=2"][..],
+        &["--region", "6,2,7.5,4;number=2", "--region", "0,0,8,6;number=5"],
+    ] {
+        done(at, &[&hall[..], regions, &["--door", "7.6,3,1"]].concat());
+        assert_eq!(walls(), [("hall".into(), true), ("inner".into(), false)]);
+    }
+}
+
+/// The advice was --region, with which there was no closed wall either.
+#[test]
+fn what_is_proposed_for_a_door_beside_an_opening_does() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let open = r#"<Geometry><Wall Id="hall" MaterialId="concrete"><Corner Coordinates="8,2.5"/><Corner Coordinates="8,0"/>
+        <Corner Coordinates="0,0"/><Corner Coordinates="0,6"/><Corner Coordinates="8,6"/><Corner Coordinates="8,3.5"/>
+        </Wall></Geometry>"#;
+    let closed = open.replace("</Wall>", "<Corner Coordinates=\"8,2.5\"/></Wall>");
+    fs::write(at.join("open.xml"), open).unwrap();
+    fs::write(at.join("closed.xml"), closed).unwrap();
+    let door = ["--door", "0,3,1", "--leave", "-n", "5", "-o", "T"];
+    for region in [&[][..], &["--region", "0,0,8,6"]] {
+        let said = err(&lemons(at, &[&["crowd", "--geometry", "open.xml"][..], region, &door].concat()));
+        let advice =
+            ["repeat", "give its opening as a --door, too; or leave out --door: --region takes walls"];
+        assert!(advice.iter().all(|words| said.contains(words)), "{said}");
+    }
+    done(at, &[&["crowd", "--geometry", "closed.xml", "--door", "8,3,1"][..], &door].concat());
+    let region = ["--region", "0,0,8,6", "--leave", "--exit", "9,1.5,9,4.5", "-n", "5", "-o", "U"];
+    done(at, &[&["crowd", "--geometry", "open.xml"][..], &region].concat());
+    for trial in ["T", "U"] {
+        nobody_overlaps(at, trial);
+    }
 }

@@ -306,6 +306,6 @@ fn mistakes_are_refused_with_their_place() {
     // The Trial's own file is named as the user knows it.
     fs::write(at.join("T/decision.toml"), "desired_speed = -1\nwaypoints = [{ x = 1, y = 1 }]").unwrap();
     let output = lemons(at, &["run", "T"]);
-    let said = "T/decision.toml: agent \"0\": desired_speed = -1.0: must be finite and at least 0";
+    let said = "T/decision.toml: agent \"0\": desired_speed = -1.0: must be from 0 to 1e9";
     assert!(err(&output).contains(said), "{}", err(&output));
 }

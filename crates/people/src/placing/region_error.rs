@@ -11,7 +11,7 @@ pub(super) const MOST_CORNERS: usize = 10_000;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RegionError {
     /// A corner that is not finite or too far out.
-    #[error("{ring}: corner {corner} at ({x}, {y}) m is not within {FARTHEST} m of the origin")]
+    #[error("{ring}: corner {corner} at ({x:?}, {y:?}) m is not within {FARTHEST} m of the origin")]
     Corner {
         /// Name of the polygon.
         ring: String,

@@ -1,0 +1,105 @@
+//! Whether a plan can be carried out.
+
+use super::Plan;
+use crate::error::{
+    MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number, positive,
+};
+use crate::target::{Destination, Target};
+use lemons_plane::vec2;
+
+impl Plan {
+    /// From where they start, or from their last way-point, all must be able to reach their destination.
+    pub(super) fn check_ways(&self) -> Result<(), PlanError> {
+        let Some(ways) = self.ways()? else { return Ok(()) };
+        if let Some(shut) = ways.shut().first() {
+            return Err(PlanError::Shut { place: self.targets[*shut].named() });
+        }
+        for agent in self.agents.iter().filter(|agent| agent.destination != Destination::None) {
+            let last = agent.walker.waypoints.last().map(|w| vec2(w.x, w.y));
+            let from = last.unwrap_or(vec2(agent.pose.x, agent.pose.y));
+            if !ways.distance(agent.destination, from).is_finite() {
+                let to = match agent.destination {
+                    Destination::Target(k) => self.targets[k].named(),
+                    _ => {
+                        let exits = self.targets.iter().filter(|target| !target.stay);
+                        let names: Vec<String> = exits.map(|exit| format!("{:?}", exit.name)).collect();
+                        format!("any exit ({})", names.join(", "))
+                    }
+                };
+                let [x, y] = [from.x, from.y].map(|number| format!("{number:.2}"));
+                return Err(PlanError::NoWay { agent: agent.id.clone(), x, y, to });
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn checked(self) -> Result<Plan, PlanError> {
+        if self.agents.is_empty() {
+            return Err(PlanError::Empty);
+        }
+        positive("the plan", "time_step", self.time_step)?;
+        self.gait.check()?;
+        for corner in self.walls.iter().flatten().flatten() {
+            coordinate("a wall", "corner", *corner)?;
+        }
+        check_targets(&self.targets)?;
+        for agent in &self.agents {
+            let (place, walker, pose) = (format!("agent {:?}", agent.id), &agent.walker, &agent.pose);
+            if matches!(agent.destination, Destination::Target(k) if k >= self.targets.len()) {
+                let value = format!("{:?}", agent.destination);
+                return Err(PlanError::Value {
+                    place,
+                    key: "destination",
+                    value,
+                    must: "one of the targets",
+                });
+            }
+            if walker.waypoints.len() > MOST_WAYPOINTS {
+                let (agent, count) = (agent.id.clone(), walker.waypoints.len());
+                return Err(PlanError::TooManyWaypoints { agent, count });
+            }
+            for length in agent.disks.iter().flatten() {
+                number(&place, "disk", *length, |_| true, "finite")?;
+            }
+            positive(&place, "mass", walker.mass)?;
+            positive(&place, "moment_of_inertia", walker.moment_of_inertia)?;
+            not_negative(&place, "floor_damping", walker.floor_damping)?;
+            not_negative(&place, "angular_damping", walker.angular_damping)?;
+            moderate(&place, "desired_speed", walker.desired_speed)?;
+            coordinate(&place, "x", pose.x)?;
+            coordinate(&place, "y", pose.y)?;
+            number(&place, "theta", pose.theta, |_| true, "finite")?;
+            for (k, waypoint) in walker.waypoints.iter().enumerate() {
+                let place = format!("{place}, way-point {k}");
+                coordinate(&place, "x", waypoint.x)?;
+                coordinate(&place, "y", waypoint.y)?;
+                not_negative(&place, "radius", waypoint.radius)?;
+            }
+        }
+        Ok(self)
+    }
+}
+
+/// That each is a line or an area.
+pub(super) fn check_targets(targets: &[Target]) -> Result<(), PlanError> {
+    if targets.len() > MOST_TARGETS {
+        return Err(PlanError::TooManyTargets(targets.len()));
+    }
+    for target in targets {
+        let place = target.named();
+        for corner in target.corners.iter().flatten() {
+            coordinate(&place, "corner", *corner)?;
+        }
+        if target.corners.len() < 2 {
+            return Err(PlanError::LineOrPolygon { place });
+        }
+        let flat = target.area().is_some_and(|ring| !(ring.area() > 0.0 && ring.is_simple()));
+        let point = target.corners.iter().all(|corner| *corner == target.corners[0]);
+        if flat || point {
+            let must = "a line of some length, or a polygon with an area whose sides do not cross";
+            let value = format!("{:?}", target.corners);
+            return Err(PlanError::Value { place, key: "corners", value, must });
+        }
+    }
+    Ok(())
+}
