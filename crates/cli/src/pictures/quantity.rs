@@ -192,3 +192,68 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
     };
     run.frames.iter().enumerate().map(of_frame).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lemons_measure::Exposure;
+    use lemons_record::Frame;
+    use std::path::PathBuf;
+
+    /// Two people for three seconds, in steps of 0.1 s. The second one leaves after two.
+    fn run() -> Run {
+        let frame = |k: u32| {
+            let of_step =
+                |mean: f64| OfStep { mean_normal_force: mean, peak_normal_force: mean, peak_overlap: 0.0 };
+            let means = [f64::from(k * 37 % 11) * 30.0, f64::from(k * 13 % 7) * 50.0];
+            let observed = means.map(|mean| Observed { of_step: Some(of_step(mean)), ..Observed::default() });
+            Frame {
+                time: 0.1 * f64::from(k),
+                agents: vec![Motion::default(); 2],
+                observed: Some(observed.to_vec()),
+                active: Some(vec![true, k < 20]),
+                ..Frame::default()
+            }
+        };
+        Run {
+            source: PathBuf::new(),
+            ids: vec!["a".into(), "b".into()],
+            frames: (0..=30).map(frame).collect(),
+        }
+    }
+
+    #[test]
+    fn the_greatest_mean_so_far_is_that_of_an_exposure() {
+        let run = run();
+        let shown = Shown::of(Quantity::GreatestSqueeze, &run, Some(1.0)).unwrap();
+        for end in 0..run.frames.len() {
+            let mut exposure = Exposure::new(2, &[]);
+            for frame in &run.frames[..=end] {
+                exposure.add(frame.time, (0..2).map(|agent| squeeze(frame, agent)));
+            }
+            for (agent, seen) in exposure.finish().iter().enumerate() {
+                let value = shown.of_one(&run, end, agent);
+                match seen.largest_mean[1].filter(|_| run.frames[end].is_there(agent)) {
+                    Some(expected) => assert!((value - expected).abs() < 1e-9, "{end}: {value}, {expected}"),
+                    None => assert!(value.is_nan(), "{end}: {value}"),
+                }
+            }
+        }
+        assert_eq!(shown.label(), "greatest mean squeeze over 1 s so far");
+    }
+
+    #[test]
+    fn a_mean_over_a_time_is_that_of_its_steps() {
+        let run = run();
+        let mean_of_step = |k: usize| squeeze(&run.frames[k], 0).unwrap().0;
+        let shown = Shown::of(Quantity::Squeeze, &run, Some(0.5)).unwrap();
+        for k in 0..run.frames.len() {
+            let expected = if k < 5 { f64::NAN } else { (k - 4..=k).map(mean_of_step).sum::<f64>() / 5.0 };
+            let value = shown.of_one(&run, k, 0);
+            assert!((value - expected).abs() < 1e-9 || (value.is_nan() && expected.is_nan()), "{k}: {value}");
+        }
+        let single = Shown::of(Quantity::Squeeze, &run, None).unwrap();
+        assert_eq!(single.of_one(&run, 7, 0), mean_of_step(7));
+        assert!(Shown::of(Quantity::Squeeze, &run, Some(0.05)).is_err(), "shorter than a step");
+    }
+}

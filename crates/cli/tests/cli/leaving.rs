@@ -200,3 +200,32 @@ fn somebody_may_be_taken_out_by_hand() {
     assert!(nine.iter().all(|row| cell(row, "id") != "3" || cell(row, "agent_contacts") == "0"));
     assert_eq!(all.len(), nine.len());
 }
+
+/// Three broad people, and a door that Decision takes for a way and nobody fits through.
+#[test]
+fn a_run_in_which_nobody_gets_out_ends_and_says_so() {
+    decision_library();
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let crowd =
+        ["crowd", "-n", "3", "--box", "3x2", "--door", "3,1,0.31", "--fixed", "60,33,1.9,110", "--leave"];
+    done(at, &[&crowd[..], &["-o", "shut"]].concat());
+    let output =
+        done(at, &["run", "shut", "--until", "left", "--step", "0.1", "--every", "50", "-o", "run.csv"]);
+    let said = err(&output);
+    let expected = "warning: 3 of 3 people have not left: in the last 300 s nobody has left or got further than 5 m; the \
+                    run ends at t = 300.000 s (still there: 0, 1, 2)";
+    assert!(said.contains(expected), "{said}");
+    assert!(out(&output).contains("left                        0     (of 3 people)"), "{}", out(&output));
+    assert_eq!(cell(rows(at, "run.csv").last().unwrap(), "t"), "300.0");
+    // A sweep of it ends there, too, and does not take it for empty.
+    let sweep = "trial = \"shut\"\nuntil = \"left\"\nstep = 0.1\n[parameters]\n\"crowd.Threads\" = [1]\n[measures]\n\
+                 there = { of = \"agent[*].Position.x\", take = \"last\", across = \"max\" }\n\
+                 time = { squeeze = \"time\", across = \"min\" }";
+    fs::write(at.join("sweep.toml"), sweep).unwrap();
+    done(at, &["sweep", "sweep.toml", "--csv", "table.csv"]);
+    let table = rows(at, "table.csv");
+    let number = |name: &str| cell(&table[0], name).parse::<f64>().unwrap();
+    assert_eq!((cell(&table[0], "ended"), cell(&table[0], "status")), ("", "ok"));
+    assert!((number("time") - 300.0).abs() < 1e-6 && number("there") < 3.5, "{table:?}");
+}

@@ -1,6 +1,6 @@
 //! `lemons sweep` of people who walk: its points are the runs of `lemons run TRIAL`.
 
-use crate::common::{assert_code, command, done, err, lemons, out};
+use crate::common::{assert_code, command, decision_library, done, err, lemons, out};
 use crate::walking::{copy, door};
 use std::collections::HashMap;
 use std::fs;
@@ -233,17 +233,24 @@ dense = { area = "front", number = "voronoi_density", take = "mean" }
 densest = { area = "corner", number = "density", take = "max" }
 speed = { area = "front", number = "speed", take = "mean" }
 early = { area = "front", number = "people", take = "max", until = 2.0 }
+part = { area = "front", number = "voronoi_density", take = "mean", from = 1.0, until = 2.0 }
 felt = { squeeze = "largest_mean", over = 1, across = "max" }
 often = { squeeze = "time_above", level = 100, across = "quantile_90" }
+long = { squeeze = "time_above", level = 50, over = 0.5, across = "max" }
 middle = { squeeze = "impulse", across = "median" }
 peak = { squeeze = "peak", across = "max" }
 "#;
 
 /// What `lemons measure` says of the same Trial, which is run again.
 fn measured(at: &Path, trial: &str, more: &[&str]) -> serde_json::Value {
+    let above = if more.contains(&"--above") { &[][..] } else { &["--above", "100"] };
+    measured_at(at, trial, &[&["--until", "left"], above, more].concat())
+}
+
+fn measured_at(at: &Path, what: &str, more: &[&str]) -> serde_json::Value {
     let all = [
-        &["measure", trial, "--until", "left", "--line", "door=4,1,4,2", "--area", "front=2.5,0.5,4,2.5"],
-        &["--area", "corner=2,1,4,1,4,2", "--above", "100", "--summary", "seen.json", "--force"][..],
+        &["measure", what, "--line", "door=4,1,4,2", "--area", "front=2.5,0.5,4,2.5"],
+        &["--area", "corner=2,1,4,1,4,2", "--summary", "seen.json", "--force"][..],
         more,
     ];
     done(at, &all.concat());
@@ -252,6 +259,7 @@ fn measured(at: &Path, trial: &str, more: &[&str]) -> serde_json::Value {
 
 #[test]
 fn measures_of_a_sweep_are_those_of_lemons_measure() {
+    decision_library();
     let directory = tempfile::TempDir::new().unwrap();
     let at = directory.path();
     for seed in ["1", "2"] {
@@ -283,14 +291,21 @@ fn measures_of_a_sweep_are_those_of_lemons_measure() {
             ("often", &squeeze["time_above"][0]["time"]["quantile_90"]),
             ("middle", &squeeze["impulse"]["median"]),
             ("peak", &squeeze["peak"]["max"]),
+            ("ended", &seen["left"]["evacuation_time"]),
         ] {
             assert_eq!(number(row, name), expected.as_f64().unwrap(), "{trial}: {name}");
         }
         assert_eq!(number(row, "people"), 16.0);
         assert_eq!(number(row, "by_seed"), number(row, "flow") / number(row, "seed"));
+        let over = measured(at, &trial, &["--over", "0.5", "--above", "50"]);
+        assert_eq!(number(row, "long"), over["exposure"]["time_above"][0]["time"]["max"].as_f64().unwrap());
         let late = measured(at, &trial, &["--from", "4"]);
         assert_eq!(number(row, "late"), late["lines"][0]["directions"][0]["people"].as_f64().unwrap());
         assert!(number(row, "late") < 16.0 && number(row, "peak") > number(row, "felt"));
+        // Of the table of the run: where people could be is what all of it says.
+        done(at, &["run", &trial, "--until", "left", "-o", "run.csv", "--force"]);
+        let part = measured_at(at, "run.csv", &["--trial", &trial, "--from", "1", "--until", "2"]);
+        assert_eq!(number(row, "part"), part["areas"][0]["voronoi_density"]["mean"].as_f64().unwrap());
         assert!(number(row, "early") >= 1.0 && number(row, "dense") > 0.0 && number(row, "middle") > 0.0);
     }
     // Lines, areas and the end belong to the sweep; a room of the user's own is taken.
