@@ -1,0 +1,96 @@
+"""Runs that end when people have left, or when nobody gets out any more."""
+
+import os
+import subprocess
+import sys
+
+import limited
+import lemons_fmu
+import numpy as np
+import pandas as pd
+import pytest
+from crowd import REPOSITORY
+from lemons_fmu.leaving import Leaving
+from test_measure import write_table
+
+#: Two broad people, and a door that Decision takes for a way and nobody fits through.
+SHUT = ["--box", "3x2", "--door", "3,1,0.31", "--fixed", "60,33,1.9,110", "--number", "2", "--leave"]
+#: The examples may take so long [s].
+LIMIT = 600
+
+
+@pytest.fixture(autouse=True)
+def the_command(lemons, monkeypatch):
+    monkeypatch.setenv("LEMONS", str(lemons))
+
+
+def over(leave, places):
+    """When it is over and why, of the places of people at each second; None: who has left."""
+    leaving = Leaving(leave)
+    for time in range(3601):
+        seen = places(float(time))
+        there = np.array([place is not None for place in seen])
+        positions = np.array([place or (0.0, 0.0) for place in seen])
+        why = leaving.see(float(time), positions, there)
+        if why is not None:
+            return time, why
+    return None
+
+
+def test_the_rule_is_that_of_the_command():
+    # The same cases as crates/measure (leaving).
+    walker = lambda time: (0.1 * time, 0.0) if time < 40 else None  # noqa: E731
+    assert over(1, lambda time: [walker(time), (1.0, 1.0)]) == (40, "left")
+    assert over(2, lambda time: [walker(time), (1.0, 1.0)]) == (340, "standstill")
+    assert over(1, lambda time: [(2.0 * np.sin(0.7 * time), 0.0)]) == (300, "standstill")
+    assert over(2, lambda time: [(0.02 * time, 0.0), (3.0, 0.0)]) is None
+
+
+def test_a_run_in_which_nobody_gets_out_warns(lemons, tmp_path):
+    trial = tmp_path / "shut"
+    subprocess.run([lemons, "crowd", *SHUT, "-o", trial], check=True, capture_output=True)
+    with lemons_fmu.Crowd(trial) as crowd, pytest.warns(UserWarning, match="2 of 2 people are still there at t = 300 s"):
+        run = crowd.run(until="left", step=0.1)
+    assert run.ended is None and run.active.all()
+    assert run.times[-1] == pytest.approx(300.0, abs=1e-9)
+    table = tmp_path / "run.csv"
+    environment = {**os.environ, "XDG_STATE_HOME": str(tmp_path / "state")}
+    command = [lemons, "run", trial, "--until", "left", "--step", "0.1", "--every", "100", "-o", table]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, env=environment, cwd=tmp_path)
+    assert "2 of 2 people have not left" in done.stderr and "t = 300.000 s" in done.stderr
+    last = pd.read_csv(table)[-2:]
+    # The same run, to the last bit.
+    assert (last[["x", "y"]].to_numpy() == run.poses[-1, :, :2]).all()
+
+
+def test_time_above_a_level_of_means_over_a_second(tmp_path):
+    """800 N from 2 to 2.5 s: the mean over a second rises for half a second, stays at 400 N, and falls."""
+    times = np.arange(121) * 0.1
+    pulse = np.where((times > 2.05) & (times < 2.55), 800.0, 0.0)
+    noise = np.random.default_rng(1).uniform(0, 900, len(times))
+    still = [[(0.0, 0.0), (2.0, 0.0)]] * len(times)
+    table = write_table(tmp_path / "run.csv", still, squeezes=np.transpose([pulse, noise]))
+    levels = [0, 100, 300, 401, 450]
+    first, second = lemons_fmu.measure(table, above=levels, over=1, every=1).people.to_dict("records")
+    assert [first[f"time_above_{level}_over_1"] for level in levels] == pytest.approx([1.5, 1.25, 0.75, 0.0, 0.0])
+    # The definition, on a grid of 0.1 ms: the moving mean, where it is known.
+    fine = np.repeat(noise[1:], 1000)
+    impulse = np.concatenate([[0.0], np.cumsum(fine)]) * 1e-4
+    moving = impulse[10000:] - impulse[:-10000]
+    expected = [np.count_nonzero(moving > level) * 1e-4 for level in levels]
+    assert [second[f"time_above_{level}_over_1"] for level in levels] == pytest.approx(expected, abs=2e-3)
+    assert 1.0 < expected[-1] < 10.0
+    # Shorter than a step, or longer than the record: not known.
+    for over_ in (0.05, 13):
+        assert lemons_fmu.measure(table, above=[100], over=over_, every=1).people[f"time_above_100_over_{over_}"].isna().all()
+
+
+def test_everybody_gets_out(lemons, tmp_path):
+    """A few runs of docs/walking.md."""
+    environment = {**os.environ, "LEMONS": str(lemons), "XDG_STATE_HOME": str(tmp_path / "state")}
+    command = [sys.executable, REPOSITORY / "examples/evacuations.py", "few", "--seeds", "2"]
+    done = limited.run(command, LIMIT, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert done.returncode == 0, done.stderr
+    assert "everybody got out in 18 of 18 runs" in (done.stdout if isinstance(done.stdout, str) else done.stdout.decode())
+    table = pd.read_parquet(tmp_path / "few/results/table.parquet")
+    assert len(table) == 18 and (table["ended"] < 120).all() and table["squeeze"].nunique() > 12
