@@ -127,7 +127,7 @@ def test_the_people_of_a_crowd(lemons, tmp_path):
 
 
 def test_the_results_of_a_sweep(lemons, tmp_path):
-    text = f"trial = {str(TRIAL_PUSH)!r}\nuntil = 0.05\nmeasures = {{ far = {{ of = 'x', take = 'max' }} }}\n"
+    text = f"trial = {str(TRIAL_PUSH)!r}\nuntil = 0.05\nstop = {{ of = 'x', at_least = 1e6 }}\nmeasures = {{ far = {{ of = 'x', take = 'max' }} }}\n"
     (tmp_path / "one.toml").write_text(text + "parameters = { TimeStepMechanical = [1e-4, -1.0] }\n")
     call(lemons, tmp_path, "sweep", "one.toml", "--csv", "one.csv")
     with (tmp_path / "one.csv").open(newline="") as file:

@@ -142,6 +142,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let started = Instant::now();
     let by = BUILD.whole();
     let how = How { threads, retry: arguments.retry_failed, by: &by };
+    let may_end = spec.may_end();
     let done = run(spec, &output, how, interrupt.flag(), tell);
     bar.finish_and_clear();
     let Swept { directory: kept, progress: at, warnings } = match (done, newest.get()) {
@@ -169,7 +170,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
             format!("cannot write {}; all points are kept in {}", path.display(), output.display())
         })?;
     }
-    let told = summary(&kept, at, wall, threads);
+    let told = summary(&kept, at, wall, threads, may_end);
     if at.done < at.total {
         let go_on =
             format!("{} of {} points are finished and kept; go on with the same command", at.done, at.total);
@@ -221,7 +222,7 @@ fn numbers(at: Progress) -> String {
     )
 }
 
-fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize) -> Result<()> {
+fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {
     let new = at.done - at.before;
     say!("points             {:>10}     ({new} now, {} before)", at.total, at.before)?;
     say!("succeeded          {:>10}", at.done - at.failed)?;
@@ -229,11 +230,20 @@ fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize) -> Result<
     if at.done < at.total {
         say!("not simulated      {:>10}", at.total - at.done)?;
     }
+    let rows = kept.read()?;
+    // When a point ended by itself comes after its measures.
+    let on = |row: &&Finished| matches!(row.outcome.as_ref().map(|values| values.last()), Ok(Some(None)));
+    match rows.iter().filter(on).count() {
+        on if may_end && on > 0 => {
+            say!("without an end     {on:>10}     (people stayed, or stop did not hold: column ended)")?;
+        }
+        _ => {}
+    }
     say!("wall time          {wall:>10.3} s   ({threads} at once)")?;
     if new > 0 {
         say!("points per second  {:>10.2}", new as f64 / wall)?;
     }
-    let failed: Vec<Finished> = kept.read()?.into_iter().filter(|row| row.outcome.is_err()).collect();
+    let failed: Vec<Finished> = rows.into_iter().filter(|row| row.outcome.is_err()).collect();
     for Finished { point, outcome } in failed.iter().take(SHOWN) {
         if let Err(message) = outcome {
             say!("point {point:<6}       {}", message.lines().next().unwrap_or_default())?;

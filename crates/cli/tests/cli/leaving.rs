@@ -223,7 +223,8 @@ fn a_run_in_which_nobody_gets_out_ends_and_says_so() {
                  there = { of = \"agent[*].Position.x\", take = \"last\", across = \"max\" }\n\
                  time = { squeeze = \"time\", across = \"min\" }";
     fs::write(at.join("sweep.toml"), sweep).unwrap();
-    done(at, &["sweep", "sweep.toml", "--csv", "table.csv"]);
+    let said = out(&done(at, &["sweep", "sweep.toml", "--csv", "table.csv"]));
+    assert!(said.contains("without an end              1     (people stayed"), "{said}");
     let table = rows(at, "table.csv");
     let number = |name: &str| cell(&table[0], name).parse::<f64>().unwrap();
     assert_eq!((cell(&table[0], "ended"), cell(&table[0], "status")), ("", "ok"));
