@@ -283,7 +283,7 @@ def test_a_key_is_what_its_row_says(readers, page, heading, row):
         assert not refusal("0")
     elif limits := re.fullmatch(r"(\S+) to (\S+)", bounds):
         low, high = map(float, limits.groups())
-        assert refusal(str(low - 1)) and refusal(str(high * 1.1)) and not refusal("0")
+        assert refusal(str(low - 1)) and refusal(str(high * 1.1)) and not refusal("0" if low == 0 else code(row["example"]))
     elif bounds == "> 0" or "greater than 0" in row["meaning"]:
         assert refusal("0") and refusal("-1e-9")
     elif bounds == "at most 10 000":

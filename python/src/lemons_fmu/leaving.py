@@ -23,18 +23,17 @@ class Leaving:
         """`leave`: how many are to leave."""
         self._leave = leave
         self._since = -np.inf
-        self._places: NDArray[np.float64] | None = None
-        self._there: NDArray[np.bool_] | None = None
+        self._places: NDArray[np.float64] = np.empty((0, 2))
+        self._there: NDArray[np.bool_] = np.empty(0, dtype=np.bool_)
 
     def see(self, time: float, places: NDArray[np.float64], there: NDArray[np.bool_]) -> Literal["left", "standstill"] | None:
         """At a time [s], x and y of everybody [m], and whether they are there: returns why it is over, if it is."""
-        if self._places is None or (self._there != there).any() or self._further(places[there]):
+        if not np.array_equal(self._there, there) or self._further(places[there]):
             self._since, self._places, self._there = time, places.copy(), there.copy()
         if np.count_nonzero(~there) >= self._leave:
             return "left"
         return "standstill" if time - self._since >= STANDSTILL - _ROUNDING else None
 
     def _further(self, places: NDArray[np.float64]) -> bool:
-        assert self._places is not None and self._there is not None
         moved = places - self._places[self._there]
         return bool((np.hypot(moved[:, 0], moved[:, 1]) > REACH).any())

@@ -17,9 +17,10 @@ from dask.system import CPU_COUNT
 from numpy.typing import NDArray
 
 from .clock import steps_between
-from .crowd import LATEST, Crowd, Until
+from .crowd import Crowd, Until
 from .drive import DriveLike, identity, known
 from .fmu import Fmu
+from .leaving import LATEST
 from .loaded import KEPT, Loaded, Source
 from .made import Plan, made_of, model_of
 from .model import ALGORITHMS, Algorithm, Model
