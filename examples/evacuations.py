@@ -54,7 +54,7 @@ parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.R
 parser.add_argument("target", metavar="DIR", type=Path, help="directory for Trials and results")
 parser.add_argument("--rooms", nargs="+", choices=["door", *ROOMS], default=["door", *ROOMS])
 parser.add_argument("--models", nargs="+", choices=MODELS, default=MODELS)
-parser.add_argument("--seeds", type=int, default=20, help="at least 2")
+parser.add_argument("--seeds", type=int, default=20, choices=range(2, 10001), metavar="N", help="crowds of each room and model, at least 2")
 parser.add_argument("--threads", default="2", help="runs at a time")
 
 

@@ -1,6 +1,7 @@
 """People that are made from Python are those that the command makes; packed and drawn they are what it packs and draws."""
 
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -8,6 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from PIL import Image
 from crowd import REPOSITORY, TRIAL_DOOR, TRIAL_PUSH
 
 import lemons_fmu
@@ -194,3 +196,28 @@ assert held == [(2, 1)], held
 def test_all_that_is_exported_is_there():
     assert sorted(lemons_fmu.__all__) == sorted(set(lemons_fmu.__all__))
     assert all(hasattr(lemons_fmu, name) for name in lemons_fmu.__all__)
+
+
+def test_several_doors_and_a_film(tmp_path):
+    room = make(number=6, box=(5, 4), door=[[5, 2, 1], [0, 2.0, 1.2]], leave=True, seed=3)
+    plan = (room.directory / "decision.toml").read_text()
+    assert len(re.findall(r"line = ", plan)) == 2
+    with pytest.raises(TypeError, match="not both"):
+        make(number=6, box=(5, 4), door=[5, [0, 2, 1]])
+    film = lemons_fmu.movie(room, tmp_path / "film.gif", until=1, fill="squeeze", over=0.5, width=200)
+    with Image.open(film) as seen:
+        assert seen.format == "GIF" and seen.n_frames > 10 and seen.size[0] == 200
+    assert sorted(path.name for path in tmp_path.glob("*film*")) == ["film.gif"]
+    with pytest.raises(lemons_fmu.CommandError, match="movies are"):
+        lemons_fmu.movie(room, tmp_path / "film.avi")
+
+
+def test_the_table_of_another_crowd_is_told(lemons, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for seed in "12":
+        subprocess.run([lemons, "crowd", "--number", "5", "--box", "3x3", "--seed", seed, "-o", f"room_{seed}"], check=True, capture_output=True)
+    subprocess.run([lemons, "run", "room_1", "--until", "0.1", "-o", "run.csv"], check=True, capture_output=True)
+    for words in (["plot", "run.csv", "-o", "a.png"], ["measure", "run.csv"], ["movie", "run.csv", "-o", "a.gif", "--until", "0.1"]):
+        for seed, warned in (("1", False), ("2", True)):
+            said = subprocess.run([lemons, *words, "--trial", f"room_{seed}", "--force"], capture_output=True, text=True, check=True).stderr
+            assert ("5 of 5 people do not begin where they stand in the Trial" in said) is warned, said

@@ -65,7 +65,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
     /// Measure until this time, in seconds. With the word left, a Trial in which people walk is run until
-    /// everybody has left, for at most an hour. Default: the end of earlier results; 5 for a Trial or FMU
+    /// everybody has left, as by lemons run. Default: the end of earlier results; 5 for a Trial or FMU
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
     until: Option<Until>,
     /// Write flow.csv, gaps.csv, density.csv, people.csv and summary.json into this directory

@@ -418,9 +418,11 @@ fn until_left(system: &System, watch: &Watch) -> Result<Leaving> {
     let nobody =
         "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)";
     ensure!(watch.may_leave(), nobody);
-    // Only our own Decision FMU says who has an exit; of others, all might leave.
-    let known = system.components().iter().find_map(|component| leavers(&component.fmu));
-    let Some((leave, people)) = known else { return Ok(Leaving::of(watch.people())) };
+    // Only our own Decision FMUs say who has an exit; of others, all might leave.
+    let known: Vec<Vec<bool>> =
+        system.components().iter().filter_map(|component| leavers(&component.fmu)).collect();
+    let (people, counted) = (watch.people(), known.iter().map(Vec::len).sum::<usize>());
+    let leave = known.iter().flatten().filter(|leaves| **leaves).count() + people.saturating_sub(counted);
     ensure!(leave > 0, nobody);
     if leave < people {
         note!(
@@ -428,7 +430,11 @@ fn until_left(system: &System, watch: &Watch) -> Result<Leaving> {
             people - leave
         );
     }
-    Ok(Leaving::of(leave))
+    let leaving = Leaving::of(leave);
+    Ok(match &known[..] {
+        [only] if only.len() == watch.ids().count() => leaving.among(only.clone()),
+        _ => leaving,
+    })
 }
 
 /// Ids of people who are told.
@@ -604,7 +610,7 @@ impl Stepping<'_> {
             let rest = &mut self.rest;
             self.shared.with(|underway| {
                 underway.watch.look(system, Point::Start)?;
-                // Where everybody stands; whether anybody rests is asked after a step.
+                // Whether anybody rests is known after a step.
                 if let Some(Rest::Left(leaving)) = rest {
                     leaving.see(system.time(), &underway.watch.standing());
                 }

@@ -42,7 +42,7 @@ pub struct Arguments {
 
 const EXAMPLE: &str = r#"An example of FILE.toml:
   trial = "resources/Trial_push"   # or fmu = "crowd.fmu"; relative to this file
-  until = 2.0                      # [s]; or "left": when everybody has left
+  until = 2.0                      # [s]; or "left": as lemons run --until
   # step = 0.01                    # [s]; else the Trial's TimeStep
   # drive = "push.csv"             # else the Trial's drive.csv; false: none
   # plan = "walk.toml"             # else the Trial's decision.toml; false: nobody walks

@@ -161,9 +161,9 @@ impl Plan {
         toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
     }
 
-    /// How many leave in the end.
-    pub fn leaving(&self) -> usize {
-        (0..self.agents.len()).filter(|agent| self.has_exit(*agent)).count()
+    /// Of everybody, whether they leave in the end.
+    pub fn leaving(&self) -> Vec<bool> {
+        (0..self.agents.len()).map(|agent| self.has_exit(agent)).collect()
     }
 
     /// The different ways of way-points, at most so many.

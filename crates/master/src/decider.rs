@@ -39,11 +39,11 @@ pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
     Ok(Plan::of(trial, &wishes)?)
 }
 
-/// How many people have an exit, and how many there are, by the plan in a Decision FMU of ours; `None` of other FMUs.
-pub fn leavers(fmu: &Fmu) -> Option<(usize, usize)> {
+/// Of everybody, whether they have an exit, by the plan in a Decision FMU of ours; `None` of other FMUs.
+pub fn leavers(fmu: &Fmu) -> Option<Vec<bool>> {
     let path = fmu.directory().join("resources").join(PLAN_FILE);
     let plan = Plan::from_toml(&input::read_text(&path, input::LARGEST_SETTINGS).ok()?).ok()?;
-    Some((plan.leaving(), plan.agents.len()))
+    Some(plan.leaving())
 }
 
 /// The Decision FMU of a Trial's people, as `lemons decide` makes it, written to a file; and the file that says where

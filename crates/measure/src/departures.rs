@@ -9,8 +9,8 @@ use serde::Serialize;
 pub struct Departures {
     /// \[s\] Of each person who is gone, the first frame without it.
     times: Vec<Option<f64>>,
-    /// \[m\] Where each person was seen last.
-    places: Vec<Vec2>,
+    /// \[m\] Where each person was seen last, if at all.
+    places: Vec<Option<Vec2>>,
     /// Whether a frame says who is there.
     known: bool,
 }
@@ -33,7 +33,7 @@ pub struct Left {
 impl Departures {
     /// Of so many people.
     pub fn of(people: usize) -> Departures {
-        Departures { times: vec![None; people], places: vec![Vec2::default(); people], known: false }
+        Departures { times: vec![None; people], places: vec![None; people], known: false }
     }
 
     /// Adds the next frame. Who comes back has not left.
@@ -43,7 +43,7 @@ impl Departures {
             *gone = if frame.is_there(place) { None } else { gone.or(Some(frame.time)) };
         }
         for (place, agent) in frame.present() {
-            self.places[place] = agent.pose.position;
+            self.places[place] = Some(agent.pose.position);
         }
     }
 
@@ -52,8 +52,8 @@ impl Departures {
         let gone = || self.times.iter().flatten().copied();
         let (people, last) = (gone().count(), gone().reduce(f64::max));
         let all = people == self.times.len();
-        let places =
-            self.times.iter().zip(&self.places).filter(|(time, _)| time.is_some()).map(|(_, at)| *at);
+        let gone_from = |(time, place): (&Option<f64>, &Option<Vec2>)| time.and(*place);
+        let places = self.times.iter().zip(&self.places).filter_map(gone_from);
         let around = Bounds::of(places);
         let left = Left {
             people,
@@ -95,6 +95,9 @@ mod tests {
         let (first, last, last_seen) = (Some(1.0), Some(1.0), Some([[0.0, 2.0]; 2]));
         let one = Left { people: 1, first, last, evacuation_time: None, last_seen };
         assert_eq!(left(&[Some([here, here]), Some([here, gone]), Some([here, gone])]), Some(one));
+        // Who was gone before the first frame was seen nowhere.
+        let before = left(&[Some([here, gone]), Some([gone, gone])]).unwrap();
+        assert_eq!((before.people, before.last_seen), (2, Some([[0.0, 0.0]; 2])));
         let (last, last_seen) = (Some(3.0), Some([[0.0, 0.0], [2.0, 2.0]]));
         let both = Left { people: 2, first, last, evacuation_time: Some(3.0), last_seen };
         assert_eq!(

@@ -24,6 +24,8 @@ pub enum Over {
 pub struct Leaving {
     /// How many are to leave.
     leave: usize,
+    /// And who; empty if that is not known.
+    who: Vec<bool>,
     left: usize,
     /// \[s\] Since then nobody has got further than [`REACH`] from these places \[m\]; `None` of those who have left.
     since: f64,
@@ -34,7 +36,12 @@ pub struct Leaving {
 impl Leaving {
     /// Begins; the run is over when so many have left.
     pub fn of(leave: usize) -> Leaving {
-        Leaving { leave, left: 0, since: f64::NEG_INFINITY, places: Vec::new(), over: None }
+        Leaving { leave, who: Vec::new(), left: 0, since: f64::NEG_INFINITY, places: Vec::new(), over: None }
+    }
+
+    /// Of everybody, who is to leave.
+    pub fn among(self, who: Vec<bool>) -> Leaving {
+        Leaving { who, ..self }
     }
 
     /// At a time \[s\], where everybody is \[m\]; `None` of those who have left.
@@ -67,9 +74,10 @@ impl Leaving {
         (self.leave, self.left)
     }
 
-    /// Who has not left, by their places among the people.
+    /// Who has not left and was to leave, by their places among the people.
     pub fn stay(&self) -> impl Iterator<Item = usize> {
-        self.places.iter().enumerate().filter(|(_, place)| place.is_some()).map(|(agent, _)| agent)
+        let there = self.places.iter().enumerate().filter(|(_, place)| place.is_some());
+        there.map(|(agent, _)| agent).filter(|agent| self.who.get(*agent).copied().unwrap_or(true))
     }
 }
 
@@ -97,5 +105,14 @@ mod tests {
         // A slow queue of which one gets somewhere goes on.
         let slow = |time: f64| vec![Some(vec2(0.02 * time, 0.0)), Some(vec2(3.0, 0.0))];
         assert_eq!(over(2, slow), None);
+    }
+
+    #[test]
+    fn who_stays_is_who_was_to_leave() {
+        let here = Some(vec2(0.0, 0.0));
+        let mut leaving = Leaving::of(2).among(vec![true, false, true]);
+        leaving.see(0.0, &[here, here, here]);
+        leaving.see(1.0, &[None, here, here]);
+        assert_eq!((leaving.stay().collect::<Vec<_>>(), leaving.counts()), (vec![2], (2, 1)));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::error::RecordError;
 use crate::run::{Frame, Names, Run, names_of, order_of};
-use lemons_plane::{Vec2, vec2};
+use lemons_plane::{Motion, Vec2, vec2};
 use lemons_trial::Trial;
 use std::cell::Cell;
 use std::fs::File;
@@ -25,6 +25,8 @@ pub struct Record {
     own_ids: Vec<String>,
     /// \[s\] of all frames.
     times: Vec<f64>,
+    /// In the first frame, in the order of the source.
+    first: Vec<Motion>,
     contacts: bool,
     /// Places of the agents in the source, if they are wanted in another order.
     order: Option<Vec<usize>>,
@@ -41,8 +43,11 @@ impl Record {
         source: &Path,
         pass: impl Fn(&mut Each<'_>) -> Result<Vec<String>, RecordError> + 'static,
     ) -> Result<Record, RecordError> {
-        let (mut times, mut contacts) = (Vec::new(), true);
+        let (mut times, mut first, mut contacts) = (Vec::new(), Vec::new(), true);
         let ids = pass(&mut |frame| {
+            if times.is_empty() {
+                first.clone_from(&frame.agents);
+            }
             times.push(frame.time);
             contacts &= frame.interactions.is_some();
             Ok(())
@@ -53,6 +58,7 @@ impl Record {
             pass: Rc::new(pass),
             own_ids: ids.clone(),
             times,
+            first,
             contacts,
             order: None,
             ids,
@@ -73,6 +79,14 @@ impl Record {
     /// \[s\] Times of the frames; at least one.
     pub fn times(&self) -> impl ExactSizeIterator<Item = f64> + Clone {
         self.times.iter().copied().step_by(self.every)
+    }
+
+    /// Everybody in the first frame.
+    pub fn first(&self) -> Vec<Motion> {
+        match &self.order {
+            Some(order) => order.iter().map(|&place| self.first[place]).collect(),
+            None => self.first.clone(),
+        }
     }
 
     /// Number of frames.
@@ -238,6 +252,7 @@ impl From<Run> for Record {
         let Run { source, ids, frames } = run;
         Record {
             times: frames.iter().map(|frame| frame.time).collect(),
+            first: frames.first().map(|frame| frame.agents.clone()).unwrap_or_default(),
             contacts: frames.iter().all(|frame| frame.interactions.is_some()),
             own_ids: ids.clone(),
             ids: ids.clone(),

@@ -105,7 +105,8 @@ impl<'a> Courses<'a> {
         let Courses { places, of_each, kept } = self;
         let room = kept.as_ref().map(|kept| places.room(walls, kept.all_positions())).transpose()?;
         let frames = kept.map(|kept| kept.frames).unwrap_or_default();
-        let mut seen: HashMap<&str, Vec<Density>> = HashMap::new();
+        // By the area and the frame.
+        let mut seen: HashMap<(&str, usize), Density> = HashMap::new();
         let values = of_each.into_iter().map(|course| {
             Ok(match course {
                 Course::Output(watched) => watched.value(),
@@ -114,8 +115,14 @@ impl<'a> Courses<'a> {
                 Course::Area(of, seen) => of.value(&seen),
                 Course::AreaOfRoom(of) => {
                     let area = places.area(&of.area)?;
-                    let measured = || frames.iter().map(|frame| area.measure(frame, room.as_ref())).collect();
-                    of.value(seen.entry(&of.area).or_insert_with(measured))
+                    let in_span = frames.iter().enumerate().filter(|(_, frame)| of.span().has(frame.time));
+                    let own: Vec<Density> = in_span
+                        .map(|(k, frame)| {
+                            let measured = || area.measure(frame, room.as_ref());
+                            *seen.entry((&of.area, k)).or_insert_with(measured)
+                        })
+                        .collect();
+                    of.value(&own)
                 }
             })
         });

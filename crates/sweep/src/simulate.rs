@@ -148,7 +148,8 @@ impl<'a> Worker<'a> {
         Worker { job, runner: None }
     }
 
-    /// Simulates a point and returns its measures, and when it ended by itself \[s\] if it may. The worker can be used again unless this failed.
+    /// Simulates a point and returns its measures, and when it ended by itself \[s\] if it may. The worker can be used
+    /// again unless this failed.
     pub fn simulate(&mut self, point: usize) -> Result<Vec<Option<f64>>> {
         let place = self.job.models.place(point);
         let mut runner = match self.runner.take() {

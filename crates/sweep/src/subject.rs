@@ -98,7 +98,10 @@ fn who_leaves(model: &Model) -> Result<usize> {
     let known = model.parts().iter().find_map(|part| leavers(&part.fmu));
     let nobody =
         "until = \"left\": nobody can leave: people do not walk, or have no exits (give a time in seconds)";
-    known.map(|(leave, _)| leave).filter(|leave| *leave > 0).ok_or_else(|| Error::Spec(nobody.into()))
+    known
+        .map(|who| who.into_iter().filter(|leaves| *leaves).count())
+        .filter(|leave| *leave > 0)
+        .ok_or_else(|| Error::Spec(nobody.into()))
 }
 
 /// What the parameters mean.

@@ -1,8 +1,8 @@
-"""LEMONS-FMU from Python: make a crowd, pack it, step it, run it, measure it, draw it, export it, sweep its parameters.
+"""LEMONS-FMU from Python: make a crowd, pack it, step it, run it, measure it, draw and film it, export it, sweep its parameters.
 
-    from lemons_fmu import Crowd, crowd, export, measure, pack, plot, simulate, sweep
+    from lemons_fmu import Crowd, crowd, export, measure, movie, pack, plot, simulate, sweep
 
-`crowd`, `person`, `pack`, `plot`, `measure`, `export`, and `simulate` of a Trial call the command `lemons`, which wheels contain. The manual is python/README.md.
+`crowd`, `person`, `pack`, `plot`, `movie`, `measure`, `export`, and `simulate` of a Trial call the command `lemons`, which wheels contain. The manual is python/README.md.
 """
 
 from .command import CommandError
@@ -13,7 +13,7 @@ from .export import export as export
 from .fmu import Fmu, load
 from .measure import Measures
 from .measure import measure as measure
-from .picture import Picture, plot
+from .picture import Picture, movie, plot
 from .progress import Progress
 from .results import SweepError
 from .run import Run
@@ -40,6 +40,7 @@ __all__ = [
     "load",
     "local_cluster",
     "measure",
+    "movie",
     "pack",
     "person",
     "plot",

@@ -5,15 +5,18 @@ from __future__ import annotations
 import os
 import subprocess
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Union
+from typing import Union, cast
 
 import numpy as np
 
 from lemons_command import program
 
-#: The value of an option: True is the option alone; False and None leave it out; a sequence is joined with commas; a mapping
-#: is given as NAME=VALUE, once for each.
-Option = Union[None, bool, int, float, str, "os.PathLike[str]", Sequence[Union[int, float, str]], Mapping[str, Union[int, float, str]]]
+#: The value of an option: True is the option alone; False and None leave it out; a sequence is joined with commas, and one of
+#: sequences is given once for each; a mapping is given as NAME=VALUE, once for each.
+Single = Union[int, float, str]
+Option = Union[
+    None, bool, Single, "os.PathLike[str]", Sequence[Single], Sequence[Sequence[Single]], Mapping[str, Single]
+]
 
 
 class CommandError(Exception):
@@ -37,8 +40,18 @@ def options(values: Mapping[str, Option]) -> list[str]:
         elif isinstance(value, (int, float, str, os.PathLike)):
             words.append(f"{option}={_text(value)}")
         else:
-            words.append(f"{option}={','.join(_text(each) for each in value)}")
+            words += [f"{option}={','.join(_text(each) for each in one)}" for one in _each(value)]
     return words
+
+
+def _each(value: Sequence[Single] | Sequence[Sequence[Single]]) -> list[Sequence[Single]]:
+    """Returns one sequence, or those that it consists of."""
+    nested = [each for each in value if not isinstance(each, (int, float, str, np.generic, os.PathLike))]
+    if not nested:
+        return [cast("Sequence[Single]", value)]
+    if len(nested) < len(value):
+        raise TypeError(f"{value!r}: either numbers or sequences of them, not both")
+    return nested
 
 
 def call(words: Iterable[str | os.PathLike[str]], *, state: str | os.PathLike[str] | None = None) -> str:

@@ -19,7 +19,7 @@ from .drive import Drive, DriveLike, Floats, forces, known
 from .errors import FmuError
 from .fmu import Fmu
 from .instance import Instance, Value
-from .leaving import LATEST, REACH, STANDSTILL, Leaving
+from .leaving import LATEST, Leaving
 from .loaded import Loaded, Source
 from .made import Plan, model_of
 from .model import Algorithm, Model, System
@@ -283,11 +283,12 @@ class Crowd:
             self.set_drive(drive)
         record = Record(self.fmu, self._instance, steps, leaving is None and stop is None)
         record.look(start)
-        if leaving is not None:
-            leaving.see(start, *record.standing())
+        over = None if leaving is None else leaving.see(start, *record.standing())
         line, begin = (ProgressLine("steps", failing=False) if progress else None), monotonic()
-        ended = None
+        ended = start if over == "left" else None
         for k in range(1, steps + 1):
+            if over is not None:
+                break
             if pushes is not None and driven is not None:
                 self._instance.set_real(driven, pushes[k - 1])
             elif callable(drive):
@@ -299,17 +300,14 @@ class Crowd:
             over = None if leaving is None else leaving.see(self.time, *record.standing())
             if over == "left" or (stop is not None and stop(self)):
                 ended = self.time
-            if over == "standstill" or (k == steps and leaving is not None and ended is None):
-                self._warn_of_stay(int(record.standing()[1].sum()))
             if ended is not None or over is not None:
                 if line is not None:
                     line(Progress(k, 0, k, monotonic() - begin, 0, None))
                 break
+        if leaving is not None and ended is None:
+            why = leaving.why(over)
+            warnings.warn(f"{leaving.stay} people have not left: {why}; the run ends at t = {self.time:g} s", stacklevel=2)
         return record.finish(self.trial, ended, may_leave=self._model.may_leave)
-
-    def _warn_of_stay(self, stay: int) -> None:
-        why = f"in {STANDSTILL:g} s nobody has left or got further than {REACH:g} m, or {LATEST:g} s are over"
-        warnings.warn(f"{stay} of {self.fmu.agents} people are still there at t = {self.time:g} s: {why}", stacklevel=3)
 
     def _pushes(self, drive: Drive, times: Floats) -> tuple[Floats, NDArray[np.uint32]]:
         """Returns the values of tables at each step, and the references of these inputs."""

@@ -34,6 +34,18 @@ class Leaving:
             return "left"
         return "standstill" if time - self._since >= STANDSTILL - _ROUNDING else None
 
+    @property
+    def stay(self) -> str:
+        """How many have not left, of how many who are to leave."""
+        return f"{self._leave - np.count_nonzero(~self._there)} of {self._leave}"
+
+    @staticmethod
+    def why(over: str | None) -> str:
+        """Why a run ends in which people stay."""
+        if over == "standstill":
+            return f"in the last {STANDSTILL:g} s nobody has left or got further than {REACH:g} m"
+        return "this is the latest end"
+
     def _further(self, places: NDArray[np.float64]) -> bool:
         moved = places - self._places[self._there]
-        return bool((np.hypot(moved[:, 0], moved[:, 1]) > REACH).any())
+        return not bool((np.hypot(moved[:, 0], moved[:, 1]) <= REACH).all())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import tempfile
 from pathlib import Path
 from typing import Literal, Union
@@ -43,6 +44,35 @@ class Picture:
             raise ValueError(f"{path}: the picture is {self.format.upper()}: plot(…, format={path.suffix[1:]!r}) draws another")
         path.write_bytes(self.data)
         return path
+
+
+def movie(
+    what: Drawn,
+    output: str | os.PathLike[str],
+    *,
+    trial: str | os.PathLike[str] | None = None,
+    **others: Option,
+) -> Path:
+    """Films what `lemons movie` films, writes it, whatever is there, and returns the path: MP4 (needs the program ffmpeg), GIF or
+    animated PNG, by the end of its name.
+
+    `what` and `trial` are as for `plot`. All other options of the command have the same names here: `until="left"`,
+    `speed_up=4`, `fill="squeeze"`, `over=1`.
+
+    Raises:
+        CommandError: the command refuses something, or is missing; the message is its own.
+        OSError: it cannot be written.
+    """
+    path = Path(output)
+    with tempfile.TemporaryDirectory(prefix="lemons-movie-") as directory:
+        film = Path(directory) / f"movie{path.suffix}"
+        if not isinstance(what, (str, os.PathLike)):
+            what = table_of(what, Path(directory))
+        call(["movie", f"--output={film}", *options({"trial": trial, **others}), "--", os.fspath(what)], state=directory)
+        beside = path.with_name(f".{path.name}.tmp")
+        shutil.copyfile(film, beside)
+        os.replace(beside, path)
+    return path
 
 
 def plot(

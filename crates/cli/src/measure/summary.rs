@@ -85,8 +85,8 @@ pub struct OfSqueeze {
 pub struct OfLevel {
     /// \[N\]
     pub above: f64,
-    /// Who were above it at all.
-    pub people: usize,
+    /// How many were above it at all; null as `time`.
+    pub people: Option<usize>,
     /// \[s\] null: the record is shorter than the means, or a communication step is longer.
     pub time: Option<OfPeople>,
 }
@@ -187,7 +187,8 @@ impl OfSqueeze {
         };
         let level = |(k, &above): (usize, &f64)| {
             let people = exposed.iter().filter(|one| one.above[k] > Some(0.0)).count();
-            OfLevel { above, people, time: of(&|one| one.above[k]) }
+            let time = of(&|one| one.above[k]);
+            OfLevel { above, people: time.as_ref().map(|_| people), time }
         };
         let spans = SPANS.into_iter().enumerate();
         (longest_step > 0.0).then_some(())?;

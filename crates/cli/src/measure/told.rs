@@ -131,7 +131,7 @@ fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
         writeln!(out, "\ntime above a level, of {means}")?;
     }
     for level in &squeeze.time_above {
-        let people = format!("; {} above", level.people);
+        let people = level.people.map_or(String::new(), |people| format!("; {people} above"));
         row_of_people(out, &format!("{} N", level.above), level.time.as_ref(), "s", &people)?;
     }
     if !squeeze.every_step_known {

@@ -46,7 +46,7 @@ pub struct Arguments {
     /// End of the movie, in seconds. The word still: the movie ends when nobody is faster than 1 cm/s or
     /// 0.05 rad/s any more; the simulation of a Trial or FMU then ends after 1 s of standstill, at the
     /// latest after 120 s. The word left: the movie ends when everybody has left; a Trial in which people
-    /// walk is run so long, at most for an hour. Default: the end of earlier results; 5 for a Trial or FMU
+    /// walk is run so long, as by lemons run. Default: the end of earlier results; 5 for a Trial or FMU
     #[arg(long, value_name = "SECONDS, still or left", value_parser = end)]
     until: Option<End>,
     #[command(flatten)]
@@ -90,7 +90,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME));
     let footage = source.footage(source.runs().then_some(until), Wanted::All, &interrupt)?;
-    source.tell_lacking(look, &footage.run, Some(&footage.trial));
+    source.tell_lacking(look, &[], &footage.run, Some(&footage.trial));
     let first = arguments.from.unwrap_or_else(|| footage.first());
     let last = match arguments.until {
         Some(End::At(time) | End::NotBefore(time)) => time,

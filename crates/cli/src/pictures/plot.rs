@@ -51,7 +51,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
     /// End of time series and density map, in seconds. With the word left, a Trial in which people walk is
-    /// run until everybody has left, for at most an hour. Default: the end of earlier results; 5 for a
+    /// run until everybody has left, as by lemons run. Default: the end of earlier results; 5 for a
     /// Trial or FMU
     #[arg(long, value_name = "SECONDS|left", value_parser = until)]
     until: Option<Until>,
@@ -128,7 +128,7 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let wanted = if look.needs_all() { Wanted::All } else { Wanted::Around(at.clone()) };
     let footage = source.footage(latest.map(End::NotBefore), wanted, interrupt)?;
     at.iter().try_for_each(|time| footage.check(*time))?;
-    source.tell_lacking(look, &footage.run, Some(&footage.trial));
+    source.tell_lacking(look, &[], &footage.run, Some(&footage.trial));
     // Poses between two frames would stand beside forces of one of them.
     let asked = if at.is_empty() { vec![footage.last()] } else { at.clone() };
     let times: Vec<f64> = asked.iter().map(|time| footage.run.frames[footage.nearest(*time)].time).collect();
@@ -172,7 +172,7 @@ fn columns(panels: usize, aspect: f64) -> usize {
 fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
     let opened = source.open(source.end(arguments.until)?, Wanted::All, interrupt)?;
-    source.tell_lacking(look, &opened.run, opened.trial.as_ref());
+    source.tell_lacking(look, &arguments.series, &opened.run, opened.trial.as_ref());
     let (from, until) = (arguments.from, arguments.until.and_then(Until::time));
     let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
     let chart = chart(opened, look, &selection)?;

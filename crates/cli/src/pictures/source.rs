@@ -2,7 +2,7 @@
 
 use super::look::{Look, positive};
 use super::moment::Footage;
-use super::quantity::longest_gap;
+use super::quantity::{Quantity, longest_gap};
 use crate::compared::Poses;
 use crate::decide::Walk;
 use crate::error::Misused;
@@ -13,6 +13,7 @@ use crate::watch::Places;
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::variables::{Kind, in_documents_mut, table};
 use lemons_master::{Clock, Given, PlanChoice, Settings, named};
+use lemons_plane::Motion;
 pub use lemons_record::Wanted;
 use lemons_record::{Frame, Record, Run};
 use lemons_trial::{AgentDynamics, Trial};
@@ -160,7 +161,11 @@ impl Source {
             }
             (true, None, Some(trial)) => Found::Made(still(&self.path, trial)),
             (_, _, Some(trial)) if self.path.is_dir() => Found::Recorded(Record::series(&self.path, trial)?),
-            (_, _, Some(trial)) => Found::Recorded(Record::table(&self.path)?.of_trial(trial)?),
+            (_, _, Some(trial)) => {
+                let record = Record::table(&self.path)?.of_trial(trial)?;
+                tell_other(&record, trial);
+                Found::Recorded(record)
+            }
             (_, _, None) if self.path.is_dir() => bail!(
                 "{}: is not a Trial (it has no Parameters.xml); for an OutputDirectory, give the Trial or FMU of the run with --trial",
                 self.path.display()
@@ -200,15 +205,21 @@ impl Source {
     }
 
     /// Says so if means over a time are shown of earlier results that probably lack communication points.
-    pub fn tell_lacking(&self, look: &Look, run: &Run, trial: Option<&Trial>) {
+    pub fn tell_lacking(&self, look: &Look, series: &[Quantity], run: &Run, trial: Option<&Trial>) {
+        if self.runs() || !look.shows_means(series) {
+            return;
+        }
         let longest = longest_gap(run);
-        let Some(trial) = trial.filter(|trial| !self.runs() && lacks_steps(trial, longest)) else { return };
-        if look.over().is_some() {
-            note!(
-                "warning: frames are up to {longest:.6} s apart, but the TimeStep of the Trial is {:?} s: if the table has \
-                 not all communication points (--every), the means over a time are wrong",
+        match trial {
+            None => note!(
+                "note: assumed: the table has every communication step (longest: {longest:.6} s); --trial says so"
+            ),
+            Some(trial) if lacks_steps(trial, longest) => note!(
+                "warning: frames are up to {longest:.6} s apart, but the TimeStep of the Trial is {:?} s: if the table \
+                 lacks communication points (--every), means and the greatest of them are wrong",
                 trial.parameters.time_step
-            );
+            ),
+            Some(_) => {}
         }
     }
 
@@ -256,6 +267,25 @@ impl Source {
             )
         };
         Ok(Run { source: self.path.clone(), ..ended.recorded.with_context(none)? })
+    }
+}
+
+/// Says so if a record does not begin where the people of a Trial stand: its bodies are probably those of others.
+fn tell_other(record: &Record, trial: &Trial) {
+    /// \[m\] Tables of other programs have fewer digits.
+    const NEAR: f64 = 1e-3;
+    let apart = |(agent, own): &(Motion, &AgentDynamics)| {
+        (agent.pose.position - own.motion().pose.position).norm() > NEAR
+    };
+    let others = record.first().into_iter().zip(&trial.dynamics).filter(apart).count();
+    if others > 0 && record.times().next() == Some(0.0) {
+        note!(
+            "warning: {}: {others} of {} people do not begin where they stand in the Trial {:?}: is it the table of \
+             another crowd?",
+            record.source().display(),
+            trial.agents.len(),
+            trial.name
+        );
     }
 }
 
