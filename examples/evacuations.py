@@ -3,7 +3,7 @@
     python examples/evacuations.py evacuations
 
 makes the Trials in the directory `evacuations`, runs them until everybody has left, and prints how many runs emptied their
-room, and when. People have a friction of 0.4, with which they can form arches in doors:
+room, and when. People have a friction of 0.4 with each other, with which they can form arches in doors:
 
 - door: the 30 people of `resources/Trial_door`, a door of 0.9 m;
 - pillar: 30 people in 6 m by 5 m, a pillar in front of a door of 1 m;
@@ -15,6 +15,7 @@ and pandas.
 
 import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -83,6 +84,11 @@ def make(trial: Path, room: str, model: str, seed: int) -> None:
     shutil.rmtree(half, ignore_errors=True)
     if room == "door":
         shutil.copytree(TRIAL_DOOR, half)
+        # People of `lemons crowd` have this friction with each other.
+        materials = half / "static" / "Materials.xml"
+        text, changed = re.subn(r'KineticFriction="0.05"', 'KineticFriction="0.4"', materials.read_text())
+        assert changed == 1, materials
+        materials.write_text(text)
         (half / "decision.toml").write_text(DECISION.format(model=model, seed=seed))
     else:
         people, boxes, doors = ROOMS[room]

@@ -1,8 +1,10 @@
 """Runs that end when people have left, or when nobody gets out any more."""
 
 import os
+import re
 import subprocess
 import sys
+import zipfile
 
 import limited
 import lemons_fmu
@@ -94,3 +96,38 @@ def test_everybody_gets_out(lemons, tmp_path):
     assert "everybody got out in 18 of 18 runs" in (done.stdout if isinstance(done.stdout, str) else done.stdout.decode())
     table = pd.read_parquet(tmp_path / "few/results/table.parquet")
     assert len(table) == 18 and (table["ended"] < 120).all() and table["squeeze"].nunique() > 12
+
+
+def test_several_crowds_all_leave(lemons, tmp_path):
+    """Two rooms in one SSP: the run ends as the last one of both has left."""
+    environment = {**os.environ, "XDG_STATE_HOME": str(tmp_path / "state")}
+
+    def call(*words):
+        return subprocess.run([lemons, *words], check=True, capture_output=True, text=True, cwd=tmp_path, env=environment)
+
+    ends = {}
+    for name, people, size, door in (("A", 8, "4x3", "4,1.5,1"), ("B", 4, "6x3", "6,1.5,1")):
+        call("crowd", "--number", str(people), "--box", size, "--door", door, "--leave", "-o", name)
+        call("run", name, "--until", "left", "-o", f"{name}.csv")
+        ends[name] = pd.read_csv(tmp_path / f"{name}.csv")["t"].max()
+        call("decide", name, "-o", f"{name}D.fmu")
+        call("pack", name, "-o", f"{name}C.fmu")
+        call("connect", f"{name}D.fmu", f"{name}C.fmu", "-o", f"{name}.ssp")
+    structures = {}
+    with zipfile.ZipFile(tmp_path / "both.ssp", "w") as both:
+        for name in "AB":
+            with zipfile.ZipFile(tmp_path / f"{name}.ssp") as one:
+                structures[name] = one.read("SystemStructure.ssd").decode()
+                for part in one.namelist():
+                    if part != "SystemStructure.ssd" and part not in both.namelist():
+                        both.writestr(part, one.read(part))
+        whole = structures["A"]
+        for kind in ("Elements", "Connections"):
+            more = re.search(rf"<ssd:{kind}>(.*?)</ssd:{kind}>", structures["B"], re.DOTALL)[1]
+            whole = whole.replace(f"</ssd:{kind}>", more + f"</ssd:{kind}>", 1)
+        both.writestr("SystemStructure.ssd", whole)
+    done = call("run", "both.ssp", "--until", "left", "-o", "both.csv")
+    tables = {name: pd.read_csv(tmp_path / f"both_{name}C.csv") for name in "AB"}
+    assert all(table["t"].max() == max(ends.values()) for table in tables.values()) and ends["A"] != ends["B"]
+    assert all((table[table["t"] == table["t"].max()]["active"] == 0).all() for table in tables.values())
+    assert "have not left" not in done.stderr

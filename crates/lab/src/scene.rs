@@ -3,7 +3,6 @@
 use crate::look::overlapping;
 use crate::run::Run;
 use crowd_mechanics::setup::Setup;
-use lemons_decision::Plan;
 use lemons_people::Person;
 use lemons_plane::{Rotation, shown_orientation};
 use lemons_trial::{Agent, Shape, Wall};
@@ -51,7 +50,7 @@ pub fn of(run: &Run) -> Value {
         "mechanical_step": trial.parameters.time_step_mechanical,
         "stable": steps.map(|steps| steps.stable()),
         "error": steps.map(|steps| steps.error(trial.parameters.time_step_mechanical)),
-        "pushed": pushed, "walk": plan.is_some(), "ways": ways, "targets": targets, "leaving": plan.map_or(0, Plan::leaving),
+        "pushed": pushed, "walk": plan.is_some(), "ways": ways, "targets": targets, "leaving": plan.map_or(0, |plan| plan.leaving().into_iter().filter(|leaves| *leaves).count()),
         "people": people, "overlapping": overlapping, "overlap": overlap,
     })
 }

@@ -60,7 +60,7 @@ impl<'a> Colouring<'a> {
             return Colouring { single: ramp.at(0.0), scale: Some(scale), values: Cow::Borrowed(&[]) };
         }
         let areas;
-        let Values { values, label, unit, range, quantile, map } = match fill {
+        let Values { values, label, unit, range, quantile, beyond, map } = match fill {
             Fill::Single(colour) => {
                 return Colouring { single: *colour, scale: None, values: Cow::Borrowed(&[]) };
             }
@@ -95,7 +95,8 @@ impl<'a> Colouring<'a> {
         if let Some(quantile) = quantile {
             title += &format!(", to the {} % quantile", short(100.0 * quantile));
         }
-        let (clipped, ramp) = (quantile.is_some(), Ramp::new(*map, theme));
+        let clipped = *beyond || quantile.is_some() || finite().any(|value| value > high);
+        let ramp = Ramp::new(*map, theme);
         let scale = Scale { title, low, high, clipped, nothing, ramp };
         let values = match fill {
             Fill::Values(own) => Cow::Borrowed(own.values.as_slice()),

@@ -160,6 +160,9 @@ pub(crate) fn colour_bar(out: &mut String, page: &Page, palette: &Palette, scale
     let (cap, right) = (CAP_HEIGHT * page.unit, page.width - MARGIN * page.unit);
     let y = page.height - MARGIN * page.unit;
     if let Some(words) = &scale.nothing {
+        // Long ones are above the scale bar, and not across it.
+        let long = lettering::width(words, cap) > 0.55 * page.width;
+        let y = if long { y - 1.9 * cap } else { y };
         let place = Place { x: right, y, ..small(page.unit, Anchor::End) };
         return lettered(out, "label", words, place, palette.ink);
     }

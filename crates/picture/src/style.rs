@@ -73,6 +73,8 @@ pub struct Values {
     /// The upper end of `range` is this quantile (0 to 1) of all shown values, and some are above it. The colour bar
     /// says so.
     pub quantile: Option<f64>,
+    /// Some of all shown values are above the upper end of `range`. The colour bar says so.
+    pub beyond: bool,
     /// The colour map.
     pub map: ColourMap,
 }

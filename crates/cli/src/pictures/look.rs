@@ -150,6 +150,8 @@ pub struct Looks<'f> {
     range: Option<(f64, f64)>,
     /// Of the values shown, where some are beyond the range for it.
     quantile: Option<f64>,
+    /// Whether any is above the range.
+    beyond: bool,
     widest: Option<f64>,
     /// Of the time stamp.
     decimals: usize,
@@ -253,6 +255,7 @@ impl<'f> Looks<'f> {
             },
             range: look.range,
             quantile: None,
+            beyond: false,
             widest: look.widest,
             decimals: decimals(times),
             other_parameters: false,
@@ -262,8 +265,13 @@ impl<'f> Looks<'f> {
         for time in times {
             interrupt.check()?;
             let moment = footage.at(*time);
-            if let (Some(shown), None) = (&looks.shown, look.range) {
-                shown.of_all(&moment).into_iter().for_each(|value| spread.add(value));
+            if let Some(shown) = &looks.shown {
+                for value in shown.of_all(&moment) {
+                    match look.range {
+                        Some((_, high)) => looks.beyond |= value > high,
+                        None => spread.add(value),
+                    }
+                }
             }
             if look.widest.is_none() {
                 let forces = looks.forces(&moment).into_iter().map(|force| force.normal_force);
@@ -308,7 +316,15 @@ impl<'f> Looks<'f> {
     pub fn style(&self, moment: &Moment) -> Style {
         let values = |values, label: String, unit: &str, map| {
             let (unit, range) = (unit.to_owned(), self.range);
-            Fill::Values(Values { values, label, unit, range, quantile: self.quantile, map })
+            Fill::Values(Values {
+                values,
+                label,
+                unit,
+                range,
+                quantile: self.quantile,
+                beyond: self.beyond,
+                map,
+            })
         };
         let shown = |shown: bool| if shown { Visibility::Shown } else { Visibility::Hidden };
         Style {

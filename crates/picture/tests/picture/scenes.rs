@@ -417,7 +417,7 @@ fn nothing_is_pale_and_a_clipped_scale_says_so() {
     let scene = Scene::at_start(&t);
     let of = |values: Vec<f64>, range, quantile, theme| {
         let (label, unit, map) = ("mean squeeze".to_owned(), "N".to_owned(), ColourMap::FromPaper);
-        let fill = Fill::Values(Values { values, label, unit, range, quantile, map });
+        let fill = Fill::Values(Values { values, label, unit, range, quantile, map, beyond: false });
         svg(&scene, &Style { fill, theme, ..Style::default() })
     };
     let ends = |text: &str| {
@@ -446,7 +446,7 @@ fn words_stand_where_a_colour_bar_would_have_nothing_to_show() {
     let scene = Scene::at_start(&t);
     let fill = |values: Vec<f64>, unit: &str, range, map| {
         let (label, unit) = ("mean squeeze".to_owned(), unit.to_owned());
-        Fill::Values(Values { values, label, unit, range, quantile: None, map })
+        Fill::Values(Values { values, label, unit, range, map, ..Values::default() })
     };
     let shown = |text: &str| {
         let document = Document::parse(text).unwrap();
