@@ -75,7 +75,7 @@ fn a_picture_without_a_contact_says_so_instead_of_a_bar() {
     let directory = push();
     let at = directory.path();
     for (arguments, said) in [
-        (&["push", "--at", "0,0.05", "--fill", "squeeze"][..], "mean squeeze: 0 N everywhere"),
+        (&["push", "--at", "0,0.05", "--fill", "squeeze"][..], "mean squeeze over a step: 0 N everywhere"),
         (&["push", "--at", "0,0.05", "--fill", "contacts"], "contacts: 0 everywhere"),
         (&["push", "--at", "0", "--fill", "speed"], "speed: 0 m/s everywhere"),
     ] {
@@ -100,8 +100,8 @@ fn a_scene_is_where_the_run_was() {
     let greatest = rows.iter().map(|row| row[column(at, "mean_normal_force")]).fold(0.0, f64::max);
     let labels = labels(&text);
     assert!(greatest > 10.0);
-    assert!(labels.contains(&"t = 0.40 s") && labels.contains(&"mean squeeze (N)"), "{labels:?}");
-    let high = labels[labels.iter().position(|l| *l == "mean squeeze (N)").unwrap() - 1];
+    assert!(labels.contains(&"t = 0.40 s") && labels.contains(&"mean squeeze over a step (N)"), "{labels:?}");
+    let high = labels[labels.iter().position(|l| *l == "mean squeeze over a step (N)").unwrap() - 1];
     let high: f64 = high.parse().unwrap();
     assert!((high / greatest - 1.0).abs() < 0.01, "{labels:?}, {greatest} N");
 }
@@ -180,7 +180,7 @@ fn time_series_and_maps() {
     let all = svg(at, &["trajectories.csv", "--series", "x,speed,squeeze,peak-squeeze,contacts"]);
     assert_eq!(all.matches("class=\"chart-panel\"").count(), 5);
     let shown = labels(&all);
-    for label in ["mean squeeze (N)", "peak squeeze (N)", "agent 4"] {
+    for label in ["mean squeeze over a step (N)", "peak squeeze (N)", "agent 4"] {
         assert!(shown.contains(&label), "{shown:?}");
     }
     assert!(all == svg(at, &["push", "--series", "x,speed,squeeze,peak-squeeze,contacts", "--until", "1"]));
@@ -209,7 +209,7 @@ fn squeeze_is_the_mean_of_a_step_and_peak_its_largest() {
     let rows = rows_at(at, 0.4);
     let greatest = |name: &str| rows.iter().map(|row| row[column(at, name)]).fold(0.0, f64::max);
     let table = |fill: &str| svg(at, &["trajectories.csv", "--trial", "push", "--at", "0.4", "--fill", fill]);
-    let mean = high(&table("squeeze"), "mean squeeze (N)");
+    let mean = high(&table("squeeze"), "mean squeeze over a step (N)");
     let peak = high(&table("peak-squeeze"), "peak squeeze (N)");
     assert!((mean / greatest("mean_normal_force") - 1.0).abs() < 0.01, "{mean}");
     assert!((peak / greatest("peak_normal_force") - 1.0).abs() < 0.01 && peak > mean, "{peak}, {mean}");
@@ -256,14 +256,17 @@ fn a_spike_does_not_set_the_scale() {
     let times: Vec<String> = (0..=20).map(|k| format!("{}", f64::from(k) * 0.05)).collect();
     let text = svg(at, &["spike.csv", "--trial", "push", "--at", &times.join(","), "--fill", "squeeze"]);
     let labels = labels(&text);
-    assert!(labels.contains(&"mean squeeze (N), to the 98 % quantile"), "{labels:?}");
+    assert!(labels.contains(&"mean squeeze over a step (N), to the 98 % quantile"), "{labels:?}");
     let high = labels.iter().find_map(|label| label.strip_prefix("≥ ")).unwrap().parse::<f64>().unwrap();
     // The spike is the last of them; the others are 101, 102, ….
     let rank = (0.98 * count as f64).ceil();
     assert!((high - (100.0 + rank)).abs() <= 2.0, "{high} N of {count} rows");
     let asked =
         svg(at, &["spike.csv", "--trial", "push", "--at", "0,1", "--fill", "squeeze", "--range", "0,50"]);
-    assert!(!asked.contains('≥') && !asked.contains("quantile"));
+    assert!(asked.contains("≥ 50") && !asked.contains("quantile"));
+    let room =
+        svg(at, &["spike.csv", "--trial", "push", "--at", "0,1", "--fill", "squeeze", "--range", "0,90000"]);
+    assert!(!room.contains('≥'));
 }
 
 #[test]
@@ -303,7 +306,17 @@ fn mistakes_have_clear_messages() {
             "t = 2.0 s is not in it: it goes from 0.0 to 1.0 s",
         ),
         (&["plot", "push", "--at", "-1"], 2, "--at"),
-        (&["plot", "push", "--fill", "mood"], 2, "area, speed, contacts, squeeze, peak-squeeze"),
+        (
+            &["plot", "push", "--fill", "mood"],
+            2,
+            "area, speed, contacts, squeeze, greatest-squeeze, peak-squeeze",
+        ),
+        (&["plot", "push", "--over", "1"], 2, "--over is for squeeze and greatest-squeeze"),
+        (
+            &["plot", "trajectories.csv", "--trial", "push", "--series", "squeeze", "--over", "0.01"],
+            2,
+            "--over 0.01: shorter than the time between two frames, 0.050000 s",
+        ),
         (&["plot", "push", "--view", "1,1,0,0"], 2, "lower left"),
         (&["plot", "push", "--series", "x", "--density"], 2, "cannot be used"),
         (&["plot", "push", "--set", "agent[0].Mass=-3"], 1, "must be positive"),
