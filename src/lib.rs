@@ -8,7 +8,25 @@
 //! F_n = (k_n h − γ_n v_n) n,    F_t = −k_t s − γ_t v_t   while |F_t| ≤ μ |F_n|, else sliding at μ |F_n|
 //! ```
 //!
-//! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 1 and App. A). The modules; each imports only from those above it:
+//! (Dufour, Stapelle, Nicolas: *LEMONS*, eq. 1 and App. A). The house, with the way of a Trial through it:
+//!
+//! ```text
+//!    a Trial (XML)                                an importer: FMPy, libcosim, …
+//!         │                                            │           ▲
+//!         ▼                                   Fp, Mp, parameters   │ poses, velocities,
+//!  ┌─────────────┐    ┌───────────┐                    ▼           │ contacts, squeeze
+//!  │    setup    │───►│  engine   │            ┌───────────────────────────┐
+//!  │ reads, warns│    │  World:   │◄──────────►│ model: an FMU's instance  │
+//!  └─────────────┘    │ advance(H)│            │ fmi2, fmi3: C functions   │
+//!         │           └───────────┘            └───────────────────────────┘
+//!         ▼                                                  ▲
+//!  ┌──────────────────────┐    ┌───────────────────┐         │
+//!  │ variables, arrays:   │───►│ model_description │──► pack ──► an .fmu
+//!  │ names of quantities  │    └───────────────────┘         (resources: its Trials)
+//!  └──────────────────────┘
+//! ```
+//!
+//! The modules; each imports only from those above it:
 //!
 //! - [`engine`]: pure mechanics, no files, no FMI
 //! - [`setup`]: from the documents of a Trial (`lemons_trial`) to the engine's world, and what to warn of
