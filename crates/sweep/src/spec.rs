@@ -245,7 +245,7 @@ impl Spec {
         Models::of(&self.points, &self.model, &self.plan)
     }
 
-    /// Whether points may end by themselves, before their latest end. The table then has the column [`ENDED`].
+    /// Whether points may end by themselves, before their latest end. The table then has the column `ended`.
     pub fn may_end(&self) -> bool {
         self.until == End::Left || self.stop.is_some()
     }
