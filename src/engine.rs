@@ -71,13 +71,14 @@ mod springs;
 mod standing;
 mod state;
 mod threads;
+mod wall_contacts;
 mod world;
 
 pub use chains::Chain;
 pub use contact_law::Regime;
 pub use contacts::Work;
 pub use exposure::Exposure;
-pub use face::Face;
+pub use face::{Continuation, Face};
 pub use free_flight::{BodyFlight, FreeFlight};
 pub use ids::{BodyId, CornerId, DiskId, FaceId, LineId, WallId};
 pub use lemons_plane::{Pose, Rotation, Twist, Vec2, vec2};

@@ -4,13 +4,15 @@
 //! the step before, or ended within it, it lasted longer or shorter than that. The difference is given as an impulse:
 //! else a force that jumps would make the integrator first order.
 
-use super::Vec2;
-use super::contact_law::{Reaction, normal_force, react};
+use super::contact_law::{Grip, Reaction, Relaxation, normal_force, react};
 use super::encounter::{Encounter, Instant, Touch};
 use super::overlap::{COINCIDENT, Overlap, overlap_with_part, unit};
 use super::pairs::{DiskPair, DiskPairDetail, FacePair, Spring};
-use super::passing::{Passed, Passing};
-use super::standing::velocity_at;
+use super::passing::Passing;
+use super::wall_contacts::WallContact;
+
+/// Normals that differ by less \[1\] have no jump between them.
+const SMOOTH: f64 = 1e-6;
 
 /// By how much the impulse of a contact that began or ended within a step differs from that of the evaluation next to
 /// this time, whose forces count for half a step.
@@ -26,44 +28,41 @@ pub(super) struct Amendment {
     pub peak: f64,
 }
 
-/// How a contact began within a step.
-struct Beginning {
-    /// Its forces and its spring just after that.
-    first: Reaction,
+/// When a contact began or ended within the last step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Edge {
     /// \[s\] Time since then.
     since: f64,
-    /// See [`Amendment::of`].
+    /// \[m\] The depth at that time.
+    depth: f64,
+    /// Whether all of its forces began or ended there; else the disk passed around a corner, and its normal force went
+    /// on.
     whole: bool,
-}
-
-/// What happened to a contact within the last step.
-struct Lately {
-    /// When the receiver came to this part of a wall, if it did so.
-    came: Option<Passed>,
-    /// \[m/s\] What the other contacts added to the relative velocity in the last half step.
-    half_kick: Vec2,
 }
 
 impl Instant<'_> {
     /// The contact of two disks that began within the last step, whose duration is `dt` \[s\].
     #[cold]
     #[inline(never)]
-    pub fn began_disks(&self, pair: &DiskPair, encounter: &Encounter, dt: f64) -> (Touch, Amendment) {
-        let first = velocity_at(&(self.unkicked)(pair.first_body), encounter.arm);
-        let second = velocity_at(&(self.unkicked)(pair.second_body), encounter.other_arm);
-        let half_kick = encounter.velocity - (first - second);
-        began(encounter, Lately { came: None, half_kick }, dt)
+    pub fn began_disks(&self, encounter: &Encounter, dt: f64) -> (Touch, Amendment) {
+        let rate = -encounter.speeds().0;
+        began(encounter, beginning(encounter.overlap.depth, rate, None, dt), 0.0, dt)
     }
 
     /// The contact of a disk and a face that began within the last step.
     #[cold]
     #[inline(never)]
-    pub fn began_face(&self, pair: &FacePair, encounter: &Encounter, dt: f64) -> (Touch, Amendment) {
-        let body = self.scene.body_of(pair.disk);
-        let half_kick = encounter.velocity - velocity_at(&(self.unkicked)(body), encounter.arm);
-        let face = &self.scene.faces[pair.face.index()];
-        let came = self.passing(pair, dt).coming(face, encounter.part);
-        began(encounter, Lately { came, half_kick }, dt)
+    pub fn began_face(
+        &self,
+        pair: &FacePair,
+        contact: &WallContact,
+        encounter: &Encounter,
+        dt: f64,
+    ) -> (Touch, Amendment) {
+        let passing = self.passing(pair, dt);
+        let came = passing.coming(&self.scene.faces[pair.face.index()], contact.part);
+        let rate = -passing.velocity.dot(contact.gradient);
+        began(encounter, beginning(contact.overlap.depth, rate, came, dt), 0.0, dt)
     }
 
     /// The contact of two disks, if it ended within the last step.
@@ -82,18 +81,67 @@ impl Instant<'_> {
             return None;
         }
         let apart = Overlap { depth: pair.reach - distance, normal: unit(sight.between, distance) };
-        ended(&self.disks_encounter(pair, detail, &sight, apart), spring, None, dt)
+        let encounter = self.disks_encounter(pair, detail, &sight, apart);
+        let edge = end(apart.depth, -encounter.speeds().0, None, dt)?;
+        Some(ended(&encounter, spring, edge, dt))
     }
 
-    /// The contact of a disk and a face, if it ended within the last step.
+    /// The contact of a disk and a face, if it ended within the last step. `held`: the other face of an inner corner
+    /// holds the disk alone now.
     #[cold]
     #[inline(never)]
-    pub fn ended_face(&self, pair: &FacePair, spring: &Spring, dt: f64) -> Option<(Touch, Amendment)> {
-        let (disk, wall) = (&self.scene.disks[pair.disk.index()], &self.scene.faces[pair.face.index()]);
+    pub fn ended_face(
+        &self,
+        pair: &FacePair,
+        held: Option<&WallContact>,
+        spring: &Spring,
+        dt: f64,
+    ) -> Option<(Touch, Amendment)> {
         let passing = self.passing(pair, dt);
-        let apart = overlap_with_part(wall, spring.part, passing.centre, disk.radius)?;
-        let left = passing.leaving(wall, spring.part);
-        ended(&self.face_encounter(pair, apart, spring.part), spring, left, dt)
+        let (overlap, rate, left) = match held {
+            Some(contact) => (contact.overlap, -passing.velocity.dot(contact.gradient), None),
+            None => {
+                let (disk, wall) =
+                    (&self.scene.disks[pair.disk.index()], &self.scene.faces[pair.face.index()]);
+                let apart = overlap_with_part(wall, spring.part, passing.centre, disk.radius)?;
+                (apart, -passing.velocity.dot(apart.normal), passing.leaving(wall, spring.part))
+            }
+        };
+        let edge = end(overlap.depth, rate, left, dt)?;
+        Some(ended(&self.face_encounter(pair, overlap, spring.part), spring, edge, dt))
+    }
+
+    /// A contact that passed within the last step from one face of a line to another, on the inner side of a bend: what
+    /// ended at the one and began at the other. None if it passed on without a jump of the normal.
+    #[inline(never)]
+    pub fn passed_bend(
+        &self,
+        [from, to]: [&FacePair; 2],
+        contact: &WallContact,
+        spring: &Spring,
+        dt: f64,
+    ) -> Option<[(Touch, Amendment); 2]> {
+        let left = &self.scene.faces[from.face.index()];
+        let (passing, radius) = (self.passing(from, dt), self.scene.disks[from.disk.index()].radius);
+        let before = overlap_with_part(left, spring.part, passing.centre, radius)?;
+        let turn = before.normal - contact.overlap.normal;
+        // Since both were equally near.
+        let (lead, rate) = (contact.overlap.depth - before.depth, passing.velocity.dot(turn));
+        if turn.norm_squared() <= SMOOTH * SMOOTH || lead <= 0.0 || rate * dt <= lead {
+            return None;
+        }
+        let since = lead / rate;
+        let edge = |depth: f64, normal: f64| Edge { since, depth: depth + normal * since, whole: true };
+        let [ending, beginning] = [(from, before, spring.part), (to, contact.overlap, contact.part)]
+            .map(|(pair, overlap, part)| self.face_encounter(pair, overlap, part));
+        let ended = ended(&ending, spring, edge(before.depth, ending.speeds().0), dt);
+        let began = began(
+            &beginning,
+            edge(contact.overlap.depth, beginning.speeds().0),
+            ended.0.reaction.elongation,
+            dt,
+        );
+        Some([ended, began])
     }
 
     fn passing(&self, pair: &FacePair, dt: f64) -> Passing<'_> {
@@ -106,8 +154,7 @@ impl Instant<'_> {
 }
 
 impl Amendment {
-    /// For a contact that lasted a time \[s\] within a step, between its `edge` and the evaluation. `whole`: it began
-    /// or ended there with all forces; else the disk passed around a corner, and its normal force went on.
+    /// For a contact that lasted a time \[s\] within a step, between its `edge` and the evaluation; see [`Edge::whole`].
     fn of(edge: &Reaction, evaluated: &Reaction, lasted: f64, dt: f64, whole: bool) -> Amendment {
         let over = |edge: f64, evaluated: f64| 0.5 * ((edge + evaluated) * lasted - evaluated * dt);
         let (tangential, peak) = (over(edge.tangential, evaluated.tangential), edge.normal.abs());
@@ -119,63 +166,58 @@ impl Amendment {
     }
 }
 
-fn began(encounter: &Encounter, lately: Lately, dt: f64) -> (Touch, Amendment) {
-    let (normal_speed, slip_speed) = encounter.speeds();
-    let normal = normal_force(encounter.law, encounter.overlap.depth, normal_speed);
-    let Beginning { first, since, whole } = beginning(encounter, lately, dt);
-    let elongation = first.elongation + slip_speed * since;
-    let reaction = react(encounter.law, normal, slip_speed, elongation);
-    (encounter.touch(elongation, reaction), Amendment::of(&first, &reaction, since, dt, whole))
-}
-
-fn beginning(encounter: &Encounter, lately: Lately, dt: f64) -> Beginning {
-    let Encounter { law, overlap, velocity, .. } = *encounter;
-    let (depth, normal_speed) = (overlap.depth, velocity.dot(overlap.normal));
-    // Deeper than it can have come in a step: other contacts turned it, and when it began is not known.
-    let known = -2.0 * normal_speed * dt > depth;
-    let touched = if known { dt.min(depth / -normal_speed) } else { 0.5 * dt };
-    let came = lately.came.filter(|came| came.since < touched || !known);
-    let (since, whole) = came.map_or((touched, true), |came| (came.since, !came.around));
-    // In the instant in which it begins it may slide, and then stick: the damping forces are there at once.
-    let then = velocity - lately.half_kick * (since / (0.5 * dt));
-    let depth = if known || came.is_some() { depth + normal_speed * since } else { depth };
-    let normal = normal_force(law, depth, then.dot(overlap.normal));
-    let first = react(law, normal, then.dot(overlap.normal.perp()), 0.0);
-    Beginning { first, since, whole }
-}
-
-/// A contact that ended within a step, at its end. `encounter` is what the two would have now. `left` says when
-/// the receiver left this part of a wall, if it did so within the step.
-fn ended(
-    encounter: &Encounter,
-    spring: &Spring,
-    left: Option<Passed>,
-    dt: f64,
-) -> Option<(Touch, Amendment)> {
+/// A contact that began within a step, with a spring of this elongation \[m\].
+fn began(encounter: &Encounter, edge: Edge, elongation: f64, dt: f64) -> (Touch, Amendment) {
     let Encounter { law, overlap, .. } = *encounter;
     let (normal_speed, slip_speed) = encounter.speeds();
-    let gap = -overlap.depth;
-    let parted = (gap >= 0.0 && normal_speed > 0.0).then(|| dt.min(gap / normal_speed));
+    let first = react(law, normal_force(law, edge.depth, normal_speed), slip_speed, elongation);
+    let normal = normal_force(law, overlap.depth, normal_speed);
+    let grip = Grip { elongation, slip_speed, normal: first.normal };
+    let relaxation = Relaxation::over(law, edge.since);
+    let reaction = grip.advanced(law, normal, slip_speed, edge.since, &relaxation);
+    (encounter.touch(reaction), Amendment::of(&first, &reaction, edge.since, dt, edge.whole))
+}
+
+/// When a contact began whose depth \[m\] grows at a rate \[m/s\]. `came` \[s\] is the time since the receiver came to
+/// this part of a wall, if it did so within the step.
+fn beginning(depth: f64, rate: f64, came: Option<f64>, dt: f64) -> Edge {
+    // Deeper than it can have come in a step: other contacts turned it, and when it began is not known.
+    let known = 2.0 * rate * dt > depth;
+    let touched = if known { dt.min(depth / rate) } else { 0.5 * dt };
+    let came = came.filter(|came| *came < touched || !known);
+    let since = came.unwrap_or(touched);
+    let depth = if known || came.is_some() { depth - rate * since } else { depth };
+    Edge { since, depth, whole: came.is_none() }
+}
+
+/// A contact that ended within a step, at its end. `encounter` is what the two would have now.
+fn ended(encounter: &Encounter, spring: &Spring, edge: Edge, dt: f64) -> (Touch, Amendment) {
+    let law = encounter.law;
+    let (normal_speed, slip_speed) = encounter.speeds();
+    let (grip, lasted) = (spring.grip, dt - edge.since);
+    let normal = normal_force(law, edge.depth.max(0.0), normal_speed);
+    let reaction = grip.advanced(law, normal, slip_speed, lasted, &Relaxation::over(law, lasted));
+    let evaluated = react(law, grip.normal, grip.slip_speed, grip.elongation);
+    (encounter.touch(reaction), Amendment::of(&reaction, &evaluated, lasted, dt, edge.whole))
+}
+
+/// When a contact ended whose depth \[m\], now negative, grows at a rate \[m/s\]. `left` \[s\] is the time since the
+/// receiver left this part of a wall, if it did so within the step.
+fn end(depth: f64, rate: f64, left: Option<f64>, dt: f64) -> Option<Edge> {
+    let parted = (depth <= 0.0 && rate < 0.0).then(|| dt.min(depth / rate));
     let (since, whole) = match (left, parted) {
-        (Some(left), Some(parted)) => (left.since.max(parted), parted >= left.since || !left.around),
-        (Some(left), None) => (left.since, !left.around),
+        (Some(left), Some(parted)) => (left.max(parted), parted >= left),
+        (Some(left), None) => (left, false),
         (None, Some(parted)) => (parted, true),
         (None, None) => return None,
     };
-    let (grip, lasted) = (spring.grip, dt - since);
-    let depth = (overlap.depth + normal_speed * since).max(0.0);
-    let normal = normal_force(law, depth, normal_speed);
-    let elongation = grip.stretched(law, normal, slip_speed, lasted);
-    let reaction = react(law, normal, slip_speed, elongation);
-    let evaluated = react(law, grip.normal, grip.slip_speed, grip.elongation);
-    Some((encounter.touch(elongation, reaction), Amendment::of(&reaction, &evaluated, lasted, dt, whole)))
+    Some(Edge { since, depth: depth - rate * since, whole })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::contact_law::Grip;
-    use crate::engine::{FacePart, PairLaw, vec2};
+    use crate::engine::{FacePart, PairLaw, Vec2, vec2};
 
     static LAW: PairLaw = PairLaw {
         normal_stiffness: 2e6,
@@ -190,53 +232,49 @@ mod tests {
     fn encounter(depth: f64, velocity: Vec2) -> Encounter<'static> {
         let overlap = Overlap { depth, normal: vec2(0.0, 1.0) };
         let (arm, other_arm) = (Vec2::ZERO, Vec2::ZERO);
-        Encounter { law: &LAW, overlap, part: FacePart::Left, arm, other_arm, velocity }
-    }
-
-    /// It came around a corner some time \[s\] ago.
-    fn lately(came: Option<f64>) -> Lately {
-        Lately { came: came.map(|since| Passed { since, around: true }), half_kick: Vec2::ZERO }
+        Encounter { law: &LAW, law_at: 0, overlap, part: FacePart::Left, arm, other_arm, velocity }
     }
 
     #[test]
     fn a_contact_counts_from_the_time_when_it_began() {
         // 25 µm deep at 1 m/s: it has lasted a quarter of the step. The tangent points to the left.
-        let Beginning { first, since, whole } =
-            beginning(&encounter(2.5e-5, vec2(-0.4, -1.0)), lately(None), DT);
-        assert!((since - 0.25 * DT).abs() < 1e-18 && whole);
-        assert!((first.normal - 1000.0).abs() < 1e-9 && (first.tangential + 400.0).abs() < 1e-9);
+        let edge = beginning(2.5e-5, 1.0, None, DT);
+        assert!((edge.since - 0.25 * DT).abs() < 1e-18 && edge.whole && edge.depth.abs() < 1e-18);
+        let (touch, Amendment { normal, squeeze, tangential, .. }) =
+            began(&encounter(2.5e-5, vec2(-0.4, -1.0)), edge, 0.0, DT);
         // From 1000 N to 1050 N; half a step of 1050 N counts anyhow.
-        let now = Reaction { normal: 1050.0, ..first };
-        let Amendment { normal, squeeze, .. } = Amendment::of(&first, &now, since, DT, whole);
-        assert!((normal - (1025.0 * 0.25 - 1050.0 * 0.5) * DT).abs() < 1e-15);
+        assert!((touch.reaction.normal - 1050.0).abs() < 1e-9);
+        assert!((normal - (1025.0 * 0.25 - 1050.0 * 0.5) * DT).abs() < 1e-12);
         assert_eq!(squeeze, normal);
+        // The damper is there at once, the spring is stretched since.
+        assert!((touch.reaction.elongation - 0.4 * 0.25 * DT).abs() < 1e-18);
+        assert!((touch.reaction.tangential + 410.0).abs() < 1e-9);
+        assert!((tangential + (405.0 * 0.25 - 410.0 * 0.5) * DT).abs() < 1e-12);
     }
 
+    /// A spring that begins does not jump: where the damper alone exceeds the limit, it relaxes under the limit.
     #[test]
-    fn a_contact_may_slip_in_its_first_instant() {
-        let Beginning { first, .. } = beginning(&encounter(2.5e-5, vec2(-0.8, -1.0)), lately(None), DT);
-        // From 800 N of damping to the limit of 500 N.
-        assert!((first.elongation - (500.0 - 800.0) / 1e6).abs() < 1e-15);
-        // The others' contacts have pushed it since: at first it was as slow as in the test before.
-        let pushed = Lately { came: None, half_kick: vec2(-0.8, 0.0) };
-        let Beginning { first, .. } = beginning(&encounter(2.5e-5, vec2(-0.8, -1.0)), pushed, DT);
-        assert_eq!(first.elongation, 0.0);
+    fn a_contact_may_slide_from_its_first_instant() {
+        let edge = beginning(2.5e-5, 1.0, None, DT);
+        let (touch, _) = began(&encounter(2.5e-5, vec2(-0.8, -1.0)), edge, 0.0, DT);
+        // 800 N of damping and a limit of 500 N to 525 N: γ_t ds/dt = F − k_t s.
+        let (x, slope): (f64, f64) = (1e6 * 0.25 * DT / 1000.0, 25e-6 / (0.25 * DT) / 1000.0);
+        let steady = |time: f64| 500e-6 + slope * 1000.0 * time - slope;
+        let expected = steady(0.25 * DT) - steady(0.0) * (-x).exp();
+        assert!((touch.reaction.elongation - expected).abs() < 1e-12, "{:?} {expected}", touch.reaction);
+        assert!((touch.reaction.tangential + 525.0).abs() < 1e-9);
     }
 
     #[test]
     fn at_a_corner_the_normal_force_goes_on() {
-        let Beginning { first, since, whole } =
-            beginning(&encounter(3e-3, vec2(0.4, -1.0)), lately(Some(0.1 * DT)), DT);
-        assert!((since - 0.1 * DT).abs() < 1e-18 && !whole);
-        let amendment = Amendment::of(&first, &first, since, DT, whole);
+        let edge = beginning(3e-3, 1.0, Some(0.1 * DT), DT);
+        assert!((edge.since - 0.1 * DT).abs() < 1e-18 && !edge.whole);
+        let (touch, amendment) = began(&encounter(3e-3, vec2(0.4, -1.0)), edge, 0.0, DT);
         assert_eq!((amendment.normal, amendment.squeeze), (0.0, 0.0));
-        assert!((amendment.tangential + 0.4 * DT * first.tangential).abs() < 1e-15);
-        // Inside of a corner it begins with all its force.
-        let came = Some(Passed { since: 0.1 * DT, around: false });
-        let inside = beginning(&encounter(3e-3, vec2(0.4, -1.0)), Lately { came, half_kick: Vec2::ZERO }, DT);
-        assert!(inside.whole && inside.first.normal == first.normal);
+        let (first, now) = (400.0, touch.reaction.tangential);
+        assert!((amendment.tangential - (0.5 * (first + now) * 0.1 - 0.5 * now) * DT).abs() < 1e-12);
         // It came to this part of the wall before it touched it.
-        let before = beginning(&encounter(2.5e-5, vec2(0.4, -1.0)), lately(Some(0.9 * DT)), DT);
+        let before = beginning(2.5e-5, 1.0, Some(0.9 * DT), DT);
         assert!((before.since - 0.25 * DT).abs() < 1e-18 && before.whole);
     }
 
@@ -244,7 +282,9 @@ mod tests {
     fn a_contact_counts_until_the_time_when_it_ended() {
         let grip = Grip { elongation: 1e-5, slip_speed: 0.0, normal: -900.0 };
         let spring = Spring { grip, part: FacePart::Left, touched_at: 1 };
-        let ended = |gap: f64, speed: f64| ended(&encounter(-gap, vec2(0.0, speed)), &spring, None, DT);
+        let ended = |gap: f64, speed: f64| {
+            Some(super::ended(&encounter(-gap, vec2(0.0, speed)), &spring, end(-gap, -speed, None, DT)?, DT))
+        };
         // 75 µm away at 1 m/s: it ended three quarters of the step ago, when it pulled with 1000 N.
         let (touch, amendment) = ended(7.5e-5, 1.0).unwrap();
         assert!((touch.reaction.normal + 1000.0).abs() < 1e-9);

@@ -11,7 +11,7 @@ use super::neighbours::{CellGrid, Crowded, Near, Room, list};
 use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
 use super::report::ContactReport;
 use super::standing::Standing;
-use super::{BodyId, Pose, Scene, State, Threads, Twist, Work};
+use super::{Pose, Scene, State, Threads, Twist, Work};
 
 /// Number of bodies of a block. It is large enough that few pairs connect two blocks and that giving it to a thread is
 /// cheap, and small enough that a crowd of a thousand can be shared. It affects the last digits of results.
@@ -175,8 +175,7 @@ impl Blocks {
                 let of_block = k * BLOCK..standing.len().min((k + 1) * BLOCK);
                 let (start, loads) = (of_block.start, &mut loads[..of_block.len()]);
                 let deepest = &mut deepest[of_block.clone()];
-                let unkicked = |body: BodyId| flown[body.index()].twist;
-                let instant = Instant { scene, standing, unkicked: &unkicked, before };
+                let instant = Instant { scene, standing, before };
                 blocks[k].evaluate(&instant, stretch, start, loads, deepest);
                 if blocks.len() > 1 {
                     hand_over(blocks, k);
@@ -188,8 +187,7 @@ impl Blocks {
                 block.result = then(k, Bodies { start, standing, flown, loads, impulses });
             }
         } else {
-            let unkicked = |body: BodyId| flown[body.index()].twist;
-            let instant = Instant { scene, standing, unkicked: &unkicked, before };
+            let instant = Instant { scene, standing, before };
             let each =
                 blocks.iter_mut().zip(loads.chunks_mut(BLOCK).zip(deepest.chunks_mut(BLOCK))).enumerate();
             threads.each(each, |(k, (block, (loads, deepest)))| {
@@ -218,9 +216,7 @@ impl Blocks {
 
     /// Returns the contacts at present; changes nothing.
     pub fn report(&self, scene: &Scene) -> ContactReport {
-        let unkicked = |body: BodyId| self.flown[body.index()].twist;
-        let instant =
-            Instant { scene, standing: &self.standing, unkicked: &unkicked, before: self.evaluation };
+        let instant = Instant { scene, standing: &self.standing, before: self.evaluation };
         instant.report(self.blocks.iter().map(|block| &block.pairs))
     }
 

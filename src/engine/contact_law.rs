@@ -18,7 +18,7 @@ pub struct Reaction {
     pub normal: f64,
     /// \[N\] along the tangent, on the receiver.
     pub tangential: f64,
-    /// \[m\] the spring after the slider has given way.
+    /// \[m\] elongation of the tangential spring.
     pub elongation: f64,
     /// Whether the contact sticks or slides.
     pub regime: Regime,
@@ -33,7 +33,7 @@ pub fn normal_force(law: &PairLaw, depth: f64, normal_speed: f64) -> f64 {
     law.normal_stiffness * depth - law.normal_damping * normal_speed
 }
 
-/// The forces of a contact (paper, App. A; Cundall–Strack spring with Coulomb's slider).
+/// The forces of a contact at one instant (paper, App. A: a spring with its damper, in series with Coulomb's slider).
 ///
 /// `normal` \[N\] is the [`normal_force`]; `tangential_speed` \[m/s\] of the receiver relative to the other at the
 /// contact point; `elongation` \[m\] of the tangential spring.
@@ -44,9 +44,30 @@ pub fn react(law: &PairLaw, normal: f64, tangential_speed: f64, elongation: f64)
     if trial.abs() <= limit {
         return Reaction { normal, tangential: trial, elongation, regime: Regime::Sticking };
     }
-    let tangential = limit.copysign(trial);
-    let elongation = -(tangential + law.tangential_damping * tangential_speed) / law.tangential_stiffness;
-    Reaction { normal, tangential, elongation, regime: Regime::Sliding }
+    Reaction { normal, tangential: limit.copysign(trial), elongation, regime: Regime::Sliding }
+}
+
+/// How far a spring with a damper relaxes within a duration, while the force on both is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Relaxation {
+    /// \[1\] e^(−x) for x = k_t t/γ_t: the share of the deviation that remains. Zero without damping.
+    remains: f64,
+    /// \[1\] (1 − e^(−x))/x: the mean of that share over the duration.
+    mean: f64,
+}
+
+impl Relaxation {
+    /// Of the tangential spring of a law, over a duration \[s\].
+    pub fn over(law: &PairLaw, duration: f64) -> Relaxation {
+        let x = law.tangential_stiffness * duration / law.tangential_damping;
+        if x > 0.0 {
+            Relaxation { remains: libm::exp(-x), mean: -libm::expm1(-x) / x }
+        } else if law.tangential_damping > 0.0 {
+            Relaxation { remains: 1.0, mean: 1.0 }
+        } else {
+            Relaxation { remains: 0.0, mean: 0.0 }
+        }
+    }
 }
 
 /// What a contact keeps from one instant to the next.
@@ -64,26 +85,54 @@ impl Grip {
     /// That of a contact that begins.
     pub const NONE: Grip = Grip { elongation: 0.0, slip_speed: 0.0, normal: 0.0 };
 
-    /// Returns the elongation \[m\] after a duration \[s\], before the slider may give way. `normal` \[N\] and
-    /// `slip_speed` \[m/s\] are those at its end.
+    /// Returns the forces and the spring after a duration \[s\]. `normal` \[N\] and `slip_speed` \[m/s\] are those at
+    /// its end, `relaxation` is that of the duration.
     ///
-    /// The trapezoidal rule for ds/dt = v_t keeps the integrator's second order.
+    /// Sticking: the trapezoidal rule for ds/dt = v_t keeps the integrator's second order. Sliding: see
+    /// [`Grip::following`].
     #[inline]
-    pub fn stretched(&self, law: &PairLaw, normal: f64, slip_speed: f64, duration: f64) -> f64 {
+    pub fn advanced(
+        &self,
+        law: &PairLaw,
+        normal: f64,
+        slip_speed: f64,
+        duration: f64,
+        relaxation: &Relaxation,
+    ) -> Reaction {
         if self.normal * normal < 0.0 {
-            return self.released(law, normal, slip_speed, duration);
+            return self.past_zero(law, normal, slip_speed, duration);
         }
-        self.elongation + 0.5 * duration * (self.slip_speed + slip_speed)
+        let stretched = self.elongation + 0.5 * duration * (self.slip_speed + slip_speed);
+        let mut reaction = react(law, normal, slip_speed, stretched);
+        if reaction.regime == Regime::Sliding {
+            reaction.elongation = self.following(law, reaction.tangential, relaxation);
+        }
+        reaction
     }
 
-    /// The normal force changed its sign. As it was zero, so was the slider's limit μ |F_n|, and the slider let go of
-    /// the spring: it is stretched only since then.
+    /// Returns the elongation \[m\] after a duration at whose end the contact slides with the force `tangential` \[N\].
+    ///
+    /// The spring and its damper carry the force F_t of the slider: γ_t ds/dt = −F_t − k_t s. So the spring follows
+    /// −F_t/k_t. This is the exact solution for a force that changes linearly. The equation also holds while the contact
+    /// sticks, so it does not matter when within the duration it began to slide.
+    #[inline]
+    fn following(&self, law: &PairLaw, tangential: f64, relaxation: &Relaxation) -> f64 {
+        let before = react(law, self.normal, self.slip_speed, self.elongation).tangential;
+        let (first, last) = (-before / law.tangential_stiffness, -tangential / law.tangential_stiffness);
+        last + (self.elongation - first) * relaxation.remains - (last - first) * relaxation.mean
+    }
+
+    /// The normal force changed its sign. Where it was zero, so was the slider's limit μ |F_n|: until then the spring
+    /// relaxes under a force that falls to zero.
     #[cold]
-    fn released(&self, law: &PairLaw, normal: f64, slip_speed: f64, duration: f64) -> f64 {
+    #[inline(never)]
+    fn past_zero(&self, law: &PairLaw, normal: f64, slip_speed: f64, duration: f64) -> Reaction {
         let share = self.normal / (self.normal - normal);
+        let (before, after) = (share * duration, (1.0 - share) * duration);
         let slip_then = self.slip_speed + share * (slip_speed - self.slip_speed);
-        let free = -law.tangential_damping * slip_then / law.tangential_stiffness;
-        free + 0.5 * (1.0 - share) * duration * (slip_then + slip_speed)
+        let elongation = self.following(law, 0.0, &Relaxation::over(law, before));
+        let zero = Grip { elongation, slip_speed: slip_then, normal: 0.0 };
+        zero.advanced(law, normal, slip_speed, after, &Relaxation::over(law, after))
     }
 }
 
@@ -108,21 +157,50 @@ mod tests {
         let sliding = react(&LAW, 1e3, 0.2, 1.5 * limit / 5e5);
         assert_eq!(sliding.regime, Regime::Sliding);
         assert_eq!(sliding.tangential, -limit);
-        // The force of a sliding spring is the sliding force itself.
-        let again = react(&LAW, 1e3, 0.2, sliding.elongation);
-        assert!((again.tangential + limit).abs() < 1e-9);
+    }
+
+    fn advanced(law: &PairLaw, grip: Grip, normal: f64, slip_speed: f64, duration: f64) -> Reaction {
+        grip.advanced(law, normal, slip_speed, duration, &Relaxation::over(law, duration))
+    }
+
+    /// γ_t ds/dt = −F_t − k_t s, against many small steps of Euler's rule.
+    #[test]
+    fn a_sliding_spring_relaxes_under_the_sliders_force() {
+        // Slides to the left under limits of 400 N to 480 N.
+        let held = Grip { elongation: 1e-4, slip_speed: 3.0, normal: 1000.0 };
+        let steps = 1_000_000;
+        let dt = 1e-3 / f64::from(steps);
+        let mut elongation = 1e-4;
+        for k in 0..steps {
+            let force = -(400.0 + 80.0 * (f64::from(k) + 0.5) / f64::from(steps));
+            elongation += dt * (-force - 5e5 * elongation) / 300.0;
+        }
+        let reaction = advanced(&LAW, held, 1200.0, 3.0, 1e-3);
+        assert_eq!((reaction.regime, reaction.tangential), (Regime::Sliding, -480.0));
+        assert!((reaction.elongation - elongation).abs() < 1e-9, "{reaction:?} {elongation}");
+        // Without damping it follows at once.
+        let undamped = PairLaw { tangential_damping: 0.0, ..LAW };
+        assert_eq!(advanced(&undamped, held, 1200.0, 3.0, 1e-3).elongation, 480.0 / 5e5);
+        // The work of the force on the slider is never less than what the spring gains: it is passive.
+        assert!(reaction.elongation < 480.0 / 5e5);
     }
 
     #[test]
-    fn a_spring_is_released_where_the_normal_force_is_zero() {
+    fn a_spring_relaxes_where_the_normal_force_is_zero() {
         let held = Grip { elongation: 3e-4, slip_speed: 0.1, normal: 300.0 };
-        // Zero after three quarters of 1 ms, at a slip speed of 0.25 m/s.
-        let stretched = held.stretched(&LAW, -100.0, 0.3, 1e-3);
-        let at_zero = -300.0 * 0.25 / 5e5;
-        assert!((stretched - (at_zero + 0.25e-3 * 0.275)).abs() < 1e-18);
+        // Zero after three quarters of 1 ms, at a slip speed of 0.25 m/s. Undamped, the spring is then relaxed.
+        let undamped = PairLaw { tangential_damping: 0.0, friction: 10.0, ..LAW };
+        let reaction = advanced(&undamped, held, -100.0, 0.3, 1e-3);
+        assert!((reaction.elongation - 0.25e-3 * 0.275).abs() < 1e-18, "{reaction:?}");
+        // With damping it relaxes by e^(−k_t t/γ_t), here under a force of 120 N that falls to zero.
+        let reaction = advanced(&LAW, held, -1e-12, 0.3, 1e-3);
+        let x: f64 = 5e5 * 1e-3 / 300.0;
+        let expected = (3e-4 - 120.0 / 5e5) * (-x).exp() + 120.0 / 5e5 * (1.0 - (-x).exp()) / x;
+        assert!((reaction.elongation - expected).abs() < 1e-12, "{reaction:?} {expected}");
         // Where it pulls at both times, it holds.
-        let pulls = Grip { normal: -300.0, ..held };
-        assert_eq!(pulls.stretched(&LAW, -100.0, 0.3, 1e-3), 3e-4 + 1e-3 * 0.2);
+        let pulls = Grip { normal: -300.0, elongation: 0.0, ..held };
+        let strong = PairLaw { friction: 10.0, ..LAW };
+        assert_eq!(advanced(&strong, pulls, -100.0, 0.3, 1e-3).elongation, 1e-3 * 0.2);
     }
 
     #[test]

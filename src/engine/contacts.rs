@@ -1,18 +1,36 @@
 //! Computes all contacts at one time: forces from overlap, relative motion and springs.
 
 use super::begin_and_end::Amendment;
-use super::contact_law::{Grip, normal_force, react};
-use super::encounter::{Encounter, Found, Instant, Touch};
-use super::pairs::{AT_ONCE, DiskPair, Overlapping, Pairs, Sight, Spring, spring_at_face};
-use super::{BodyId, FacePart, Regime, Wrench};
+use super::contact_law::{Grip, Relaxation, normal_force, react};
+use super::encounter::{Encounter, Instant, Touch};
+use super::overlap::Meeting;
+use super::pairs::{AT_ONCE, DiskPair, FacePair, Overlapping, Pairs, Sight, Spring};
+use super::wall_contacts::WallContacts;
+use super::{BodyId, Regime, Scene, Wrench};
 
 /// How an evaluation changes the springs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Stretch {
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Stretch<'a> {
     /// It does not change them.
     Hold,
-    /// Each spring advances once, over a mechanical step \[s\].
-    Over(f64),
+    /// Each spring advances once, over a mechanical step.
+    Over(&'a Step),
+}
+
+/// A mechanical step.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Step {
+    /// \[s\]
+    pub dt: f64,
+    /// For each law of the scene.
+    relaxations: Vec<Relaxation>,
+}
+
+impl Step {
+    /// A step of a duration \[s\].
+    pub fn new(scene: &Scene, dt: f64) -> Step {
+        Step { dt, relaxations: scene.all_laws().iter().map(|law| Relaxation::over(law, dt)).collect() }
+    }
 }
 
 /// Counters of the work that was done, for tests and benchmarks; they do not measure time.
@@ -145,7 +163,7 @@ impl Sums<'_> {
     ) -> Spring {
         self.amend(receiver, giver, &began);
         self.add(receiver, giver, &began.0);
-        held(&began.0, began.0.reaction.elongation, now)
+        kept(&began.0, now)
     }
 
     /// The impulse of a contact that began or ended within a step, on both bodies.
@@ -188,8 +206,12 @@ impl Instant<'_> {
         for start in (0..pairs.disks.len()).step_by(AT_ONCE) {
             self.evaluate_disks(pairs, start, stretch, sums);
         }
-        for start in (0..pairs.faces.len()).step_by(AT_ONCE) {
-            self.evaluate_faces(pairs, start, stretch, sums);
+        let Pairs { faces, face_springs, wall_contacts, .. } = pairs;
+        let mut springs = &mut face_springs[..];
+        for of_disk in faces.chunk_by(|one, next| one.disk == next.disk) {
+            let (springs_of_disk, others) = springs.split_at_mut(of_disk.len());
+            springs = others;
+            self.evaluate_walls(of_disk, springs_of_disk, wall_contacts, stretch, sums);
         }
     }
 
@@ -201,78 +223,92 @@ impl Instant<'_> {
             let (pair, detail) = (&pairs.disks[k], &pairs.disk_details[k]);
             let spring = &mut pairs.disk_springs[k];
             let (receiver, giver) = (pair.first_body, Some(pair.second_body));
-            let encounter = match self.meet_disks(pair, detail, &sight) {
-                Found::Apart => continue,
-                Found::Coincident { depth, .. } => {
-                    sums.add_coincident(receiver, giver, depth);
+            let encounter = match self.meet_disks(pair, &sight) {
+                Meeting::Apart => continue,
+                Meeting::Coincident => {
+                    sums.add_coincident(receiver, giver, pair.reach);
                     continue;
                 }
-                Found::Touching(encounter) => encounter,
+                Meeting::Touching(overlap) => self.disks_encounter(pair, detail, &sight, overlap),
             };
-            let memory = Memory { spring, before: self.before, stretch };
-            if let Stretch::Over(dt) = stretch
-                && !memory.continues(FacePart::Left)
+            let continues = spring.touched_at == self.before;
+            if let Stretch::Over(step) = stretch
+                && !continues
             {
                 // A copy, so that the encounter itself stays in registers.
                 *spring =
-                    sums.begin(receiver, giver, self.began_disks(pair, &{ encounter }, dt), self.before + 1);
+                    sums.begin(receiver, giver, self.began_disks(&{ encounter }, step.dt), self.before + 1);
             } else {
-                let touch = touch(&encounter, memory);
-                *spring = kept(&touch, stretch, self.before + 1);
+                let touch = touch(&encounter, continues.then_some(&*spring), stretch);
+                *spring = kept(&touch, self.before + 1);
                 sums.add(receiver, giver, &touch);
             }
             touching |= 1 << (k % AT_ONCE);
         }
-        let ended = std::mem::replace(&mut pairs.touching.disks[start / AT_ONCE], touching) & !touching;
-        if let Stretch::Over(dt) = stretch
+        let ended = std::mem::replace(&mut pairs.touching[start / AT_ONCE], touching) & !touching;
+        if let Stretch::Over(step) = stretch
             && ended != 0
         {
-            self.end_disks(pairs, start, ended, dt, sums);
+            self.end_disks(pairs, start, ended, step.dt, sums);
         }
     }
 
-    /// The next [`AT_ONCE`] pairs of a disk and a face.
-    fn evaluate_faces(&self, pairs: &mut Pairs, start: usize, stretch: Stretch, sums: &mut Sums) {
-        let Pairs { faces, face_springs, touching: touched, .. } = &mut *pairs;
-        let mut touching = 0;
-        for (k, pair) in faces.iter().enumerate().skip(start).take(AT_ONCE) {
-            let body = self.scene.body_of(pair.disk);
-            let encounter = match self.meet_face(pair) {
-                Found::Apart => continue,
-                Found::Coincident { depth, .. } => {
-                    sums.add_coincident(body, None, depth);
-                    continue;
-                }
-                Found::Touching(encounter) => encounter,
-            };
-            let spring = spring_at_face(self.scene, faces, face_springs, k, encounter.part, self.before);
-            let memory = Memory { spring, before: self.before, stretch };
-            if let Stretch::Over(dt) = stretch
-                && !memory.continues(encounter.part)
-            {
-                let held = &face_springs[k];
-                if held.touched_at == self.before
-                    && held.part != encounter.part
-                    && let Some(ended) = self.ended_face(pair, held, dt)
-                {
-                    // It touches another part of the same face.
-                    sums.amend(body, None, &ended);
-                }
-                face_springs[k] =
-                    sums.begin(body, None, self.began_face(pair, &{ encounter }, dt), self.before + 1);
-            } else {
-                let touch = touch(&encounter, memory);
-                face_springs[k] = kept(&touch, stretch, self.before + 1);
-                sums.add(body, None, &touch);
+    /// The pairs of one disk and the faces near it.
+    fn evaluate_walls(
+        &self,
+        pairs: &[FacePair],
+        springs: &mut [Spring],
+        walls: &mut WallContacts,
+        stretch: Stretch,
+        sums: &mut Sums,
+    ) {
+        let (scene, body) = (self.scene, self.scene.body_of(pairs[0].disk));
+        let disk = self.circle(&pairs[0]);
+        walls.find(scene, pairs, disk, self.standing[body.index()].position);
+        for contact in walls.found().iter().filter(|contact| contact.overlap.depth > 0.0) {
+            let k = contact.place;
+            if contact.coincident {
+                sums.add_coincident(body, None, contact.overlap.depth);
+                continue;
             }
-            touching |= 1 << (k % AT_ONCE);
-        }
-        let ended = std::mem::replace(&mut touched.faces[start / AT_ONCE], touching) & !touching;
-        if let Stretch::Over(dt) = stretch {
-            for k in places(ended).map(|place| start + place) {
-                if let Some(ended) = self.ended_face(&faces[k], &face_springs[k], dt) {
-                    sums.amend(self.scene.body_of(faces[k].disk), None, &ended);
+            let encounter = self.face_encounter(&pairs[k], contact.overlap, contact.part);
+            let from = walls.keeps(scene, pairs, springs, contact, disk.centre, self.before);
+            match (from, stretch) {
+                (Some(from), Stretch::Over(step))
+                    if from != k
+                        && let Some(passed) =
+                            self.passed_bend([&pairs[from], &pairs[k]], contact, &springs[from], step.dt) =>
+                {
+                    let [ended, began] = passed;
+                    springs[from] = Spring::RELAXED;
+                    sums.amend(body, None, &ended);
+                    springs[k] = sums.begin(body, None, began, self.before + 1);
                 }
+                (None, Stretch::Over(step)) => {
+                    if springs[k].touched_at == self.before
+                        && let Some(ended) = self.ended_face(&pairs[k], None, &springs[k], step.dt)
+                    {
+                        // It touches another part of the same face.
+                        sums.amend(body, None, &ended);
+                    }
+                    let began = self.began_face(&pairs[k], contact, &{ encounter }, step.dt);
+                    springs[k] = sums.begin(body, None, began, self.before + 1);
+                }
+                _ => {
+                    let touch = touch(&encounter, from.map(|from| &springs[from]), stretch);
+                    if let Some(from) = from {
+                        springs[from] = Spring::RELAXED;
+                    }
+                    springs[k] = kept(&touch, self.before + 1);
+                    sums.add(body, None, &touch);
+                }
+            }
+        }
+        let Stretch::Over(step) = stretch else { return };
+        for (k, spring) in springs.iter().enumerate().filter(|(_, spring)| spring.touched_at == self.before) {
+            let held = walls.found().iter().find(|contact| contact.place == k);
+            if let Some(ended) = self.ended_face(&pairs[k], held, spring, step.dt) {
+                sums.amend(body, None, &ended);
             }
         }
     }
@@ -317,49 +353,27 @@ fn places(mut bits: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The memory of a pair.
-#[derive(Clone, Copy)]
-pub(super) struct Memory<'a> {
-    pub spring: &'a Spring,
-    /// Number of the previous evaluation.
-    pub before: u32,
-    pub stretch: Stretch,
-}
-
-impl Memory<'_> {
-    /// Whether a contact with this part of the other thing goes on.
-    #[inline(always)]
-    fn continues(&self, part: FacePart) -> bool {
-        self.spring.touched_at == self.before && self.spring.part == part
-    }
-}
-
-/// Applies the law to a contact that goes on, or to one that has no past.
+/// Applies the law to a contact: one that keeps a spring, or one that has no past.
 #[inline(always)]
-pub(super) fn touch(encounter: &Encounter, memory: Memory) -> Touch {
-    let Encounter { law, overlap, part, .. } = *encounter;
+pub(super) fn touch(encounter: &Encounter, spring: Option<&Spring>, stretch: Stretch) -> Touch {
+    let Encounter { law, law_at, overlap, .. } = *encounter;
     let (normal_speed, slip_speed) = encounter.speeds();
     let normal = normal_force(law, overlap.depth, normal_speed);
-    let grip = &memory.spring.grip;
-    let elongation = match (memory.continues(part), memory.stretch) {
-        (true, Stretch::Over(dt)) => grip.stretched(law, normal, slip_speed, dt),
-        (true, Stretch::Hold) => grip.elongation,
-        (false, _) => 0.0,
+    let reaction = match (spring, stretch) {
+        (Some(spring), Stretch::Over(step)) => {
+            let relaxation = &step.relaxations[law_at as usize];
+            spring.grip.advanced(law, normal, slip_speed, step.dt, relaxation)
+        }
+        (Some(spring), Stretch::Hold) => react(law, normal, slip_speed, spring.grip.elongation),
+        (None, _) => react(law, normal, slip_speed, 0.0),
     };
-    encounter.touch(elongation, react(law, normal, slip_speed, elongation))
+    encounter.touch(reaction)
 }
 
 /// What the pair keeps of a contact of the evaluation `now`.
 #[inline(always)]
-fn kept(touch: &Touch, stretch: Stretch, now: u32) -> Spring {
-    match stretch {
-        Stretch::Hold => held(touch, touch.elongation, now),
-        Stretch::Over(_) => held(touch, touch.reaction.elongation, now),
-    }
-}
-
-#[inline(always)]
-fn held(touch: &Touch, elongation: f64, now: u32) -> Spring {
-    let grip = Grip { elongation, slip_speed: touch.slip_speed, normal: touch.reaction.normal };
-    Spring { grip, part: touch.part, touched_at: now }
+fn kept(touch: &Touch, now: u32) -> Spring {
+    let Touch { part, slip_speed, reaction, .. } = *touch;
+    let grip = Grip { elongation: reaction.elongation, slip_speed, normal: reaction.normal };
+    Spring { grip, part, touched_at: now }
 }

@@ -1,39 +1,27 @@
 //! Two things that touch: where, and how they move relative to each other.
 
+use super::circle::Circle;
 use super::contact_law::Reaction;
-use super::face::nearest_on_face;
-use super::overlap::{Meeting, Overlap, books_contact, meet, meet_face};
+use super::overlap::{Meeting, Overlap, meet};
 use super::pairs::{DiskPair, DiskPairDetail, FacePair, Sight};
 use super::standing::Standing;
-use super::{BodyId, FacePart, PairLaw, Scene, Twist, Vec2, Wrench};
+use super::{FacePart, PairLaw, Scene, Vec2, Wrench};
 
 /// The instant at which contacts are evaluated.
 pub(super) struct Instant<'a> {
     pub scene: &'a Scene,
     /// One for each body.
     pub standing: &'a [Standing],
-    /// Returns the twist of a body without its last half kick.
-    pub unkicked: &'a (dyn Fn(BodyId) -> Twist + Sync),
     /// The number of the previous evaluation.
     pub before: u32,
-}
-
-/// What becomes of a pair that is near.
-pub(super) enum Found<T> {
-    Apart,
-    /// The centres coincide, so that there is no normal.
-    Coincident {
-        /// \[m\] overlap h.
-        depth: f64,
-        part: FacePart,
-    },
-    Touching(T),
 }
 
 /// Two touching things, before the law is applied.
 #[derive(Clone, Copy)]
 pub(super) struct Encounter<'a> {
     pub law: &'a PairLaw,
+    /// Index of the law in the table.
+    pub law_at: u32,
     pub overlap: Overlap,
     pub part: FacePart,
     /// \[m\] from the receiver's centre of mass to the contact point.
@@ -54,25 +42,14 @@ pub(super) struct Touch {
     pub other_arm: Vec2,
     pub normal_speed: f64,
     pub slip_speed: f64,
-    /// \[m\] of the spring, before the slider may give way.
-    pub elongation: f64,
     pub reaction: Reaction,
 }
 
 impl Instant<'_> {
     /// Two disks that may touch.
     #[inline(always)]
-    pub fn meet_disks(
-        &self,
-        pair: &DiskPair,
-        detail: &DiskPairDetail,
-        sight: &Sight,
-    ) -> Found<Encounter<'_>> {
-        match meet(sight.between, pair.reach) {
-            Meeting::Apart => Found::Apart,
-            Meeting::Coincident => Found::Coincident { depth: pair.reach, part: FacePart::Left },
-            Meeting::Touching(overlap) => Found::Touching(self.disks_encounter(pair, detail, sight, overlap)),
-        }
+    pub fn meet_disks(&self, pair: &DiskPair, sight: &Sight) -> Meeting {
+        meet(sight.between, pair.reach)
     }
 
     /// Two disks with an overlap, which is negative where they do not touch.
@@ -88,27 +65,16 @@ impl Instant<'_> {
         let arm = sight.arm + overlap.contact_point(detail.first_radius);
         let other_arm = sight.other_arm - overlap.contact_point(detail.second_radius);
         let velocity = i.velocity_at(arm) - j.velocity_at(other_arm);
-        let law = self.scene.law_at(detail.law);
-        Encounter { law, overlap, part: FacePart::Left, arm, other_arm, velocity }
+        let (law, law_at) = (self.scene.law_at(detail.law), detail.law);
+        Encounter { law, law_at, overlap, part: FacePart::Left, arm, other_arm, velocity }
     }
 
-    /// A disk and a face that may touch.
+    /// The circle of a disk that may touch a face.
     #[inline(always)]
-    pub fn meet_face(&self, pair: &FacePair) -> Found<Encounter<'_>> {
-        let (disk, face) = (&self.scene.disks[pair.disk.index()], pair.face.index());
-        let (wall, standing) = (&self.scene.faces[face], &self.standing[disk.body.index()]);
-        let centre = standing.position + standing.arm(disk.offset);
-        let nearest = nearest_on_face(wall, centre);
-        let apart = (centre - nearest.0).norm_squared() >= disk.radius * disk.radius;
-        if apart || !books_contact(self.scene, face, nearest, centre) {
-            return Found::Apart;
-        }
-        let (meeting, part) = meet_face(wall, nearest, centre, disk.radius, standing.position);
-        match meeting {
-            Meeting::Apart => Found::Apart,
-            Meeting::Coincident => Found::Coincident { depth: disk.radius, part },
-            Meeting::Touching(overlap) => Found::Touching(self.face_encounter(pair, overlap, part)),
-        }
+    pub fn circle(&self, pair: &FacePair) -> Circle {
+        let disk = &self.scene.disks[pair.disk.index()];
+        let centre = self.standing[disk.body.index()].centre(disk.offset);
+        Circle { centre, radius: disk.radius }
     }
 
     /// A disk and a part of a face with an overlap, which is negative where they do not touch.
@@ -117,9 +83,10 @@ impl Instant<'_> {
         let (disk, wall) = (&self.scene.disks[pair.disk.index()], &self.scene.faces[pair.face.index()]);
         let standing = &self.standing[disk.body.index()];
         let arm = standing.arm(disk.offset) + overlap.contact_point(disk.radius);
-        let law = self.scene.law(disk.material, wall.material);
+        let law_at = self.scene.law_between(disk.material, wall.material);
+        let law = self.scene.law_at(law_at);
         let velocity = standing.velocity_at(arm);
-        Encounter { law, overlap, part, arm, other_arm: Vec2::ZERO, velocity }
+        Encounter { law, law_at, overlap, part, arm, other_arm: Vec2::ZERO, velocity }
     }
 }
 
@@ -131,10 +98,10 @@ impl Encounter<'_> {
     }
 
     #[inline(always)]
-    pub fn touch(&self, elongation: f64, reaction: Reaction) -> Touch {
+    pub fn touch(&self, reaction: Reaction) -> Touch {
         let (normal_speed, slip_speed) = self.speeds();
         let Encounter { overlap, part, arm, other_arm, .. } = *self;
-        Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, elongation, reaction }
+        Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, reaction }
     }
 }
 

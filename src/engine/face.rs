@@ -1,6 +1,6 @@
 //! Faces of walls, and their nearest points.
 
-use super::{CornerId, LineId, Vec2, WallId};
+use super::{CornerId, FacePart, LineId, Vec2, WallId};
 
 /// A straight segment of a wall, solid from both sides.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,12 +19,51 @@ pub struct Face {
     pub end_corner: CornerId,
     /// Unit normal, to the left of the direction from start to end; zero if the face has no length.
     pub normal: Vec2,
-    /// Faces of one wall that continue straight belong to one line. It acts on a disk like one long face.
+    /// Faces that continue each other belong to one line: where they meet they turn by at most 20°, or one lies on the
+    /// other.
     pub line: LineId,
-    /// Whether the wall is straight at the start of this face, to 1e-6 rad.
-    pub straight_before: bool,
-    /// Whether the wall is straight at the end of this face, to 1e-6 rad.
-    pub straight_after: bool,
+    /// How the line goes on at the start of this face.
+    pub before: Continuation,
+    /// How the line goes on at the end of this face.
+    pub after: Continuation,
+}
+
+/// How a line goes on at an end of a face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Continuation {
+    /// It ends here.
+    None,
+    /// It turns by at most 20°.
+    Bend,
+    /// It is straight, to 1e-6 rad.
+    Straight,
+}
+
+impl Face {
+    /// Returns how the line goes on at a corner of the face.
+    pub(super) fn continuation(&self, at: CornerId) -> Continuation {
+        if self.start_corner == at { self.before } else { self.after }
+    }
+
+    pub(super) fn continuation_mut(&mut self, at: CornerId) -> &mut Continuation {
+        if self.start_corner == at { &mut self.before } else { &mut self.after }
+    }
+
+    /// Whether a part is a corner at which the line goes on.
+    pub(super) fn goes_on(&self, part: FacePart) -> bool {
+        match part {
+            FacePart::Left | FacePart::Right => false,
+            FacePart::Start => self.before != Continuation::None,
+            FacePart::End => self.after != Continuation::None,
+        }
+    }
+
+    /// Returns the unit vector along the face and away from one of its corners; none if it has no length.
+    pub(super) fn away_from(&self, at: CornerId) -> Option<Vec2> {
+        let along = -self.normal.perp();
+        let away = if self.start_corner == at { along } else { -along };
+        (self.normal != Vec2::ZERO).then_some(away)
+    }
 }
 
 /// Whether a point is beyond an end of a segment: nearer to the end than to any other point of it.

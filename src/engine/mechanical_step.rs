@@ -8,7 +8,7 @@
 
 use super::blocks::{BLOCK, Blocks, Bodies};
 use super::circle::Circle;
-use super::contacts::Stretch;
+use super::contacts::{Step, Stretch};
 use super::free_flight::{Course, Ramp};
 use super::neighbours::{CellGrid, Crowded, Near, SKIN};
 use super::shortlist::{Activity, Shortlist};
@@ -97,8 +97,7 @@ pub(super) struct CommunicationStep<'a, D: Course> {
     pub shortlist: Shortlist,
     pub scratch: &'a mut Scratch,
     pub work: &'a mut Work,
-    /// \[s\] the mechanical step.
-    pub dt: f64,
+    pub mechanical: Step,
     /// The bodies that move by mechanical steps, in each block, ascending.
     pub movers: Vec<Vec<Mover<D>>>,
     /// Flights over one mechanical step; empty as long as all bodies are free.
@@ -141,7 +140,7 @@ impl<D: Course> CommunicationStep<'_, D> {
             }
         }
         if self.movers.iter().any(|movers| !movers.is_empty()) {
-            self.flights = D::flights(self.scene, self.dt);
+            self.flights = D::flights(self.scene, self.mechanical.dt);
         }
         self.list_candidates(0)?;
         self.take_near();
@@ -152,12 +151,12 @@ impl<D: Course> CommunicationStep<'_, D> {
     fn step(&mut self, step: u64) {
         // Between two steps, the last half kick of one and the first of the next are done together.
         let (stretch, kick) = match step {
-            1 => (Stretch::Hold, 0.5 * self.dt),
-            _ => (Stretch::Over(self.dt), self.dt),
+            1 => (Stretch::Hold, 0.5 * self.mechanical.dt),
+            _ => (Stretch::Over(&self.mechanical), self.mechanical.dt),
         };
-        let half_kick = 0.5 * self.dt;
+        let half_kick = 0.5 * self.mechanical.dt;
         // Multiplied, not added up, so that rounding errors do not accumulate.
-        let begun = (step - 1) as f64 * self.dt;
+        let begun = (step - 1) as f64 * self.mechanical.dt;
         let (scene, movers, flights) = (self.scene, &self.movers, &self.flights[..]);
         let predict = |k: usize, mut bodies: Bodies| {
             // Squares, so that one root is enough for all.
@@ -186,7 +185,7 @@ impl<D: Course> CommunicationStep<'_, D> {
 
     /// Evaluates the forces of the last instant and does the last half kick.
     fn correct(&mut self) {
-        let (scene, movers, half_kick) = (self.scene, &self.movers, 0.5 * self.dt);
+        let (scene, movers, half_kick) = (self.scene, &self.movers, 0.5 * self.mechanical.dt);
         let correct = |k: usize, mut bodies: Bodies| {
             amend(scene, &mut bodies);
             for mover in &movers[k] {
@@ -197,7 +196,7 @@ impl<D: Course> CommunicationStep<'_, D> {
             }
             0.0
         };
-        self.scratch.blocks.evaluate(self.scene, self.threads, Stretch::Over(self.dt), correct);
+        self.scratch.blocks.evaluate(self.scene, self.threads, Stretch::Over(&self.mechanical), correct);
     }
 
     /// Makes the lists valid again: the near pairs and, if necessary, the candidates.
@@ -280,7 +279,7 @@ impl<D: Course> CommunicationStep<'_, D> {
     fn take_in(&mut self, b: usize, step: u64) {
         let (mut pose, mut twist) = (self.start.poses[b], self.start.twists[b]);
         if step > 0 {
-            let flight = D::flight(&self.scene.bodies[b], step as f64 * self.dt);
+            let flight = D::flight(&self.scene.bodies[b], step as f64 * self.mechanical.dt);
             (pose, twist) = self.drives[b].fly(&flight, pose, twist);
         }
         self.shortlist.activity[b] = Activity::Active;
@@ -293,7 +292,7 @@ impl<D: Course> CommunicationStep<'_, D> {
     /// Free bodies fly the whole step at once; the springs of touching pairs are written into the state.
     fn end(self, steps: u64) -> State {
         let mut state = State { steps: self.start.steps + steps, ..State::default() };
-        let flights = D::flights(self.scene, steps as f64 * self.dt);
+        let flights = D::flights(self.scene, steps as f64 * self.mechanical.dt);
         let blocks = &mut self.scratch.blocks;
         for (b, body) in self.scene.bodies.iter().enumerate() {
             let (pose, twist) = match self.shortlist.activity[b] {

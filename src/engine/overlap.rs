@@ -1,7 +1,7 @@
 //! Overlaps: depth, place and normal.
 
-use super::face::{Along, beyond, nearest_on_face};
-use super::{Face, FacePart, Scene, Vec2};
+use super::face::{Along, Continuation};
+use super::{Face, FacePart, Vec2};
 
 /// An overlap, seen from the body that receives the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,8 +81,12 @@ pub fn meet_face(
     owner: Vec2,
 ) -> (Meeting, FacePart) {
     match nearest.1 {
-        Along::Start if !face.straight_before => return (meet(centre - nearest.0, radius), FacePart::Start),
-        Along::End if !face.straight_after => return (meet(centre - nearest.0, radius), FacePart::End),
+        Along::Start if face.before != Continuation::Straight => {
+            return (meet(centre - nearest.0, radius), FacePart::Start);
+        }
+        Along::End if face.after != Continuation::Straight => {
+            return (meet(centre - nearest.0, radius), FacePart::End);
+        }
         _ => {}
     }
     let offset = (centre - face.start).dot(face.normal);
@@ -110,62 +114,14 @@ pub fn overlap_with_part(face: &Face, part: FacePart, centre: Vec2, radius: f64)
     (distance > COINCIDENT).then(|| Overlap { depth: radius - distance, normal: unit(between, distance) })
 }
 
-/// \[m\] If the nearest points of two faces are both this close to their common corner, they are one point.
-const SAME_POINT: f64 = 1e-9;
-
-/// Whether a contact with the nearest point of a face belongs to this face.
-///
-/// A corner touches only if it is the nearest point of every face that meets there. The contact then belongs to the
-/// face with the lowest number. Where a straight wall is drawn in two pieces, rounding may move the nearest points of
-/// both just inside; this too is one contact of the face with the lower number.
-pub fn books_contact(scene: &Scene, face: usize, (nearest, along): (Vec2, Along), place: Vec2) -> bool {
-    let own = &scene.faces[face];
-    let at = match along {
-        Along::Start => own.start_corner,
-        Along::End => own.end_corner,
-        Along::Inside => {
-            return ![(own.start_corner, own.straight_before), (own.end_corner, own.straight_after)]
-                .into_iter()
-                .any(|(at, straight)| {
-                    let corner = &scene.corners[at.index()];
-                    let near = |point: Vec2| {
-                        straight || (point - corner.position).norm_squared() < SAME_POINT * SAME_POINT
-                    };
-                    near(nearest)
-                        && corner.faces.iter().take_while(|lower| lower.index() < face).any(|lower| {
-                            let (point, along) = nearest_on_face(&scene.faces[lower.index()], place);
-                            along == Along::Inside && near(point)
-                        })
-                });
-        }
-    };
-    let corner = &scene.corners[at.index()];
-    corner.faces[0].index() == face
-        && corner.faces.iter().all(|other| {
-            let other = &scene.faces[other.index()];
-            if other.start_corner == at {
-                beyond(other.start, other.end, place)
-            } else {
-                beyond(other.end, other.start, place)
-            }
-        })
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::{LawTable, WallSpec, vec2};
+    use super::super::face::nearest_on_face;
+    use super::super::{LawTable, Scene, WallSpec, vec2};
     use super::*;
 
     fn wall(corners: &[Vec2]) -> Scene {
         Scene::new(&[], &[WallSpec { material: 0, corners: corners.to_vec() }], &LawTable::new(1)).unwrap()
-    }
-
-    fn booked(scene: &Scene, place: Vec2) -> Vec<(usize, Along)> {
-        (0..scene.faces.len())
-            .map(|face| (face, nearest_on_face(&scene.faces[face], place)))
-            .filter(|&(face, nearest)| books_contact(scene, face, nearest, place))
-            .map(|(face, (_, along))| (face, along))
-            .collect()
     }
 
     /// Of a disk of 0.2 m with the first face.
@@ -230,66 +186,5 @@ mod tests {
         let gap = (a + seen_by_a.contact_point(ra)) - (b + seen_by_b.contact_point(rb));
         assert!(gap.norm() < 1e-16);
         assert_eq!(seen_by_a.normal, -seen_by_b.normal);
-    }
-
-    #[test]
-    fn straight_wall_in_two_pieces_is_one() {
-        let scene = wall(&[vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(2.0, 0.0)]);
-        assert_eq!(booked(&scene, vec2(0.5, 0.1)), [(0, Along::Inside)]);
-        assert_eq!(booked(&scene, vec2(1.0, 0.1)), [(0, Along::End)]);
-        assert_eq!(booked(&scene, vec2(1.5, 0.1)), [(1, Along::Inside)]);
-        assert_eq!(booked(&scene, vec2(-0.1, 0.1)), [(0, Along::Start)]);
-    }
-
-    #[test]
-    fn a_seam_is_booked_once_whatever_the_rounding() {
-        let straight = wall(&[vec2(-10.0, 0.0), vec2(0.0, 0.0), vec2(10.0, 0.0)]);
-        for x in [-1e-16, -6e-17, -1e-17, -0.0, 0.0, 1e-17, 1e-16] {
-            assert_eq!(booked(&straight, vec2(x, 0.19)).len(), 1, "{x}");
-        }
-        // Slanted walls of any length, the place on the normal at the seam but for rounding.
-        for k in 0..5000 {
-            let angle = 0.37 * f64::from(k);
-            let along = vec2(libm::cos(angle), libm::sin(angle));
-            let seam = vec2(libm::sin(1.7 * f64::from(k)) * 9.0, libm::cos(2.3 * f64::from(k)) * 9.0);
-            let (before, after) = (0.1 + 0.003 * f64::from(k % 977), 0.1 + 0.002 * f64::from(k % 613));
-            let slanted = wall(&[seam - along * before, seam, seam + along * after]);
-            for shift in [-1e-15, -1e-16, 0.0, 1e-16, 1e-15] {
-                let place = seam + along.perp() * 0.19 + along * shift;
-                assert_eq!(booked(&slanted, place).len(), 1, "wall {k}, shift {shift}");
-            }
-        }
-    }
-
-    /// Bends of less than a microradian are none: on their inner side a disk is above both faces for a tenth of a
-    /// micrometre.
-    #[test]
-    fn a_seam_that_is_straight_but_for_rounding_is_booked_once() {
-        for bend in [5e-7, -5e-7] {
-            let scene = wall(&[vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(2.0, bend)]);
-            for k in -300..=300 {
-                for y in [0.19, -0.19] {
-                    let place = vec2(1.0 + 1e-9 * f64::from(k), y);
-                    assert_eq!(booked(&scene, place).len(), 1, "bend {bend:e}, {place:?}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn corners_push_once_outside_and_twice_inside() {
-        let scene = wall(&[vec2(-1.0, 0.0), vec2(0.0, 0.0), vec2(0.0, -1.0)]);
-        // Outside the right angle only the corner is near.
-        assert_eq!(booked(&scene, vec2(0.1, 0.1)), [(0, Along::End)]);
-        // Inside it, both faces are.
-        assert_eq!(booked(&scene, vec2(-0.1, -0.1)), [(0, Along::Inside), (1, Along::Inside)]);
-        // Beside one face only that face is, though the corner is the other's nearest point.
-        assert_eq!(booked(&scene, vec2(-0.1, 0.1)), [(0, Along::Inside)]);
-    }
-
-    #[test]
-    fn a_corner_of_a_closed_wall_is_booked_on_its_lowest_face() {
-        let scene = wall(&[vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0), vec2(0.0, 0.0)]);
-        assert_eq!(booked(&scene, vec2(-0.1, -0.1)), [(0, Along::Start)]);
     }
 }

@@ -3,6 +3,7 @@
 use super::circle::Circle;
 use super::contact_law::Grip;
 use super::standing::Standing;
+use super::wall_contacts::WallContacts;
 use super::{BodyId, Disk, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
 use std::iter::Peekable;
 use std::slice::Iter;
@@ -104,19 +105,14 @@ pub(super) struct Pairs {
     pub disk_springs: Vec<Spring>,
     pub faces: Vec<FacePair>,
     pub face_springs: Vec<Spring>,
-    /// The pairs that touched in the last evaluation.
-    pub touching: Touching,
+    /// The disk pairs that touched in the last evaluation: one bit for each, [`AT_ONCE`] in a word.
+    pub touching: Vec<u32>,
     /// Scratch space.
     pub overlapping: Overlapping,
+    /// Scratch space.
+    pub wall_contacts: WallContacts,
     /// The previous list; scratch space.
     old: Old,
-}
-
-/// Which pairs touch: one bit for each, [`AT_ONCE`] in a word.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Touching {
-    pub disks: Vec<u32>,
-    pub faces: Vec<u32>,
 }
 
 /// Among some disk pairs, those that overlap at the present instant, and their indices.
@@ -124,13 +120,6 @@ pub(super) type Overlapping = [(usize, Sight); AT_ONCE];
 
 /// Number of pairs that are processed together, so that intermediate results stay in the nearest cache.
 pub(super) const AT_ONCE: usize = u32::BITS as usize;
-
-impl Touching {
-    fn clear(&mut self) {
-        self.disks.clear();
-        self.faces.clear();
-    }
-}
 
 /// Writes the bit of pair `k`, which follows those that are there.
 #[inline(always)]
@@ -171,7 +160,7 @@ impl Pairs {
             let spring = kept(&mut old, (first, second));
             if between.norm_squared() <= reach * reach || spring.is_some() {
                 push_disks(&mut self.disks, &mut self.disk_details, scene, first, second);
-                mark(&mut self.touching.disks, self.disk_springs.len(), spring.is_some());
+                mark(&mut self.touching, self.disk_springs.len(), spring.is_some());
                 self.disk_springs.push(spring.unwrap_or(Spring::RELAXED));
             }
         }
@@ -181,7 +170,6 @@ impl Pairs {
             let circle = Circle { centre: standing[body.index()].centre(offset), radius };
             let spring = kept(&mut old, (disk, face));
             if circle.nears_face(&scene.faces, face, margin) || spring.is_some() {
-                mark(&mut self.touching.faces, self.face_springs.len(), spring.is_some());
                 self.face_springs.push(spring.unwrap_or(Spring::RELAXED));
                 self.faces.push(FacePair { disk, face });
             }
@@ -191,15 +179,12 @@ impl Pairs {
     /// Whether the bits are those of the springs that touched in an evaluation.
     #[cfg(test)]
     pub fn marked(&self, evaluation: u32) -> bool {
-        let marked = |bits: &[u32], springs: &[Spring]| {
-            let of_springs = springs.chunks(AT_ONCE).map(|some| {
-                some.iter()
-                    .enumerate()
-                    .fold(0, |word, (k, spring)| word | u32::from(spring.touched_at == evaluation) << k)
-            });
-            of_springs.eq(bits.iter().copied())
-        };
-        marked(&self.touching.disks, &self.disk_springs) && marked(&self.touching.faces, &self.face_springs)
+        let of_springs = self.disk_springs.chunks(AT_ONCE).map(|some| {
+            some.iter()
+                .enumerate()
+                .fold(0, |word, (k, spring)| word | u32::from(spring.touched_at == evaluation) << k)
+        });
+        of_springs.eq(self.touching.iter().copied())
     }
 
     /// Empties the list, but keeps the springs of the pairs that touched in an evaluation.
@@ -273,47 +258,6 @@ fn push_disks(
         second_radius: b.radius,
         law: scene.law_between(a.material, b.material),
     });
-}
-
-/// Returns the spring of the k-th of these pairs at a part of its face.
-///
-/// A contact that moves from one face to another that continues straight is the same contact: it keeps the spring of
-/// the pair that touched in the evaluation `before`. (How finely a straight wall is divided must not change the
-/// physics.)
-#[inline]
-pub(super) fn spring_at_face<'a>(
-    scene: &Scene,
-    faces: &[FacePair],
-    springs: &'a [Spring],
-    k: usize,
-    part: FacePart,
-    before: u32,
-) -> &'a Spring {
-    let on_a_side = matches!(part, FacePart::Left | FacePart::Right);
-    if springs[k].touched_at == before || !on_a_side {
-        return &springs[k];
-    }
-    came_from(scene, faces, springs, k, part, before).unwrap_or(&springs[k])
-}
-
-#[cold]
-fn came_from<'a>(
-    scene: &Scene,
-    faces: &[FacePair],
-    springs: &'a [Spring],
-    k: usize,
-    part: FacePart,
-    before: u32,
-) -> Option<&'a Spring> {
-    let FacePair { disk, face } = faces[k];
-    let line = |face: FaceId| scene.faces[face.index()].line;
-    // Pairs of a disk are adjacent.
-    let first = faces.partition_point(|pair| pair.disk < disk);
-    let of_disk = faces[first..].iter().zip(&springs[first..]).take_while(|(pair, _)| pair.disk == disk);
-    let left = |(pair, spring): &(&FacePair, &Spring)| {
-        spring.touched_at == before && spring.part == part && line(pair.face) == line(face)
-    };
-    of_disk.filter(left).map(|(_, spring)| spring).next()
 }
 
 fn loaded(elongation: f64, part: FacePart) -> Spring {

@@ -3,17 +3,8 @@
 //! The contact with the one part ends there, and that with the other begins. The normal force goes on; the tangential
 //! one jumps, because the new contact has a new spring.
 
+use super::face::Continuation;
 use super::{CornerId, Face, FacePart, Scene, Vec2};
-
-/// That a disk came to a part of a wall, or left it, within the last step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Passed {
-    /// \[s\] Time since then.
-    pub since: f64,
-    /// Whether the wall's normal force went on: the disk passed around a corner. Inside of a corner, the
-    /// force of a face begins and ends as a whole.
-    pub around: bool,
-}
 
 /// The centre of a disk.
 #[derive(Clone, Copy)]
@@ -34,44 +25,35 @@ struct End {
     place: Vec2,
     /// \[m\] Along the face and away from it.
     away: Vec2,
-    /// Whether the wall continues straight.
-    straight: bool,
+    /// Whether the line goes on.
+    goes_on: bool,
 }
 
 fn ends(face: &Face) -> [End; 2] {
     let along = face.end - face.start;
+    let goes_on = |continuation| continuation != Continuation::None;
     [
-        End { corner: face.start_corner, place: face.start, away: -along, straight: face.straight_before },
-        End { corner: face.end_corner, place: face.end, away: along, straight: face.straight_after },
+        End { corner: face.start_corner, place: face.start, away: -along, goes_on: goes_on(face.before) },
+        End { corner: face.end_corner, place: face.end, away: along, goes_on: goes_on(face.after) },
     ]
 }
 
 impl Passing<'_> {
-    /// When the disk came to a part of a face, if it did so within the last step.
-    pub fn coming(&self, face: &Face, part: FacePart) -> Option<Passed> {
+    /// Returns the time \[s\] since the disk came to a part of a face, if it did so within the last step.
+    pub fn coming(&self, face: &Face, part: FacePart) -> Option<f64> {
         match self.corner(face, part) {
             // It touches a corner while it is beyond all faces there.
-            Some(faces) => faces.filter_map(|(_, end)| self.since_beyond(&end)).reduce(f64::min).map(around),
-            None => self.of_side(face, Passing::since_inside).reduce(later),
+            Some(faces) => faces.filter_map(|(_, end)| self.since_beyond(&end)).reduce(f64::min),
+            None => turns(face).filter_map(|end| self.since_inside(&end)).reduce(f64::min),
         }
     }
 
-    /// When the disk left a part of a face, if it did so within the last step.
-    pub fn leaving(&self, face: &Face, part: FacePart) -> Option<Passed> {
+    /// Returns the time \[s\] since the disk left a part of a face, if it did so within the last step.
+    pub fn leaving(&self, face: &Face, part: FacePart) -> Option<f64> {
         match self.corner(face, part) {
-            Some(faces) => faces.filter_map(|(_, end)| self.since_inside(&end)).reduce(f64::max).map(around),
-            None => self.of_side(face, Passing::since_beyond).reduce(earlier),
+            Some(faces) => faces.filter_map(|(_, end)| self.since_inside(&end)).reduce(f64::max),
+            None => turns(face).filter_map(|end| self.since_beyond(&end)).reduce(f64::max),
         }
-    }
-
-    /// The ends of a face at which the wall turns: when the disk passed them.
-    fn of_side(&self, face: &Face, since: fn(&Self, &End) -> Option<f64>) -> impl Iterator<Item = Passed> {
-        let turns = ends(face).into_iter().filter(|end| !end.straight);
-        turns.filter_map(move |end| {
-            let others = || self.at_corner(end.corner).filter(|(other, _)| !std::ptr::eq(*other, face));
-            let beyond = |end: End| (self.centre - end.place).dot(end.away) >= 0.0;
-            since(self, &end).map(|since| Passed { since, around: others().all(|(_, other)| beyond(other)) })
-        })
     }
 
     /// The ends of all faces that meet at a corner; none if the part is a side.
@@ -105,18 +87,9 @@ impl Passing<'_> {
     }
 }
 
-fn around(since: f64) -> Passed {
-    Passed { since, around: true }
-}
-
-/// The one that was later.
-fn later(one: Passed, other: Passed) -> Passed {
-    if other.since < one.since { other } else { one }
-}
-
-/// The one that was earlier.
-fn earlier(one: Passed, other: Passed) -> Passed {
-    if other.since > one.since { other } else { one }
+/// The ends of a face at which its line ends.
+fn turns(face: &Face) -> impl Iterator<Item = End> {
+    ends(face).into_iter().filter(|end| !end.goes_on)
 }
 
 #[cfg(test)]
@@ -140,13 +113,13 @@ mod tests {
         // 3 cm beyond the first end, at 1 m/s.
         let gone = passing(&scene, vec2(-0.03, 0.2), vec2(-1.0, 0.0));
         let first = &scene.faces[0];
-        assert!((gone.leaving(first, FacePart::Left).unwrap().since - 0.03).abs() < 1e-15);
-        assert!((gone.coming(first, FacePart::Start).unwrap().since - 0.03).abs() < 1e-15);
+        assert!((gone.leaving(first, FacePart::Left).unwrap() - 0.03).abs() < 1e-15);
+        assert!((gone.coming(first, FacePart::Start).unwrap() - 0.03).abs() < 1e-15);
         assert_eq!(gone.coming(first, FacePart::Left), None);
         // And back.
         let back = passing(&scene, vec2(0.03, 0.2), vec2(1.0, 0.0));
-        assert!((back.coming(first, FacePart::Left).unwrap().since - 0.03).abs() < 1e-15);
-        assert!((back.leaving(first, FacePart::Start).unwrap().since - 0.03).abs() < 1e-15);
+        assert!((back.coming(first, FacePart::Left).unwrap() - 0.03).abs() < 1e-15);
+        assert!((back.leaving(first, FacePart::Start).unwrap() - 0.03).abs() < 1e-15);
         // Longer ago than a step.
         let slow = passing(&scene, vec2(-0.03, 0.2), vec2(-0.2, 0.0));
         assert_eq!(slow.leaving(first, FacePart::Left), None);
@@ -157,7 +130,7 @@ mod tests {
         let scene = scene();
         // 1 cm beyond the one and 4 cm beyond the other, of the corner at (2, 0).
         let at = passing(&scene, vec2(2.01, -0.04), vec2(1.0, -1.0));
-        assert!((at.coming(&scene.faces[1], FacePart::End).unwrap().since - 0.01).abs() < 1e-15);
+        assert!((at.coming(&scene.faces[1], FacePart::End).unwrap() - 0.01).abs() < 1e-15);
     }
 
     #[test]
@@ -166,21 +139,5 @@ mod tests {
         let at = passing(&scene, vec2(1.03, 0.2), vec2(1.0, 0.0));
         assert_eq!(at.leaving(&scene.faces[0], FacePart::Left), None);
         assert_eq!(at.coming(&scene.faces[1], FacePart::Left), None);
-    }
-
-    #[test]
-    fn only_outside_of_a_corner_the_force_goes_on() {
-        let scene = scene();
-        // Outside of the corner at (2, 0), right of the upward wall and below the other.
-        let outside = passing(&scene, vec2(2.03, -0.2), vec2(1.0, 0.0));
-        assert!(outside.leaving(&scene.faces[1], FacePart::Right).unwrap().around);
-        // A corner of 170 degrees, from inside: the next face holds the disk already.
-        let bend = [(0.0, 0.0), (1.0, 0.0), (1.985, 0.174)].map(|(x, y)| vec2(x, y));
-        let bent =
-            Scene::new(&[], &[WallSpec { material: 0, corners: bend.to_vec() }], &LawTable::new(1)).unwrap();
-        let inside = passing(&bent, vec2(1.03, 0.2), vec2(1.0, 0.0));
-        assert!(!inside.leaving(&bent.faces[0], FacePart::Left).unwrap().around);
-        let before = passing(&bent, vec2(0.97, 0.2), vec2(1.0, 0.0));
-        assert!(!before.coming(&bent.faces[1], FacePart::Left).unwrap().around);
     }
 }

@@ -1,8 +1,10 @@
 //! What the contacts are at an instant, for those who ask.
 
-use super::contacts::{Memory, Stretch, touch};
-use super::encounter::{Found, Instant, Touch};
-use super::pairs::{FacePair, Pairs, spring_at_face};
+use super::contacts::{Stretch, touch};
+use super::encounter::{Instant, Touch};
+use super::overlap::Meeting;
+use super::pairs::Pairs;
+use super::wall_contacts::WallContacts;
 use super::{BodyId, DiskId, FaceId, FacePart, Regime, Scene, Vec2, Wrench};
 
 /// The two touching things.
@@ -102,7 +104,7 @@ impl ContactReport {
             normal: touch.overlap.normal,
             normal_force: touch.reaction.normal,
             tangential_force: touch.reaction.tangential,
-            elongation: touch.elongation,
+            elongation: touch.reaction.elongation,
             normal_speed: touch.normal_speed,
             slip_speed: touch.slip_speed,
             regime: touch.reaction.regime,
@@ -135,15 +137,17 @@ impl Instant<'_> {
     pub fn report<'a>(&self, blocks: impl Iterator<Item = &'a Pairs> + Clone) -> ContactReport {
         let mut report = ContactReport::empty(self.scene.bodies.len());
         let mut touching_bodies = Vec::new();
-        let memory = |spring| Memory { spring, before: self.before, stretch: Stretch::Hold };
         let disks = |pairs: &'a Pairs| pairs.disks.iter().zip(&pairs.disk_details).zip(&pairs.disk_springs);
         for ((pair, detail), spring) in blocks.clone().flat_map(disks) {
             let who = Pair::Disks { first: detail.first, second: detail.second };
-            let squeeze = match self.meet_disks(pair, detail, &pair.seen(self.standing)) {
-                Found::Apart => continue,
-                Found::Coincident { depth, .. } => report.add_coincident(who, depth),
-                Found::Touching(encounter) => {
-                    let touch = touch(&encounter, memory(spring));
+            let sight = pair.seen(self.standing);
+            let squeeze = match self.meet_disks(pair, &sight) {
+                Meeting::Apart => continue,
+                Meeting::Coincident => report.add_coincident(who, pair.reach),
+                Meeting::Touching(overlap) => {
+                    let spring = (spring.touched_at == self.before).then_some(spring);
+                    let encounter = self.disks_encounter(pair, detail, &sight, overlap);
+                    let touch = touch(&encounter, spring, Stretch::Hold);
                     let force = touch.force();
                     report.bodies[pair.first_body.index()].take(&touch.on_receiver(force));
                     report.bodies[pair.second_body.index()].take(&touch.on_giver(force));
@@ -158,27 +162,8 @@ impl Instant<'_> {
             }
             report.agent_contacts += 1;
         }
-        let faces = |pairs: &'a Pairs| (0..pairs.faces.len()).map(move |k| (pairs, k));
-        for (pairs, k) in blocks.flat_map(faces) {
-            let Pairs { faces, face_springs, .. } = pairs;
-            let FacePair { disk, face } = faces[k];
-            let who = |part| Pair::Face { disk, face, part };
-            // Because of rounding, a body may now touch the next face of a straight wall.
-            let held = |part| memory(spring_at_face(self.scene, faces, face_springs, k, part, self.before));
-            let squeeze = match self.meet_face(&faces[k]) {
-                Found::Apart => continue,
-                Found::Coincident { depth, part } => report.add_coincident(who(part), depth),
-                Found::Touching(encounter) => {
-                    let touch = touch(&encounter, held(encounter.part));
-                    let body = &mut report.bodies[self.scene.body_of(disk).index()];
-                    body.take(&touch.on_receiver(touch.force()));
-                    report.add(who(touch.part), &touch)
-                }
-            };
-            let body = &mut report.bodies[self.scene.body_of(disk).index()];
-            body.wall_contacts += 1;
-            body.squeeze += squeeze;
-            report.wall_contacts += 1;
+        for pairs in blocks {
+            self.report_walls(pairs, &mut report);
         }
         touching_bodies.sort_unstable();
         touching_bodies.dedup();
@@ -188,5 +173,37 @@ impl Instant<'_> {
             }
         }
         report
+    }
+
+    /// Adds the contacts with walls.
+    fn report_walls(&self, pairs: &Pairs, report: &mut ContactReport) {
+        let mut walls = WallContacts::default();
+        let mut springs = &pairs.face_springs[..];
+        for of_disk in pairs.faces.chunk_by(|one, next| one.disk == next.disk) {
+            let (springs_of_disk, others) = springs.split_at(of_disk.len());
+            springs = others;
+            let (disk, body) = (self.circle(&of_disk[0]), self.scene.body_of(of_disk[0].disk));
+            walls.find(self.scene, of_disk, disk, self.standing[body.index()].position);
+            for contact in walls.found().iter().filter(|contact| contact.overlap.depth > 0.0) {
+                let pair = of_disk[contact.place];
+                let who = Pair::Face { disk: pair.disk, face: pair.face, part: contact.part };
+                let squeeze = if contact.coincident {
+                    report.add_coincident(who, contact.overlap.depth)
+                } else {
+                    // Because of rounding, a body may now touch the next face of a line.
+                    let from =
+                        walls.keeps(self.scene, of_disk, springs_of_disk, contact, disk.centre, self.before);
+                    let encounter = self.face_encounter(&pair, contact.overlap, contact.part);
+                    let spring = from.map(|from| &springs_of_disk[from]);
+                    let touch = touch(&encounter, spring, Stretch::Hold);
+                    report.bodies[body.index()].take(&touch.on_receiver(touch.force()));
+                    report.add(who, &touch)
+                };
+                let body = &mut report.bodies[body.index()];
+                body.wall_contacts += 1;
+                body.squeeze += squeeze;
+                report.wall_contacts += 1;
+            }
+        }
     }
 }

@@ -1,10 +1,12 @@
 //! What is constant in time: bodies, disks, walls and the contact laws between materials.
 
-use super::face::Face;
+use super::circle::Circle;
+use super::face::{Along, Continuation, Face, nearest_on_face};
 use super::face_grid::FaceGrid;
 use super::{BodyId, CornerId, DiskId, FaceId, LineId, Rotation, Vec2, WallId};
 use lemons_plane::shown_orientation;
 use std::collections::HashMap;
+use std::f64::consts::PI;
 use std::ops::Range;
 use thiserror::Error;
 
@@ -122,16 +124,27 @@ pub struct Disk {
     pub material: usize,
 }
 
-/// \[rad\] Consecutive faces whose directions differ by at most this much count as straight.
+/// \[rad\] Faces that meet and turn by at most this much go on straight.
 const STRAIGHT: f64 = 1e-6;
+/// Cosine of 20°: faces that meet and turn by at most this much are one line.
+pub(super) const LINE: f64 = 0.939_692_620_785_908_4;
+/// \[m\] Points of walls closer than this are one point: they differ by rounding.
+const SAME_POINT: f64 = 1e-9;
 
-/// A point where faces of one wall meet, or where a wall ends.
+/// A point where faces meet, of one wall or of several, or where a wall ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corner {
     /// \[m\]
     pub position: Vec2,
-    /// The faces that meet here, ascending. Contacts with the corner are assigned to the first.
+    /// The faces that meet here, ascending.
     pub faces: Vec<FaceId>,
+    /// The face to which contacts with the corner are assigned: the first of those that go on in a line here, else the
+    /// first.
+    pub owner: FaceId,
+    /// Whether another face passes through. Then nothing touches the corner, because that face is nearer.
+    pub covered: bool,
+    /// Whether two of its faces turn by more than 20° and less than 90°.
+    pub(super) obtuse: bool,
 }
 
 /// Bodies, walls and laws: immutable after load.
@@ -149,6 +162,10 @@ pub struct Scene {
     pub wall_faces: Vec<Range<usize>>,
     /// Of all walls.
     pub corners: Vec<Corner>,
+    /// For each face, those that continue it: at an end, turning by at most 20°, or lying on it.
+    pub(super) joined: Vec<Vec<FaceId>>,
+    /// Pairs of faces that lie on each other. They act like one.
+    pub doubled: Vec<(FaceId, FaceId)>,
     laws: Vec<PairLaw>,
     materials: usize,
     pub(super) face_grid: FaceGrid,
@@ -183,6 +200,8 @@ impl Scene {
             faces: Vec::new(),
             wall_faces: Vec::with_capacity(walls.len()),
             corners: Vec::new(),
+            joined: Vec::new(),
+            doubled: Vec::new(),
             laws: Vec::new(),
             materials: laws.materials,
             face_grid: FaceGrid::default(),
@@ -191,10 +210,12 @@ impl Scene {
         for spec in bodies {
             scene.add_body(spec, &mut flyers);
         }
+        let mut places = Places::default();
         for spec in walls {
-            scene.add_wall(spec);
+            scene.add_wall(spec, &mut places);
         }
         scene.face_grid = FaceGrid::new(&scene.faces);
+        scene.join_faces();
         if scene.disks.len() > u32::MAX as usize || scene.faces.len() > u32::MAX as usize {
             return Err(SceneError::TooMany("disks or faces"));
         }
@@ -247,67 +268,145 @@ impl Scene {
         });
     }
 
-    fn add_wall(&mut self, spec: &WallSpec) {
+    fn add_wall(&mut self, spec: &WallSpec, places: &mut Places) {
         let wall = WallId::from(self.wall_faces.len());
         let first_face = self.faces.len();
-        let first_corner = self.corners.len();
-        let mut known = HashMap::new();
         for ends in spec.corners.windows(2) {
             let face = FaceId::from(self.faces.len());
-            let mut corner = |position: Vec2| {
-                // + 0.0 makes −0 and 0 the same key.
-                let key = ((position.x + 0.0).to_bits(), (position.y + 0.0).to_bits());
-                let at = *known.entry(key).or_insert_with(|| {
-                    self.corners.push(Corner { position, faces: Vec::new() });
-                    self.corners.len() - 1
-                });
-                self.corners[at].faces.push(face);
+            let [start_corner, end_corner] = [ends[0], ends[1]].map(|position| {
+                let at = places.corner_at(position, &mut self.corners);
+                let faces = &mut self.corners[at].faces;
+                if faces.last() != Some(&face) {
+                    faces.push(face);
+                }
                 CornerId::from(at)
-            };
-            let (start_corner, end_corner) = (corner(ends[0]), corner(ends[1]));
+            });
+            let [start, end] = [start_corner, end_corner].map(|at| self.corners[at.index()].position);
             self.faces.push(Face {
                 wall,
                 material: spec.material,
-                start: ends[0],
-                end: ends[1],
+                start,
+                end,
                 start_corner,
                 end_corner,
-                normal: across(ends[0], ends[1]),
+                normal: across(start, end),
                 line: LineId::from(face.index()),
-                straight_before: false,
-                straight_after: false,
+                before: Continuation::None,
+                after: Continuation::None,
             });
         }
-        self.join_lines(first_face);
-        debug_assert!(self.corners[first_corner..].iter().all(|corner| corner.faces.is_sorted()));
         self.wall_faces.push(first_face..self.faces.len());
     }
 
-    /// Finds where successive faces of the last wall continue straight.
-    fn join_lines(&mut self, first: usize) {
-        for face in first + 1..self.faces.len() {
-            if self.goes_on(face - 1, face) {
-                self.faces[face].line = self.faces[face - 1].line;
-            }
+    /// Finds which faces are one line, which corners are covered, and which face owns each corner.
+    fn join_faces(&mut self) {
+        self.joined = vec![Vec::new(); self.faces.len()];
+        for at in 0..self.corners.len() {
+            self.join_at_corner(CornerId::from(at));
         }
-        // A closed wall of two faces goes back along itself.
-        let Some(last) = self.faces.len().checked_sub(1).filter(|last| *last > first + 1) else { return };
-        if self.goes_on(last, first) {
-            let (from, to) = (self.faces[last].line, self.faces[first].line);
-            self.faces[first..].iter_mut().filter(|face| face.line == from).for_each(|face| face.line = to);
+        self.find_doubled();
+        for at in 0..self.corners.len() {
+            let goes_on = |face: &&FaceId| {
+                self.faces[face.index()].continuation(CornerId::from(at)) != Continuation::None
+            };
+            let corner = &self.corners[at];
+            let owner = corner.faces.iter().find(goes_on).or(corner.faces.first());
+            self.corners[at].owner = owner.copied().unwrap_or(corner.owner);
+        }
+        // Faces that are joined, directly or by others, are one line: that of the first of them.
+        for face in 0..self.faces.len() {
+            let line = LineId::from(face);
+            let mut found = vec![FaceId::from(face)];
+            while let Some(next) = found.pop().filter(|_| self.faces[face].line == line) {
+                for &other in &self.joined[next.index()] {
+                    let of_other = &mut self.faces[other.index()].line;
+                    if *of_other > line {
+                        *of_other = line;
+                        found.push(other);
+                    }
+                }
+            }
         }
     }
 
-    /// Notes if a face continues straight into another that begins where it ends, and no third face begins there.
-    fn goes_on(&mut self, before: usize, after: usize) -> bool {
-        let (one, other) = (&self.faces[before], &self.faces[after]);
-        let straight = one.end_corner == other.start_corner
-            && self.corners[one.end_corner.index()].faces.len() == 2
-            && (one.normal - other.normal).norm() <= STRAIGHT
-            && one.normal != Vec2::ZERO;
-        self.faces[before].straight_after = straight;
-        self.faces[after].straight_before = straight;
-        straight
+    /// Joins the faces that meet at a corner: each with the one that continues it best, if both agree.
+    fn join_at_corner(&mut self, at: CornerId) {
+        // By direction, so that the opposite one is found in a corner of many faces, too.
+        let mut ends: Vec<(f64, FaceId, Vec2)> = self.corners[at.index()]
+            .faces
+            .iter()
+            .filter_map(|&face| {
+                let away = self.faces[face.index()].away_from(at)?;
+                Some((libm::atan2(away.y, away.x), face, away))
+            })
+            .collect();
+        ends.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+        let count = ends.len();
+        let opposite = |k: usize| {
+            let angle = ends[k].0 + if ends[k].0 > 0.0 { -PI } else { PI };
+            let next = ends.partition_point(|end| end.0 < angle);
+            // The first of those with the same direction as the one before.
+            let before = ends[(next + count - 1) % count].0;
+            let first = ends.partition_point(|end| end.0 < before);
+            let turn = |j: &usize| ends[k].2.dot(ends[*j].2);
+            [next % count, first].into_iter().min_by(|a, b| turn(a).total_cmp(&turn(b))).unwrap_or(k)
+        };
+        for k in 0..count {
+            let j = opposite(k);
+            let ((_, one, away), (_, other, back)) = (ends[k], ends[j]);
+            let turn = away.dot(back);
+            self.corners[at.index()].obtuse |= turn < 0.0 && turn > -LINE;
+            if turn <= -LINE && one < other && opposite(j) == k {
+                let straight = (away + back).norm() <= STRAIGHT;
+                let how = if straight { Continuation::Straight } else { Continuation::Bend };
+                for face in [one, other] {
+                    *self.faces[face.index()].continuation_mut(at) = how;
+                }
+                self.join(one, other);
+            }
+        }
+    }
+
+    /// Joins faces that lie on each other, and finds the corners that another face covers.
+    fn find_doubled(&mut self) {
+        let mut same: HashMap<[CornerId; 2], FaceId> = HashMap::new();
+        for (at, face) in self.faces.iter().enumerate() {
+            let mut ends = [face.start_corner, face.end_corner];
+            ends.sort_unstable();
+            let first = *same.entry(ends).or_insert(FaceId::from(at));
+            if first.index() != at && face.normal != Vec2::ZERO {
+                self.doubled.push((first, FaceId::from(at)));
+            }
+        }
+        let mut scratch = Vec::new();
+        for at in 0..self.corners.len() {
+            let place = Circle { centre: self.corners[at].position, radius: 0.0 };
+            for &through in self.face_grid.candidates(&place, SAME_POINT, &mut scratch) {
+                let face = &self.faces[through.index()];
+                let (nearest, along) = nearest_on_face(face, place.centre);
+                let passes = along == Along::Inside && (nearest - place.centre).norm() <= SAME_POINT;
+                if !passes || self.corners[at].faces.contains(&through) {
+                    continue;
+                }
+                self.corners[at].covered = true;
+                let lies_on = |end: &&FaceId| {
+                    let other = &self.faces[end.index()];
+                    other.normal != Vec2::ZERO && face.normal.cross(other.normal).abs() <= STRAIGHT
+                };
+                let on = self.corners[at].faces.iter().filter(lies_on);
+                self.doubled.extend(on.map(|&end| (end.min(through), end.max(through))));
+            }
+        }
+        self.doubled.sort_unstable();
+        self.doubled.dedup();
+        for (one, other) in self.doubled.clone() {
+            self.join(one, other);
+        }
+    }
+
+    fn join(&mut self, one: FaceId, other: FaceId) {
+        self.joined[one.index()].push(other);
+        self.joined[other.index()].push(one);
     }
 
     /// Returns the law of two materials.
@@ -328,10 +427,42 @@ impl Scene {
         &self.laws[place as usize]
     }
 
+    /// Returns the laws, in the order of their indices.
+    pub(super) fn all_laws(&self) -> &[PairLaw] {
+        &self.laws
+    }
+
     /// Returns the body of a disk.
     #[inline]
     pub fn body_of(&self, disk: DiskId) -> BodyId {
         self.disks[disk.index()].body
+    }
+}
+
+/// Finds the corner at a place.
+#[derive(Default)]
+struct Places {
+    /// Corners by cells of [`SAME_POINT`].
+    cells: HashMap<[u64; 2], usize>,
+}
+
+impl Places {
+    /// Returns the index of the corner at a place; a new one if there is none.
+    fn corner_at(&mut self, position: Vec2, corners: &mut Vec<Corner>) -> usize {
+        // + 0.0 makes −0 and 0 the same key.
+        let cell = |x: f64, beside: f64| ((x / SAME_POINT).floor() + beside + 0.0).to_bits();
+        let near = [0.0, -1.0, 1.0].into_iter().flat_map(|dx| [0.0, -1.0, 1.0].map(|dy| (dx, dy)));
+        for (dx, dy) in near {
+            let found = self.cells.get(&[cell(position.x, dx), cell(position.y, dy)]);
+            if let Some(&at) = found.filter(|&&at| (corners[at].position - position).norm() <= SAME_POINT) {
+                return at;
+            }
+        }
+        let at = corners.len();
+        self.cells.insert([cell(position.x, 0.0), cell(position.y, 0.0)], at);
+        let (faces, owner) = (Vec::new(), FaceId::from(0));
+        corners.push(Corner { position, faces, owner, covered: false, obtuse: false });
+        at
     }
 }
 
@@ -405,12 +536,54 @@ mod tests {
         // Closed in the middle of a side.
         let square = [(0.5, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (0.5, 0.0)];
         assert_eq!(lines(&square), [0, 1, 2, 3, 0]);
-        // A bend of 2e-6 rad is a bend, one of 5e-7 rad is none.
-        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2e-6)]), [0, 1]);
-        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.0, 5e-7)]), [0, 0]);
-        // There and back, and a third face at the corner.
-        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.0)]), [0, 1]);
-        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0)]), [0, 1, 2, 3]);
+        // Up to 20° faces are one line.
+        let turned = |degrees: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            lines(&[(0.0, 0.0), (1.0, 0.0), (1.0 + cos, sin)])
+        };
+        assert_eq!((turned(19.99), turned(-19.99)), (vec![0, 0], vec![0, 0]));
+        assert_eq!((turned(20.01), turned(-20.01)), (vec![0, 1], vec![0, 1]));
+        // There and back is one face; so is the third one, drawn backwards. The fourth meets them.
+        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.0)]), [0, 0]);
+        assert_eq!(lines(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 1.0)]), [0, 0, 0, 3]);
+    }
+
+    #[test]
+    fn walls_that_meet_or_lie_on_each_other_are_one() {
+        let scene = |walls: &[&[(f64, f64)]]| {
+            let specs: Vec<WallSpec> = walls
+                .iter()
+                .map(|corners| WallSpec {
+                    material: 0,
+                    corners: corners.iter().map(|&(x, y)| vec2(x, y)).collect(),
+                })
+                .collect();
+            Scene::new(&[], &specs, &LawTable::new(1)).unwrap()
+        };
+        let lines = |scene: &Scene| scene.faces.iter().map(|face| face.line.index()).collect::<Vec<_>>();
+        // End to end, the second one drawn towards the first, with a rounding error; then one that turns.
+        let met = scene(&[
+            &[(0.0, 0.0), (1.0, 0.0)],
+            &[(2.0, 0.0), (1.0 + 1e-16, 3e-17)],
+            &[(2.0, 0.0), (2.0, 1.0)],
+        ]);
+        assert_eq!(lines(&met), [0, 0, 2]);
+        assert_eq!((met.corners.len(), met.doubled.len()), (4, 0));
+        assert_eq!(met.faces[1].after, Continuation::Straight);
+        // The same twice, backwards; a part of it; and one that overlaps it.
+        let doubled = scene(&[
+            &[(0.0, 0.0), (3.0, 0.0)],
+            &[(3.0, 0.0), (0.0, 0.0)],
+            &[(1.0, 0.0), (2.0, 0.0)],
+            &[(2.5, 0.0), (4.0, 0.0)],
+        ]);
+        assert_eq!(lines(&doubled), [0, 0, 0, 0]);
+        let pairs: Vec<_> = doubled.doubled.iter().map(|(one, other)| (one.index(), other.index())).collect();
+        assert_eq!(pairs, [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3)]);
+        // One that ends on another, without lying on it.
+        let tee = scene(&[&[(0.0, 0.0), (2.0, 0.0)], &[(1.0, 0.0), (1.0, 1.0)]]);
+        assert_eq!((lines(&tee), tee.doubled.len()), (vec![0, 1], 0));
+        assert!(tee.corners[2].covered && !tee.corners[3].covered);
     }
 
     #[test]

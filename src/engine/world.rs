@@ -2,7 +2,7 @@
 
 use super::blocks::Blocks;
 use super::circle::Circle;
-use super::contacts::Stretch;
+use super::contacts::{Step, Stretch};
 use super::free_flight::Course;
 use super::mechanical_step::{CommunicationStep, Scratch, held_drives, ramps};
 use super::neighbours::{CellGrid, Crowded, Near, SKIN};
@@ -342,7 +342,7 @@ impl World {
             shortlist,
             scratch: &mut self.scratch,
             work: &mut self.work,
-            dt: duration / steps as f64,
+            mechanical: Step::new(&self.scene, duration / steps as f64),
             movers: Vec::new(),
             flights: Vec::new(),
             leeway: 0.0,

@@ -11,6 +11,7 @@ pub mod friction;
 pub mod interfaces;
 pub mod ledger;
 pub mod order;
+pub mod passivity;
 pub mod ramp;
 pub mod reference;
 pub mod scenarios;
@@ -60,6 +61,7 @@ pub fn checks() -> Vec<Check> {
         friction::CHECKS,
         order::CHECKS,
         walls::CHECKS,
+        passivity::CHECKS,
         stability::CHECKS,
         exposure::CHECKS,
         flight::CHECKS,
