@@ -5,11 +5,12 @@ integrates the smooth pieces, and every instant at which the equations change is
 
 - a contact begins or ends, or passes from a face of a wall to another or to a corner; where the wall goes on straight it goes on as it was
 - sticking -> sliding: the test force F* = -k_t s - gamma_t v_t leaves the Coulomb cone |F*| <= mu |F_n|
-- sliding -> sticking: with the elongation on the cone, s = -(F_t + gamma_t v_t)/k_t, and let go (ds/dt = v_t), F* would enter it
+- sliding -> sticking: F* comes back to the cone; without gamma_t: with s = -F_t/k_t let go (ds/dt = v_t), F* would enter it
 - the normal force changes sign (it is not clamped), so |F_n| has a kink
 
-A sticking contact's elongation is part of the ODE's state; a sliding one's follows from the motion. Forces are continuous when a
-contact passes from sticking to sliding or back, so the accelerations that the third test needs do not depend on its outcome.
+An elongation is part of the ODE's state: while it sticks ds/dt = v_t, while it slides gamma_t ds/dt = -F_t - k_t s. Without gamma_t
+a sliding contact's follows from the motion. Forces are continuous when a contact passes from sticking to sliding or back, so the
+accelerations that the third test needs without gamma_t do not depend on its outcome.
 The equations are those of the paper's appendix A; a Trial is read from its XML text by the standard library.
 
 A case in cases.json: `files`, the texts of its Trial; `times` [s], its communication points; `drive`, for each step ending there and each
@@ -36,7 +37,7 @@ from scipy.optimize import brentq
 RTOL, ATOL = 1e-12, 1e-14
 MAX_STEP = 1e-3  # [s] short against the shortest contact, so that none slips through between two looks
 LOOKS = 4  # looks for events per integrator step
-TINY = {"touch": 1e-13, "normal": 1e-8, "stick": 1e-8, "slide": 1e-3}  # [m], [N], [N], [N/s]: round-off of the event functions
+TINY = {"touch": 1e-13, "normal": 1e-8, "stick": 1e-8, "slide": 1e-8, "release": 1e-3}  # [m], [N], [N], [N], [N/s]: round-off of the event functions
 
 
 class Grazing(Exception):
@@ -242,6 +243,11 @@ class Contact:
     def normal_force(self, h, h1):
         return self.law.kn * h + self.law.gn * h1
 
+    @property
+    def stateful(self):
+        """Whether the elongation has a differential equation now."""
+        return not self.side or self.law.gt > 0
+
     def tangential_force(self, normal, vt, s):
         if self.side:
             return self.side * self.law.mu * self.sign * normal
@@ -269,13 +275,13 @@ class Simulation:
         if (self.scene.touching(self.y) >= 0).any():
             raise Grazing("overlap at the start")
 
-    # The smooth piece: state, then the elongations of the sticking contacts.
+    # The smooth piece: state, then the elongations.
 
-    def _sticking(self):
-        return [c for c in self.contacts.values() if not c.side]
+    def _springs(self):
+        return [c for c in self.contacts.values() if c.stateful]
 
     def _whole(self):
-        return np.concatenate([self.y, [c.s for c in self._sticking()]])
+        return np.concatenate([self.y, [c.s for c in self._springs()]])
 
     def _derivative(self, _, whole):
         y, scene = whole.tolist(), self.scene
@@ -290,12 +296,12 @@ class Simulation:
         spring = 6 * scene.agents
         for c in self.contacts.values():
             n, t, h, h1, vt, di, dj, arm_i, arm_j = c.motion(y, scene)
-            s = 0.0
-            if not c.side:
-                s, out[spring] = y[spring], vt
-                spring += 1
+            s = y[spring] if c.stateful else 0.0
             normal = c.normal_force(h, h1)
             tangential = c.tangential_force(normal, vt, s)
+            if c.stateful:
+                out[spring] = -(tangential + c.law.kt * s) / c.law.gt if c.side else vt
+                spring += 1
             force = normal * n + tangential * t
             k, m = 6 * c.a, scene.mass[c.a]
             out[k + 3] += force.real / m
@@ -313,7 +319,7 @@ class Simulation:
     def _watched(self):
         out = [("touch", n) for n in range(len(self.scene.touch))]
         for n, c in self.contacts.items():
-            out += [("slide" if c.side else "stick", n), ("normal", n)]
+            out += [("stick" if not c.side else "slide" if c.stateful else "release", n), ("normal", n)]
         return out
 
     def _margins(self, whole):
@@ -323,14 +329,15 @@ class Simulation:
         acceleration = None
         spring = 6 * self.scene.agents
         for c in self.contacts.values():
-            if c.side:
+            if not c.stateful:
                 if acceleration is None:
                     acceleration = self._acceleration(whole)
                 h, h1, h2, vt, vt1 = c.motion(y, self.scene, acceleration)
                 out.append(self._hold(c, h1, h2, vt, vt1))
             else:
                 _, _, h, h1, vt, *_ = c.motion(y, self.scene)
-                out.append(c.law.mu * abs(c.normal_force(h, h1)) - abs(-c.law.kt * y[spring] - c.law.gt * vt))
+                test, normal = -c.law.kt * y[spring] - c.law.gt * vt, c.normal_force(h, h1)
+                out.append(c.side * test - c.law.mu * c.sign * normal if c.side else c.law.mu * abs(normal) - abs(test))
                 spring += 1
             out.append(c.sign * c.normal_force(h, h1) if c.law.gn else 1.0)  # undamped it never pulls
         return np.array(out)
@@ -345,9 +352,9 @@ class Simulation:
 
     @staticmethod
     def _hold(c, h1, h2, vt, vt1):
-        """Rate at which F*, let go from the cone, would leave it [N/s]: positive while it slides on."""
+        """Rate at which F*, let go from the cone, would leave it [N/s], without gamma_t: positive while it slides on."""
         law = c.law
-        return c.side * (-law.kt * vt - law.gt * vt1) - law.mu * c.sign * (law.kn * h1 + law.gn * h2)
+        return c.side * -law.kt * vt - law.mu * c.sign * (law.kn * h1 + law.gn * h2)
 
     # Changes of the equations.
 
@@ -358,7 +365,7 @@ class Simulation:
         c.sign = math.copysign(1.0, normal)
         test = -c.law.gt * vt
         limit = c.law.mu * abs(normal)
-        if c.law.gn == 0 and h < 1e-11:  # undamped, both start at zero: whichever grows faster decides
+        if c.law.gn == c.law.gt == 0 and h < 1e-11:  # undamped, both start at zero: whichever grows faster decides
             test, limit = -c.law.kt * vt, c.law.mu * c.law.kn * h1
             c.sign = 1.0
         if abs(test) > limit:
@@ -370,15 +377,16 @@ class Simulation:
 
     def _let_go(self, c):
         """Sliding -> sticking: the elongation goes on from where sliding left it."""
-        _, _, h, h1, vt, *_ = c.motion(self.y.tolist(), self.scene)
-        c.s = -(c.tangential_force(c.normal_force(h, h1), vt, 0.0) + c.law.gt * vt) / c.law.kt
+        if not c.stateful:
+            _, _, h, h1, *_ = c.motion(self.y.tolist(), self.scene)
+            c.s = -c.tangential_force(c.normal_force(h, h1), 0.0, 0.0) / c.law.kt
         c.side = 0
         self.counts["sticks again"] += 1
 
     def _settle(self):
-        """A jump of the accelerations (a contact began or ended, the drive changed) may end sliding."""
+        """A jump of the accelerations (a contact began or ended, the drive changed) may end sliding without gamma_t."""
         for c in self.contacts.values():
-            if c.side:
+            if not c.stateful:
                 h, h1, h2, vt, vt1 = c.motion(self.y.tolist(), self.scene, self._acceleration(self._whole()))
                 if self._hold(c, h1, h2, vt, vt1) < -TINY["slide"]:
                     self._let_go(c)
@@ -412,13 +420,16 @@ class Simulation:
             c.side = int(math.copysign(1, -c.law.kt * c.s - c.law.gt * vt))
             c.sign = math.copysign(1.0, c.normal_force(h, h1))
             self.counts["starts to slide"] += 1
-        elif kind == "slide":
+        elif kind in ("slide", "release"):
             self._let_go(c)
-        else:  # the normal force passes through zero, the test force with it: whichever grows faster decides
-            h, h1, h2, vt, vt1 = c.motion(self.y.tolist(), self.scene, self._acceleration(self._whole()))
-            growth = -c.law.kt * vt - c.law.gt * vt1
+        else:
             c.sign = -c.sign
             self.counts["pulls" if c.sign < 0 else "pushes again"] += 1
+            if c.law.gt:
+                return
+            # Without gamma_t the test force passes through zero with the normal force: whichever grows faster decides.
+            h, h1, h2, vt, _ = c.motion(self.y.tolist(), self.scene, self._acceleration(self._whole()))
+            growth = -c.law.kt * vt
             if abs(growth) > c.law.mu * abs(c.law.kn * h1 + c.law.gn * h2):
                 if growth * c.side < 0:
                     self.counts["slides the other way"] += 1
@@ -441,7 +452,7 @@ class Simulation:
 
     def _commit(self, t, whole):
         self.t, self.y = t, whole[: 6 * self.scene.agents].copy()
-        for c, s in zip(self._sticking(), whole[6 * self.scene.agents :]):
+        for c, s in zip(self._springs(), whole[6 * self.scene.agents :]):
             c.s = s
 
     def _piece(self, end):
