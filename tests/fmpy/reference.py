@@ -3,13 +3,17 @@
 The engine steps through contacts with a fixed mechanical step. Here scipy's eighth-order Runge-Kutta (DOP853, tolerance 1e-12)
 integrates the smooth pieces, and every instant at which the equations change is located by root finding:
 
-- a contact begins or ends, or passes from a face of a wall to another or to a corner; where the wall goes on straight it goes on as it was
+- a contact begins or ends, or passes from a face of a wall to another or to a corner; where the faces turn by at most 20 degrees they
+  are one line: of each connected run of its faces that a disk overlaps only the nearest acts, and the contact goes on with its spring
+- at an inner corner that turns by 20 to 90 degrees the second face begins or ceases to act: while both do, h is the depth of the pair,
+  in the spring and for the point of contact, but the damping is that of the velocity; the straight ends must be long enough for that
 - sticking -> sliding: the test force F* = -k_t s - gamma_t v_t leaves the Coulomb cone |F*| <= mu |F_n|
-- sliding -> sticking: with the elongation on the cone, s = -(F_t + gamma_t v_t)/k_t, and let go (ds/dt = v_t), F* would enter it
+- sliding -> sticking: F* comes back to the cone; without gamma_t: with s = -F_t/k_t let go (ds/dt = v_t), F* would enter it
 - the normal force changes sign (it is not clamped), so |F_n| has a kink
 
-A sticking contact's elongation is part of the ODE's state; a sliding one's follows from the motion. Forces are continuous when a
-contact passes from sticking to sliding or back, so the accelerations that the third test needs do not depend on its outcome.
+An elongation is part of the ODE's state: while it sticks ds/dt = v_t, while it slides gamma_t ds/dt = -F_t - k_t s. Without gamma_t
+a sliding contact's follows from the motion. Forces are continuous when a contact passes from sticking to sliding or back, so the
+accelerations that the third test needs without gamma_t do not depend on its outcome.
 The equations are those of the paper's appendix A; a Trial is read from its XML text by the standard library.
 
 A case in cases.json: `files`, the texts of its Trial; `times` [s], its communication points; `drive`, for each step ending there and each
@@ -23,6 +27,7 @@ states answer to the start `moved` by 1e-9 and to a `loose` tolerance of 1e-10. 
 
 import argparse
 import cmath
+import itertools
 import json
 import math
 import sys
@@ -34,9 +39,10 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 RTOL, ATOL = 1e-12, 1e-14
+LINE = math.radians(20) + 1e-9  # [rad] faces that turn by at most this are one line
 MAX_STEP = 1e-3  # [s] short against the shortest contact, so that none slips through between two looks
 LOOKS = 4  # looks for events per integrator step
-TINY = {"touch": 1e-13, "normal": 1e-8, "stick": 1e-8, "slide": 1e-3}  # [m], [N], [N], [N/s]: round-off of the event functions
+TINY = {"touch": 1e-13, "normal": 1e-8, "stick": 1e-8, "slide": 1e-8, "release": 1e-3}  # [m], [N], [N], [N], [N/s]: round-off of the event functions
 
 
 class Grazing(Exception):
@@ -104,27 +110,36 @@ class Scene:
             for j in range(i + 1, disks):
                 if self.owner[i] != self.owner[j]:
                     self.touch.append(("disk", i, j, laws[stuff[i], stuff[j]]))
-        self.faces, self.corners = [], []  # (end, end), (point, [(face, whether the corner is that face's second end)])
+        # Ends of walls at one place join like corners of one wall; the same face twice is one face, of the wall that comes first.
+        self.faces, meeting = {}, {}  # ends as they are written, in any order -> (end, end, material); point -> its faces
         for wall in ElementTree.fromstring(files["static/Geometry.xml"]).iter("Wall"):
             points = [tuple(_pair(c.get("Coordinates"))) for c in wall.iter("Corner")]
-            meeting = {}
             for a, b in zip(points, points[1:]):
-                meeting.setdefault(a, []).append((len(self.faces), False))
-                meeting.setdefault(b, []).append((len(self.faces), True))
-                self.faces.append((np.array(a), np.array(b)))
-                of_wall = {m: laws[m, wall.get("MaterialId")] for m in set(stuff)}
-                self.touch += [("face", i, len(self.faces) - 1, of_wall[stuff[i]]) for i in range(disks)]
-            for point, ends in meeting.items():
-                self.corners.append((np.array(point), ends))
-                self.touch += [("corner", i, len(self.corners) - 1, of_wall[stuff[i]]) for i in range(disks)]
-        # Faces that go on straight into each other are one line: line[face], and of such corners line_at[corner].
-        self.line = list(range(len(self.faces)))
-        self.line_at = [None] * len(self.corners)
+                if frozenset((a, b)) not in self.faces:
+                    meeting.setdefault(a, []).append((len(self.faces), False))  # whether it is that face's second end
+                    meeting.setdefault(b, []).append((len(self.faces), True))
+                    self.faces[frozenset((a, b))] = (np.array(a), np.array(b), wall.get("MaterialId"))
+        self.faces = list(self.faces.values())
+        self.corners = [(np.array(point), ends) for point, ends in meeting.items()]
+        self.touch += [("face", i, f, laws[stuff[i], face[2]]) for f, face in enumerate(self.faces) for i in range(disks)]
         for number, (_, ends) in enumerate(self.corners):
-            if len(ends) == 2 and self._bend(*ends) < 1e-6:
-                kept, other = sorted(self.line[face] for face, _ in ends)
-                self.line = [kept if line == other else line for line in self.line]
-                self.line_at[number] = ends[0][0]
+            self.touch += [("corner", i, number, laws[stuff[i], self.faces[ends[0][0]][2]]) for i in range(disks)]
+
+        self.line = list(range(len(self.faces)))  # of each face its line
+        self.line_at = [None] * len(self.corners)  # of a corner within a line one of its faces
+        self.joined, self.pairs = set(), {}  # (face, face) of one line; see `_pair_at`
+        for number, (_, ends) in enumerate(self.corners):
+            for one, other in itertools.combinations(ends, 2):
+                bend = self._bend(one, other)
+                if bend <= LINE:
+                    self.joined |= {(one[0], other[0]), (other[0], one[0])}
+                    self.line_at[number] = one[0]
+                    kept, gone = sorted((self.line[one[0]], self.line[other[0]]))
+                    self.line = [kept if line == gone else line for line in self.line]
+                elif bend < math.pi / 2 - 1e-9:
+                    self._pair_at(ends, one, other, bend)
+        lines = [[f for f, of in enumerate(self.line) if of == line] for line in sorted(set(self.line))]
+        self.bent = [line for line in lines if len(line) > 1]
 
         self._owner, self._radius, self._offset = np.array(self.owner), np.array(self.radius), np.array(self.offset)
         pairs = [(i, j) for kind, i, j, _ in self.touch if kind == "disk"]
@@ -133,11 +148,29 @@ class Scene:
 
     def _bend(self, first, second):
         """The angle [rad] by which the wall turns where two faces meet; each as (face, whether it ends there)."""
-        away = []
-        for face, ends in (first, second):
-            a, b = self.faces[face]
-            away.append(complex(*(a - b if ends else b - a)))
-        return abs(math.remainder(cmath.phase(away[0] / -away[1]), 2 * math.pi))
+        return abs(cmath.phase(self._away(first) / -self._away(second)))
+
+    def _away(self, end):
+        """The direction of a face away from its end."""
+        a, b, _ = self.faces[end[0]]
+        return complex(*(a - b if end[1] else b - a))
+
+    def _normal(self, face):
+        a, b, _ = self.faces[face]
+        along = complex(*(b - a))
+        return 1j * along / abs(along)
+
+    def _pair_at(self, ends, one, other, bend):
+        """An inner corner where both faces act: (face, other face) -> the normals into the corner, the cosine of the turn."""
+        f, g = self._away(one), self._away(other)
+        between = lambda u: 0 < cmath.phase(u / f) / cmath.phase(g / f) < 1
+        if any(between(self._away(end)) for end in ends if end not in (one, other)):
+            return
+        reach = max(self.radius) * (math.tan(bend / 2) + math.tan(LINE / 2))
+        assert min(abs(f), abs(g)) > reach, "a face at an inner corner is too short: more than two faces act together"
+        inwards = [math.copysign(1, _dot(n, across)) * n for n, across in ((self._normal(one[0]), g), (self._normal(other[0]), f))]
+        self.pairs[one[0], other[0]] = (*inwards, math.cos(bend))
+        self.pairs[other[0], one[0]] = (*inwards[::-1], math.cos(bend))
 
     def line_of(self, n):
         """The disk and the line that `touch[n]` is a contact of; None if it is none with a line."""
@@ -156,21 +189,45 @@ class Scene:
         out = np.empty(len(self.touch))
         out[: self._pairs] = self._radius[self._i] + self._radius[self._j] - np.abs(p[self._i] - p[self._j])
         before, after, on_face = [], [], []  # how far each disk is before and after the ends of each face, and its overlap with it
-        for a, b in self.faces:
+        depth, near = [], []  # below the face's line; whether the disk overlaps the face with its ends
+        for a, b, _ in self.faces:
             length = math.hypot(*(b - a))
             along = (p - complex(*a)) * complex(*(b - a)).conjugate() / length
             before.append(-along.real)
             after.append(along.real - length)
-            on_face.append(np.minimum(self._radius - np.abs(along.imag), np.minimum(along.real, length - along.real)))
-        at_corner = []
+            depth.append(self._radius - np.abs(along.imag))
+            on_face.append(np.minimum(depth[-1], np.minimum(along.real, length - along.real)))
+            near.append(self._radius > np.hypot(along.imag, np.maximum(0, np.maximum(before[-1], after[-1]))))
+        at_corner, corner_depth = [], []
         for point, ends in self.corners:
             value = self._radius - np.abs(p - complex(*point))
+            corner_depth.append(value)
             for face, second in ends:  # the corner must be the nearest point of every face that meets there
                 value = np.minimum(value, after[face] if second else before[face])
             at_corner.append(value)
+        for line in self.bent:
+            for i in np.flatnonzero(np.sum([near[f] for f in line], axis=0) > 1):
+                for run in self._runs([f for f in line if near[f][i]]):
+                    parts = [(on_face[f], depth[f][i]) for f in run]
+                    parts += [(at_corner[c], corner_depth[c][i]) for c, (_, ends) in enumerate(self.corners) if any(f in run for f, _ in ends)]
+                    parts = [part for part in parts if part[0][i] > 0]
+                    for k, (value, h) in enumerate(parts):  # only the nearest acts
+                        value[i] = min([value[i], *(h - other for m, (_, other) in enumerate(parts) if m != k)])
+        for (f, g), (inwards, others, cosine) in self.pairs.items():
+            first, second = (self._radius - _dot(p - complex(*self.faces[k][0]), n) for k, n in ((f, inwards), (g, others)))
+            inside = (first < self._radius) & (second < self._radius)
+            on_face[f] = np.where(inside, np.minimum(on_face[f], first - second * cosine), on_face[f])
         for n, (kind, i, j, _) in enumerate(self.touch[self._pairs :], self._pairs):
             out[n] = on_face[j][i] if kind == "face" else at_corner[j][i]
         return out
+
+    def _runs(self, faces):
+        """The connected runs of some faces of a line."""
+        runs = []
+        for face in faces:
+            meets = [run for run in runs if any((face, other) in self.joined for other in run)]
+            runs = [run for run in runs if run not in meets] + [sum(meets, [face])]
+        return runs
 
 
 # --- contacts ----------------------------------------------------------------------------------------------------
@@ -189,16 +246,16 @@ class Contact:
         elif self.kind == "corner":
             self.point = complex(*scene.corners[j][0])
         else:
-            a, b = scene.faces[j]
-            self.point, along = complex(*a), complex(*(b - a))
-            self.face = 1j * along / abs(along)  # a unit normal of the face
+            self.point, self.face, self.number = complex(*scene.faces[j][0]), scene._normal(j), j
+        self.pair = None  # of a face that acts with another at an inner corner: a point and the normal of the other, cosine
         self.s, self.side, self.sign = 0.0, 0, 1.0  # elongation along t [m]; see above; sign of the normal force
 
     def motion(self, y, scene, acceleration=None):
-        """n, t, overlap h, dh/dt, v_t, arms; with accelerations also d2h/dt2 and dv_t/dt.
+        """n, t, overlap h, closing speed u, v_t, arms, dh/dt; with accelerations h, dh/dt, du/dt, v_t, dv_t/dt.
 
         With e the vector to i's centre from j's (or from the nearest point of the wall), e = (R_i + R_j - h) n and n' = f t:
-        h' = -e'.n, v_t = e'.t - w_i (R_i - h/2) - w_j (R_j - h/2); the second derivatives follow by the product rule.
+        u = h' = -e'.n, v_t = e'.t - w_i (R_i - h/2) - w_j (R_j - h/2); the second derivatives follow by the product rule.
+        Of two faces at an inner corner, h is the depth of the pair and h' its rate; u stays -e'.n.
         """
         k = 6 * self.a
         w = y[k + 5]
@@ -223,24 +280,33 @@ class Contact:
             turning = _dot(e1, 1j * n) / distance
         t = 1j * n
         h = self.ri - distance + (self.rj if self.b is not None else 0.0)
+        h1 = u = -_dot(e1, n)
+        if self.pair:
+            point, other, cosine = self.pair
+            h = (h - (self.ri - _dot(e + self.point - point, other)) * cosine) / (1 - cosine**2)
+            h1 = (u + _dot(e1, other) * cosine) / (1 - cosine**2)
         if h > 0.5 * self.ri:
             raise Grazing("very deep overlap")
-        h1 = -_dot(e1, n)
         arm_i, arm_j = self.ri - h / 2, (self.rj - h / 2 if self.b is not None else 0.0)
         vt = _dot(e1, t) - w * arm_i - wj * arm_j
         if acceleration is None:
-            return n, t, h, h1, vt, di, dj, arm_i, arm_j
+            return n, t, h, u, vt, di, dj, arm_i, arm_j, h1
         e2 = complex(*acceleration[k : k + 2]) + (1j * acceleration[k + 2] - w * w) * di
         w1, wj1 = acceleration[k + 2], 0.0
         if self.b is not None:
             e2 -= complex(*acceleration[m : m + 2]) + (1j * acceleration[m + 2] - wj * wj) * dj
             wj1 = acceleration[m + 2]
-        h2 = -_dot(e2, n) - turning * _dot(e1, t)
-        vt1 = _dot(e2, t) + turning * h1 - w1 * arm_i - wj1 * arm_j + (w + wj) * h1 / 2
-        return h, h1, h2, vt, vt1
+        u1 = -_dot(e2, n) - turning * _dot(e1, t)
+        vt1 = _dot(e2, t) + turning * u - w1 * arm_i - wj1 * arm_j + (w + wj) * h1 / 2
+        return h, h1, u1, vt, vt1
 
-    def normal_force(self, h, h1):
-        return self.law.kn * h + self.law.gn * h1
+    def normal_force(self, h, u):
+        return self.law.kn * h + self.law.gn * u
+
+    @property
+    def stateful(self):
+        """Whether the elongation has a differential equation now."""
+        return not self.side or self.law.gt > 0
 
     def tangential_force(self, normal, vt, s):
         if self.side:
@@ -269,13 +335,13 @@ class Simulation:
         if (self.scene.touching(self.y) >= 0).any():
             raise Grazing("overlap at the start")
 
-    # The smooth piece: state, then the elongations of the sticking contacts.
+    # The smooth piece: state, then the elongations.
 
-    def _sticking(self):
-        return [c for c in self.contacts.values() if not c.side]
+    def _springs(self):
+        return [c for c in self.contacts.values() if c.stateful]
 
     def _whole(self):
-        return np.concatenate([self.y, [c.s for c in self._sticking()]])
+        return np.concatenate([self.y, [c.s for c in self._springs()]])
 
     def _derivative(self, _, whole):
         y, scene = whole.tolist(), self.scene
@@ -289,13 +355,13 @@ class Simulation:
             out[k + 5] = torque / inertia - scene.angular[a] * y[k + 5]
         spring = 6 * scene.agents
         for c in self.contacts.values():
-            n, t, h, h1, vt, di, dj, arm_i, arm_j = c.motion(y, scene)
-            s = 0.0
-            if not c.side:
-                s, out[spring] = y[spring], vt
-                spring += 1
-            normal = c.normal_force(h, h1)
+            n, t, h, u, vt, di, dj, arm_i, arm_j, _ = c.motion(y, scene)
+            s = y[spring] if c.stateful else 0.0
+            normal = c.normal_force(h, u)
             tangential = c.tangential_force(normal, vt, s)
+            if c.stateful:
+                out[spring] = -(tangential + c.law.kt * s) / c.law.gt if c.side else vt
+                spring += 1
             force = normal * n + tangential * t
             k, m = 6 * c.a, scene.mass[c.a]
             out[k + 3] += force.real / m
@@ -313,7 +379,7 @@ class Simulation:
     def _watched(self):
         out = [("touch", n) for n in range(len(self.scene.touch))]
         for n, c in self.contacts.items():
-            out += [("slide" if c.side else "stick", n), ("normal", n)]
+            out += [("stick" if not c.side else "slide" if c.stateful else "release", n), ("normal", n)]
         return out
 
     def _margins(self, whole):
@@ -323,16 +389,18 @@ class Simulation:
         acceleration = None
         spring = 6 * self.scene.agents
         for c in self.contacts.values():
-            if c.side:
+            _, _, h, u, vt, *_ = c.motion(y, self.scene)
+            normal = c.normal_force(h, u)
+            if not c.stateful:
                 if acceleration is None:
                     acceleration = self._acceleration(whole)
-                h, h1, h2, vt, vt1 = c.motion(y, self.scene, acceleration)
-                out.append(self._hold(c, h1, h2, vt, vt1))
+                _, h1, u1, vt, _ = c.motion(y, self.scene, acceleration)
+                out.append(self._hold(c, h1, u1, vt))
             else:
-                _, _, h, h1, vt, *_ = c.motion(y, self.scene)
-                out.append(c.law.mu * abs(c.normal_force(h, h1)) - abs(-c.law.kt * y[spring] - c.law.gt * vt))
+                test = -c.law.kt * y[spring] - c.law.gt * vt
+                out.append(c.side * test - c.law.mu * c.sign * normal if c.side else c.law.mu * abs(normal) - abs(test))
                 spring += 1
-            out.append(c.sign * c.normal_force(h, h1) if c.law.gn else 1.0)  # undamped it never pulls
+            out.append(c.sign * normal if c.law.gn else 1.0)  # undamped it never pulls
         return np.array(out)
 
     def _acceleration(self, whole):
@@ -344,43 +412,73 @@ class Simulation:
         return out
 
     @staticmethod
-    def _hold(c, h1, h2, vt, vt1):
-        """Rate at which F*, let go from the cone, would leave it [N/s]: positive while it slides on."""
+    def _hold(c, h1, u1, vt):
+        """Rate at which F*, let go from the cone, would leave it [N/s], without gamma_t: positive while it slides on."""
         law = c.law
-        return c.side * (-law.kt * vt - law.gt * vt1) - law.mu * c.sign * (law.kn * h1 + law.gn * h2)
+        return c.side * -law.kt * vt - law.mu * c.sign * (law.kn * h1 + law.gn * u1)
 
     # Changes of the equations.
 
-    def _begin(self, n):
-        c = Contact(self.scene, n)
-        _, _, h, h1, vt, *_ = c.motion(self.y.tolist(), self.scene)
-        normal = c.normal_force(h, h1)
+    def _begin(self, c):
+        _, _, h, u, vt, *_, h1 = c.motion(self.y.tolist(), self.scene)
+        normal = c.normal_force(h, u)
         c.sign = math.copysign(1.0, normal)
         test = -c.law.gt * vt
         limit = c.law.mu * abs(normal)
-        if c.law.gn == 0 and h < 1e-11:  # undamped, both start at zero: whichever grows faster decides
+        if c.law.gn == c.law.gt == 0 and h < 1e-11:  # undamped, both start at zero: whichever grows faster decides
             test, limit = -c.law.kt * vt, c.law.mu * c.law.kn * h1
             c.sign = 1.0
         if abs(test) > limit:
             c.side = int(math.copysign(1, test))
             self.counts["slides at once"] += 1
-        self.contacts[n] = c
         self.counts["contacts"] += 1
         self.counts[c.kind] += 1
 
+    def _go_on(self, c, before):
+        """A contact passes on along a line. Where the normal or the material jumps, it may now stick or slide."""
+        self.counts["contacts"] += 1
+        self.counts[c.kind] += 1
+        y = self.y.tolist()
+        n, _, h, u, vt, *_ = c.motion(y, self.scene)
+        was = before.motion(y, self.scene)
+        c.s, c.side, c.sign = before.s, before.side, before.sign
+        if abs(n - was[0]) < 1e-6 and c.law is before.law:
+            self.counts["goes on straight"] += 1
+            return
+        self.counts["goes on around a bend"] += 1
+        if not before.stateful:
+            c.s = -before.tangential_force(before.normal_force(was[2], was[3]), 0.0, 0.0) / before.law.kt
+        normal, test = c.normal_force(h, u), -c.law.kt * c.s - c.law.gt * vt
+        c.sign = math.copysign(1.0, normal)
+        c.side = int(math.copysign(1, test)) if abs(test) > c.law.mu * abs(normal) else 0
+
+    def _pair_up(self):
+        """Which faces act together at an inner corner now."""
+        faces = [c for c in self.contacts.values() if c.kind == "face"]
+        for c in faces:
+            others = [o for o in faces if o.i == c.i and (c.number, o.number) in self.scene.pairs]
+            if len(others) > 1:
+                raise Grazing("three faces act together")
+            before, c.pair = c.pair, None
+            for o in others:
+                _, normal, cosine = self.scene.pairs[c.number, o.number]
+                c.pair = (o.point, normal, cosine)
+                self.counts["two faces"] += before is None
+
     def _let_go(self, c):
         """Sliding -> sticking: the elongation goes on from where sliding left it."""
-        _, _, h, h1, vt, *_ = c.motion(self.y.tolist(), self.scene)
-        c.s = -(c.tangential_force(c.normal_force(h, h1), vt, 0.0) + c.law.gt * vt) / c.law.kt
+        if not c.stateful:
+            _, _, h, u, *_ = c.motion(self.y.tolist(), self.scene)
+            c.s = -c.tangential_force(c.normal_force(h, u), 0.0, 0.0) / c.law.kt
         c.side = 0
         self.counts["sticks again"] += 1
 
     def _settle(self):
-        """A jump of the accelerations (a contact began or ended, the drive changed) may end sliding."""
+        """A jump of the accelerations (a contact began or ended, the drive changed) may end sliding without gamma_t."""
         for c in self.contacts.values():
-            if c.side:
-                h, h1, h2, vt, vt1 = c.motion(self.y.tolist(), self.scene, self._acceleration(self._whole()))
-                if self._hold(c, h1, h2, vt, vt1) < -TINY["slide"]:
+            if not c.stateful:
+                _, h1, u1, vt, _ = c.motion(self.y.tolist(), self.scene, self._acceleration(self._whole()))
+                if self._hold(c, h1, u1, vt) < -TINY["release"]:
                     self._let_go(c)
 
     def _happen(self, kind, n):
@@ -402,24 +500,27 @@ class Simulation:
                 self.counts["ends"] += 1
             gone.pop(None, None)
             for m in beginning:
-                self._begin(m)
-                if (before := gone.get(self.scene.line_of(m))) is not None:  # along a straight line it is one contact
-                    c = self.contacts[m]
-                    c.s, c.side, c.sign = before.s, before.side, before.sign
-                    self.counts["goes on straight"] += 1
+                self.contacts[m] = Contact(self.scene, m)
+            self._pair_up()
+            for m in beginning:
+                before = gone.get(self.scene.line_of(m))
+                self._go_on(self.contacts[m], before) if before else self._begin(self.contacts[m])
         elif kind == "stick":
-            _, _, h, h1, vt, *_ = c.motion(self.y.tolist(), self.scene)
+            _, _, h, u, vt, *_ = c.motion(self.y.tolist(), self.scene)
             c.side = int(math.copysign(1, -c.law.kt * c.s - c.law.gt * vt))
-            c.sign = math.copysign(1.0, c.normal_force(h, h1))
+            c.sign = math.copysign(1.0, c.normal_force(h, u))
             self.counts["starts to slide"] += 1
-        elif kind == "slide":
+        elif kind in ("slide", "release"):
             self._let_go(c)
-        else:  # the normal force passes through zero, the test force with it: whichever grows faster decides
-            h, h1, h2, vt, vt1 = c.motion(self.y.tolist(), self.scene, self._acceleration(self._whole()))
-            growth = -c.law.kt * vt - c.law.gt * vt1
+        else:
             c.sign = -c.sign
             self.counts["pulls" if c.sign < 0 else "pushes again"] += 1
-            if abs(growth) > c.law.mu * abs(c.law.kn * h1 + c.law.gn * h2):
+            if c.law.gt:
+                return
+            # Without gamma_t the test force passes through zero with the normal force: whichever grows faster decides.
+            _, h1, u1, vt, _ = c.motion(self.y.tolist(), self.scene, self._acceleration(self._whole()))
+            growth = -c.law.kt * vt
+            if abs(growth) > c.law.mu * abs(c.law.kn * h1 + c.law.gn * u1):
                 if growth * c.side < 0:
                     self.counts["slides the other way"] += 1
                 c.side = int(math.copysign(1, growth))
@@ -441,7 +542,7 @@ class Simulation:
 
     def _commit(self, t, whole):
         self.t, self.y = t, whole[: 6 * self.scene.agents].copy()
-        for c, s in zip(self._sticking(), whole[6 * self.scene.agents :]):
+        for c, s in zip(self._springs(), whole[6 * self.scene.agents :]):
             c.s = s
 
     def _piece(self, end):
@@ -536,6 +637,12 @@ FAMILIES = {
     "four persons, undamped, frictionless": dict(shapes=[PERSON] * 4, rates=True, press=500.0, changing=True, damped=False, rough=False),
     "mixed, bent wall, undamped, frictionless": dict(shapes=[ROUND, TRIPLE, HAMMER], wall="bent", turned=True, damped=False, rough=False),
     "six mixed": dict(shapes=[ROUND, PERSON, ROUND, PERSON, ROUND, TRIPLE], rates=True, press=300.0),
+    "round into a bend of 10": dict(shapes=[ROUND], wall="bend", turn=10, press=900.0, spin=6.0, needs="goes on around a bend"),
+    "two walls, a bend of 15": dict(shapes=[PERSON, ROUND], wall="bend", turn=15, apart=True, press=900.0, needs="goes on around a bend"),
+    "round over a bend of 12": dict(shapes=[ROUND], wall="bend", turn=-12, press=2500.0, spin=5.0, count=2, needs="goes on straight"),
+    "a face twice, inner corner of 35": dict(shapes=[ROUND], wall="bend", turn=35, apart=True, twice=True, press=900.0, spin=6.0, needs="two faces"),
+    "person into an inner corner of 60": dict(shapes=[PERSON, ROUND], wall="bend", turn=60, press=900.0, needs="two faces"),
+    "inner corner of 60, undamped": dict(shapes=[ROUND], wall="bend", turn=60, press=900.0, spin=6.0, needs="two faces", damped=False),
 }
 DURATION, POINTS = 0.4, 4  # [s], communication points
 AMPLIFIED = 1e-7  # see `screen`
@@ -604,10 +711,12 @@ def make_case(name, seed):
             material = "soft" if rng.random() < 0.4 else "firm"
             lines.append(f'<Shape Type="disk" Radius="{size * radius:.5f}" MaterialId="{material}" Position="{at.real:.6f},{at.imag:.6f}"/>')
         agents += lines + ["</Agent>"]
-        if wall in ("bent", "pieces", "wedge"):  # a row above the wall, heading down and along
+        if wall in ("bent", "pieces", "wedge", "bend"):  # a row above the wall, heading down and along
             x, y = 0.55 * (k - (count - 1) / 2) + rng.uniform(-0.05, 0.05), rng.uniform(0.2, 0.35)
             if wall == "wedge":
                 x, y = x - 0.12, y + 0.35 * max(0.0, 0.5 - abs(x))
+            elif wall == "bend":
+                x, y = x - 0.15, y + abs(x - 0.15) * math.tan(math.radians(max(0, family["turn"])) / 2)
             going = complex(rng.uniform(0.5, 1.8) * (1 if wall != "bent" else rng.choice([-1, 1])), -rng.uniform(0.5, 1.5))
             push = complex(rng.uniform(-0.3, 0.6), -1)
         else:  # a ring, heading inwards and past each other
@@ -631,6 +740,7 @@ def make_case(name, seed):
         "pieces": [(-2.5, 0.0), (-0.1, 0.0), (0.15, 0.0), (2.5, 0.0)],
         "wedge": [(-1.5, -0.75), (0.0, 0.06), (1.4, -0.6)],
         "room": None,
+        "bend": [(x, abs(x) * math.tan(math.radians(family.get("turn", 0)) / 2)) for x in (-1.5, 0.0, 1.5)],
     }[wall]
     if wall == "room":
         reach = (0.42 if count < 4 else 0.26 + 0.075 * count) + rng.uniform(0.02, 0.1)
@@ -638,8 +748,11 @@ def make_case(name, seed):
         corners = [(1.3 * reach * math.cos(a), 1.3 * reach * math.sin(a)) for a in at]
         corners.append(corners[0])
     geometry = ['<Geometry><Dimensions Lx="6" Ly="6"/>']
-    if corners:
-        geometry.append('<Wall Id="0" MaterialId="wall">')
+    walls = [corners] if corners else []
+    if family.get("apart"):  # the second face as a wall of its own
+        walls = [corners if family.get("twice") else corners[:2], corners[1:]]
+    for number, corners in enumerate(walls):
+        geometry.append(f'<Wall Id="{number}" MaterialId="wall">')
         geometry += [f'<Corner Coordinates="{z.real:.5f},{z.imag:.5f}"/>' for z in (place(*c) for c in corners)]
         geometry.append("</Wall>")
     geometry += ["</Geometry>", ""]

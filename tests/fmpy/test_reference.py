@@ -84,7 +84,8 @@ def test_the_stored_solutions_are_those_of_the_reference():
 
 def test_the_cases_hold_what_they_should():
     happens = {what for case in CASES for what in case["happens"]}
-    assert happens >= {"disk", "face", "corner", "passes on", "goes on straight", "ends", "pulls", "slides at once", "starts to slide", "sticks again"}
+    assert happens >= {"disk", "face", "corner", "passes on", "goes on straight", "goes on around a bend", "two faces"}
+    assert happens >= {"ends", "pulls", "slides at once", "starts to slide", "sticks again"}
     assert {case["agents"] for case in CASES} == {1, 2, 3, 4, 5, 6}
     assert all(case["moved"] <= reference.AMPLIFIED for case in CASES)
 
