@@ -7,7 +7,7 @@ use crate::decider::PlanChoice;
 use crate::error::{Error, Place, Result};
 use crate::instance::Instance;
 use crate::kind::Kind;
-use crate::model::Model;
+use crate::model::{Model, PLAY_DRIVE};
 use crate::progress::Progress;
 use crate::pushes::Pushes;
 use crate::refusal::{PrepareError, Warning};
@@ -16,7 +16,7 @@ use crate::settings::Settings;
 use crate::simulate::{Observer, simulate};
 use crate::system::{Component, System};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
-use lemons_trial::{DriveChoice, Trial};
+use lemons_trial::{DriveChoice, DriveTable, Trial};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -83,6 +83,9 @@ impl Prepared {
         let Opened { mut system, start, stop, model, mut warnings } = open(settings, &parameters)?;
         let coupled = is_ssp(settings) || system.components().len() > 1;
         set_parameters(&system, &parameters, settings.threads, model.as_ref(), &mut warnings)?;
+        if let Some(model) = &model {
+            model.choose_drive(&system, &settings.drive)?;
+        }
         if settings.saves || before.is_some() {
             check_saves(&system)?;
         }
@@ -106,12 +109,14 @@ impl Prepared {
         let trials = system.components().iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
 
         let first = &system.components()[0];
+        let plays = model.as_ref().is_some_and(|model| model.plays(&settings.drive));
         let drive = match &model {
+            Some(_) if plays && !is_true(&first.instance, PLAY_DRIVE)? => DriveTable::default(),
             Some(model) => model.drive(trials[0].as_ref(), &settings.drive)?,
-            None => first.fmu.drive(None, &DriveChoice::None)?,
+            None => DriveTable::default(),
         };
         let agents = trials[0].as_ref().map_or(&[][..], |trial| &trial.agents);
-        let pushes = Pushes::new(&first.instance, agents, drive)?;
+        let pushes = Pushes::new(&first.instance, agents, drive, plays)?;
         let (step, every) = match &before {
             Some(before) => same(settings, before, &pushes)?,
             None => (step_of(settings, &system, &trials)?, settings.every.unwrap_or(1)),
@@ -154,6 +159,13 @@ fn is_still(crowd: &Instance, agents: usize) -> Result<bool> {
     let mut values = vec![0.0; all.len()];
     crowd.get_real(&all, &mut values)?;
     Ok(values.iter().all(|value| *value == 0.0))
+}
+
+/// The value of a Boolean.
+fn is_true(instance: &Instance, name: &str) -> Result<bool> {
+    let mut value = [0];
+    instance.get_boolean(&instance.select([name])?, &mut value)?;
+    Ok(value != [0])
 }
 
 /// Whether the input is an SSP.

@@ -199,7 +199,8 @@ impl Runner {
         let people = subject.trial.agents.len();
         let scene = subject.wanted.map(|wanted| Scene::of(&system, wanted, people)).transpose()?;
         let driven = &system.components()[0].instance;
-        let pushes = Pushes::new(driven, &subject.trial.agents, subject.drive.clone())?;
+        let plays = subject.model.plays(&spec.drive);
+        let pushes = Pushes::new(driven, &subject.trial.agents, subject.drive.clone(), plays)?;
         Ok(Runner { system, pushes, measures, stop, scene, subject })
     }
 
@@ -211,6 +212,7 @@ impl Runner {
                 system.components()[*place].instance.set(names, &values.text(point))?;
             }
         }
+        subject.model.choose_drive(system, &spec.drive)?;
         system.initialize(0.0, None)?;
         let courses = Courses::begin(spec, subject, point).map_err(Error::Spec)?;
         let stop = spec.stop.as_ref().zip(stop.as_ref());
