@@ -372,7 +372,7 @@ LIBRARY, DESCRIPTION = "binaries/", "modelDescription.xml"
         (3, DESCRIPTION, b"<Float64", b"<Float65"),
         (3, DESCRIPTION, b'stepSize="', b'stepSize="x'),
         # The value reference of AgentId, which is read from an instance.
-        (3, DESCRIPTION, b'"36"', b'"9936"'),
+        (3, DESCRIPTION, b'"37"', b'"9937"'),
         (3, LIBRARY, b"\x7fELF", b"none"),
     ],
 )

@@ -7,7 +7,7 @@ use crate::fmu::Fmu;
 use crate::given::{Given, pack};
 use crate::own::own_binary;
 use crate::refusal::{PrepareError, Warning};
-use crate::system::{Algorithm, System};
+use crate::system::{Algorithm, PLAY_DRIVE, System};
 use crowd_mechanics::pack::{Binary, Format};
 use lemons_files::Scratch;
 use lemons_trial::{DRIVE_FILE, DriveChoice, DriveTable, Trial};
@@ -16,8 +16,6 @@ use std::sync::Arc;
 
 /// Name of the component that is a Trial's crowd.
 const CROWD: &str = "crowd";
-/// The parameter of a crowd that says whether it plays the drive that is packed in it.
-pub(crate) const PLAY_DRIVE: &str = "PlayDrive";
 /// Name of the component that decides where its people walk.
 const DECISION: &str = "decision";
 
@@ -171,18 +169,6 @@ impl Model {
     /// Whether, with this choice, the crowd plays its packed drive itself; FMUs of earlier versions cannot.
     pub fn plays(&self, choice: &DriveChoice) -> bool {
         *choice == DriveChoice::Own && self.plan.is_none() && self.has(self.parts.len() - 1, PLAY_DRIVE)
-    }
-
-    /// Keeps the crowd of a system from playing its packed drive, unless it is chosen; before initialization.
-    ///
-    /// # Errors
-    /// The FMU refuses the parameter.
-    pub fn choose_drive(&self, system: &System, choice: &DriveChoice) -> Result<()> {
-        let main = self.parts.len() - 1;
-        if self.plays(choice) || !self.has(main, PLAY_DRIVE) {
-            return Ok(());
-        }
-        system.components()[main].instance.set(&[PLAY_DRIVE], "false")
     }
 
     /// What is probably not meant, with this choice of a drive.

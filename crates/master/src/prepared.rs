@@ -7,14 +7,14 @@ use crate::decider::PlanChoice;
 use crate::error::{Error, Place, Result};
 use crate::instance::Instance;
 use crate::kind::Kind;
-use crate::model::{Model, PLAY_DRIVE};
+use crate::model::Model;
 use crate::progress::Progress;
 use crate::pushes::Pushes;
 use crate::refusal::{PrepareError, Warning};
 use crate::saved::Saved;
 use crate::settings::Settings;
 use crate::simulate::{Observer, simulate};
-use crate::system::{Component, System};
+use crate::system::{Component, PLAY_DRIVE, System};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
 use lemons_trial::{DriveChoice, DriveTable, Trial};
 use std::ops::ControlFlow;
@@ -83,8 +83,10 @@ impl Prepared {
         let Opened { mut system, start, stop, model, mut warnings } = open(settings, &parameters)?;
         let coupled = is_ssp(settings) || system.components().len() > 1;
         set_parameters(&system, &parameters, settings.threads, model.as_ref(), &mut warnings)?;
-        if let Some(model) = &model {
-            model.choose_drive(&system, &settings.drive)?;
+        let own =
+            settings.drive == DriveChoice::Own && model.as_ref().is_none_or(|model| model.plan().is_none());
+        if !own {
+            system.stop_drives()?;
         }
         if settings.saves || before.is_some() {
             check_saves(&system)?;

@@ -212,7 +212,9 @@ impl Runner {
                 system.components()[*place].instance.set(names, &values.text(point))?;
             }
         }
-        subject.model.choose_drive(system, &spec.drive)?;
+        if !subject.model.plays(&spec.drive) {
+            system.stop_drives()?;
+        }
         system.initialize(0.0, None)?;
         let courses = Courses::begin(spec, subject, point).map_err(Error::Spec)?;
         let stop = spec.stop.as_ref().zip(stop.as_ref());
