@@ -104,21 +104,27 @@ impl Prepared {
             return Err(PrepareError::Nothing { first, until, resumed: before.is_some() });
         }
 
-        system.initialize(start, settings.tolerance)?;
+        let plays = model.as_ref().filter(|model| model.plays(&settings.drive));
+        if let Err(error) = system.initialize(start, settings.tolerance) {
+            // If its drive is why, the errors in that file say more.
+            if let (Some(model), Ok(Some(trial))) = (plays, system.components()[0].trial()) {
+                model.drive(Some(&trial), &settings.drive)?;
+            }
+            return Err(error.into());
+        }
         if let (Some(before), Some(states)) = (&before, &states) {
             system.restore(before.time, states).place(of_saved)?;
         }
         let trials = system.components().iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
 
         let first = &system.components()[0];
-        let plays = model.as_ref().is_some_and(|model| model.plays(&settings.drive));
         let drive = match &model {
-            Some(_) if plays && !is_true(&first.instance, PLAY_DRIVE)? => DriveTable::default(),
+            Some(_) if plays.is_some() && !is_true(&first.instance, PLAY_DRIVE)? => DriveTable::default(),
             Some(model) => model.drive(trials[0].as_ref(), &settings.drive)?,
             None => DriveTable::default(),
         };
         let agents = trials[0].as_ref().map_or(&[][..], |trial| &trial.agents);
-        let pushes = Pushes::new(&first.instance, agents, drive, plays)?;
+        let pushes = Pushes::new(&first.instance, agents, drive, plays.is_some())?;
         let (step, every) = match &before {
             Some(before) => same(settings, before, &pushes)?,
             None => (step_of(settings, &system, &trials)?, settings.every.unwrap_or(1)),
