@@ -1,12 +1,13 @@
 """A packed drive.csv is played by the FMU itself: importers that know nothing of it show the push, with the bits of `lemons run`."""
 
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from crowd import TRIAL_PUSH, bits, ids_of, outputs, push_drive, push_job, read_table
+from crowd import TRIAL_DOOR, TRIAL_PUSH, bits, ids_of, outputs, push_drive, push_job, read_table
 from fmpy import simulate_fmu
 from lemons_fmu import Crowd, simulate
 from masters import run
@@ -89,6 +90,29 @@ def test_commands_do_not_push_twice(lemons, push_fmu, tmp_path):
     with Crowd(push_fmu) as crowd:
         assert crowd.run(False, until=1.0).frame().equals(simulate(push_fmu, False, until=1.0))
         assert np.all(crowd.velocities() == 0.0)
+
+
+def test_who_decides_drives_alone(lemons, decide, pack, tmp_path):
+    """Decision sets what drives everybody in each step, so a packed drive moves nobody; and where nobody decides, it does."""
+    trial = tmp_path / "driven"
+    shutil.copytree(TRIAL_DOOR, trial)
+    (trial / "drive.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,900,0,0\n5,0,900,0,0\n")
+    decision = decide()
+
+    def table(crowd, *options):
+        ssp, output = tmp_path / "coupled.ssp", tmp_path / "table.csv"
+        for command in (
+            ["connect", decision, crowd, "-o", ssp],
+            ["run", ssp, "--until", "0.5", "-o", output, "--outputs", tmp_path / "outputs.csv", *options],
+        ):
+            subprocess.run([lemons, *command, "--force"], check=True, capture_output=True)
+        return output.read_text()
+
+    driven, still = pack(trial), pack(TRIAL_DOOR)
+    assert table(driven) == table(driven, "--no-drive") == table(still)
+    x = ["agent[0].Position.x"]
+    moved = [simulate_fmu(crowd, stop_time=0.5, output=x)[x[0]] for crowd in (driven, still)]
+    assert moved[0][-1] - moved[1][-1] > 0.05
 
 
 @pytest.mark.xfail(strict=True, reason="item 11: the package sends the packed drive to agents whose Fp is a parameter")
