@@ -63,12 +63,13 @@ const OF_AGENTS: [(&str, &[AgentQuantity], &str); 18] = {
 
 /// Name and quantity of single values. Where an array of agents has the name that FMI 2.0 gives a number of the whole
 /// crowd, the number is called a total here.
-const OF_CROWD: [(&str, Quantity); 10] = [
+const OF_CROWD: [(&str, Quantity); 11] = [
     ("TimeStepMechanical", Quantity::TimeStepMechanical),
     ("MostMechanicalSteps", Quantity::MostMechanicalSteps),
     ("IntermediateSteps", Quantity::IntermediateSteps),
     ("Threads", Quantity::Threads),
     ("Trial", Quantity::Trial),
+    ("PlayDrive", Quantity::PlayDrive),
     ("OutputDirectory", Quantity::OutputDirectory),
     ("TotalAgentContacts", Quantity::AgentContacts),
     ("TotalWallContacts", Quantity::WallContacts),

@@ -7,7 +7,7 @@ mod saved;
 
 pub use saved::Saved;
 
-use crate::engine::{AdvanceError, BodyId, Pair, ThreadsError, World, Wrench, step_count};
+use crate::engine::{AdvanceError, BodyId, Pair, ThreadsError, World, Wrench, step_count, vec2};
 use crate::resources::{Resources, ResourcesError};
 use crate::setup::{FINEST_ACCURACY, Setup, WorldError, dynamics_of, interactions_of};
 use crate::variables::{
@@ -17,10 +17,12 @@ use crate::variables::{
 use lemons_files::{Change, WriteError, change_all};
 use lemons_fmi::location::Location;
 use lemons_fmi::{Model, Phase, StepError};
-use lemons_trial::{DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names};
-use std::collections::BTreeMap;
+use lemons_trial::{
+    DriveTable, DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names,
+};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use thiserror::Error;
 
 /// Why the crowd refuses a call.
@@ -63,18 +65,56 @@ pub enum ModelError {
 /// The values of Reals of the documents that were set.
 type Settings = BTreeMap<Quantity, f64>;
 
+/// A Trial as it was packed.
+struct Packed {
+    trial: Trial,
+    /// Tells the Trial from others.
+    fingerprint: u128,
+    /// Its drive, once it was played.
+    drive: OnceLock<Drive>,
+}
+
+/// The `drive.csv` of a Trial; empty without one.
+struct Drive {
+    table: DriveTable,
+    /// See [`DriveTable::fingerprint`].
+    fingerprint: String,
+}
+
+impl Packed {
+    /// Reads a packed Trial; also returns warnings.
+    fn load(resources: &Resources, name: &str) -> Result<(Arc<Packed>, Vec<String>), ResourcesError> {
+        let (trial, warnings) = resources.load(name)?;
+        let fingerprint = trial.fingerprint();
+        Ok((Arc::new(Packed { trial, fingerprint, drive: OnceLock::new() }), warnings))
+    }
+
+    /// Reads the drive, unless that was done before.
+    fn drive(&self, resources: &Resources) -> Result<&Drive, ResourcesError> {
+        if let Some(drive) = self.drive.get() {
+            return Ok(drive);
+        }
+        let table = resources.drive(&self.trial)?;
+        let fingerprint = table.fingerprint();
+        Ok(self.drive.get_or_init(|| Drive { table, fingerprint }))
+    }
+}
+
 /// The crowd of one FMU instance: its packed Trials, parameters and motion.
 pub struct CrowdModel {
     resources: Resources,
     /// FMI 3.0: the packed Trials may have different numbers of agents and materials.
     any_size: bool,
     /// The Trial as packed: the start for a reset or the choice of another Trial.
-    packed: Arc<Trial>,
-    /// Fingerprint of `packed`.
-    fingerprint: u128,
+    packed: Arc<Packed>,
     /// The Trial with the settings of this instance.
     trial: Trial,
     settings: Settings,
+    play_drive: bool,
+    /// Places of the agents whom the packed drive drives; nobody before initialization has ended.
+    played: BTreeSet<usize>,
+    /// Places of the agents who have left or come back since the last step.
+    moved: BTreeSet<usize>,
     threads: i32,
     /// A communication step with more mechanical steps is refused.
     most_steps: f64,
@@ -99,18 +139,20 @@ impl Model for CrowdModel {
     type Error = ModelError;
 
     const INTERPOLATES_INPUTS: bool = true;
-    const STATE_VERSION: u32 = 7;
+    const STATE_VERSION: u32 = 8;
 
     fn load(location: Location<'_>) -> Result<CrowdModel, ModelError> {
         let resources = Resources::at(location)?;
-        let (packed, warnings) = resources.load(resources.first())?;
+        let (packed, warnings) = Packed::load(&resources, resources.first())?;
         Ok(CrowdModel {
             resources,
             any_size: matches!(location, Location::Path(_)),
-            trial: packed.clone(),
-            fingerprint: packed.fingerprint(),
-            packed: Arc::new(packed),
+            trial: packed.trial.clone(),
+            packed,
             settings: Settings::new(),
+            play_drive: true,
+            played: BTreeSet::new(),
+            moved: BTreeSet::new(),
             threads: 1,
             most_steps: MOST_MECHANICAL_STEPS,
             intermediate_steps: 0,
@@ -124,7 +166,7 @@ impl Model for CrowdModel {
     }
 
     fn table(&self) -> Vec<Variable> {
-        table(&self.packed)
+        table(&self.packed.trial)
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
@@ -149,7 +191,7 @@ impl Model for CrowdModel {
 
     fn string(&self, quantity: Quantity) -> &str {
         match quantity {
-            Quantity::Trial => &self.packed.name,
+            Quantity::Trial => &self.packed.trial.name,
             _ => &self.output_directory,
         }
     }
@@ -163,6 +205,7 @@ impl Model for CrowdModel {
             }
             return;
         }
+        self.take_over(quantity);
         match self.world.as_mut().and_then(|world| drive_mut(world, quantity)) {
             Some(input) => *input = value,
             None => self.world = None,
@@ -176,6 +219,10 @@ impl Model for CrowdModel {
         match quantity {
             Quantity::Agent(i, AgentQuantity::Active) => match &mut self.world {
                 Some(world) if phase == Phase::StepComplete => {
+                    let changes = world.is_present(BodyId::from(i as usize)) != (value != 0);
+                    if changes && !self.moved.remove(&(i as usize)) {
+                        self.moved.insert(i as usize);
+                    }
                     world.set_present(BodyId::from(i as usize), value != 0);
                 }
                 _ => {
@@ -188,6 +235,7 @@ impl Model for CrowdModel {
                 self.world = None;
             }
             Quantity::IntermediateSteps => self.intermediate_steps = value,
+            Quantity::PlayDrive => self.play_drive = value != 0,
             _ => {}
         }
     }
@@ -198,7 +246,7 @@ impl Model for CrowdModel {
         for (_, value) in values.iter().filter(|(quantity, _)| *quantity == Quantity::Trial) {
             self.known_trial(value)?;
         }
-        if let Some(name) = last(Quantity::Trial).filter(|name| *name != self.packed.name) {
+        if let Some(name) = last(Quantity::Trial).filter(|name| *name != self.packed.trial.name) {
             self.choose(name)?;
         }
         if let Some(directory) = last(Quantity::OutputDirectory) {
@@ -209,20 +257,25 @@ impl Model for CrowdModel {
 
     fn derivative(&self, quantity: Quantity) -> Option<f64> {
         let (world, Quantity::Agent(i, quantity)) = (self.world.as_ref()?, quantity) else { return None };
-        let twist = &world.state().twists[i as usize];
-        let acceleration = || world.acceleration(BodyId::from(i as usize));
+        let body = BodyId::from(i as usize);
+        let (twist, acceleration) = if world.is_present(body) {
+            (world.state().twists[body.index()], world.acceleration(body))
+        } else {
+            Default::default()
+        };
         match quantity {
             AgentQuantity::PositionX => Some(twist.velocity.x),
             AgentQuantity::PositionY => Some(twist.velocity.y),
             AgentQuantity::Theta => Some(twist.angular_velocity),
-            AgentQuantity::VelocityX => Some(acceleration().force.x),
-            AgentQuantity::VelocityY => Some(acceleration().force.y),
-            AgentQuantity::Omega => Some(acceleration().torque),
+            AgentQuantity::VelocityX => Some(acceleration.force.x),
+            AgentQuantity::VelocityY => Some(acceleration.force.y),
+            AgentQuantity::Omega => Some(acceleration.torque),
             _ => None,
         }
     }
 
     fn set_rate(&mut self, input: Quantity, rate: f64) {
+        self.take_over(input);
         let Quantity::Agent(i, quantity) = input else { return };
         let rates = self.rates.entry(i as usize).or_default();
         match quantity {
@@ -235,13 +288,13 @@ impl Model for CrowdModel {
 
     fn set_tolerance(&mut self, tolerance: Option<f64>) {
         if self.chooses_step() {
-            self.trial.parameters.time_step_mechanical = self.packed.parameters.time_step_mechanical;
+            self.trial.parameters.time_step_mechanical = self.packed.trial.parameters.time_step_mechanical;
         }
         self.tolerance = tolerance;
         self.world = None;
     }
 
-    fn initialize(&mut self) -> Result<(), ModelError> {
+    fn initialize(&mut self, start: f64) -> Result<(), ModelError> {
         self.make_world()?;
         if self.chooses_step() {
             self.warnings.extend(self.warning_of_step());
@@ -253,20 +306,24 @@ impl Model for CrowdModel {
         }
         // Warnings about these centres were given when they were read or set.
         self.said_coincident = self.first_coincident();
+        self.played = self.whom_it_plays()?;
+        self.play(start);
         Ok(())
     }
 
-    fn advance(&mut self, step: f64, to: f64) -> Result<(), StepError<ModelError>> {
-        self.advance_by(step, 0.0, Some(to))
+    fn advance(&mut self, from: f64, step: f64) -> Result<(), StepError<ModelError>> {
+        self.advance_by(from, step, 0.0, Some(from + step))
     }
 
     fn reset(&mut self) -> Result<(), ModelError> {
-        if self.packed.name != self.resources.first() {
-            self.packed = Arc::new(self.resources.load(self.resources.first())?.0);
-            self.fingerprint = self.packed.fingerprint();
+        if self.packed.trial.name != self.resources.first() {
+            self.packed = Packed::load(&self.resources, self.resources.first())?.0;
         }
-        self.trial = (*self.packed).clone();
+        self.trial = self.packed.trial.clone();
         self.settings.clear();
+        self.play_drive = true;
+        self.played.clear();
+        self.moved.clear();
         self.threads = 1;
         self.most_steps = MOST_MECHANICAL_STEPS;
         self.intermediate_steps = 0;
@@ -288,11 +345,22 @@ impl Model for CrowdModel {
 }
 
 impl CrowdModel {
-    /// Advances by a part \[s\] of a communication step of which `so_far` \[s\] are over, to the communication point
-    /// \[s\] if that is its end.
-    fn advance_by(&mut self, part: f64, so_far: f64, to: Option<f64>) -> Result<(), StepError<ModelError>> {
+    /// Advances by a part of a communication step that begins at `from`, of which `so_far` are over, to the
+    /// communication point if that is its end; all in \[s\].
+    fn advance_by(
+        &mut self,
+        from: f64,
+        part: f64,
+        so_far: f64,
+        to: Option<f64>,
+    ) -> Result<(), StepError<ModelError>> {
         self.make_world().map_err(StepError::Refused)?;
         self.few_steps(part).map_err(StepError::Refused)?;
+        if so_far == 0.0 {
+            // The importer's time, which may differ from ours by rounding.
+            self.play(from);
+            self.warn_of_returns(from);
+        }
         if let Err(error) = self.advance_world(part, so_far) {
             let told = ModelError::Advance(Setup::of(&self.trial).name_body(&error));
             // All other errors are found before the step begins.
@@ -302,7 +370,53 @@ impl CrowdModel {
         self.warn_of_coincidence();
         // A rate is used for one step.
         self.rates.clear();
-        to.map_or(Ok(()), |to| self.write_output(to)).map_err(|error| StepError::Failed(error.into()))
+        let Some(to) = to else { return Ok(()) };
+        self.play(to);
+        self.write_output(to).map_err(|error| StepError::Failed(error.into()))
+    }
+
+    /// The agents whom the packed drive drives: those in it of whom the importer has not set Fp or Mp to another value than
+    /// the Trial's.
+    fn whom_it_plays(&self) -> Result<BTreeSet<usize>, ModelError> {
+        if !self.play_drive {
+            return Ok(BTreeSet::new());
+        }
+        let (agents, drive) = (self.packed.trial.agents.iter(), &self.packed.drive(&self.resources)?.table);
+        let driven = agents.enumerate().filter(|(_, agent)| drive.rows(&agent.id).is_some());
+        let mut played: BTreeSet<usize> = driven.map(|(i, _)| i).collect();
+        for (&quantity, &value) in &self.settings {
+            if let Quantity::Agent(i, AgentQuantity::FpX | AgentQuantity::FpY | AgentQuantity::Mp) = quantity
+                && in_documents(&self.packed.trial, quantity) != Some(value)
+            {
+                played.remove(&(i as usize));
+            }
+        }
+        played.retain(|i| !self.rates.contains_key(i));
+        Ok(played)
+    }
+
+    /// Drives those whom the packed drive drives as it says at a time \[s\].
+    fn play(&mut self, time: f64) {
+        let (Some(world), Some(drive)) = (&mut self.world, self.packed.drive.get()) else { return };
+        for &i in &self.played {
+            if let Some([x, y, torque]) = drive.table.at(&self.trial.agents[i].id, time) {
+                world.drive[i] = Wrench { force: vec2(x, y), torque };
+            }
+        }
+    }
+
+    /// Before an input of an agent is set: the packed drive no longer drives it, as if it had none.
+    #[inline]
+    fn take_over(&mut self, input: Quantity) {
+        use AgentQuantity::{FpX, FpY, Mp};
+        if let Quantity::Agent(i, FpX | FpY | Mp) = input
+            && !self.played.is_empty()
+            && self.played.remove(&(i as usize))
+            && let Some(world) = &mut self.world
+        {
+            let own = &self.trial.dynamics[i as usize];
+            world.drive[i as usize] = Wrench { force: own.fp, torque: own.mp };
+        }
     }
 
     fn make_world(&mut self) -> Result<&mut World, ModelError> {
@@ -339,7 +453,7 @@ impl CrowdModel {
     /// Gives the documents the mechanical step that is used.
     fn choose_step(&mut self) {
         if let Some(tolerance) = self.tolerance.filter(|_| self.chooses_step()) {
-            self.trial.parameters.time_step_mechanical = self.packed.parameters.time_step_mechanical;
+            self.trial.parameters.time_step_mechanical = self.packed.trial.parameters.time_step_mechanical;
             if let Ok(step) = by_tolerance(&self.trial, tolerance, self.most_steps) {
                 self.trial.parameters.time_step_mechanical = step;
             }
@@ -396,6 +510,21 @@ impl CrowdModel {
             self.warnings.extend(told);
         }
         self.said_coincident = first;
+    }
+
+    /// Warns of those who come back at a time \[s\] where others or walls are.
+    fn warn_of_returns(&mut self, time: f64) {
+        let mut back = std::mem::take(&mut self.moved);
+        let Some(world) = &self.world else { return };
+        back.retain(|&i| world.is_present(BodyId::from(i)));
+        if back.is_empty() {
+            return;
+        }
+        let mut then = world.clone();
+        // If they are too many at one place, the step says so.
+        if then.restore(world.state().clone()).is_ok() {
+            self.warnings.extend(Setup::of(&self.trial).overlaps_of(&then, &back, time));
+        }
     }
 
     fn first_coincident(&self) -> Option<Pair> {
@@ -460,6 +589,7 @@ impl CrowdModel {
         match quantity {
             Quantity::Threads => Ok(self.threads),
             Quantity::IntermediateSteps => Ok(self.intermediate_steps),
+            Quantity::PlayDrive => Ok(self.play_drive.into()),
             quantity => Ok(count(self.make_world()?, quantity).unwrap_or(0)),
         }
     }
@@ -493,17 +623,16 @@ impl CrowdModel {
 
     /// Loads another packed Trial; settings are kept.
     fn choose(&mut self, name: &str) -> Result<(), ModelError> {
-        let (packed, warnings) = self.resources.load(name)?;
+        let (packed, warnings) = Packed::load(&self.resources, name)?;
         if self.any_size {
-            if !self.settings.keys().all(|&quantity| domain(&packed, quantity).is_some()) {
+            if !self.settings.keys().all(|&quantity| domain(&packed.trial, quantity).is_some()) {
                 return Err(ModelError::OtherSizes(name.to_owned()));
             }
-        } else if guid(&table(&packed)) != guid(&table(&self.packed)) {
+        } else if guid(&table(&packed.trial)) != guid(&table(&self.packed.trial)) {
             return Err(ModelError::OtherVariables(name.to_owned()));
         }
-        self.trial = edited(&packed, &self.settings);
-        self.fingerprint = packed.fingerprint();
-        self.packed = Arc::new(packed);
+        self.trial = edited(&packed.trial, &self.settings);
+        self.packed = packed;
         self.warnings.extend(warnings);
         self.world = None;
         Ok(())

@@ -78,7 +78,7 @@ pub fn model_description(trial: &Trial, naming: Naming) -> String {
 fn start(trial: &Trial, variable: &Variable) -> Option<String> {
     match variable.quantity {
         Quantity::Threads => Some("1".into()),
-        Quantity::Agent(_, AgentQuantity::Active) => Some("true".into()),
+        Quantity::PlayDrive | Quantity::Agent(_, AgentQuantity::Active) => Some("true".into()),
         Quantity::MostMechanicalSteps => Some(number(MOST_MECHANICAL_STEPS)),
         Quantity::Trial => Some(trial.name.clone()),
         Quantity::OutputDirectory => Some(String::new()),
@@ -88,7 +88,7 @@ fn start(trial: &Trial, variable: &Variable) -> Option<String> {
 
 fn start_of_array(trial: &Trial, block: Block) -> Option<Start> {
     match block {
-        Block::One(Quantity::Threads) => Some(Start::Numbers(vec![1.0])),
+        Block::One(Quantity::Threads | Quantity::PlayDrive) => Some(Start::Numbers(vec![1.0])),
         Block::One(Quantity::IntermediateSteps) => Some(Start::Numbers(vec![0.0])),
         Block::One(Quantity::MostMechanicalSteps) => Some(Start::Numbers(vec![MOST_MECHANICAL_STEPS])),
         Block::One(Quantity::Trial) => Some(Start::Texts(vec![trial.name.clone()])),

@@ -3,7 +3,7 @@
 use crate::setup;
 use lemons_files::input;
 use lemons_fmi::location::{Location, LocationError};
-use lemons_trial::{Problem, Problems, Trial};
+use lemons_trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -79,6 +79,15 @@ impl Resources {
             .map_err(|problems| ResourcesError::Broken { name: name.to_owned(), problems })?;
         name.clone_into(&mut trial.name);
         Ok((trial, warnings.iter().map(Problem::without_severity).collect()))
+    }
+
+    /// Reads the drive of a packed Trial; empty if it has none.
+    ///
+    /// # Errors
+    /// All errors in its file.
+    pub fn drive(&self, trial: &Trial) -> Result<DriveTable, ResourcesError> {
+        let broken = |problems| ResourcesError::Broken { name: trial.name.clone(), problems };
+        DriveTable::of(Some(trial), &DriveChoice::Own).map_err(|error| broken(error.0))
     }
 }
 

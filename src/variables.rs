@@ -40,6 +40,8 @@ pub enum Quantity {
     Threads,
     /// The packed Trial that is loaded.
     Trial,
+    /// Whether the Trial's packed drive is played.
+    PlayDrive,
     /// The directory for XML output.
     OutputDirectory,
 }
@@ -199,7 +201,7 @@ const CONTACT_ROWS: [(ContactQuantity, &str, Unit, &str); 3] = [
 type CrowdRow = (&'static str, Quantity, Kind, Role, Domain, &'static str);
 
 /// What is of the whole crowd, with the names of FMI 2.0.
-const CROWD_ROWS: [CrowdRow; 9] = {
+const CROWD_ROWS: [CrowdRow; 10] = {
     use Role::{Calculated, Parameter};
     [
         (
@@ -227,6 +229,14 @@ const CROWD_ROWS: [CrowdRow; 9] = {
             "threads this instance may use, up to one for each 512 agents; results do not depend on it",
         ),
         ("Trial", Quantity::Trial, Kind::String, Parameter, Domain::Finite, "which packed Trial to load"),
+        (
+            "PlayDrive",
+            Quantity::PlayDrive,
+            Kind::Boolean,
+            Parameter,
+            Domain::Finite,
+            "whether the drive.csv of the packed Trial, if it has one, drives its agents; not those whose Fp or Mp is set",
+        ),
         (
             "OutputDirectory",
             Quantity::OutputDirectory,
@@ -434,6 +444,7 @@ macro_rules! place {
             | Quantity::IntermediateSteps
             | Quantity::Threads
             | Quantity::Trial
+            | Quantity::PlayDrive
             | Quantity::OutputDirectory => return None,
         }
     };

@@ -79,6 +79,9 @@ impl ArrayModel for CrowdModel {
     }
 
     fn write_reals(&mut self, block: Block, values: &[f64], phase: Phase) {
+        if let (Block::Agents([of, ..]), false) = (block, self.played.is_empty()) {
+            (0..self.trial.agents.len()).for_each(|i| self.take_over(Quantity::Agent(i as u32, *of)));
+        }
         if let (Block::Agents(quantities), Some(world), Phase::StepComplete) = (block, &mut self.world, phase)
             && write_drive(world, quantities, values)
         {
@@ -132,11 +135,12 @@ impl ArrayModel for CrowdModel {
 
     fn advance_part(
         &mut self,
+        from: f64,
         part: f64,
         so_far: f64,
         at_end: Option<f64>,
     ) -> Result<(), StepError<ModelError>> {
-        self.advance_by(part, so_far, at_end)
+        self.advance_by(from, part, so_far, at_end)
     }
 }
 

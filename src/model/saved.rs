@@ -1,12 +1,13 @@
 //! The crowd's part of FMI's "FMU state": saving and restoring.
 
-use super::{CrowdModel, ModelError, Settings, by_tolerance, edited, give_threads, make_directory};
+use super::{
+    CrowdModel, Drive, ModelError, Packed, Settings, by_tolerance, edited, give_threads, make_directory,
+};
 use crate::engine::{BodyId, Exposure, State, World, Wrench};
 use crate::setup::Setup;
 use crate::variables::{Quantity, domain, guid, table};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The complete state of a crowd, without the location of its resources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -14,6 +15,7 @@ pub struct Saved {
     trial: String,
     fingerprint: u128,
     settings: Settings,
+    play_drive: bool,
     threads: i32,
     most_steps: f64,
     intermediate_steps: i32,
@@ -27,6 +29,10 @@ pub struct Saved {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Running {
     drive: Vec<Wrench>,
+    /// Places of the agents whom the packed drive drives. What it says follows from the time.
+    played: BTreeSet<usize>,
+    /// Fingerprint of the packed drive, if it drives anybody.
+    packed_drive: Option<String>,
     present: Vec<bool>,
     state: State,
     /// Outputs; the future does not depend on them.
@@ -36,9 +42,10 @@ struct Running {
 impl CrowdModel {
     pub(super) fn saved(&self) -> Saved {
         Saved {
-            trial: self.packed.name.clone(),
-            fingerprint: self.fingerprint,
+            trial: self.packed.trial.name.clone(),
+            fingerprint: self.packed.fingerprint,
             settings: self.settings.clone(),
+            play_drive: self.play_drive,
             threads: self.threads,
             most_steps: self.most_steps,
             intermediate_steps: self.intermediate_steps,
@@ -47,6 +54,13 @@ impl CrowdModel {
             tolerance: self.tolerance,
             running: self.world.as_ref().map(|world| Running {
                 drive: world.drive.clone(),
+                played: self.played.clone(),
+                packed_drive: self
+                    .packed
+                    .drive
+                    .get()
+                    .filter(|_| !self.played.is_empty())
+                    .map(|drive| drive.fingerprint.clone()),
                 present: world.present().to_vec(),
                 state: world.state().clone(),
                 exposures: world.exposures().to_vec(),
@@ -56,25 +70,23 @@ impl CrowdModel {
 
     /// Restores a state. After an error nothing has changed.
     pub(super) fn go_back(&mut self, saved: &Saved) -> Result<(), ModelError> {
-        let (packed, fingerprint) = if saved.trial == self.packed.name {
-            (self.packed.clone(), self.fingerprint)
+        let packed = if saved.trial == self.packed.trial.name {
+            self.packed.clone()
         } else {
             // Another name might lead out of the resources.
             self.known_trial(&saved.trial)?;
-            let packed = self.resources.load(&saved.trial)?.0;
-            let fingerprint = packed.fingerprint();
-            (Arc::new(packed), fingerprint)
+            Packed::load(&self.resources, &saved.trial)?.0
         };
-        let fits = self.any_size || guid(&table(&packed)) == guid(&table(&self.packed));
-        if fingerprint != saved.fingerprint || !fits {
+        let fits = self.any_size || guid(&table(&packed.trial)) == guid(&table(&self.packed.trial));
+        if packed.fingerprint != saved.fingerprint || !fits {
             return Err(ModelError::OtherTrial(saved.trial.clone()));
         }
         for (&quantity, &value) in &saved.settings {
-            let domain = domain(&packed, quantity);
+            let domain = domain(&packed.trial, quantity);
             let domain = domain.ok_or(ModelError::Saved("a setting of an unknown variable"))?;
             domain.check(value).map_err(|_| ModelError::Saved("a setting out of its domain"))?;
         }
-        if !saved.rates.iter().all(|(&i, rate)| i < packed.agents.len() && finite(rate)) {
+        if !saved.rates.iter().all(|(&i, rate)| i < packed.trial.agents.len() && finite(rate)) {
             return Err(ModelError::Saved("a rate of an unknown agent, or one that is not finite"));
         }
         if saved.threads < 1 || saved.intermediate_steps < 0 || saved.output_directory.contains('\0') {
@@ -86,7 +98,7 @@ impl CrowdModel {
         if saved.tolerance.is_some_and(|tolerance| !(tolerance > 0.0 && tolerance.is_finite())) {
             return Err(ModelError::Saved("a tolerance that is not possible"));
         }
-        let mut trial = edited(&packed, &saved.settings);
+        let mut trial = edited(&packed.trial, &saved.settings);
         if let Some(tolerance) = saved.tolerance
             && !saved.settings.contains_key(&Quantity::TimeStepMechanical)
             && let Ok(step) = by_tolerance(&trial, tolerance, saved.most_steps)
@@ -98,6 +110,9 @@ impl CrowdModel {
             Some(running) => {
                 let mut world = Setup::of(&trial).world()?;
                 check_running(&world, running)?;
+                if !running.played.is_empty() {
+                    check_played(&packed, packed.drive(&self.resources)?, running)?;
+                }
                 give_threads(&mut world, saved.threads, self.world.as_ref())?;
                 let bodies = running.present.iter().enumerate();
                 bodies.for_each(|(b, &present)| world.set_present(BodyId::from(b), present));
@@ -111,9 +126,12 @@ impl CrowdModel {
         if world.is_some() {
             make_directory(&saved.output_directory)?;
         }
-        (self.packed, self.fingerprint, self.trial, self.world) = (packed, fingerprint, trial, world);
+        (self.packed, self.trial, self.world) = (packed, trial, world);
         self.said_coincident = self.first_coincident();
+        self.moved.clear();
         self.settings.clone_from(&saved.settings);
+        self.play_drive = saved.play_drive;
+        self.played = saved.running.as_ref().map(|running| running.played.clone()).unwrap_or_default();
         self.threads = saved.threads;
         self.most_steps = saved.most_steps;
         self.intermediate_steps = saved.intermediate_steps;
@@ -148,6 +166,20 @@ fn check_running(world: &World, running: &Running) -> Result<(), ModelError> {
         && state.disk_springs.iter().all(|spring| spring.elongation.is_finite())
         && state.face_springs.iter().all(|spring| spring.elongation.is_finite());
     if finite { Ok(()) } else { Err(ModelError::Saved("a number that is not finite")) }
+}
+
+/// Checks that a state from outside plays a drive of this Trial.
+fn check_played(packed: &Packed, drive: &Drive, running: &Running) -> Result<(), ModelError> {
+    let Packed { trial, .. } = packed;
+    if running.packed_drive.as_ref() != Some(&drive.fingerprint) {
+        return Err(ModelError::OtherTrial(trial.name.clone()));
+    }
+    let driven = |i: &usize| trial.agents.get(*i).is_some_and(|agent| drive.table.rows(&agent.id).is_some());
+    if running.played.iter().all(driven) {
+        Ok(())
+    } else {
+        Err(ModelError::Saved("an agent whom the packed drive does not name"))
+    }
 }
 
 fn finite(wrench: &Wrench) -> bool {

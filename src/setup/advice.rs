@@ -3,9 +3,9 @@
 use super::plausible::Doubt;
 use super::steps::{Fastest, rounded_down};
 use super::{Setup, WorldError};
-use crate::engine::{ContactReport, DiskId, Pair, Scene};
+use crate::engine::{ContactReport, DiskId, Pair, Scene, World};
 use lemons_trial::{Places, Problem, Severity, quoted};
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Largest distance that a disk moves in a proposed step, as a fraction of its radius.
@@ -34,7 +34,9 @@ impl Setup<'_> {
             Err(_) => return Vec::new(),
         };
         let scene = world.scene();
-        let mut advice = self.overlaps(scene, world.contacts(), dynamics);
+        let overlaps = self.overlaps_at_start(scene, world.contacts());
+        let mut advice: Vec<_> =
+            overlaps.into_iter().map(|message| warning(dynamics, None, message)).collect();
         let coincident = self.name_coincident(scene, &world.contacts().coincident);
         advice.extend(coincident.map(|message| warning(dynamics, None, message)));
         advice.extend(self.coarse_step(scene, parameters));
@@ -61,31 +63,57 @@ impl Setup<'_> {
         })
     }
 
-    fn overlaps(&self, scene: &Scene, contacts: &ContactReport, file: &Path) -> Vec<Problem> {
+    /// Overlaps at the start that no earlier step knows.
+    fn overlaps_at_start(&self, scene: &Scene, contacts: &ContactReport) -> Vec<String> {
         let state = self.state(scene);
         let known_disks: HashSet<_> =
             state.disk_springs.iter().map(|spring| (spring.first, spring.second)).collect();
         let known_faces: HashSet<_> =
             state.face_springs.iter().map(|spring| (spring.disk, spring.face)).collect();
+        let is_new = |pair: &Pair| match *pair {
+            Pair::Disks { first, second } => !known_disks.contains(&(first, second)),
+            Pair::Face { disk, face, .. } => !known_faces.contains(&(disk, face)),
+        };
+        self.overlaps(scene, contacts, is_new, "at the start")
+    }
+
+    /// Returns warnings about overlaps of agents, by their places, who come back into a world at a time \[s\].
+    pub fn overlaps_of(&self, world: &World, agents: &BTreeSet<usize>, time: f64) -> Vec<String> {
+        let scene = world.scene();
+        let is_theirs = |disk| agents.contains(&scene.body_of(disk).index());
+        let is_new = |pair: &Pair| match *pair {
+            Pair::Disks { first, second } => is_theirs(first) || is_theirs(second),
+            Pair::Face { disk, .. } => is_theirs(disk),
+        };
+        self.overlaps(scene, world.contacts(), is_new, &format!("where agents come back at t = {time:?} s"))
+    }
+
+    fn overlaps(
+        &self,
+        scene: &Scene,
+        contacts: &ContactReport,
+        is_new: impl Fn(&Pair) -> bool,
+        when: &str,
+    ) -> Vec<String> {
         let agent = |disk: DiskId| quoted(&self.agents[scene.body_of(disk).index()].id);
         let (mut among_agents, mut with_walls) = (Deepest::default(), Deepest::default());
-        for contact in &contacts.contacts {
+        for contact in contacts.contacts.iter().filter(|contact| is_new(&contact.pair)) {
             match contact.pair {
-                Pair::Disks { first, second } if !known_disks.contains(&(first, second)) => {
+                Pair::Disks { first, second } => {
                     among_agents
                         .see(contact.depth, || format!("agents {} and {}", agent(first), agent(second)));
                 }
-                Pair::Face { disk, face, .. } if !known_faces.contains(&(disk, face)) => {
+                Pair::Face { disk, face, .. } => {
                     let wall = &self.geometry.walls[scene.faces[face.index()].wall.index()];
                     with_walls.see(contact.depth, || {
                         format!("agent {} and wall {}", agent(disk), quoted(&wall.id))
                     });
                 }
-                _ => {}
             }
         }
-        let said = [among_agents.says("disks of different agents"), with_walls.says("disks and walls")];
-        said.into_iter().flatten().map(|message| warning(file, None, message)).collect()
+        let said =
+            [among_agents.says("disks of different agents", when), with_walls.says("disks and walls", when)];
+        said.into_iter().flatten().collect()
     }
 
     fn coarse_step(&self, scene: &Scene, file: &Path) -> Option<Problem> {
@@ -196,11 +224,11 @@ impl Deepest {
         }
     }
 
-    fn says(&self, what: &str) -> Option<String> {
+    fn says(&self, what: &str, when: &str) -> Option<String> {
         let pairs = if self.count == 1 { "pair" } else { "pairs" };
         let (count, depth, whose) = (self.count, 1e3 * self.depth, &self.whose);
         (count > 0).then(|| {
-            format!("{count} {pairs} of {what} overlap at the start, the deepest by {depth:.3} mm ({whose})")
+            format!("{count} {pairs} of {what} overlap {when}, the deepest by {depth:.3} mm ({whose})")
         })
     }
 }

@@ -291,6 +291,10 @@ impl<'f> Instance<'f> {
         unsafe { (self.fmu.c.fmi2SetInteger)(self.raw, &self.model.reference(name), 1, &value) }
     }
 
+    pub fn set_boolean(&self, name: &str, value: bool) -> c_int {
+        unsafe { (self.fmu.c.fmi2SetBoolean)(self.raw, &self.model.reference(name), 1, &value.into()) }
+    }
+
     pub fn set_string(&self, name: &str, value: &str) -> c_int {
         let value = CString::new(value).unwrap();
         unsafe { (self.fmu.c.fmi2SetString)(self.raw, &self.model.reference(name), 1, &value.as_ptr()) }

@@ -96,6 +96,19 @@ fn derivatives_of_outputs_are_those_of_the_motion() {
         assert!(close, "{name}: {} beside {difference}", derivatives[k]);
     }
     instance.free_state(state);
+    // Who is not there does not move, whatever the drive.
+    instance.must(instance.set("agent[0].Fp.y", 300.0));
+    instance.must(instance.set_boolean("agent[0].Active", false));
+    for stepped in [false, true] {
+        if stepped {
+            instance.must(instance.try_step(time + 2.0 * SHORT, SHORT));
+        }
+        instance.must(unsafe {
+            get(instance.raw, references.as_ptr(), count, orders.as_ptr(), derivatives.as_mut_ptr())
+        });
+        assert_eq!(derivatives[..6], [0.0; 6], "{stepped}");
+        assert!(derivatives[6..].iter().any(|rate| rate.abs() > 0.1));
+    }
     // Only order 1, only of motion, of inputs not.
     for (name, order, why) in [
         ("agent[0].Omega", 2, "order 2"),

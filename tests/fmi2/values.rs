@@ -243,3 +243,40 @@ fn absurd_numbers_do_not_break_the_boundary() {
         }
     }
 }
+
+/// Somebody goes behind another's back, and comes back where the other is now.
+#[test]
+fn who_comes_back_inside_another_is_warned_of() {
+    let warnings = |instance: &Instance| {
+        let said = instance.log.take().into_iter().filter(|message| message.status == WARNING);
+        said.map(|message| message.text).collect::<Vec<_>>()
+    };
+    let instance = Instance::new(Fmu::get());
+    instance.must(instance.set_all(&[("TimeStepMechanical", 1e-5), ("agent[0].Velocity.x", 0.5)]));
+    instance.must(instance.set_boolean("PlayDrive", false));
+    instance.must(instance.set_boolean("agent[1].Active", false));
+    instance.must(instance.set("agent[0].FloorDamping", 0.0));
+    instance.initialize();
+    // From 0 m towards 0.279 m, where the other one was.
+    instance.steps(0, 50);
+    let apart = (instance.get("agent[1].Position.x") - instance.get("agent[0].Position.x")).abs();
+    assert!(apart < 0.05, "{apart}");
+    assert_eq!(warnings(&instance), [""; 0]);
+    // Here and away again within the same pause is no return.
+    instance.must(instance.set_boolean("agent[1].Active", true));
+    instance.must(instance.set_boolean("agent[1].Active", false));
+    assert_eq!(instance.try_step(0.5, 1e-3), OK);
+    assert_eq!(warnings(&instance), [""; 0]);
+    instance.must(instance.set_boolean("agent[1].Active", true));
+    let _ = instance.try_step(0.501, 1e-3);
+    let said = warnings(&instance);
+    let begin =
+        "pairs of disks of different agents overlap where agents come back at t = 0.501 s, the deepest by ";
+    let [said] = &said[..] else { panic!("{said:?}") };
+    let deepest = said.split(begin).nth(1).and_then(|rest| rest.split(' ').next()).expect(said);
+    // A disk of radius 0.095 m and more lies in another one.
+    assert!(deepest.parse::<f64>().unwrap() > 100.0 && said.ends_with("(agents \"0\" and \"1\")"), "{said}");
+    // Once.
+    let _ = instance.try_step(0.502, 1e-3);
+    assert_eq!(warnings(&instance), [""; 0]);
+}

@@ -3,6 +3,7 @@
 #![cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
 #![allow(unsafe_code)] // calls C functions of a loaded library
 
+mod drive;
 mod fmu;
 mod intermediate;
 mod lifecycle;

@@ -52,6 +52,10 @@ fn damaged_bytes_are_refused_and_change_nothing() {
         assert!(instance.restore(&good[..k]) != OK);
         instance.log.take();
     }
+    for more in [1, 100] {
+        let message = instance.refused(instance.restore(&[&good[..], &vec![0; more]].concat()));
+        assert!(message.contains("bytes follow it"), "{message}");
+    }
     assert!(instance.bytes() == good);
 }
 

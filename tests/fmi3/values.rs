@@ -149,6 +149,17 @@ fn derivatives_of_outputs_are_those_of_the_motion() {
         assert!((rate - difference).abs() <= 0.02 * (1.0 + difference.abs()), "{rate} beside {difference}");
     }
     assert!(rates.iter().filter(|rate| rate.abs() > 0.1).count() >= 4, "{rates:?}");
+    // Who is not there does not move: the first elements of the arrays are of agent 0.
+    let there = [false, true, true, true, true];
+    let set = instance.c.fmi3SetBoolean;
+    instance.must(unsafe { set(instance.raw, &reference("Active"), 1, there.as_ptr(), AGENTS) });
+    instance.must(unsafe {
+        let get = instance.c.fmi3GetOutputDerivatives;
+        get(instance.raw, references.as_ptr(), 4, [1; 4].as_ptr(), rates.as_mut_ptr(), rates.len())
+    });
+    for first in [0, 1, 2 * AGENTS, 2 * AGENTS + 1, 4 * AGENTS, 5 * AGENTS] {
+        assert_eq!(rates[first], 0.0, "{first}");
+    }
     for (name, order, words) in [
         ("Mass", 1, "not known"),
         ("Omega", 0, "order 0"),

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from crowd import COLUMNS, REPOSITORY, TRIAL_DOOR, TRIAL_PUSH, push_drive
-from lemons_fmu import Crowd, Drive, FmuError, load, simulate
+from lemons_fmu import Crowd, Drive, FmuError, State, load, simulate
 from lemons_fmu import drive as drives
 from lemons_fmu import files
 from lemons_fmu.push import Push
@@ -372,7 +372,7 @@ LIBRARY, DESCRIPTION = "binaries/", "modelDescription.xml"
         (3, DESCRIPTION, b"<Float64", b"<Float65"),
         (3, DESCRIPTION, b'stepSize="', b'stepSize="x'),
         # The value reference of AgentId, which is read from an instance.
-        (3, DESCRIPTION, b'"36"', b'"9936"'),
+        (3, DESCRIPTION, b'"37"', b'"9937"'),
         (3, LIBRARY, b"\x7fELF", b"none"),
     ],
 )
@@ -557,3 +557,14 @@ def test_the_package_installs(push_fmu, tmp_path):
     environment = {**os.environ, "PYTHONPATH": str(place)}
     done = subprocess.run([sys.executable, "-c", code, push_fmu], env=environment, cwd=tmp_path, capture_output=True, text=True)
     assert done.stdout.splitlines() == [str(place / "lemons_fmu" / "__init__.py"), "15"], done.stderr
+
+
+@pytest.mark.parametrize("state", [b"abc", None, "state"])
+def test_only_a_state_is_restored(fmu, state):
+    with Crowd(fmu) as crowd:
+        before = crowd.poses()
+        with pytest.raises(TypeError, match=rf"of type {type(state).__name__}; it must be a State"):
+            crowd.restore(state)
+        with pytest.raises(FmuError, match="does not begin like a state|cut off"):
+            crowd.restore(State(0.0, b"abc"))
+        assert (crowd.poses() == before).all()

@@ -4,17 +4,19 @@
 //! whatever name it gives this machine. It gives away the files that were built into this program, and the libraries
 //! that the page packs into FMUs.
 
+mod server;
+
 use crate::interrupt::Interrupt;
 use crate::tell;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::{Binary, THIRD_PARTY};
 use lemons_files::input;
+use server::{Answer, Request, serve};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::net::{Ipv4Addr, SocketAddr};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
-use std::time::Duration;
-use tiny_http::{Method, Request, Server};
 
 include!(concat!(env!("OUT_DIR"), "/lab.rs"));
 
@@ -38,9 +40,9 @@ pub fn lab(arguments: &Arguments) -> Result<()> {
     }
     let libraries = Libraries::beside();
     let interrupt = Interrupt::watch();
-    let server = Server::http((Ipv4Addr::LOCALHOST, arguments.port))
-        .map_err(|error| anyhow!("cannot listen on port {}: {error}", arguments.port))?;
-    let address = server.server_addr().to_ip().context("this machine gave no port")?;
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, arguments.port))
+        .with_context(|| format!("cannot listen on port {}", arguments.port))?;
+    let address = listener.local_addr()?;
     let url = format!("http://{address}/");
     let mut out = tell::out();
     writeln!(out, "the lab is at {url}, until Ctrl-C")?;
@@ -50,13 +52,8 @@ pub fn lab(arguments: &Arguments) -> Result<()> {
     {
         note!("no browser could be opened: {error}");
     }
-    while !interrupt.pressed() {
-        if let Some(request) = server.recv_timeout(Duration::from_millis(100)).context("the lab")? {
-            // Who asked is gone.
-            let _ = answer(request, address, &libraries);
-        }
-    }
-    Ok(())
+    let answered = |request: &Request| answer(request, address, &libraries);
+    serve(&listener, || !interrupt.pressed(), answered).context("the lab takes no more connections")
 }
 
 /// The crowd's libraries and their licences: path in the page's address -> platform, file.
@@ -82,42 +79,32 @@ impl Libraries {
     }
 }
 
-fn answer(request: Request, address: SocketAddr, libraries: &Libraries) -> std::io::Result<()> {
-    let host = request.headers().iter().find(|header| header.field.equiv("Host"));
-    let host = host.map(|header| header.value.as_str().to_owned()).unwrap_or_default();
+fn answer(request: &Request, address: SocketAddr, libraries: &Libraries) -> Answer {
     let here = [address.to_string(), format!("localhost:{}", address.port())];
-    let path = request.url().split(['?', '#']).next().unwrap_or_default();
+    let path = request.path.split(['?', '#']).next().unwrap_or_default();
     let path = if path == "/" { "index.html" } else { path.trim_start_matches('/') };
-    let (status, kind, content) = if !here.contains(&host) {
-        ("403 Forbidden", "txt", b"another host".to_vec())
-    } else if !matches!(request.method(), Method::Get | Method::Head) {
-        ("405 Method Not Allowed", "txt", b"only GET and HEAD".to_vec())
+    let (status, kind, content): (_, _, Cow<'static, [u8]>) = if here.iter().all(|here| here != request.host)
+    {
+        ("403 Forbidden", "txt", b"another host".into())
+    } else if !matches!(request.method, "GET" | "HEAD") {
+        ("405 Method Not Allowed", "txt", b"only GET and HEAD".into())
     } else if let Some((name, content)) = FILES.iter().find(|(name, _)| *name == path) {
-        ("200 OK", name.rsplit('.').next().unwrap_or_default(), content.to_vec())
+        ("200 OK", name.rsplit('.').next().unwrap_or_default(), Cow::Borrowed(*content))
     } else if path == "binaries.json" {
-        ("200 OK", "json", libraries.list().into_bytes())
+        ("200 OK", "json", libraries.list().into_bytes().into())
     } else {
         let library = libraries.0.get(path).map(|(_, file)| input::read(file, input::LARGEST_BINARY));
         match library {
-            Some(Ok(content)) => ("200 OK", "so", content),
-            _ => ("404 Not Found", "txt", b"there is no such file".to_vec()),
+            Some(Ok(content)) => ("200 OK", "so", content.into()),
+            _ => ("404 Not Found", "txt", b"there is no such file".into()),
         }
     };
-    // Each connection is for one request: tiny_http may leave a request waiting while other connections are kept.
-    let whole = *request.method() != Method::Head;
-    let mut writer = request.into_writer();
-    write!(
-        writer,
-        "HTTP/1.1 {status}\r\nContent-Type: {}\r\nContent-Length: {}\r\nContent-Security-Policy: {POLICY}\r\n\
-         X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCache-Control: no-cache\r\n\
-         Connection: close\r\n\r\n",
-        kind_of(kind),
-        content.len(),
-    )?;
-    if whole {
-        writer.write_all(&content)?;
-    }
-    writer.flush()
+    let head = format!(
+        "Content-Type: {}\r\nContent-Security-Policy: {POLICY}\r\nX-Content-Type-Options: nosniff\r\n\
+         Referrer-Policy: no-referrer\r\nCache-Control: no-cache\r\n",
+        kind_of(kind)
+    );
+    Answer { status, head, content }
 }
 
 fn kind_of(extension: &str) -> &'static str {

@@ -59,8 +59,8 @@ pub struct Arguments {
     /// Propulsion over time: a CSV file with columns t,agent,Fp.x,Fp.y,Mp. At each communication point,
     /// values are interpolated linearly between rows; they are held until the next point, so results
     /// depend on the communication step. Before the first and after the last row they are zero. Agents that are not
-    /// in the file keep the values of AgentDynamics.xml. Default: the Trial's drive.csv if there is one;
-    /// in an SSP, and where people walk by decision.toml, none
+    /// in the file keep the values of AgentDynamics.xml. Default: the Trial's drive.csv if there is one, which
+    /// its FMU plays by itself (also in an SSP); where people walk by decision.toml, none
     #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
     drive: Option<PathBuf>,
     /// Ignore the Trial's drive.csv

@@ -417,12 +417,12 @@ impl Model for Decision {
         Ok(())
     }
 
-    fn initialize(&mut self) -> Result<(), DecisionError> {
+    fn initialize(&mut self, _: f64) -> Result<(), DecisionError> {
         self.ways().map(|_| ())
     }
 
     /// The poses are those at the beginning of the step.
-    fn advance(&mut self, step: f64, _: f64) -> Result<(), StepError<DecisionError>> {
+    fn advance(&mut self, _: f64, step: f64) -> Result<(), StepError<DecisionError>> {
         self.pass(step).map_err(StepError::Refused)
     }
 

@@ -96,17 +96,17 @@ pub trait Model: Sized + Send {
     /// before initialization begins. A model that has no use for it ignores it.
     fn set_tolerance(&mut self, _tolerance: Option<f64>) {}
 
-    /// Ends initialization: the model is built from the values that were set.
+    /// Ends initialization: the model is built from the values that were set. The simulation begins at `start` \[s\].
     ///
     /// # Errors
     /// The values that were set do not fit together.
-    fn initialize(&mut self) -> Result<(), Self::Error>;
+    fn initialize(&mut self, start: f64) -> Result<(), Self::Error>;
 
-    /// Advances by a step \[s\], which is positive and finite, to a communication point \[s\].
+    /// Advances from a communication point by a step, which is positive, to `from + step`, which is finite, all \[s\].
     ///
     /// # Errors
     /// [`StepError`] says whether anything has changed.
-    fn advance(&mut self, step: f64, to: f64) -> Result<(), StepError<Self::Error>>;
+    fn advance(&mut self, from: f64, step: f64) -> Result<(), StepError<Self::Error>>;
 
     /// Returns to the state after [`Model::load`].
     ///

@@ -89,6 +89,9 @@ pub trait Interface<M: Model>: Sized {
     /// The standard's word for the token: GUID or instantiationToken.
     const TOKEN: &'static str;
 
+    /// Whether bytes may follow those of a state: importers of FMI 2.0 pass buffers that are longer.
+    const LONGER_STATES: bool;
+
     /// The interface of a model.
     fn of(model: &M) -> Self;
 
@@ -212,7 +215,7 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
     /// Wrong phase, or values that do not fit together.
     pub fn exit_initialization(&mut self) -> Answer<M, ()> {
         self.check(Function::ExitInitializationMode)?;
-        self.model.initialize()?;
+        self.model.initialize(self.time)?;
         self.phase = Phase::StepComplete;
         Ok(())
     }
@@ -247,7 +250,7 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
     /// in the error state.
     pub fn do_step(&mut self, from: f64, step: f64) -> Answer<M, ()> {
         self.check_step(from, step)?;
-        match self.model.advance(step, from + step) {
+        match self.model.advance(from, step) {
             Ok(()) => {
                 self.time = from + step;
                 Ok(())
@@ -361,14 +364,18 @@ impl<M: Model, I: Interface<M>> Slave<M, I> {
             return Err(SlaveError::OtherModel("it was saved by an FMU with another GUID"));
         }
         let length = take(28, 8)?.try_into().map(u64::from_le_bytes).unwrap_or(u64::MAX);
-        // Importers may pass a buffer longer than the written state.
         let end = usize::try_from(length).ok().and_then(|length| HEADER.checked_add(length));
         let end = end.filter(|end| *end < bytes.len()).ok_or(SlaveError::Snapshot("it is cut off"))?;
         if take(end, 4)? != crc32fast::hash(&bytes[..end]).to_le_bytes() {
             return Err(SlaveError::Snapshot("its checksum is wrong"));
         }
-        postcard::from_bytes(&bytes[HEADER..end])
-            .map_err(|_| SlaveError::Snapshot("its content is malformed"))
+        if bytes.len() > end + 4 && !I::LONGER_STATES {
+            return Err(SlaveError::Snapshot("bytes follow it"));
+        }
+        match postcard::take_from_bytes(&bytes[HEADER..end]) {
+            Ok((snapshot, [])) => Ok(snapshot),
+            _ => Err(SlaveError::Snapshot("its content is malformed")),
+        }
     }
 
     /// The versions of this format and of the model, in one number.

@@ -77,7 +77,7 @@ impl Model for Brittle {
         Ok(())
     }
 
-    fn initialize(&mut self) -> Result<(), Never> {
+    fn initialize(&mut self, _: f64) -> Result<(), Never> {
         Ok(())
     }
 

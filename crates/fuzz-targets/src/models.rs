@@ -65,8 +65,8 @@ impl Fuzzed for CrowdModel {
     fn output_directory(content: &[u8]) -> Option<String> {
         /// Phase, time, experiment, sizes.
         type OfSlave = (u32, f64, Option<(f64, Option<f64>)>, Vec<u64>);
-        /// Of `model::Saved`: Trial, fingerprint, settings, threads, most steps, intermediate steps.
-        type Before = (String, u128, BTreeMap<Quantity, f64>, i32, f64, i32);
+        /// Of `model::Saved`: Trial, fingerprint, settings, whether it plays, threads, most steps, intermediate steps.
+        type Before = (String, u128, BTreeMap<Quantity, f64>, bool, i32, f64, i32);
         let (_, rest) = postcard::take_from_bytes::<(OfSlave, Before)>(content).ok()?;
         Some(postcard::take_from_bytes(rest).ok()?.0)
     }
@@ -134,6 +134,8 @@ fn crowd() -> Fmu {
     trial.write(&resources.join("Trial_a")).expect("a Trial can be written");
     trial.dynamics[1].position.x = 0.5;
     trial.write(&resources.join("Trial_b")).expect("a Trial can be written");
+    let drive = "t,agent,Fp.x,Fp.y,Mp\n0,1,-900,3,1\n0.02,1,-900,0,0\n";
+    std::fs::write(resources.join("Trial_b/drive.csv"), drive).expect("a file can be written");
     // Of another size: for FMI 3.0.
     trial.agents.truncate(1);
     trial.dynamics.truncate(1);

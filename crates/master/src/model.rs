@@ -7,7 +7,7 @@ use crate::fmu::Fmu;
 use crate::given::{Given, pack};
 use crate::own::own_binary;
 use crate::refusal::{PrepareError, Warning};
-use crate::system::{Algorithm, System};
+use crate::system::{Algorithm, PLAY_DRIVE, System};
 use crowd_mechanics::pack::{Binary, Format};
 use lemons_files::Scratch;
 use lemons_trial::{DRIVE_FILE, DriveChoice, DriveTable, Trial};
@@ -164,6 +164,11 @@ impl Model {
             (None, choice) => choice,
         };
         Ok(self.crowd().drive(trial, choice)?)
+    }
+
+    /// Whether, with this choice, the crowd plays its packed drive itself; FMUs of earlier versions cannot.
+    pub fn plays(&self, choice: &DriveChoice) -> bool {
+        *choice == DriveChoice::Own && self.plan.is_none() && self.has(self.parts.len() - 1, PLAY_DRIVE)
     }
 
     /// What is probably not meant, with this choice of a drive.

@@ -14,9 +14,9 @@ use crate::refusal::{PrepareError, Warning};
 use crate::saved::Saved;
 use crate::settings::Settings;
 use crate::simulate::{Observer, simulate};
-use crate::system::{Component, System};
+use crate::system::{Component, PLAY_DRIVE, System};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
-use lemons_trial::{DriveChoice, Trial};
+use lemons_trial::{DriveChoice, DriveTable, Trial};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -83,6 +83,11 @@ impl Prepared {
         let Opened { mut system, start, stop, model, mut warnings } = open(settings, &parameters)?;
         let coupled = is_ssp(settings) || system.components().len() > 1;
         set_parameters(&system, &parameters, settings.threads, model.as_ref(), &mut warnings)?;
+        let own =
+            settings.drive == DriveChoice::Own && model.as_ref().is_none_or(|model| model.plan().is_none());
+        if !own {
+            system.stop_drives()?;
+        }
         if settings.saves || before.is_some() {
             check_saves(&system)?;
         }
@@ -99,7 +104,14 @@ impl Prepared {
             return Err(PrepareError::Nothing { first, until, resumed: before.is_some() });
         }
 
-        system.initialize(start, settings.tolerance)?;
+        let plays = model.as_ref().filter(|model| model.plays(&settings.drive));
+        if let Err(error) = system.initialize(start, settings.tolerance) {
+            // If its drive is why, the errors in that file say more.
+            if let (Some(model), Ok(Some(trial))) = (plays, system.components()[0].trial()) {
+                model.drive(Some(&trial), &settings.drive)?;
+            }
+            return Err(error.into());
+        }
         if let (Some(before), Some(states)) = (&before, &states) {
             system.restore(before.time, states).place(of_saved)?;
         }
@@ -107,11 +119,12 @@ impl Prepared {
 
         let first = &system.components()[0];
         let drive = match &model {
+            Some(_) if plays.is_some() && !is_true(&first.instance, PLAY_DRIVE)? => DriveTable::default(),
             Some(model) => model.drive(trials[0].as_ref(), &settings.drive)?,
-            None => first.fmu.drive(None, &DriveChoice::None)?,
+            None => DriveTable::default(),
         };
         let agents = trials[0].as_ref().map_or(&[][..], |trial| &trial.agents);
-        let pushes = Pushes::new(&first.instance, agents, drive)?;
+        let pushes = Pushes::new(&first.instance, agents, drive, plays.is_some())?;
         let (step, every) = match &before {
             Some(before) => same(settings, before, &pushes)?,
             None => (step_of(settings, &system, &trials)?, settings.every.unwrap_or(1)),
@@ -154,6 +167,13 @@ fn is_still(crowd: &Instance, agents: usize) -> Result<bool> {
     let mut values = vec![0.0; all.len()];
     crowd.get_real(&all, &mut values)?;
     Ok(values.iter().all(|value| *value == 0.0))
+}
+
+/// The value of a Boolean.
+fn is_true(instance: &Instance, name: &str) -> Result<bool> {
+    let mut value = [0];
+    instance.get_boolean(&instance.select([name])?, &mut value)?;
+    Ok(value != [0])
 }
 
 /// Whether the input is an SSP.

@@ -16,13 +16,14 @@ pub struct Pushes {
 }
 
 impl Pushes {
-    /// To the inputs of these agents of an instance.
+    /// To the inputs of these agents of an instance; to none of them if it `plays` this drive itself.
     ///
     /// # Errors
     /// The instance has not the inputs of an agent that the drive names.
-    pub fn new(instance: &Instance, agents: &[Agent], drive: DriveTable) -> Result<Pushes> {
+    pub fn new(instance: &Instance, agents: &[Agent], drive: DriveTable, plays: bool) -> Result<Pushes> {
         let agents = agents.iter().enumerate();
-        let driven: Vec<_> = agents.filter(|(_, agent)| drive.at(&agent.id, 0.0).is_some()).collect();
+        let driven = |id: &str| !plays && drive.rows(id).is_some();
+        let driven: Vec<_> = agents.filter(|(_, agent)| driven(&agent.id)).collect();
         let names = driven
             .iter()
             .flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(move |name| format!("agent[{i}].{name}")));

@@ -20,6 +20,9 @@ use lemons_trial::Trial;
 use std::fmt;
 use std::sync::Arc;
 
+/// The parameter of a crowd that says whether it plays the drive that is packed in it.
+pub(crate) const PLAY_DRIVE: &str = "PlayDrive";
+
 /// The algorithm: in which order components exchange values and step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Algorithm {
@@ -159,6 +162,16 @@ impl System {
     /// \[s\] the last communication point
     pub fn time(&self) -> f64 {
         self.time
+    }
+
+    /// Keeps crowds from playing the drives that are packed in them; before initialization. Crowds of earlier versions play
+    /// none.
+    ///
+    /// # Errors
+    /// A component refuses the parameter.
+    pub fn stop_drives(&self) -> Result<()> {
+        let plays = |component: &&Component| component.fmu.kind(PLAY_DRIVE).is_some();
+        self.components.iter().filter(plays).try_for_each(|crowd| crowd.instance.set(&[PLAY_DRIVE], "false"))
     }
 
     /// Initializes all components at a time \[s\]; see the module for the first values. They get this tolerance, or that

@@ -79,7 +79,8 @@ impl MeasuringArea {
                 let common: f64 = intersection(&cell.shape, &self.shape).iter().map(area).sum();
                 common / cell.area
             });
-            parts.sum::<f64>() / self.area()
+            // A sum of nothing is -0.
+            (0.0 + parts.sum::<f64>()) / self.area()
         });
         let count = speeds.len();
         Density {
@@ -124,6 +125,11 @@ mod tests {
         assert!((seen.speed.unwrap() - 1.125).abs() < 1e-12);
         let nobody = area.measure(&frame(&[]), Some(&room));
         assert_eq!((nobody.people, nobody.voronoi, nobody.speed), (0, Some(0.0), None));
+        // Printed, it was -0.0; also where people are, but not in the area.
+        let elsewhere = MeasuringArea::inside(square(0.0, 1.0)).unwrap();
+        let elsewhere = elsewhere.measure(&frame(&[(4.5, 4.5), (0.5, 3.5), (3.5, 0.5)]), Some(&room));
+        assert!(elsewhere.people == 0 && elsewhere.voronoi.unwrap() > 0.0, "{elsewhere:?}");
+        assert!(nobody.voronoi.unwrap().is_sign_positive());
     }
 
     #[test]

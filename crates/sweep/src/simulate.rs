@@ -199,7 +199,8 @@ impl Runner {
         let people = subject.trial.agents.len();
         let scene = subject.wanted.map(|wanted| Scene::of(&system, wanted, people)).transpose()?;
         let driven = &system.components()[0].instance;
-        let pushes = Pushes::new(driven, &subject.trial.agents, subject.drive.clone())?;
+        let plays = subject.model.plays(&spec.drive);
+        let pushes = Pushes::new(driven, &subject.trial.agents, subject.drive.clone(), plays)?;
         Ok(Runner { system, pushes, measures, stop, scene, subject })
     }
 
@@ -210,6 +211,9 @@ impl Runner {
             if let Some((place, names)) = lead {
                 system.components()[*place].instance.set(names, &values.text(point))?;
             }
+        }
+        if !subject.model.plays(&spec.drive) {
+            system.stop_drives()?;
         }
         system.initialize(0.0, None)?;
         let courses = Courses::begin(spec, subject, point).map_err(Error::Spec)?;

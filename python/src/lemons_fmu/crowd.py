@@ -237,7 +237,14 @@ class Crowd:
         return State(self.time, crowd, *decision)
 
     def restore(self, state: State) -> None:
-        """Restores a state that was saved from this Crowd, or from another one of the same FMUs."""
+        """Restores a state that was saved from this Crowd, or from another one of the same FMUs.
+
+        Raises:
+            FmuError: an FMU refuses it: it is of another crowd, or damaged.
+            TypeError: it is not a State.
+        """
+        if not isinstance(state, State):
+            raise TypeError(f"the state is of type {type(state).__name__}; it must be a State, which Crowd.save returns")
         self._system.restore([state.data] if state.decision is None else [state.decision, state.data])
         self.time = state.time
 

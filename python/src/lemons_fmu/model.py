@@ -257,7 +257,9 @@ class System:
 
     def initialize(self, parameters: Mapping[str, Value], start: float) -> None:
         """Sets the parameters and completes initialization at a time [s]. In between the first values are exchanged."""
-        for name, value in parameters.items():
+        # This package sends the packed drive itself.
+        own = {"PlayDrive": False} if "PlayDrive" in self.model.fmu.variables else {}
+        for name, value in {**own, **parameters}.items():
             self.set(name, value)
         parts = range(len(self._instances))
         for k in parts:

@@ -176,7 +176,7 @@ fn info_tells_arrays_by_their_elements() {
     };
     let ((_, two), (said, three)) = (names("2"), names("3"));
     assert_eq!(two, three, "the same inputs and outputs, with units and start values");
-    assert!(said.contains("FMI 3.0   38 variables, token {"), "{said}");
+    assert!(said.contains("FMI 3.0   39 variables, token {"), "{said}");
     assert!(said.contains("values    20 inputs, 69 outputs,"), "{said}");
     let size = said.lines().find(|line| line.starts_with("Agents ")).unwrap();
     assert_eq!(size.split_whitespace().collect::<Vec<_>>(), ["Agents", "size", "Integer", "5"]);

@@ -317,10 +317,11 @@ impl ArrayModel for Decision {
 
     fn advance_part(
         &mut self,
+        from: f64,
         part: f64,
         _so_far: f64,
-        at_end: Option<f64>,
+        _at_end: Option<f64>,
     ) -> Result<(), StepError<DecisionError>> {
-        self.advance(part, at_end.unwrap_or(f64::NAN))
+        self.advance(from, part)
     }
 }

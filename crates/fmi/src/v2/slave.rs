@@ -20,6 +20,7 @@ pub struct Table<M: Model> {
 
 impl<M: Model> Interface<M> for Table<M> {
     const TOKEN: &'static str = "GUID";
+    const LONGER_STATES: bool = true;
 
     fn of(model: &M) -> Table<M> {
         let variables = model.table();

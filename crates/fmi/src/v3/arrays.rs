@@ -134,13 +134,14 @@ pub trait ArrayModel: Model {
         vec![step]
     }
 
-    /// Advances by a part of a communication step: `so_far` \[s\] of it are over; `at_end` is the communication point
-    /// \[s\] if this is the last part.
+    /// Advances by a part of a communication step that begins at `from`: `so_far` of it are over; `at_end` is the
+    /// communication point at its end if this is the last part. All are in \[s\].
     ///
     /// # Errors
     /// Those of [`Model::advance`].
     fn advance_part(
         &mut self,
+        from: f64,
         part: f64,
         so_far: f64,
         at_end: Option<f64>,

@@ -23,6 +23,7 @@ pub struct Table<M: ArrayModel> {
 
 impl<M: ArrayModel> Interface<M> for Table<M> {
     const TOKEN: &'static str = "instantiationToken";
+    const LONGER_STATES: bool = false;
 
     fn of(model: &M) -> Table<M> {
         Table { arrays: M::arrays(), sizes: model.sizes() }
@@ -67,6 +68,7 @@ enum Found<'a, B> {
 /// A part of a communication step that remains to be done.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Part {
+    from: f64,
     length: f64,
     so_far: f64,
     at_end: Option<f64>,
@@ -452,7 +454,7 @@ impl<M: ArrayModel> Slave<M> {
         let (mut so_far, last) = (0.0, lengths.len() - 1);
         let part = |(k, length): (usize, f64)| {
             let at_end = (k == last).then_some(from + step);
-            let part = Part { length, so_far, at_end, time: at_end.unwrap_or(from + so_far + length) };
+            let part = Part { from, length, so_far, at_end, time: at_end.unwrap_or(from + so_far + length) };
             so_far += length;
             part
         };
@@ -464,7 +466,7 @@ impl<M: ArrayModel> Slave<M> {
     /// # Errors
     /// The model refuses the first part, and nothing has changed; or it fails, and the slave is in the error state.
     pub(crate) fn do_part(&mut self, part: &Part) -> Answer<M, ()> {
-        match self.model.advance_part(part.length, part.so_far, part.at_end) {
+        match self.model.advance_part(part.from, part.length, part.so_far, part.at_end) {
             Ok(()) => {
                 self.set_time(part.time);
                 Ok(())

@@ -73,7 +73,7 @@ fn fmi_rs_runs_arrays_to_the_bits_of_scalars() {
         let sizes = description.initial_size(variable).unwrap();
         (variable.valueReference, sizes.iter().product::<usize>())
     };
-    assert_eq!(description.modelVariables.len(), 38);
+    assert_eq!(description.modelVariables.len(), 39);
     assert_eq!(description.outputs.len(), 15);
     let inputs = description.modelVariables.iter().filter(|it| it.causality == Causality::Input);
     assert_eq!(inputs.map(|it| &it.name[..]).collect::<Vec<_>>(), ["Fp", "Mp", "Active"]);

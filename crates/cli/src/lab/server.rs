@@ -1,0 +1,173 @@
+//! A server for a browser of this machine: one thread, and bounds for all that a connection can take.
+
+use std::borrow::Cow;
+use std::io::{ErrorKind, Read, Result, Write};
+use std::net::{TcpListener, TcpStream};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// Connections whose request has not come yet. The oldest makes room for a new one.
+const MOST_WAITING: usize = 64;
+/// \[byte\] Of a request; what follows its head is not read.
+const LARGEST_HEAD: usize = 16_384;
+/// For a request to come, and for each part of an answer to be taken.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// What is asked.
+pub struct Request<'a> {
+    pub method: &'a str,
+    /// As it is in the address, with what follows `?`.
+    pub path: &'a str,
+    pub host: &'a str,
+}
+
+/// What is answered.
+pub struct Answer {
+    pub status: &'static str,
+    /// Lines of the head, each with its end.
+    pub head: String,
+    pub content: Cow<'static, [u8]>,
+}
+
+/// A connection whose request has not come yet, or only its beginning.
+struct Waiting {
+    stream: TcpStream,
+    since: Instant,
+    head: Vec<u8>,
+}
+
+/// Answers, each connection once, as long as it goes on.
+///
+/// # Errors
+/// No connection can be taken.
+pub fn serve(
+    listener: &TcpListener,
+    goes_on: impl Fn() -> bool,
+    answer: impl Fn(&Request) -> Answer,
+) -> Result<()> {
+    listener.set_nonblocking(true)?;
+    let mut all: Vec<Waiting> = Vec::new();
+    while goes_on() {
+        match listener.accept() {
+            Ok((stream, _)) if stream.set_nonblocking(true).is_ok() => {
+                if all.len() == MOST_WAITING {
+                    all.remove(0);
+                }
+                all.push(Waiting { stream, since: Instant::now(), head: Vec::new() });
+            }
+            // Who asked is gone.
+            Ok(_) => {}
+            Err(error) if is_nothing(error.kind()) || error.kind() == ErrorKind::ConnectionAborted => {}
+            Err(error) if all.is_empty() => return Err(error),
+            // Perhaps too many files are open.
+            Err(_) => drop(all.remove(0)),
+        }
+        all.retain_mut(|one| one.waits(&answer).unwrap_or(false));
+        sleep(Duration::from_millis(if all.is_empty() { 20 } else { 2 }));
+    }
+    Ok(())
+}
+
+fn is_nothing(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::WouldBlock | ErrorKind::Interrupted)
+}
+
+impl Waiting {
+    /// Reads what has come, and answers a request that is complete. Returns whether it is still to come.
+    fn waits(&mut self, answer: impl Fn(&Request) -> Answer) -> Result<bool> {
+        let mut part = [0; 4096];
+        loop {
+            if let Some(end) = self.head.windows(4).position(|end| end == b"\r\n\r\n") {
+                let text = String::from_utf8_lossy(&self.head[..end]);
+                let (request, head_only) = request_of(&text);
+                let answer = answer(&request);
+                return self.send(&answer, head_only).map(|()| false);
+            }
+            if self.head.len() > LARGEST_HEAD {
+                return Ok(false);
+            }
+            match self.stream.read(&mut part) {
+                Ok(0) => return Ok(false),
+                Ok(length) => self.head.extend_from_slice(&part[..length]),
+                Err(error) if is_nothing(error.kind()) => return Ok(self.since.elapsed() < PATIENCE),
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    fn send(&self, answer: &Answer, head_only: bool) -> Result<()> {
+        let Answer { status, head, content } = answer;
+        let mut stream = &self.stream;
+        stream.set_nonblocking(false)?;
+        stream.set_write_timeout(Some(PATIENCE))?;
+        let head = format!(
+            "HTTP/1.1 {status}\r\nContent-Length: {}\r\nConnection: close\r\n{head}\r\n",
+            content.len()
+        );
+        stream.write_all(head.as_bytes())?;
+        if head_only { Ok(()) } else { stream.write_all(content) }
+    }
+}
+
+/// What the lines of a head ask, and whether only for a head; empty texts where it says nothing.
+fn request_of(head: &str) -> (Request<'_>, bool) {
+    let mut lines = head.split("\r\n");
+    let mut words = lines.next().unwrap_or_default().split(' ');
+    let (method, path) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+    let mut fields = lines.filter_map(|line| line.split_once(':'));
+    let host = fields.find(|(name, _)| name.eq_ignore_ascii_case("host"));
+    (Request { method, path, host: host.map_or("", |(_, value)| value.trim()) }, method == "HEAD")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::net::Ipv4Addr;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    /// What a server answers that repeats what was asked.
+    fn told(asked: &mut TcpStream, text: &str) -> String {
+        asked.write_all(text.as_bytes()).unwrap();
+        let mut answer = String::new();
+        asked.read_to_string(&mut answer).unwrap();
+        answer
+    }
+
+    /// A thread was made for each connection; where none could be had, nobody was answered any more.
+    #[test]
+    fn connections_that_ask_nothing_or_too_much_keep_nobody_else_waiting() {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let (address, over) = (listener.local_addr().unwrap(), AtomicBool::new(false));
+        let echo = |request: &Request| Answer {
+            status: "200 OK",
+            head: "X-Lab: here\r\n".to_owned(),
+            content: Cow::Owned(format!("{} {} {}", request.method, request.path, request.host).into_bytes()),
+        };
+        std::thread::scope(|scope| {
+            let server = scope.spawn(|| serve(&listener, || !over.load(Ordering::Relaxed), echo));
+            let connect = || TcpStream::connect(address).unwrap();
+            let idle: Vec<TcpStream> = (0..3 * MOST_WAITING).map(|_| connect()).collect();
+            let answer = told(&mut connect(), "GET /a?b HTTP/1.1\r\nhOsT:  me \r\nHost: other\r\n\r\n");
+            let (head, content) = answer.split_once("\r\n\r\n").unwrap();
+            assert!(
+                head.starts_with("HTTP/1.1 200 OK\r\nContent-Length: 11\r\n")
+                    && head.ends_with("X-Lab: here")
+            );
+            assert_eq!(content, "GET /a?b me");
+            // A request in parts, one without an end, and no request at all.
+            let mut slow = connect();
+            slow.write_all(b"HEAD / HTTP/1.1\r\nHo").unwrap();
+            let mut endless = connect();
+            let written = (0..).find_map(|_| endless.write_all(&[b'x'; 4096]).err());
+            assert!(written.is_some(), "it is closed");
+            assert!(told(&mut connect(), "\r\n\r\n").ends_with("\r\n\r\n  "));
+            let answer = told(&mut slow, "st: me\r\n\r\n");
+            assert!(answer.contains("Content-Length: 9\r\n") && answer.ends_with("\r\n\r\n"), "{answer}");
+            // The oldest of those who asked nothing have been closed.
+            let mut oldest = &idle[0];
+            assert_eq!(oldest.read(&mut [0; 1]).unwrap(), 0);
+            over.store(true, Ordering::Relaxed);
+            server.join().unwrap().unwrap();
+        });
+    }
+}
