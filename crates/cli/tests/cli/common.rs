@@ -65,8 +65,9 @@ pub fn waits(child: &Child) {
     let mut quiet = 0;
     while quiet < 30 {
         std::thread::sleep(Duration::from_millis(10));
-        let tasks = std::fs::read_dir(format!("/proc/{}/task", child.id())).expect("it has ended by itself");
-        quiet = if tasks.map(sleeps).all(|sleeps| sleeps) { quiet + 1 } else { 0 };
+        let mut tasks =
+            std::fs::read_dir(format!("/proc/{}/task", child.id())).expect("it has ended by itself");
+        quiet = if tasks.all(sleeps) { quiet + 1 } else { 0 };
     }
 }
 
