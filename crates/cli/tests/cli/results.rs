@@ -319,7 +319,17 @@ fn saved_runs_are_hostile_until_checked() {
         ("last = 0.5", "last = 0.45", "its last row is of t = 0.5 s, not of t = 0.45 s"),
         ("last = 0.5", "last = nan", "last: NaN"),
         ("largest_overlap = ", "largest_overlap = -", "largest_overlap: -"),
-        ("agent = ", "agent = 7", "contains an agent"),
+        ("agent = ", "agent = 7", "contains other agents"),
+        (
+            "component = \"crowd\"",
+            "component = \"crowd\"\nsince = { duration = 1.0, agents = [[1.0, 1.0, 1.0]] }",
+            "contains other agents",
+        ),
+        (
+            "component = \"crowd\"",
+            "component = \"crowd\"\nsince = { duration = -1.0, agents = [] }",
+            "since: must be finite and not negative",
+        ),
         ("state = \"state-0\"", "state = \"../x\"", "it contains no \"../x\""),
         (
             "state = \"state-0\"",
