@@ -12,7 +12,6 @@ import time
 import tracemalloc
 
 import cloudpickle
-import dask
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
@@ -413,17 +412,24 @@ def test_a_point_that_kills_its_worker_is_a_row(fmu, end):
     assert table.error[5] == "the worker process ended several times while it simulated this point"
 
 
-def test_workers_that_dask_gives_up_are_started_again(fmu):
-    """Its cluster forgets a worker that is not back in time: the sweep waited for ever."""
+def test_workers_that_are_gone_are_started_again(fmu):
+    """Dask does not: the sweep waited for ever."""
+    closed = []
 
-    def deadly(run):
-        if run.poses[0, 1, 0] > 0.28:
-            os._exit(3)
-        return {"x": run.poses[-1, 0, 0]}
+    def close(progress):
+        if progress.done >= 3 and not closed:
+            (worker,) = workers.workers.values()
+            workers.sync(worker.close)
+            closed.append(worker)
 
-    with dask.config.set({"distributed.deploy.lost-worker-timeout": "0s"}), local_cluster(1) as workers, Client(workers) as client:
-        table = sweep(fmu, {"agent[1].Position.x": [0.279, 0.2801, 0.279]}, False, deadly, client=client, **{**RUN, "until": 0.1})
-    assert table.status.tolist() == ["ok", "failed", "ok"]
+    def slow(run):
+        time.sleep(0.1)
+        return measure(run)
+
+    with local_cluster(1) as workers, Client(workers) as client:
+        table = sweep(fmu, {"agent[1].Mass": np.linspace(60, 80, 40)}, False, slow, client=client, **{**RUN, "progress": close})
+        assert closed and list(workers.workers.values()) != closed
+    assert (table.status == "ok").all() and len(table) == 40
 
 
 def test_a_sweep_that_nobody_works_for_ends(fmu, monkeypatch):

@@ -153,7 +153,10 @@ def _sweep(
                     pending.clear()
                 intervals.done()
 
-            with client_of(client) as cluster:
+            # By default a cluster gives up a worker that is not back after 15 s. A busy machine may need longer to start one,
+            # which then meets another of its name.
+            patient = dask.config.set({"distributed.deploy.lost-worker-timeout": DESERTED})
+            with patient, client_of(client) as cluster:
                 for fmu in study.fmus:
                     send_fmu(cluster, fmu)
                 cluster.register_plugin(JobOnWorker(job))
@@ -286,8 +289,8 @@ class _Run:
             self.submit([self.suspects.popleft()])
 
     def look(self) -> None:
-        """Counts the threads of the workers, which come and go. If there are none, starts those of this machine again: Dask gives
-        up one that ended and is not back after 15 s, and a busy machine may need longer to start it.
+        """Counts the threads of the workers, which come and go. If there are none, starts those of this machine again that Dask
+        does not: whose start failed, for example.
 
         Raises:
             SweepError: nobody has worked for long.
@@ -309,7 +312,7 @@ class _Run:
             first = ", ".join(map(str, points[:10])) + (", …" if len(points) > 10 else "")
             raise SweepError(f"there has been no worker for {DESERTED:g} s; {len(points)} points are open: {first}")
         for name, worker in list(cluster.workers.items()):
-            if worker.status in (Status.failed, Status.closed):  # a point may end a worker before it has quite started
+            if worker.status in (Status.failed, Status.closed):
                 cluster.workers.pop(name, None)
         cluster.scale(len(cluster.worker_spec))  # opens those that are missing
 
