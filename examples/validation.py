@@ -145,7 +145,7 @@ def frames_of(table):
 def measured(trial, table, *words):
     """Returns the summary of `lemons measure` and its tables."""
     directory = trial.with_name(trial.name + "_measures")
-    lemons("measure", table, "--trial", trial, "--every", EVERY, "-o", directory, "--force", *words)
+    lemons("measure", table, "--trial", trial, "-o", directory, "--force", *words)
     tables = {name: pd.read_csv(directory / f"{name}.csv") for name in ("flow", "gaps", "density")}
     return json.loads((directory / "summary.json").read_text()), tables
 

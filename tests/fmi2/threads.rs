@@ -65,7 +65,7 @@ fn threads_now() -> usize {
 }
 
 /// \[s\] The system lists a thread for a moment after whoever joined it has gone on.
-const LISTED: u64 = 10;
+const LISTED: u64 = 600;
 
 /// Waits for the system to list no more threads than `expected`, and requires that many.
 fn threads_are(expected: usize, what: &str) {

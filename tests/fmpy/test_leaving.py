@@ -73,7 +73,7 @@ def test_time_above_a_level_of_means_over_a_second(tmp_path):
     still = [[(0.0, 0.0), (2.0, 0.0)]] * len(times)
     table = write_table(tmp_path / "run.csv", still, squeezes=np.transpose([pulse, noise]))
     levels = [0, 100, 300, 401, 450]
-    first, second = lemons_fmu.measure(table, above=levels, over=1, every=1).people.to_dict("records")
+    first, second = lemons_fmu.measure(table, above=levels, over=1).people.to_dict("records")
     assert [first[f"time_above_{level}_over_1"] for level in levels] == pytest.approx([1.5, 1.25, 0.75, 0.0, 0.0])
     # The definition, on a grid of 0.1 ms: the moving mean, where it is known.
     fine = np.repeat(noise[1:], 1000)
@@ -84,7 +84,7 @@ def test_time_above_a_level_of_means_over_a_second(tmp_path):
     assert 1.0 < expected[-1] < 10.0
     # Shorter than a step, or longer than the record: not known.
     for over_ in (0.05, 13):
-        assert lemons_fmu.measure(table, above=[100], over=over_, every=1).people[f"time_above_100_over_{over_}"].isna().all()
+        assert lemons_fmu.measure(table, above=[100], over=over_).people[f"time_above_100_over_{over_}"].isna().all()
 
 
 def test_everybody_gets_out(lemons, tmp_path):

@@ -175,7 +175,7 @@ def test_exposure_is_that_of_a_pulse_and_a_ramp(tmp_path):
     ramp = np.maximum(times - 0.05, 0.0) * 100.0
     still = [[(0.0, 0.0), (2.0, 0.0)]] * len(times)
     table = write_table(tmp_path / "run.csv", still, squeezes=np.transpose([pulse, ramp]))
-    seen = measure(table, above=[500, 799.5, 801], every=1)
+    seen = measure(table, above=[500, 799.5, 801])
     first, second = seen.people.to_dict("records")
     assert [first[f"time_above_{level}"] for level in ("500", "799.5", "801")] == pytest.approx([0.5, 0.5, 0.0])
     assert [first[f"largest_mean_{span}"] for span in ("0.1", "1", "10")] == pytest.approx([800.0, 400.0, 40.0])
@@ -184,22 +184,21 @@ def test_exposure_is_that_of_a_pulse_and_a_ramp(tmp_path):
     assert second["time_above_500"] == pytest.approx(7.0)
     assert [second[f"largest_mean_{span}"] for span in ("0.1", "1", "10")] == pytest.approx([1195.0, 1150.0, 700.0])
     assert second["impulse"] == pytest.approx(50 * 12.0**2)
-    assert seen.summary["exposure"]["every_step_known"] is True
     assert seen.summary["exposure"]["impulse"]["max_id"] == "1"
-    assert measure(table).summary["exposure"]["every_step_known"] is False
 
 
-def test_samples_are_no_exposure(lemons, tmp_path):
-    call(lemons, "run", TRIAL_DOOR, "--until", 1, "--every", 4, "-o", "few.csv", "--outputs", "o.csv")
-    for options in (["--every", 4], ["--trial", TRIAL_DOOR]):
-        done = call(lemons, "measure", "few.csv", *options, "--summary", "-")
-        summary = json.loads(done.stdout)
-        assert summary["exposure"] is None and "exposure to squeeze is left out" in done.stderr
-        assert summary["exposure_left_out"] in done.stderr
-        assert "--above: few.csv: " in call(lemons, "measure", "few.csv", *options, "--above", 100, code=1).stderr
-    assert len(measure("few.csv", every=4).people) == 0
-    # And nothing says it of a table alone: the output says what it assumes.
-    assert "Assumed: the table has every communication step" in call(lemons, "measure", "few.csv").stdout
+def test_exposure_needs_no_row_of_each_step(lemons, tmp_path):
+    """Rows of every fifth step have the squeeze of those between, so means over times of rows are the same."""
+    run = ["run", TRIAL_DOOR, "--until", 5, "--step", 0.02, "-o"]
+    for name, every in ("all", 1), ("few", 5):
+        call(lemons, *run, f"{name}.csv", "--every", every, "--outputs", f"{name}_outputs.csv")
+    every, few = (measure(f"{name}.csv", above=[100], over=1).people for name in ("all", "few"))
+    assert (every["impulse"] > 0).sum() > 10
+    for name in "time", "impulse", "peak":
+        np.testing.assert_allclose(few[name], every[name], rtol=1e-9)
+    # Within a row the squeeze counts as its mean.
+    np.testing.assert_allclose(few["largest_mean_1"], every["largest_mean_1"], rtol=0.1)
+    assert (few["largest_mean_1"] <= every["largest_mean_1"] * (1 + 1e-9)).all()
 
 
 def test_a_trial_is_run_as_lemons_run_does(lemons, walk):
@@ -207,7 +206,7 @@ def test_a_trial_is_run_as_lemons_run_does(lemons, walk):
     recorded = measure(walk, trial=TRIAL_DOOR, lines={"door": DOOR}, above=[1000])
     for name in ("flow", "gaps", "density", "people"):
         pd.testing.assert_frame_equal(getattr(seen, name), getattr(recorded, name), rtol=1e-9, check_exact=False)
-    assert seen.summary["exposure"]["every_step_known"] is True
+    assert seen.summary["exposure"] is not None
 
 
 def test_a_run_of_python_is_measured(lemons, pack):
@@ -245,7 +244,6 @@ def test_what_is_wrong_is_said(lemons, walk, tmp_path):
         ([walk, "--above", "-3"], 2, "not below 0"),
         ([walk, "--from", "5", "--until", "2"], 2, "not before the end"),
         ([walk, "--from", "20"], 1, "no frame between --from and --until"),
-        ([TRIAL_DOOR, "--every", "2"], 2, "--every is for the results"),
         ([places, "--above", "100"], 1, "do not contain the mean squeeze"),
         ([walk, "--plot", "picture.txt"], 2, ".png, .svg or .pdf"),
         ([walk, "--summary", walk], 1, "reads it"),

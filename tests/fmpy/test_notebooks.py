@@ -14,7 +14,7 @@ from crowd import REPOSITORY
 PLACE = REPOSITORY / "examples" / "notebooks"
 NOTEBOOKS = sorted(PLACE.glob("*.ipynb"))
 NAMES = [path.stem for path in NOTEBOOKS]
-SECONDS = 300  # a notebook takes some seconds; a busy machine longer
+SECONDS = 1800  # a notebook takes some seconds; a busy machine longer
 
 
 @pytest.fixture

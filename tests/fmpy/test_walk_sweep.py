@@ -242,10 +242,10 @@ def test_a_killed_sweep_over_trials_goes_on_and_gives_the_same_table(rooms, tmp_
         what = rooms / "room_{width}_{seed}"
         return subprocess.Popen([sys.executable, script, what, tmp_path / out, tmp_path / name], env=os.environ)
 
-    out, ends = tmp_path / "out", time.monotonic() + 120
+    out = tmp_path / "out"
     killed = start("first")
     while not list(out.glob("part-*.parquet")):
-        assert killed.poll() is None and time.monotonic() < ends
+        assert killed.poll() is None
         time.sleep(0.02)
     killed.send_signal(signal.SIGKILL)
     assert killed.wait() == -signal.SIGKILL

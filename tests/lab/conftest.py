@@ -14,7 +14,7 @@ from visit import LEMONS, ROOT
 sys.path.insert(0, str(ROOT / "tests/common"))
 
 # In ms. A machine may have much else to do.
-expect.set_options(timeout=20_000)
+expect.set_options(timeout=180_000)
 
 
 @pytest.fixture(scope="session")
@@ -25,7 +25,7 @@ def url() -> Iterator[str]:
     assert line.startswith("the lab is at http://127.0.0.1:"), line
     yield line.split()[4].rstrip(",")
     command.send_signal(signal.SIGINT)
-    assert command.wait(5) == 0
+    assert command.wait(180) == 0
 
 
 @pytest.fixture(scope="session")

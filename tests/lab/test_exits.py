@@ -86,7 +86,7 @@ def test_everybody_leaves_by_an_exit_that_is_drawn(page: Page, browser: Browser,
     button(page, "Play")
     # The run ends with them.
     told = page.get_by_text("All 12 have left after")
-    expect(told).to_be_visible(timeout=120_000)
+    expect(told).to_be_visible(timeout=180_000)
     expect(page.get_by_role("button", name="Play")).to_be_visible()
     found = re.fullmatch(r"All 12 have left after (\S+) s\.", told.inner_text())
     assert found

@@ -73,7 +73,7 @@ def test_a_room_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
         page.wait_for_timeout(400)
         return False
 
-    wait(page, closed, 20)
+    wait(page, closed)
     becomes(page, lambda: room()[:2], [OUTLINE, [BLOCK, WEDGE]])
 
     tab(page, "Crowd")

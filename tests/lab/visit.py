@@ -40,18 +40,18 @@ def make(page: Page, number: int, width: float, height: float) -> None:
     page.get_by_role("spinbutton", name="People").fill(str(number))
     page.get_by_role("spinbutton", name="People").press("Tab")
     page.get_by_role("button", name="Make this crowd").click()
-    expect(page.get_by_text(f"{number} people placed in")).to_be_visible(timeout=30_000)
+    expect(page.get_by_text(f"{number} people placed in")).to_be_visible(timeout=180_000)
 
 
 def example(page: Page, name: str, number: int) -> None:
     tab(page, "Start")
     page.get_by_role("button", name=name).click()
-    expect(page.get_by_text(f"{number} people placed in")).to_be_visible(timeout=30_000)
+    expect(page.get_by_text(f"{number} people placed in")).to_be_visible(timeout=180_000)
 
 
 def download(page: Page, name: str, to: Path) -> Path:
     tab(page, "Take away")
-    with page.expect_download(timeout=120_000) as waiting:
+    with page.expect_download(timeout=180_000) as waiting:
         page.get_by_role("button", name=name, exact=True).click()
     path = to / waiting.value.suggested_filename
     waiting.value.save_as(path)
@@ -62,7 +62,7 @@ def seconds(page: Page) -> float:
     return float(page.locator(".time").inner_text().split()[0])
 
 
-def wait(page: Page, holds: Callable[[], bool], limit: float = 120) -> None:
+def wait(page: Page, holds: Callable[[], bool], limit: float = 180) -> None:
     """Asks again and again. (The policy for contents allows no conditions as text in the page.)"""
     begun = time.monotonic()
     while not holds():
@@ -70,7 +70,7 @@ def wait(page: Page, holds: Callable[[], bool], limit: float = 120) -> None:
         page.wait_for_timeout(50)
 
 
-def becomes(page: Page, asked: Callable[[], object], wanted: object, limit: float = 20) -> None:
+def becomes(page: Page, asked: Callable[[], object], wanted: object, limit: float = 180) -> None:
     """As `wait`, but a failure shows both."""
     begun = time.monotonic()
     while (found := asked()) != wanted and time.monotonic() - begun < limit:

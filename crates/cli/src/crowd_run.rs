@@ -5,7 +5,7 @@ use crate::recording::Recording;
 use crate::results::{self, Column, Content, FrameWriter, Kind, Place, Started, told};
 use anyhow::{Context, Result, bail};
 use lemons_files::Staged;
-use lemons_master::{Component, CrowdRecord, Extremes, Greatest, Selection, System};
+use lemons_master::{Component, CrowdRecord, Extremes, Greatest, Selection, Since, System};
 use lemons_plane::{Motion, Pose, Twist, Vec2, vec2};
 use lemons_record::columns::{self, Groups};
 use lemons_record::{Extent, Frame, Observed, OfStep, Recorder, Run, Totals, Wanted};
@@ -59,7 +59,11 @@ pub struct Crowd {
     totals: Selection,
     trajectories: Rows,
     extremes: Extremes,
-    /// Whether the step with the greatest peak was seen now and has no rows.
+    /// Of the steps since the last rows.
+    since: Since,
+    /// \[s\] of the last look.
+    seen: f64,
+    /// Whether the greatest peak was since then.
     peak_passed: bool,
     /// At the last look.
     moves: bool,
@@ -153,7 +157,7 @@ pub enum Point {
     Start,
     /// The end of a step, whose rows are written.
     Written,
-    /// The end of a step, of which only the extremes are noted.
+    /// The end of a step, whose squeeze goes into the next rows.
     Passed,
 }
 
@@ -196,9 +200,12 @@ impl Crowd {
         let content = Content { columns: columns_of(description, groups), about };
         let before = recording.before_of(&component.name)?;
         let extremes = before.map(|before| before.extremes).unwrap_or_default();
-        if [extremes.mean_squeeze, extremes.peak_squeeze].iter().any(|most| most.agent >= agents) {
+        let since = before.map(|before| before.since.clone()).unwrap_or_default();
+        if [extremes.mean_squeeze, extremes.peak_squeeze].iter().any(|most| most.agent >= agents)
+            || !(since.is_empty() || since.people() == agents)
+        {
             bail!(
-                "the saved run is damaged: it contains an agent that component {:?} does not have",
+                "the saved run is damaged: it contains other agents than component {:?} has",
                 component.name
             );
         }
@@ -224,6 +231,8 @@ impl Crowd {
             ids,
             trajectories,
             extremes,
+            since,
+            seen: system.time(),
             peak_passed: false,
             moves: false,
             standing: Vec::new(),
@@ -277,9 +286,8 @@ impl Crowd {
             self.extremes.mean_squeeze.see(steps.iter().map(|step| step[0]), time);
             let before = self.extremes.peak_squeeze.force;
             self.extremes.peak_squeeze.see(steps.iter().map(|step| step[1]), time);
-            if self.extremes.peak_squeeze.force > before {
-                self.peak_passed = point == Point::Passed;
-            }
+            self.peak_passed =
+                point == Point::Passed && (self.peak_passed || self.extremes.peak_squeeze.force > before);
             let deepest = steps.iter().map(|step| step[2]);
             self.extremes.largest_overlap = deepest.fold(self.extremes.largest_overlap, f64::max);
         }
@@ -288,15 +296,18 @@ impl Crowd {
         let there = active.iter().map(|active| *active != 0).chain(std::iter::repeat(true));
         let places = motions.iter().map(|&[x, y, ..]| vec2(x, y)).zip(there);
         self.standing = places.map(|(place, there)| there.then_some(place)).collect();
+        self.since.add(time - self.seen, steps);
+        self.seen = time;
         if point == Point::Passed {
             return Ok(());
         }
+        let steps = std::mem::take(&mut self.since).finish();
         let mut contacts = vec![0; self.contacts.len()];
         let mut totals = vec![0; self.totals.len()];
         instance.get_integer(&self.contacts, &mut contacts)?;
         instance.get_integer(&self.totals, &mut totals)?;
         let (contacts, _) = contacts.as_chunks::<3>();
-        let mut frame = frame(time, motions, contacts, &squeezes, steps, &totals)?;
+        let mut frame = frame(time, motions, contacts, &squeezes, &steps, &totals)?;
         frame.active = (!self.active.is_empty()).then(|| active.iter().map(|active| *active != 0).collect());
         match &mut self.trajectories {
             Rows::Table(table) => table.writer.frame(&frame).map_err(told),
@@ -313,7 +324,14 @@ impl Crowd {
             Rows::Table(table) => table.writer.extent(),
             Rows::Memory(_) => Extent::default(),
         };
-        CrowdRecord { component: component.to_owned(), rows, last, digest, extremes: self.extremes }
+        CrowdRecord {
+            component: component.to_owned(),
+            rows,
+            last,
+            digest,
+            extremes: self.extremes,
+            since: self.since.clone(),
+        }
     }
 
     /// Among the components.
@@ -345,7 +363,10 @@ impl Crowd {
             lines.push(squeeze("greatest step mean", mean_squeeze, "step to"));
             lines.push(squeeze("greatest peak", peak_squeeze, "step to"));
             if self.peak_passed && matches!(self.trajectories, Rows::Table(_)) {
-                lines.push(format!("{:<33}(not in the table, which has no rows of this step: --every)", ""));
+                lines.push(format!(
+                    "{:<33}(not in the table, whose last rows are before this step: --every)",
+                    ""
+                ));
             }
         }
         match self.trajectories {

@@ -63,7 +63,7 @@ lemons movie trajectories.csv --trial Trial_box --fill speed -o box.mp4",
         "\
 lemons measure resources/Trial_door --until 10 --line door=5,2,5,3
 lemons measure walk.csv --trial resources/Trial_door --area front=3,1,5,4
-lemons measure box.csv --every 1 --above 1000,2000 -o measures --plot box.svg",
+lemons measure box.csv --above 1000,2000 -o measures --plot box.svg",
     ),
     (
         "export",

@@ -14,7 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::pictures::look::{positive, seconds};
 use crate::pictures::plot::Format;
-use crate::pictures::source::{Source, lacks_steps};
+use crate::pictures::source::Source;
 use crate::run::{Until, until};
 use anyhow::{Context, Result, bail};
 use lemons_measure::{Line, MeasuringArea, Room};
@@ -25,7 +25,7 @@ use options::{Named, level, line, measuring_area, names_differ};
 use pass::Pass;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use summary::{Steps, Summary};
+use summary::Summary;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -56,11 +56,6 @@ pub struct Arguments {
     /// which single collisions count
     #[arg(long, value_name = "SECONDS", requires = "above", value_parser = positive)]
     over: Option<f64>,
-    /// The results of an earlier run have only every N-th communication point: --every of lemons run.
-    /// Exposure to squeeze is measured for 1 only. Default: 1 if frames are no further apart than the
-    /// TimeStep of --trial; without --trial, 1 is assumed
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    every: Option<u32>,
     /// Measure from this time on, in seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     from: Option<f64>,
@@ -111,8 +106,7 @@ pub fn measure(arguments: &Arguments) -> Result<()> {
     if !lines.is_empty() && (until - from) / arguments.window > MOST_WINDOWS {
         bail!(Misused(format!("--window: {} s makes more than a million windows", arguments.window)));
     }
-    let steps = arguments.steps(trial.as_ref(), passed.longest_step);
-    let summary = Summary::of(arguments, &record, &passed, &steps)?;
+    let summary = Summary::of(arguments, &record, &passed)?;
     if let Some(why) = summary.left_out() {
         if !arguments.above.is_empty() {
             bail!("--above: {}: {why}", source.path.display());
@@ -149,9 +143,6 @@ impl Arguments {
         if self.above.windows(2).any(|pair| pair[0] >= pair[1]) {
             bail!(Misused("--above: must be rising numbers of newtons, as in 1000,2000".into()));
         }
-        if self.source.runs() && self.every.is_some() {
-            bail!(Misused("--every is for the results of an earlier run".into()));
-        }
         self.source.end(self.until)?;
         if let (Some(from), Some(until)) = (self.from, self.end())
             && from >= until
@@ -175,28 +166,6 @@ impl Arguments {
         }
         let rings = polygon_from_wkt(&area.wkt).map_err(anyhow::Error::msg)?;
         Room::of(&rings).context("the walkable area has no ring")
-    }
-
-    /// Whether every communication step is in the record; `longest` \[s\] is the longest time between two frames.
-    fn steps(&self, trial: Option<&Trial>, longest: f64) -> Steps {
-        match (self.every, trial) {
-            _ if self.source.runs() => Steps::All,
-            (Some(1), _) => Steps::All,
-            (Some(n), _) => Steps::Some(format!(
-                "the results have only every {n}-th communication point (--every): the steps between are not known"
-            )),
-            (None, Some(trial)) => {
-                let step = trial.parameters.time_step;
-                if !lacks_steps(trial, longest) {
-                    return Steps::All;
-                }
-                Steps::Some(format!(
-                    "its frames are up to {longest:.6} s apart, but the TimeStep of the Trial is {step:?} s: probably they \
-                     are not all communication points (if the run had a longer --step, give --every 1)"
-                ))
-            }
-            (None, None) => Steps::Assumed,
-        }
     }
 
     /// \[m\]

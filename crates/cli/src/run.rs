@@ -13,7 +13,7 @@ use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::recording::Recording;
 use crate::results::{Format, FormatName, Place};
-use crate::tell::nobody_listens;
+use crate::tell::{Interim, nobody_listens};
 use crate::version::BUILD;
 use crate::watch::{Places, Recorded, Records, Watch};
 use crate::words::{refused, warned};
@@ -95,7 +95,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FORMAT", hide_possible_values = true, help = FORMAT_HELP)]
     format: Option<FormatName>,
     /// Write only every N-th communication point, beginning with the first. Default: 1. Mean and peak
-    /// squeeze in a row are of the one step that ends there: those of the steps between are not written
+    /// squeeze in a row are of all steps since the row before
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     every: Option<u32>,
     /// Save the state of the run when it ends or is stopped by Ctrl-C; --resume continues it
@@ -373,7 +373,18 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
     })?;
     let begun = Instant::now();
     let pushes = &pushes;
-    let mut stepping = Stepping { pushes, by: &by, shared, interrupt, progress, kept, rest, bar, begun };
+    let mut stepping = Stepping {
+        pushes,
+        by: &by,
+        shared,
+        interrupt,
+        progress,
+        kept,
+        rest,
+        bar,
+        begun,
+        interim: Interim::from(begun),
+    };
     let done = stepping.advance(&mut system, before.is_none());
     // What was simulated before a failure is worth having.
     let Underway { started, coupling, watch, file, .. } = shared.take().context("the run was given up")?;
@@ -558,6 +569,7 @@ struct Stepping<'a> {
     bar: ProgressBar,
     /// When the step under way began.
     begun: Instant,
+    interim: Interim,
 }
 
 impl Observer<System> for Stepping<'_> {
@@ -595,6 +607,9 @@ impl Observer<System> for Stepping<'_> {
             self.put_by(system)?;
         }
         self.bar.set_message(format!("t = {:.2} s", reached.time));
+        if self.bar.is_hidden() && self.interim.is_due(Instant::now()) {
+            note!("t = {:.2} s", reached.time);
+        }
         match self.rest.as_ref().and_then(Rest::left) {
             Some((_, left)) => self.bar.set_position(left as u64),
             None => self.bar.inc(1),

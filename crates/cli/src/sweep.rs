@@ -5,6 +5,7 @@ use crate::export::trial_of;
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::run::writes_in_series;
+use crate::tell::Interim;
 use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
@@ -127,6 +128,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         ProgressStyle::with_template("{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left")?;
     let bar = ProgressBar::new(spec.points.count as u64).with_style(style);
     let newest = Cell::new(None);
+    let mut interim = Interim::from(Instant::now());
     let tell = |at: Progress| {
         newest.set(Some(at));
         if at.failed > 0 {
@@ -138,6 +140,9 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
             bar.reset_eta();
         }
         bar.set_position(at.done as u64);
+        if bar.is_hidden() && interim.is_due(Instant::now()) {
+            note!("{} of {} points, {} failed", at.done, at.total, at.failed);
+        }
     };
     let started = Instant::now();
     let by = BUILD.whole();

@@ -4,6 +4,7 @@ use lemons_files::reader_left;
 use std::fmt::{self, Display};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// A line on standard output; its error is that of [`line()`].
 macro_rules! say {
@@ -80,6 +81,28 @@ pub fn aside(text: fmt::Arguments) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
+/// How far a long command is, for who sees no progress bar: a line every half minute, as in Python.
+pub struct Interim {
+    last: Instant,
+}
+
+impl Interim {
+    const BETWEEN: Duration = Duration::from_secs(30);
+
+    pub fn from(begin: Instant) -> Interim {
+        Interim { last: begin }
+    }
+
+    /// Whether it is time for a line.
+    pub fn is_due(&mut self, now: Instant) -> bool {
+        let due = now.duration_since(self.last) >= Interim::BETWEEN;
+        if due {
+            self.last = now;
+        }
+        due
+    }
+}
+
 /// Whether somebody closed the pipe (`lemons info … | head`): they have what they wanted.
 pub fn nobody_listens(error: &anyhow::Error) -> bool {
     if reader_left() {
@@ -89,4 +112,18 @@ pub fn nobody_listens(error: &anyhow::Error) -> bool {
         let own = error.get_ref().is_some_and(|inner| inner.is::<NotSaid>());
         own && error.kind() == io::ErrorKind::BrokenPipe
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_due_every_half_minute() {
+        let begin = Instant::now();
+        let mut interim = Interim::from(begin);
+        let seconds = [1, 29, 30, 31, 59, 61, 62, 200, 229, 230];
+        let due = seconds.map(|second| interim.is_due(begin + Duration::from_secs(second)));
+        assert_eq!(due, [false, false, true, false, false, true, false, true, false, true]);
+    }
 }

@@ -75,7 +75,7 @@ pub fn broken(path: &Path, problems: &Problems) -> anyhow::Error {
 /// What is probably not meant.
 pub fn warned(warning: &Warning) -> String {
     match warning {
-        Warning::Ignored(_) => format!("warning: {warning}"),
+        Warning::Ignored(_) | Warning::Differs { .. } => format!("warning: {warning}"),
         Warning::Overwritten { .. } => format!("warning: --set {warning}"),
         Warning::DriveOfWalkers { .. } => format!("note: {warning} (--no-plan: the other way round)"),
         Warning::Still => format!("note: {warning} (lemons decide --help, --drive)"),

@@ -3,7 +3,7 @@
 
 use lemons_columns::{Cell, Column, Kind, Writer};
 use lemons_files::Staged;
-use lemons_master::{ComponentRecord, CrowdRecord, Extent, Extremes, Greatest, Saved};
+use lemons_master::{ComponentRecord, CrowdRecord, Extent, Extremes, Greatest, Saved, Since};
 use std::error::Error;
 use std::fs::{self, File};
 use std::io::Write;
@@ -92,6 +92,7 @@ fn runs(directory: &Path) -> Done {
     };
     let squeeze = Greatest { force: 200.0, agent: 1, time: 0.1 };
     let crowd = CrowdRecord {
+        since: Since::default(),
         component: "crowd".into(),
         rows: 4,
         last: Some(0.15),

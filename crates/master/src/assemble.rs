@@ -10,6 +10,7 @@ use lemons_ssp::{
     Affine, Allowance, Archive, Connector, Extent, Interface, Kind, ParameterSet, Participant, Single,
     SystemStructure, Type, Unit, Value, Variable, conversion, located,
 };
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::ops::Range;
 use std::path::Path;
@@ -202,6 +203,7 @@ fn end<'a>(
 
 fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
     let mut wires = Wires::default();
+    let mut alike = BTreeSet::new();
     let interface = |component: usize| &*system.components()[component].fmu.description;
     for connection in &structure.connections {
         let line = connection.line;
@@ -239,13 +241,16 @@ fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
             }
             map = map.then(transformation);
         }
+        if output.name == input.name {
+            alike.insert((connection.from.component, connection.to.component));
+        }
         list.extend(sent.zip(taken).map(|(sent, taken)| Wire {
             from: (connection.from.component, Single { variable: from, element: sent }.address()),
             to: (connection.to.component, Single { variable: to, element: taken }.address()),
             map,
         }));
     }
-    system.connect(&wires, structure.connections.len())
+    system.connect(&wires, structure.connections.len(), alike)
 }
 
 fn sizes(variable: &Variable) -> Vec<usize> {

@@ -35,7 +35,7 @@ pub use calls::{Answer, CallError};
 pub use clock::{Clock, ClockError};
 pub use decider::{PlanChoice, leavers, plan_of};
 pub use error::{Error, Result, SavedError, whole};
-pub use extremes::{Extremes, Greatest};
+pub use extremes::{Extremes, Greatest, Since};
 pub use fmu::{Fmu, Platform, named};
 pub use given::{Given, pack};
 pub use instance::Instance;

@@ -10,6 +10,7 @@ use crate::refusal::{PrepareError, Warning};
 use crate::system::{Algorithm, PLAY_DRIVE, System};
 use crowd_mechanics::pack::{Binary, Format};
 use lemons_files::Scratch;
+use lemons_ssp::Single;
 use lemons_trial::{DRIVE_FILE, DriveChoice, DriveTable, Trial};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -120,6 +121,20 @@ impl Model {
         let inside = |part: &Part| name.strip_prefix(part.name)?.strip_prefix('.');
         let found = self.parts.iter().enumerate().find_map(|(place, part)| Some((place, inside(part)?)));
         found.unwrap_or((main, name))
+    }
+
+    /// The components, the one that is meant first, and the variable that a value with this name sets. Without a
+    /// component, a parameter of people is set of all components that have it: mass and damping are those of the same
+    /// people.
+    pub fn set_by<'a>(&self, name: &'a str) -> (Vec<usize>, &'a str) {
+        let (main, variable) = self.find(name);
+        let shared = |place: &usize| {
+            let (of, fmu) = (variable.starts_with("agent["), &self.parts[*place].fmu);
+            let parameter = |name: &String| fmu.description.single(name).is_some_and(Single::is_parameter);
+            of && variable == name && *place != main && fmu.named(variable).iter().all(parameter)
+        };
+        let others = (0..self.parts.len()).filter(shared);
+        (std::iter::once(main).chain(others).collect(), variable)
     }
 
     /// What a name may mean that no component has: the same with the component that has it.

@@ -115,6 +115,7 @@ impl Prepared {
         if let (Some(before), Some(states)) = (&before, &states) {
             system.restore(before.time, states).place(of_saved)?;
         }
+        warnings.extend(system.differing()?);
         let trials = system.components().iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
 
         let first = &system.components()[0];
@@ -228,7 +229,8 @@ fn set(
     model: Option<&Model>,
 ) -> Result<Option<Warning>, PrepareError> {
     let given = || (name.to_owned(), value.to_owned());
-    let Some((place, variable)) = model.map(|model| model.find(name)).or_else(|| system.find(name)) else {
+    let in_ssp = || system.find(name).map(|(place, variable)| (vec![place], variable));
+    let Some((places, variable)) = model.map(|model| model.set_by(name)).or_else(in_ssp) else {
         let components = system.components().iter().map(|component| component.name.clone()).collect();
         let (name, value) = given();
         return Err(PrepareError::Component { name, value, components });
@@ -237,13 +239,16 @@ fn set(
         let (name, value) = given();
         return Err(PrepareError::OfOther { name, value, meant });
     }
-    let component = &system.components()[place];
-    if component.fmu.is_structural(variable) {
-        return Ok(None);
+    let mut fed = None;
+    for place in places {
+        let component = &system.components()[place];
+        if component.fmu.is_structural(variable) {
+            continue;
+        }
+        let variables = component.fmu.named(variable);
+        component.instance.set(&variables, value)?;
+        fed = fed.or(variables.into_iter().find(|variable| system.feeds(place, variable)));
     }
-    let variables = component.fmu.named(variable);
-    component.instance.set(&variables, value)?;
-    let fed = variables.into_iter().find(|variable| system.feeds(place, variable));
     Ok(fed.map(|input| {
         let (name, value) = given();
         Warning::Overwritten { name, value, input }

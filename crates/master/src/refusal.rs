@@ -21,6 +21,15 @@ pub enum Warning {
         /// The input that is fed.
         input: String,
     },
+    /// A parameter of people has different values in two components that are connected by the names of these people.
+    Differs {
+        /// Of the first of these people.
+        name: String,
+        /// The components, with their values.
+        values: [(String, f64); 2],
+        /// Number of people for whom it differs.
+        people: usize,
+    },
     /// Rows of the drive are never applied.
     Missed(Missed),
     /// The Trial has a drive file, which is not used because its people walk.
@@ -39,6 +48,11 @@ impl fmt::Display for Warning {
             Warning::Overwritten { name, value, input } => {
                 write!(f, "{name}={value}: overwritten by the connection that feeds {input}")
             }
+            Warning::Differs { name, values: [(one, here), (other, there)], people } => write!(
+                f,
+                "{name} is {here:?} in {one}, but {there:?} in {other} (of {people} {}): set it in both",
+                if *people == 1 { "person" } else { "people" }
+            ),
             Warning::Missed(missed) => write!(f, "drive: {missed}"),
             Warning::DriveOfWalkers { plan } => {
                 write!(f, "{DRIVE_FILE} is not used, because {} says where people walk", plan.display())

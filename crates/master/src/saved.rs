@@ -1,7 +1,7 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
 use crate::error::{Place, Result, SavedError};
-use crate::extremes::{Extremes, Greatest};
+use crate::extremes::{Extremes, Greatest, Since};
 use crate::state::LARGEST_STATE;
 use crate::system::System;
 use lemons_files::Staged;
@@ -122,6 +122,9 @@ pub struct CrowdRecord {
     pub digest: u128,
     /// So far.
     pub extremes: Extremes,
+    /// Since the last rows, where not every communication point has rows.
+    #[serde(default, skip_serializing_if = "Since::is_empty")]
+    pub since: Since,
 }
 
 impl CrowdRecord {
@@ -309,7 +312,10 @@ impl Saved {
                 _ => {}
             }
         }
-        for CrowdRecord { extremes, .. } in &self.crowd {
+        for CrowdRecord { extremes, since, .. } in &self.crowd {
+            if !since.is_sound() {
+                return Err(("since", "must be finite and not negative".into()));
+            }
             let Extremes { largest_overlap, mean_squeeze, peak_squeeze } = *extremes;
             let positive = |value: f64| value >= 0.0 && value.is_finite();
             if !positive(largest_overlap) {

@@ -14,9 +14,11 @@ use crate::channel::{Booleans, Channel, Integers, Reals, Strings, Wire};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::instance::Instance;
+use crate::refusal::Warning;
 use crate::state::State;
-use lemons_ssp::Type;
+use lemons_ssp::{Single, Type};
 use lemons_trial::Trial;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::sync::Arc;
 
@@ -74,6 +76,8 @@ pub struct System {
     booleans: Channel<Booleans>,
     strings: Channel<Strings>,
     connections: usize,
+    /// Components of which the first feeds inputs of the second that have the names of its outputs.
+    alike: BTreeSet<(usize, usize)>,
     time: f64,
 }
 
@@ -106,15 +110,22 @@ impl System {
             booleans: Channel::new(count),
             strings: Channel::new(count),
             connections: 0,
+            alike: BTreeSet::new(),
             time: 0.0,
         }
     }
 
-    /// Adds connections; each is one of so many lines of the SSP.
+    /// Adds connections; each is one of so many lines of the SSP. `alike` are the pairs of components with one between
+    /// equal names.
     ///
     /// # Errors
     /// An FMU has no such values.
-    pub(crate) fn connect(&mut self, wires: &Wires, connections: usize) -> Result<()> {
+    pub(crate) fn connect(
+        &mut self,
+        wires: &Wires,
+        connections: usize,
+        alike: BTreeSet<(usize, usize)>,
+    ) -> Result<()> {
         let Wires { reals, integers, booleans, strings } = wires;
         let instances: Vec<&Instance> = self.components.iter().map(|component| &component.instance).collect();
         self.reals.connect(reals, &instances)?;
@@ -122,7 +133,44 @@ impl System {
         self.booleans.connect(booleans, &instances)?;
         self.strings.connect(strings, &instances)?;
         self.connections += connections;
+        self.alike = alike;
         Ok(())
+    }
+
+    /// Parameters of the same people that differ between connected components, one warning for each name.
+    ///
+    /// # Errors
+    /// A component refuses to tell them.
+    pub(crate) fn differing(&self) -> Result<Vec<Warning>> {
+        let mut warnings = Vec::new();
+        // Each pair once, whichever feeds the other.
+        let pairs = self.alike.iter().filter(|(a, b)| a < b || !self.alike.contains(&(*b, *a)));
+        for (a, b) in pairs.map(|(a, b)| (&self.components[*a], &self.components[*b])) {
+            let same = |(name, single): &(String, Single)| {
+                let other = b.fmu.description.single(name);
+                let real = matches!(single.variable.of, Type::Real(_)) && name.starts_with("agent[");
+                real && single.is_parameter()
+                    && other.is_some_and(|it| it.is_parameter() && it.variable.of == single.variable.of)
+            };
+            let names: Vec<String> = a.fmu.description.singles().filter(same).map(|(name, _)| name).collect();
+            let values = |component: &Component| -> Result<Vec<f64>> {
+                let mut values = vec![0.0; names.len()];
+                component.instance.get_real(&component.instance.select(&names)?, &mut values)?;
+                Ok(values)
+            };
+            let mut differing: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+            let (here, there) = (values(a)?, values(b)?);
+            for k in (0..names.len()).filter(|k| here[*k] != there[*k]) {
+                let quantity = names[k].split_once("].").map_or("", |(_, quantity)| quantity);
+                differing.entry(quantity).or_insert((k, 0)).1 += 1;
+            }
+            warnings.extend(differing.into_values().map(|(k, people)| Warning::Differs {
+                name: names[k].clone(),
+                values: [(a.name.clone(), here[k]), (b.name.clone(), there[k])],
+                people,
+            }));
+        }
+        Ok(warnings)
     }
 
     /// In the order of the file.

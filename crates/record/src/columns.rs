@@ -71,27 +71,15 @@ pub const SQUEEZE: Quantity = quantity(
     Some("N"),
     "squeeze at this time: sum of the normal forces |F_n| of the agent's contacts",
 );
-/// \[N\] Time average of the squeeze over the step that ends at the time.
-pub const MEAN_SQUEEZE: Quantity = quantity(
-    "mean_normal_force",
-    "MeanNormalForce",
-    Some("N"),
-    "mean squeeze over the step that ends at this time",
-);
-/// \[N\] Largest squeeze within the step that ends at the time.
-pub const PEAK_SQUEEZE: Quantity = quantity(
-    "peak_normal_force",
-    "PeakNormalForce",
-    Some("N"),
-    "largest squeeze within the step that ends at this time",
-);
-/// \[m\] Deepest overlap within the step that ends at the time.
-pub const PEAK_OVERLAP: Quantity = quantity(
-    "peak_overlap",
-    "PeakOverlap",
-    Some("m"),
-    "deepest overlap of a contact within the step that ends at this time",
-);
+/// \[N\] Time average of the squeeze since the row before: over one communication step, or over N (`--every N`).
+pub const MEAN_SQUEEZE: Quantity =
+    quantity("mean_normal_force", "MeanNormalForce", Some("N"), "mean squeeze since the row before");
+/// \[N\] Largest squeeze since the row before.
+pub const PEAK_SQUEEZE: Quantity =
+    quantity("peak_normal_force", "PeakNormalForce", Some("N"), "largest squeeze since the row before");
+/// \[m\] Deepest overlap since the row before.
+pub const PEAK_OVERLAP: Quantity =
+    quantity("peak_overlap", "PeakOverlap", Some("m"), "deepest overlap of a contact since the row before");
 /// 1 if the agent is there, 0 if not: it touches nothing and stands where it was last.
 pub const ACTIVE: Quantity =
     quantity("active", "Active", None, "1 if the agent is there, 0 if it has left and touches nothing");
@@ -114,7 +102,7 @@ pub const TOTAL_WALL_CONTACTS: Quantity = quantity(
 pub const MOTION: [Quantity; 6] = [X, Y, VX, VY, THETA, OMEGA];
 /// What an agent touches at the time.
 pub const CONTACTS: [Quantity; 3] = [AGENT_CONTACTS, WALL_CONTACTS, CONTACTING_AGENTS];
-/// What an agent's contacts did within the communication step that ends at the time. FMUs of the first versions have
+/// What an agent's contacts did since the row before. FMUs of the first versions have
 /// none of these outputs.
 pub const OF_STEP: [Quantity; 3] = [MEAN_SQUEEZE, PEAK_SQUEEZE, PEAK_OVERLAP];
 /// Of the whole crowd at the time; the same in each row of it.

@@ -128,6 +128,11 @@ pub struct Single<'a> {
 }
 
 impl Single<'_> {
+    /// Whether it is a parameter.
+    pub fn is_parameter(self) -> bool {
+        self.variable.kind == Some(Kind::Parameter)
+    }
+
     /// Where the FMU has it.
     pub fn address(self) -> Address {
         let element = self.variable.is_array().then_some(self.element as u32);

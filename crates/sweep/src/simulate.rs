@@ -169,9 +169,10 @@ impl<'a> Worker<'a> {
 impl Runner {
     fn new(spec: &Spec, subject: Arc<Subject>) -> Result<Runner> {
         let system = subject.model.system(spec.algorithm)?;
-        for ((parameter, _), lead) in spec.points.columns.iter().zip(&subject.parameters) {
-            let Some((place, names)) = lead else { continue };
-            if let Some(input) = names.iter().find(|name| system.feeds(*place, name)) {
+        for ((parameter, _), leads) in spec.points.columns.iter().zip(&subject.parameters) {
+            let mut inputs =
+                leads.iter().flat_map(|(place, names)| names.iter().map(move |name| (*place, name)));
+            if let Some((_, input)) = inputs.find(|(place, name)| system.feeds(*place, name)) {
                 return Err(Error::Spec(format!(
                     "parameters: {parameter}: overwritten by the connection that feeds {input}"
                 )));
@@ -207,8 +208,8 @@ impl Runner {
     fn simulate(&mut self, spec: &Spec, point: usize) -> Result<Vec<Option<f64>>> {
         let Runner { system, pushes, measures, stop, scene, subject } = self;
         system.reset()?;
-        for ((_, values), lead) in spec.points.columns.iter().zip(&subject.parameters) {
-            if let Some((place, names)) = lead {
+        for ((_, values), leads) in spec.points.columns.iter().zip(&subject.parameters) {
+            for (place, names) in leads {
                 system.components()[*place].instance.set(names, &values.text(point))?;
             }
         }

@@ -19,8 +19,8 @@ pub struct Subject {
     pub trial: Trial,
     pub drive: DriveTable,
     pub clock: Clock,
-    /// For each parameter what it sets; `None` if it only chooses what is simulated.
-    pub parameters: Vec<Option<Lead>>,
+    /// For each parameter what it sets: nothing if it only chooses what is simulated.
+    pub parameters: Vec<Vec<Lead>>,
     /// What each measure reads.
     pub measures: Vec<Reads>,
     /// What the condition that ends a point reads.
@@ -105,25 +105,27 @@ fn who_leaves(model: &Model) -> Result<usize> {
 }
 
 /// What the parameters mean.
-fn leads(spec: &Spec, model: &Model) -> Result<Vec<Option<Lead>>> {
-    let mut all: Vec<Option<Lead>> = Vec::new();
+fn leads(spec: &Spec, model: &Model) -> Result<Vec<Vec<Lead>>> {
+    let mut all: Vec<Vec<Lead>> = Vec::new();
     for (column, (parameter, values)) in spec.points.columns.iter().enumerate() {
         let wrong = |why: String| Error::Spec(format!("parameters: {parameter}: {why}"));
         if spec.only_chooses(column) {
-            all.push(None);
+            all.push(Vec::new());
             continue;
         }
-        let (place, variable) = model.find(parameter);
-        let fmu = &model.parts()[place].fmu;
+        let (places, variable) = model.set_by(parameter);
         if variable == "Trial" {
             // Drive, TimeStep and agents would be those of another Trial.
             return Err(wrong(
                 "Trials are chosen by their paths: trial = \"{NAME}\", where NAME is a parameter".into(),
             ));
         }
-        let names = fmu.named(variable);
-        for name in &names {
-            let Some(kind) = fmu.kind(name) else {
+        let named = |place: usize| (place, model.parts()[place].fmu.named(variable));
+        let leads: Vec<Lead> = places.into_iter().map(named).collect();
+        for (place, name) in
+            leads.iter().flat_map(|(place, names)| names.iter().map(move |name| (*place, name)))
+        {
+            let Some(kind) = model.parts()[place].fmu.kind(name) else {
                 let better = match model.meant(parameter) {
                     Some(meant) => format!("did you mean {meant:?}?"),
                     None => "see lemons info".into(),
@@ -138,10 +140,10 @@ fn leads(spec: &Spec, model: &Model) -> Result<Vec<Option<Lead>>> {
                 }
             }
         }
-        if all.iter().flatten().any(|(other, known)| *other == place && *known == names) {
+        if all.iter().flatten().any(|known| leads.contains(known)) {
             return Err(wrong("another parameter sets the same".into()));
         }
-        all.push(Some((place, names)));
+        all.push(leads);
     }
     Ok(all)
 }

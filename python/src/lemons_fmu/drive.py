@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import csv
-import functools
 import hashlib
 import inspect
+import io
 import math
 import os
 import pickle
 import re
-from collections.abc import Callable, Mapping, Sequence
+import sys
+import sysconfig
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import CodeType, FunctionType, ModuleType
 from typing import Any, Literal, TypeVar, Union
 
 import numpy as np
@@ -47,7 +50,9 @@ class Drive:
             raise ValueError(f'at must be "start" or "middle", not {self.at!r}')
         checked = {}
         for agent, (times, values) in sorted(self.tables.items()):
-            times, values = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+            if not isinstance(agent, (int, np.integer)):
+                raise TypeError(f"agent {agent!r}: must be an index in Agents.xml (a whole number from 0), not {type(agent).__name__}")
+            times, values = _array(times).astype(float), _array(values).astype(float)
             if times.ndim != 1 or values.shape != (len(times), 3):
                 raise ValueError(f"agent {agent}: shapes {times.shape} and {values.shape}, not (T,) and (T, 3)")
             if not (np.isfinite(times).all() and np.isfinite(values).all()):
@@ -129,9 +134,27 @@ def known(drive: DriveLike[Asked], ids: Sequence[str]) -> Known[Asked]:
     )
 
 
+def _array(values: Any) -> NDArray[Any]:
+    """Returns an array of what may be a DataFrame, whose columns are found by their names, or a masked array.
+
+    Raises:
+        ValueError: there are other columns, or values are masked.
+    """
+    if hasattr(values, "columns"):
+        if sorted(map(str, values.columns)) != sorted(INPUTS):
+            raise ValueError(f"the drive has the columns {', '.join(map(str, values.columns))}, not {', '.join(INPUTS)}")
+        values = values[list(INPUTS)]
+    if np.ma.is_masked(values):
+        raise ValueError("the drive has masked values: give numbers (0: no force)")
+    return np.asarray(values)
+
+
 def forces(drive: Any, agents: int) -> Floats:
     """Returns Fp.x, Fp.y, Mp of all agents as a C array."""
-    values = np.asarray(drive)
+    index = getattr(drive, "index", None) if hasattr(drive, "columns") else None
+    if index is not None and list(index) != list(range(agents)):
+        raise ValueError(f"the rows of the drive's DataFrame must be named 0 to {agents - 1}, in this order, as the agents in Agents.xml")
+    values = _array(drive)
     if values.dtype.kind not in "fiu":
         raise TypeError(f"the drive is {_short(drive)}, not an array of real numbers")
     if values.shape != (agents, 3):
@@ -207,16 +230,56 @@ def identity(drive: Known[Any]) -> dict[str, Any]:
 
 
 def function_identity(function: Callable[..., Any]) -> dict[str, str]:
-    """Returns the name of a function and, if Python has it, the hash of its source text."""
-    if isinstance(function, functools.partial):
-        given = repr((function.args, sorted(function.keywords.items())))
-        return function_identity(function.func) | {"arguments_sha256": hashlib.sha256(given.encode()).hexdigest()}
+    """Returns the name of a function or a callable object, and the hash of all that it computes with."""
     named: Any = function if hasattr(function, "__qualname__") else type(function)
-    identity = {"name": f"{named.__module__}.{named.__qualname__}".removeprefix("__main__.")}
-    if named is not function:
-        identity["object_sha256"] = hashlib.sha256(pickle.dumps(vars(function))).hexdigest()
+    written = io.BytesIO()
     try:
-        identity["source_sha256"] = hashlib.sha256(inspect.getsource(named).encode()).hexdigest()
-    except (OSError, TypeError):
-        pass  # defined at a prompt, or not written in Python
-    return identity
+        _Content(written).dump(function)
+    except Exception:  # pickle and what it calls raise any
+        written.write(os.urandom(16))  # what cannot be compared is not the same as before
+    name = f"{named.__module__}.{named.__qualname__}".removeprefix("__main__.")
+    return {"name": name, "sha256": hashlib.sha256(written.getvalue()).hexdigest()}
+
+
+#: Where packages are installed: of what is there only the name counts.
+_INSTALLED = (os.path.dirname(__file__), *(sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")))
+
+
+class _Content(pickle.Pickler):
+    """Writes functions as their source texts, their defaults, the variables around them and the globals that they name:
+    so with the helpers that they call. Nobody reads it."""
+
+    def persistent_id(self, value: Any) -> Any:
+        if isinstance(value, (set, frozenset)):  # their order differs between processes
+            return sorted(map(repr, value))
+        if isinstance(value, ModuleType):
+            return value.__name__, inspect.getsource(value) if _is_own(value.__name__) else ""
+        return None
+
+    def reducer_override(self, value: Any) -> Any:
+        if not isinstance(value, (type, FunctionType)) or not _is_own(value.__module__):
+            return NotImplemented
+        if isinstance(value, type):
+            return str, (inspect.getsource(value),)
+        codes = list(_codes(value.__code__))
+        try:
+            text: Any = inspect.getsource(value)
+        except OSError:  # defined at a prompt
+            text = [(code.co_code, [each for each in code.co_consts if not isinstance(each, CodeType)]) for code in codes]
+        names = sorted({name for code in codes for name in code.co_names} & value.__globals__.keys())
+        around = [cell.cell_contents for cell in value.__closure__ or ()]
+        state = text, value.__defaults__, value.__kwdefaults__, around, [(name, value.__globals__[name]) for name in names]
+        return object, (), state  # the state is written after the function is known: a function may name itself
+
+
+def _is_own(module: str) -> bool:
+    """Whether a module is the user's own, and not of an installed package."""
+    file = getattr(sys.modules.get(module), "__file__", None)
+    return module == "__main__" or (file is not None and not file.startswith(_INSTALLED))
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    yield code
+    for each in code.co_consts:
+        if isinstance(each, CodeType):
+            yield from _codes(each)

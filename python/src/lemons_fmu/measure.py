@@ -72,7 +72,6 @@ def measure(
     lines: Mapping[str, Sequence[float]] | None = None,
     areas: Mapping[str, Sequence[float]] | None = None,
     above: Iterable[float] = (),
-    every: int | None = None,
     **others: Option,
 ) -> Measures:
     """Measures a run.
@@ -80,9 +79,8 @@ def measure(
     `what` is a Trial or an FMU, which is simulated first; the table of an earlier run; or a `Run`. `trial` is the Trial or
     FMU of a table: its walls bound Voronoi cells; a Run knows its own. `lines` are names and x1, y1, x2, y2 [m]; directions are those of
     somebody who stands at the first point and looks at the second one. `areas` are names and the lower left and the upper
-    right corner of a rectangle, or three and more corners of a polygon [m]. `above` are squeezes [N]. `every` is the
-    `--every` of the run; 1 for a Run. All other options of the command have the same names here: `window=0.5`,
-    `width=0.9`, `walkable="room.wkt"`, `from_=2.0`, `until=8.0`.
+    right corner of a rectangle, or three and more corners of a polygon [m]. `above` are squeezes [N]. All other
+    options of the command have the same names here: `window=0.5`, `width=0.9`, `walkable="room.wkt"`, `from_=2.0`, `until=8.0`.
 
     Raises:
         CommandError: the command refuses something, or is missing; the message is its own.
@@ -93,14 +91,14 @@ def measure(
                 trial = kept.enter_context(what.walls())
             # The name of a temporary file would say nothing.
             source = repr(what)
-            what, every = table_of(what, Path(directory)), 1 if every is None else every
+            what = table_of(what, Path(directory))
         else:
             source = None
         output = Path(directory) / "measures"
         given = [("--line", lines), ("--area", areas)]
         words = [f"{option}={name}={_joined(each)}" for option, all in given for name, each in (all or {}).items()]
         levels = list(above)
-        known: dict[str, Option] = {"trial": trial, "every": every, "above": levels or None, "output": output}
+        known: dict[str, Option] = {"trial": trial, "above": levels or None, "output": output}
         call(["measure", *words, *options({**known, **others}), "--", os.fspath(what)], state=directory)
         summary = json.loads(files.read(output / "summary.json", files.LARGEST_BINARY))
         if source is not None:

@@ -108,6 +108,13 @@ class Model:
                     raise FmuError(f"the FMU has no variable {own!r}; did you mean {f'{component}.{own}'!r}?") from None
             raise
 
+    def set_by(self, name: str) -> list[int]:
+        """Returns the places of the parts that a value with this name sets, as `Model::set_by` of crates/master: without a
+        component, a parameter of people is set of all parts that have it."""
+        main, own = self.find(name)
+        shared = own == name and own.startswith("agent[")
+        return [main] + [k for k, part in enumerate(self.parts) if shared and k != main and _has(part, own, parameter=True)]
+
     def check(self, name: str) -> None:
         """Checks that a value with this name can be set.
 
@@ -167,12 +174,12 @@ def _leaves(destination: Any, targets: list[Any]) -> bool:
     return bool(destination == "nearest-exit")
 
 
-def _has(part: Loaded, name: str) -> bool:
+def _has(part: Loaded, name: str, *, parameter: bool = False) -> bool:
     try:
-        part.expand(name)
+        names = part.expand(name)
     except FmuError:
         return False
-    return True
+    return not parameter or all(part.variables[each].causality == "parameter" for each in names)
 
 
 def _fed(source: Loaded, target: Loaded) -> set[str]:
@@ -237,9 +244,10 @@ class System:
             FmuError: there is no such variable, the other FMU feeds it, or its FMU refuses it.
         """
         self.model.check(name)
-        place, own = self.model.find(name)
-        with self._told(place):
-            self._instances[place].set(own, value)
+        _, own = self.model.find(name)
+        for place in self.model.set_by(name):
+            with self._told(place):
+                self._instances[place].set(own, value)
 
     def get(self, name: str) -> Value:
         """Returns the value of a variable."""

@@ -125,7 +125,7 @@ class Run:
 
         It calls the command `lemons`: some hundredths of a second, and more for long runs (python/README.md).
         """
-        return measure(self, lines=lines, areas=areas, above=above, trial=trial, every=None, **others)
+        return measure(self, lines=lines, areas=areas, above=above, trial=trial, **others)
 
     def export(
         self,

@@ -20,7 +20,7 @@ import dask
 import numpy as np
 import pandas as pd
 from dask.system import CPU_COUNT
-from distributed import Client, Future, KilledWorker, LocalCluster
+from distributed import Client, Future, KilledWorker, LocalCluster, SpecCluster, Status
 
 from .crowd import Crowd, Until
 from .drive import DriveLike, function_identity
@@ -41,6 +41,10 @@ Grid = Union[Mapping[str, Iterable[Value]], pd.DataFrame]
 
 #: [s] Duration of a task for a worker, which chooses its number of points: Dask needs about 10 ms for each task.
 TASK = 0.5
+
+
+#: [s] A sweep that can start its workers itself ends when it has had none for so long.
+DESERTED = 600.0
 
 
 #: The message of a point whose worker process ends several times, for example by os._exit, a signal or lack of memory.
@@ -149,7 +153,10 @@ def _sweep(
                     pending.clear()
                 intervals.done()
 
-            with client_of(client) as cluster:
+            # By default a cluster gives up a worker that is not back after 15 s. A busy machine may need longer to start one,
+            # which then meets another of its name.
+            patient = dask.config.set({"distributed.deploy.lost-worker-timeout": DESERTED})
+            with patient, client_of(client) as cluster:
                 for fmu in study.fmus:
                     send_fmu(cluster, fmu)
                 cluster.register_plugin(JobOnWorker(job))
@@ -248,6 +255,8 @@ class _Run:
         self.arrived: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
         self.tasks = itertools.count()
         self.threads, self.looked = 0, -math.inf
+        #: [s] Since when there has been no worker.
+        self.deserted: float | None = None
         self.each = math.inf  # duration of a point [s]
 
     def results(self, patience: Callable[[], float | None]) -> Iterator[list[Result]]:
@@ -266,8 +275,7 @@ class _Run:
 
     def fill(self) -> None:
         """Submits just enough tasks to keep all workers busy."""
-        if time.monotonic() - self.looked > 2.0:  # workers come and go
-            self.threads, self.looked = sum(self.client.nthreads().values()), time.monotonic()
+        self.look()
         threads = max(1, self.threads)
         while self.left and len(self.under_way) < 2 * threads + 1:
             # Near the end tasks become smaller, so that no worker is idle.
@@ -279,6 +287,34 @@ class _Run:
         if self.suspects and not self.under_way:
             self.alone = True
             self.submit([self.suspects.popleft()])
+
+    def look(self) -> None:
+        """Counts the threads of the workers, which come and go. If there are none, starts those of this machine again that Dask
+        does not: whose start failed, for example.
+
+        Raises:
+            SweepError: nobody has worked for long.
+        """
+        now = time.monotonic()
+        if now - self.looked < 2.0:
+            return
+        self.threads, self.looked = sum(self.client.nthreads().values()), now
+        if self.threads:
+            self.deserted = None
+            return
+        if self.deserted is None:
+            self.deserted = now
+        cluster = self.client.cluster
+        if not isinstance(cluster, SpecCluster):
+            return  # who started that cluster adds workers
+        if now - self.deserted > DESERTED:
+            points = sorted([*self.left, *self.suspects, *(point for _, some in self.under_way.values() for point in some)])
+            first = ", ".join(map(str, points[:10])) + (", …" if len(points) > 10 else "")
+            raise SweepError(f"there has been no worker for {DESERTED:g} s; {len(points)} points are open: {first}")
+        for name, worker in list(cluster.workers.items()):
+            if worker.status in (Status.failed, Status.closed):
+                cluster.workers.pop(name, None)
+        cluster.scale(len(cluster.worker_spec))  # opens those that are missing
 
     def submit(self, some: list[int]) -> None:
         key = f"lemons-{self.job.key}-{next(self.tasks)}"

@@ -10,16 +10,6 @@ use lemons_measure::{
 use lemons_record::Record;
 use serde::Serialize;
 
-/// Whether every communication step is in the record.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Steps {
-    All,
-    /// Nothing says otherwise.
-    Assumed,
-    /// And why.
-    Some(String),
-}
-
 /// SI units; null: not known.
 #[derive(Serialize)]
 pub struct Summary {
@@ -67,8 +57,6 @@ pub struct OfArea {
 
 #[derive(Serialize)]
 pub struct OfSqueeze {
-    /// Whether something says that the record has every communication step; else that is assumed.
-    pub every_step_known: bool,
     /// \[s\]
     pub longest_step: f64,
     /// \[s\] Of the means that are compared with the levels; null: each communication step.
@@ -110,17 +98,16 @@ pub struct OfPeople {
 }
 
 impl Summary {
-    pub fn of(arguments: &Arguments, record: &Record, passed: &Passed, steps: &Steps) -> Result<Summary> {
+    pub fn of(arguments: &Arguments, record: &Record, passed: &Passed) -> Result<Summary> {
         let lines = arguments.lines.iter().zip(&passed.lines).enumerate();
         let areas = arguments.areas.iter().zip(&passed.areas).enumerate();
-        let (exposure, why) = match (steps, &passed.exposed) {
-            (Steps::Some(why), Some(_)) => (None, Some(why.clone())),
-            (_, None) => {
+        let (exposure, why) = match &passed.exposed {
+            None => {
                 let why = "the results do not contain the mean squeeze over communication steps";
                 (None, Some(why.to_owned()))
             }
-            (steps, Some(exposed)) => {
-                let all = OfSqueeze::of(exposed, record.ids(), arguments, passed.longest_step, steps);
+            Some(exposed) => {
+                let all = OfSqueeze::of(exposed, record.ids(), arguments, passed.longest_step);
                 let why =
                     all.is_none().then(|| "there is only one frame, so no communication step".to_owned());
                 (all, why)
@@ -179,7 +166,6 @@ impl OfSqueeze {
         ids: &[String],
         Arguments { above, over, .. }: &Arguments,
         longest_step: f64,
-        steps: &Steps,
     ) -> Option<OfSqueeze> {
         let of = |value: &dyn Fn(&Exposed) -> Option<f64>| {
             let values: Option<Vec<f64>> = exposed.iter().map(value).collect();
@@ -193,7 +179,6 @@ impl OfSqueeze {
         let spans = SPANS.into_iter().enumerate();
         (longest_step > 0.0).then_some(())?;
         Some(OfSqueeze {
-            every_step_known: *steps == Steps::All,
             longest_step,
             above_over: *over,
             time_above: above.iter().enumerate().map(level).collect(),

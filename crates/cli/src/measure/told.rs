@@ -134,13 +134,5 @@ fn of_squeeze(out: &mut impl Write, squeeze: &OfSqueeze) -> Result<()> {
         let people = level.people.map_or(String::new(), |people| format!("; {people} above"));
         row_of_people(out, &format!("{} N", level.above), level.time.as_ref(), "s", &people)?;
     }
-    if !squeeze.every_step_known {
-        writeln!(
-            out,
-            "  Assumed: the table has every communication step (longest: {:.6} s).\n  \
-             --trial or --every 1 says so.",
-            squeeze.longest_step
-        )?;
-    }
     Ok(())
 }

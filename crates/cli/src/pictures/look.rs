@@ -179,13 +179,7 @@ impl Look {
 
     /// Whether scenes depend on all that was before.
     pub fn needs_all(&self) -> bool {
-        self.shows_trails() || self.shows_means(&[])
-    }
-
-    /// Whether what is shown, as colours or in `series`, depends on all communication points before.
-    pub fn shows_means(&self, series: &[Quantity]) -> bool {
-        let greatest = Quantity::GreatestSqueeze;
-        self.over.is_some() || self.fill == Filling::Of(greatest) || series.contains(&greatest)
+        self.shows_trails() || self.over.is_some() || self.fill == Filling::Of(Quantity::GreatestSqueeze)
     }
 
     /// Says so if colours are of single steps, and those between two pictures of a movie \[s\] are not shown.

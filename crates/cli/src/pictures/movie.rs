@@ -90,7 +90,6 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME));
     let footage = source.footage(source.runs().then_some(until), Wanted::All, &interrupt)?;
-    source.tell_lacking(look, &[], &footage.run, Some(&footage.trial));
     let first = arguments.from.unwrap_or_else(|| footage.first());
     let last = match arguments.until {
         Some(End::At(time) | End::NotBefore(time)) => time,

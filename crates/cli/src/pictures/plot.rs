@@ -128,7 +128,6 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let wanted = if look.needs_all() { Wanted::All } else { Wanted::Around(at.clone()) };
     let footage = source.footage(latest.map(End::NotBefore), wanted, interrupt)?;
     at.iter().try_for_each(|time| footage.check(*time))?;
-    source.tell_lacking(look, &[], &footage.run, Some(&footage.trial));
     // Poses between two frames would stand beside forces of one of them.
     let asked = if at.is_empty() { vec![footage.last()] } else { at.clone() };
     let times: Vec<f64> = asked.iter().map(|time| footage.run.frames[footage.nearest(*time)].time).collect();
@@ -172,7 +171,6 @@ fn columns(panels: usize, aspect: f64) -> usize {
 fn series(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let Arguments { source, look, .. } = arguments;
     let opened = source.open(source.end(arguments.until)?, Wanted::All, interrupt)?;
-    source.tell_lacking(look, &arguments.series, &opened.run, opened.trial.as_ref());
     let (from, until) = (arguments.from, arguments.until.and_then(Until::time));
     let selection = Selection { quantities: &arguments.series, agents: &arguments.agents, from, until };
     let chart = chart(opened, look, &selection)?;

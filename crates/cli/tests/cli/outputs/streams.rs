@@ -19,7 +19,7 @@ fn every_command(trial: &str) -> Vec<Vec<&str>> {
         vec!["sweep", "sweep.toml", "-o", "swept", "--csv", "swept.csv"],
         vec!["plot", trial, "--at", "0"],
         vec!["movie", trial, "--until", "0.1", "-o", "movie.gif"],
-        vec!["measure", "run.csv", "--every", "1", "--line", "0.2,-1,0.2,1", "-o", "measured"],
+        vec!["measure", "run.csv", "--line", "0.2,-1,0.2,1", "-o", "measured"],
         vec!["export", "run.csv", "run.sqlite", "--to", "jupedsim", "--trial", trial],
         vec!["info", "crowd.fmu"],
         vec!["check", trial],
@@ -207,7 +207,7 @@ fn a_dash_is_standard_output_or_refused() {
     assert_eq!(shown(&["run", trial, "--until", "0.1", "-o", "-"], "simulated time"), table);
     done(place, &["export", "a.csv", "a.txt", "--to", "pedpy"]);
     assert_eq!(shown(&["export", "a.csv", "-", "--to", "pedpy"], "5 agents"), text(&place.join("a.txt")));
-    let measure = ["measure", "a.csv", "--every", "1", "--above", "100", "--summary"];
+    let measure = ["measure", "a.csv", "--above", "100", "--summary"];
     done(place, &[&measure[..], &["summary.json"]].concat());
     assert_eq!(shown(&[&measure[..], &["-"]].concat(), "5 people"), text(&place.join("summary.json")));
     done(place, &["sweep", "sweep.toml", "--csv", "swept.csv"]);
