@@ -14,12 +14,12 @@ use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::pictures::look::{positive, seconds};
 use crate::pictures::plot::Format;
-use crate::pictures::source::{Source, lacks_steps};
+use crate::pictures::source::{Source, points_of};
 use crate::run::{Until, until};
 use anyhow::{Context, Result, bail};
 use lemons_measure::{Line, MeasuringArea, Room};
 use lemons_plane::polygon_from_wkt;
-use lemons_record::Record;
+use lemons_record::{Points, Record};
 use lemons_trial::Trial;
 use options::{Named, level, line, measuring_area, names_differ};
 use pass::Pass;
@@ -57,8 +57,8 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", requires = "above", value_parser = positive)]
     over: Option<f64>,
     /// The results of an earlier run have only every N-th communication point: --every of lemons run.
-    /// Exposure to squeeze is measured for 1 only. Default: 1 if frames are no further apart than the
-    /// TimeStep of --trial; without --trial, 1 is assumed
+    /// Exposure to squeeze is measured for 1 only. Default: what the metadata of a Parquet table says; of
+    /// CSV: 1 if frames are no further apart than the TimeStep of --trial; without --trial, 1 is assumed
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     every: Option<u32>,
     /// Measure from this time on, in seconds
@@ -111,7 +111,7 @@ pub fn measure(arguments: &Arguments) -> Result<()> {
     if !lines.is_empty() && (until - from) / arguments.window > MOST_WINDOWS {
         bail!(Misused(format!("--window: {} s makes more than a million windows", arguments.window)));
     }
-    let steps = arguments.steps(trial.as_ref(), passed.longest_step);
+    let steps = arguments.steps(&record, trial.as_ref(), passed.longest_step)?;
     let summary = Summary::of(arguments, &record, &passed, &steps)?;
     if let Some(why) = summary.left_out() {
         if !arguments.above.is_empty() {
@@ -178,25 +178,41 @@ impl Arguments {
     }
 
     /// Whether every communication step is in the record; `longest` \[s\] is the longest time between two frames.
-    fn steps(&self, trial: Option<&Trial>, longest: f64) -> Steps {
-        match (self.every, trial) {
-            _ if self.source.runs() => Steps::All,
-            (Some(1), _) => Steps::All,
-            (Some(n), _) => Steps::Some(format!(
-                "the results have only every {n}-th communication point (--every): the steps between are not known"
+    ///
+    /// # Errors
+    /// `--every` is not what the metadata of the table says.
+    fn steps(&self, record: &Record, trial: Option<&Trial>, longest: f64) -> Result<Steps> {
+        let (given, own) = (self.every.map(u64::from), record.points());
+        if let (Some(given), Some(Points { every, .. })) = (given, own)
+            && given != every
+        {
+            let path = record.source().display();
+            bail!(Misused(format!("--every {given}: {path} has every = {every} in its metadata")));
+        }
+        if self.source.runs() {
+            return Ok(Steps::All);
+        }
+        let every = own.map(|own| own.every).or(given);
+        Ok(match (every, own.or_else(|| trial.map(points_of))) {
+            (Some(n @ 2..), _) => Steps::Some(format!(
+                "the results have only every {n}-th communication point ({}): the steps between are not known",
+                if own.is_some() { "every in the metadata of the table" } else { "--every" }
             )),
-            (None, Some(trial)) => {
-                let step = trial.parameters.time_step;
-                if !lacks_steps(trial, longest) {
-                    return Steps::All;
-                }
+            (Some(_), _) if own.is_none() => Steps::All,
+            (_, Some(points)) if points.are_missing(longest) => {
+                let step = points.step;
+                let (whose, cure) = match own {
+                    Some(_) => ("communication step of the run", ""),
+                    None => ("TimeStep of the Trial", " (if the run had a longer --step, give --every 1)"),
+                };
                 Steps::Some(format!(
-                    "its frames are up to {longest:.6} s apart, but the TimeStep of the Trial is {step:?} s: probably they \
-                     are not all communication points (if the run had a longer --step, give --every 1)"
+                    "its frames are up to {longest:.6} s apart, but the {whose} is {step:?} s: probably they are not all \
+                     communication points{cure}"
                 ))
             }
-            (None, None) => Steps::Assumed,
-        }
+            (_, Some(_)) => Steps::All,
+            (_, None) => Steps::Assumed,
+        })
     }
 
     /// \[m\]

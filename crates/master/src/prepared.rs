@@ -16,7 +16,7 @@ use crate::settings::Settings;
 use crate::simulate::{Observer, simulate};
 use crate::system::{Component, System};
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
-use lemons_trial::{DriveChoice, Trial};
+use lemons_trial::{DriveChoice, DriveTable, Trial};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -105,13 +105,15 @@ impl Prepared {
         }
         let trials = system.components().iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
 
-        let first = &system.components()[0];
+        // The crowd; nothing drives the components of an SSP.
+        let main = trials.len() - 1;
+        let (crowd, trial) = (&system.components()[main].instance, trials[main].as_ref());
         let drive = match &model {
-            Some(model) => model.drive(trials[0].as_ref(), &settings.drive)?,
-            None => first.fmu.drive(None, &DriveChoice::None)?,
+            Some(model) => model.drive(trial, &settings.drive)?,
+            None => DriveTable::default(),
         };
-        let agents = trials[0].as_ref().map_or(&[][..], |trial| &trial.agents);
-        let pushes = Pushes::new(&first.instance, agents, drive)?;
+        let agents = trial.map_or(&[][..], |trial| &trial.agents);
+        let pushes = Pushes::new(crowd, agents, drive)?;
         let (step, every) = match &before {
             Some(before) => same(settings, before, &pushes)?,
             None => (step_of(settings, &system, &trials)?, settings.every.unwrap_or(1)),
@@ -119,7 +121,7 @@ impl Prepared {
         let clock = Clock::new(start, step, until).place(|| settings.input.display().to_string())?;
         warnings.extend(pushes.missed(start, step).map(Warning::Missed));
         let undriven = !coupled && before.is_none() && pushes.end().is_none();
-        if undriven && trials[0].is_some() && is_still(&system.components()[0].instance, agents.len())? {
+        if undriven && trial.is_some() && is_still(crowd, agents.len())? {
             warnings.push(Warning::Still);
         }
         let progress = Progress { clock, every, index: before.as_ref().map_or(0, |before| before.index) };

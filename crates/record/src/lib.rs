@@ -30,7 +30,7 @@ pub use jupedsim::jupedsim;
 pub use lemons_columns::{Cell, Kind};
 pub use record::{Positions, Record};
 pub use recorder::{Recorder, Wanted};
-pub use run::{Frame, Names, Observed, OfStep, Run, Totals};
+pub use run::{Frame, Names, Observed, OfStep, Points, Run, Totals};
 pub use series::{series, series_files, series_in, series_time, trial_at_end};
 pub use table::{Content, Extent, Format, FrameWriter, TableWriter};
 pub use text::{chaos, chaos_files, pedpy, pedpy_into};

@@ -1,7 +1,7 @@
 //! A recorded run that is read frame by frame, as often as needed.
 
 use crate::error::RecordError;
-use crate::run::{Frame, Names, Run, names_of, order_of};
+use crate::run::{Frame, Names, Points, Run, names_of, order_of};
 use lemons_plane::{Motion, Vec2, vec2};
 use lemons_trial::Trial;
 use std::cell::Cell;
@@ -32,6 +32,7 @@ pub struct Record {
     order: Option<Vec<usize>>,
     ids: Vec<String>,
     every: usize,
+    points: Option<Points>,
 }
 
 /// \[s\] Names of files hold nine decimals.
@@ -63,6 +64,7 @@ impl Record {
             order: None,
             ids,
             every: 1,
+            points: None,
         })
     }
 
@@ -97,6 +99,15 @@ impl Record {
     /// Whether all frames have contacts with their springs ([`Frame::interactions`]).
     pub fn contacts(&self) -> bool {
         self.contacts
+    }
+
+    /// Which communication points the frames are, if the metadata of the source says it.
+    pub fn points(&self) -> Option<Points> {
+        self.points.map(|points| Points { every: points.every.saturating_mul(self.every as u64), ..points })
+    }
+
+    pub(crate) fn with_points(self, points: Option<Points>) -> Record {
+        Record { points, ..self }
     }
 
     /// Leaves only every `n`-th frame, beginning with the first.
@@ -159,7 +170,7 @@ impl Record {
             frames.extend(wanted(k).then_some(frame));
             Ok(())
         })?;
-        Ok(Run { source: self.source.clone(), ids: self.ids.clone(), frames })
+        Ok(Run { source: self.source.clone(), ids: self.ids.clone(), frames, points: self.points() })
     }
 
     /// An error of a frame.
@@ -249,8 +260,9 @@ impl Record {
 /// A run in memory, too.
 impl From<Run> for Record {
     fn from(run: Run) -> Record {
-        let Run { source, ids, frames } = run;
+        let Run { source, ids, frames, points } = run;
         Record {
+            points,
             times: frames.iter().map(|frame| frame.time).collect(),
             first: frames.first().map(|frame| frame.agents.clone()).unwrap_or_default(),
             contacts: frames.iter().all(|frame| frame.interactions.is_some()),

@@ -67,7 +67,7 @@ impl Recorder {
         if frames.is_empty() {
             return Err(RecordError::wrong(source, "the run is empty: there is no frame"));
         }
-        Ok(Run { source: source.to_owned(), ids, frames })
+        Ok(Run { source: source.to_owned(), ids, frames, points: None })
     }
 }
 
@@ -82,7 +82,7 @@ impl Record {
             recorder.add(frame);
             Ok(())
         })?;
-        recorder.finish(self.source(), self.ids().to_vec())
+        Ok(Run { points: self.points(), ..recorder.finish(self.source(), self.ids().to_vec())? })
     }
 }
 

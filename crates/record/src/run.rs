@@ -15,6 +15,32 @@ pub struct Run {
     pub ids: Vec<String>,
     /// At least one frame, in the order of time.
     pub frames: Vec<Frame>,
+    /// Which communication points the frames are, if the source says it.
+    pub points: Option<Points>,
+}
+
+/// Which communication points a record has: Parquet has it in its metadata.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Points {
+    /// One communication point in so many is recorded.
+    pub every: u64,
+    /// \[s\] The communication step of the run.
+    pub step: f64,
+}
+
+impl Points {
+    pub(crate) const KEYS: [&str; 2] = ["every", "communication_step"];
+
+    /// Keys and values of the metadata.
+    pub fn about(&self) -> [(&'static str, String); 2] {
+        let [every, step] = Points::KEYS;
+        [(every, self.every.to_string()), (step, format!("{:?}", self.step))]
+    }
+
+    /// Whether communication points are missing, if the longest time between two frames is this one \[s\].
+    pub fn are_missing(&self, longest: f64) -> bool {
+        self.every > 1 || longest > self.step * (1.0 + 1e-6) + 2e-9
+    }
 }
 
 /// A crowd at one communication point: what the rows of one time hold in a table.
@@ -99,6 +125,7 @@ impl Run {
             ids: order.iter().map(|&place| self.ids[place].clone()).collect(),
             frames: self.frames.into_iter().map(|frame| frame.sorted(&order)).collect(),
             source: self.source,
+            points: self.points,
         })
     }
 }

@@ -30,7 +30,7 @@ impl Run {
             frames.push(frame);
             Ok(())
         })?;
-        Ok(Run { source: directory.to_owned(), ids, frames })
+        Ok(Run { source: directory.to_owned(), ids, frames, points: None })
     }
 }
 
@@ -193,7 +193,8 @@ pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), Re
 /// The agents are not those of the Trial.
 pub fn trial_at_end(run: &Run, trial: &Trial) -> Result<Trial, RecordError> {
     let last = run.frames.last().cloned().into_iter().collect();
-    let run = Run { frames: last, ids: run.ids.clone(), source: run.source.clone() }.of_trial(trial)?;
+    let run = Run { frames: last, ids: run.ids.clone(), source: run.source.clone(), points: None }
+        .of_trial(trial)?;
     let mut trial = trial.clone();
     if let Some(last) = run.frames.into_iter().next() {
         let moved = last.agents.iter().map(AgentDynamics::of).zip(&trial.dynamics);

@@ -16,7 +16,7 @@ pub use write::{FrameWriter, TableWriter};
 
 use crate::error::RecordError;
 use crate::record::{Each, Record};
-use crate::run::Run;
+use crate::run::{Points, Run};
 use lemons_files::{input, unnamed};
 use rows::Stop;
 use std::fs::File;
@@ -33,11 +33,12 @@ impl Run {
     /// As [`Record::table`].
     pub fn read_table(path: &Path) -> Result<Run, RecordError> {
         let mut frames = Vec::new();
-        let ids = Table::open(path)?.pass(&mut |frame| {
+        let table = Table::open(path)?;
+        let ids = table.pass(&mut |frame| {
             frames.push(frame);
             Ok(())
         })?;
-        Ok(Run { source: path.to_owned(), ids, frames })
+        Ok(Run { source: path.to_owned(), ids, frames, points: table.points() })
     }
 }
 
@@ -55,7 +56,8 @@ impl Record {
     /// column.
     pub fn table(path: &Path) -> Result<Record, RecordError> {
         let table = Table::open(path)?;
-        Record::new(path, move |each| table.pass(each))
+        let points = table.points();
+        Ok(Record::new(path, move |each| table.pass(each))?.with_points(points))
     }
 }
 
@@ -85,6 +87,12 @@ impl Table {
         Ok(Table { path: path.to_owned(), file, parquet: begin == PARQUET })
     }
 
+    /// As its metadata has it.
+    fn points(&self) -> Option<Points> {
+        let file = self.parquet.then(|| self.file.try_clone().ok()).flatten()?;
+        points(file)
+    }
+
     fn pass(&self, each: &mut Each<'_>) -> Result<Vec<String>, RecordError> {
         let again = (&self.file).rewind().and_then(|()| self.file.try_clone());
         let file = again.map_err(|error| RecordError::Read { path: self.path.clone(), error })?;
@@ -98,9 +106,14 @@ impl Table {
 }
 
 #[cfg(feature = "parquet")]
-use parquet::read as read_parquet;
+use parquet::{points, read as read_parquet};
 
 #[cfg(not(feature = "parquet"))]
 fn read_parquet(_: File, _: &mut Each<'_>) -> Result<Vec<String>, Stop> {
     Err(Stop::Wrong("is Parquet, which this build does not read: only CSV".into()))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn points(_: File) -> Option<Points> {
+    None
 }

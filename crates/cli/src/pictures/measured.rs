@@ -126,6 +126,7 @@ mod tests {
             source: "run.csv".into(),
             ids: ids.iter().map(|id| (*id).to_owned()).collect(),
             frames: vec![Frame { time, agents: vec![at(10.0, 20.0), at(0.0, 1.0)], ..Frame::default() }],
+            points: None,
         };
         let both = run(&["a", "b"], 0.0);
         let placed = read(rows).unwrap().placed(Origin::Start, &both).unwrap();

@@ -219,6 +219,7 @@ mod tests {
             source: PathBuf::new(),
             ids: vec!["a".into(), "b".into()],
             frames: (0..=30).map(frame).collect(),
+            points: None,
         }
     }
 

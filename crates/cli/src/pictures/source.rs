@@ -15,7 +15,7 @@ use crowd_mechanics::variables::{Kind, in_documents_mut, table};
 use lemons_master::{Clock, Given, PlanChoice, Settings, named};
 use lemons_plane::Motion;
 pub use lemons_record::Wanted;
-use lemons_record::{Frame, Record, Run};
+use lemons_record::{Frame, Points, Record, Run};
 use lemons_trial::{AgentDynamics, Trial};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -210,14 +210,15 @@ impl Source {
             return;
         }
         let longest = longest_gap(run);
-        match trial {
+        match run.points.or_else(|| trial.map(points_of)) {
             None => note!(
                 "note: assumed: the table has every communication step (longest: {longest:.6} s); --trial says so"
             ),
-            Some(trial) if lacks_steps(trial, longest) => note!(
-                "warning: frames are up to {longest:.6} s apart, but the TimeStep of the Trial is {:?} s: if the table \
+            Some(points) if points.are_missing(longest) => note!(
+                "warning: frames are up to {longest:.6} s apart, but the communication step is {:?} s ({}): if the table \
                  lacks communication points (--every), means and the greatest of them are wrong",
-                trial.parameters.time_step
+                points.step,
+                if run.points.is_some() { "metadata of the table" } else { "TimeStep of the Trial" }
             ),
             Some(_) => {}
         }
@@ -289,9 +290,9 @@ fn tell_other(record: &Record, trial: &Trial) {
     }
 }
 
-/// Whether frames are further apart \[s\] than communication points of the Trial.
-pub fn lacks_steps(trial: &Trial, longest: f64) -> bool {
-    longest > trial.parameters.time_step * (1.0 + 1e-6) + 2e-9
+/// All communication points of a run of the Trial.
+pub fn points_of(trial: &Trial) -> Points {
+    Points { every: 1, step: trial.parameters.time_step }
 }
 
 /// A Trial as it begins.
@@ -304,7 +305,7 @@ fn still(path: &Path, trial: &Trial) -> Run {
         ..Frame::default()
     };
     let ids = trial.agents.iter().map(|agent| agent.id.clone()).collect();
-    Run { source: path.to_owned(), ids, frames: vec![start] }
+    Run { source: path.to_owned(), ids, frames: vec![start], points: None }
 }
 
 /// A parameter of the run, which its contacts depend on.

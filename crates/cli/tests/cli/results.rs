@@ -1,6 +1,6 @@
 //! What `lemons run` writes, stops and goes on with.
 
-use crate::common::{command, out};
+use crate::common::{command, err, out};
 use crowd_mechanics::setup;
 use lemons_record::Run;
 use std::fs::{self, File};
@@ -236,6 +236,47 @@ fn every_nth_point_is_written_and_all_are_looked_at() {
     push(at, "--until 0.5 -o part.csv --every 3 --state part.run", 0);
     push(at, "--until 1.03 -o part.csv --resume part.run", 0);
     assert!(text("part.csv") == third);
+}
+
+/// The greatest squeezes lay in steps of which the table has no rows, and smaller ones were told.
+#[test]
+fn exposure_is_not_measured_of_a_parquet_table_that_lacks_steps() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    push(at, "--until 1 -o all.parquet", 0);
+    push(at, "--until 1 -o some.parquet --every 2", 0);
+    let measured = |words: &[&str]| lemons(at, &[&["measure"], words].concat());
+    let told = |words: &[&str]| {
+        said(&measured(&[words, &["--summary", "s.json", "--force"]].concat()), 0);
+        let summary: serde_json::Value = serde_json::from_slice(&read(at, "s.json")).unwrap();
+        summary["exposure"]["peak"]["max"].as_f64()
+    };
+    // The metadata says that all are there: nothing is assumed, with the Trial or without.
+    let trial = trial();
+    let whole = measured(&["all.parquet", "--above", "100"]);
+    assert!(!said(&whole, 0).contains("Assumed"), "{whole:?}");
+    let peak = told(&["all.parquet"]);
+    assert!(peak.is_some_and(|peak| peak > 20_000.0), "{peak:?}");
+    // Nor is a TimeStep that the run did not have.
+    push(at, "--until 1 -o long.parquet --step 0.1", 0);
+    assert!(told(&["long.parquet", "--trial", &trial]).is_some());
+    for given in
+        [&["some.parquet"][..], &["some.parquet", "--trial", &trial], &["some.parquet", "--every", "2"]]
+    {
+        assert_eq!(told(given), None, "{given:?}");
+        let output = measured(&[given, &["--above", "100"]].concat());
+        assert_eq!(output.status.code(), Some(1));
+        let words = "only every 2-th communication point (every in the metadata of the table)";
+        assert!(err(&output).contains(words), "{}", err(&output));
+    }
+    for (table, every, words) in [("some.parquet", "1", "every = 2"), ("all.parquet", "2", "every = 1")] {
+        let output = measured(&[table, "--every", every]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(err(&output).contains(&format!("--every {every}: {table} has {words}")), "{}", err(&output));
+    }
+    let plot = ["plot", "some.parquet", "--series", "greatest-squeeze", "-o", "x.svg"];
+    let output = lemons(at, &plot);
+    assert!(err(&output).contains("lacks communication points (--every)"), "{}", err(&output));
 }
 
 /// A saved run, its texts and states changed.

@@ -5,6 +5,7 @@ use super::digest::Digest;
 use super::rows::{Builder, Head, Row as _, Stop, check_unit, heads, missing, read as read_row};
 use crate::columns::{CONTACTS, Column, ID, TOTALS};
 use crate::record::Each;
+use crate::run::Points;
 use lemons_columns::{Batch, Cell, Kind, Reader, TableError};
 use lemons_files::input;
 use std::borrow::Cow;
@@ -34,6 +35,13 @@ pub(super) fn read(file: File, each: &mut Each<'_>) -> Result<Vec<String>, Stop>
     let (last, ids) = builder.finish()?;
     each(last)?;
     Ok(ids)
+}
+
+/// Which communication points a file has.
+pub(super) fn points(file: File) -> Option<Points> {
+    let reader = Reader::open(file).ok()?;
+    let [every, step] = Points::KEYS.map(|key| reader.about(key));
+    Some(Points { every: every?.parse().ok()?, step: step?.parse().ok()? })
 }
 
 /// Where a column is.
