@@ -120,6 +120,10 @@ impl Prepared {
         };
         let clock = Clock::new(start, step, until).place(|| settings.input.display().to_string())?;
         warnings.extend(pushes.missed(start, step).map(Warning::Missed));
+        let begun = before.as_ref().map(|before| (before.time, before.index));
+        let saved = settings.saves.then_some((clock.until, clock.steps));
+        let between = begun.into_iter().chain(saved).find(|(time, index)| *time != clock.point(*index));
+        warnings.extend(between.map(|(time, _)| Warning::Between { time, step }));
         let undriven = !coupled && before.is_none() && pushes.end().is_none();
         if undriven && trial.is_some() && is_still(crowd, agents.len())? {
             warnings.push(Warning::Still);

@@ -28,6 +28,13 @@ pub enum Warning {
         /// The file that says where, as the user knows it.
         plan: PathBuf,
     },
+    /// A run that is saved ends, or one that goes on began, between two communication points.
+    Between {
+        /// \[s\]
+        time: f64,
+        /// \[s\] The communication step.
+        step: f64,
+    },
     /// Nothing moves a Trial's people: no drive, no `decision.toml`, no force and no speed at the start.
     Still,
 }
@@ -47,6 +54,11 @@ impl fmt::Display for Warning {
                     plan.display()
                 )
             }
+            Warning::Between { time, step } => write!(
+                f,
+                "t = {time:?} s is between two communication points ({step:?} s apart): a run that goes on from there has \
+                 one more, so its results are not those of a run without interruption"
+            ),
             Warning::Still => write!(
                 f,
                 "nobody is driven: neither {WISHES_FILE} (where people walk) nor {DRIVE_FILE} is used, and \

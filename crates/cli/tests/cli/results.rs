@@ -279,6 +279,25 @@ fn exposure_is_not_measured_of_a_parquet_table_that_lacks_steps() {
     assert!(err(&output).contains("lacks communication points (--every)"), "{}", err(&output));
 }
 
+/// Of a run that ended within a communication step, the bytes are others, although they were said to be the same.
+#[test]
+fn a_run_that_is_saved_between_two_communication_points_says_that_its_results_will_differ() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    push(at, "--until 1 -o whole.csv", 0);
+    let words =
+        |time: &str| format!("warning: t = {time} s is between two communication points (0.05 s apart)");
+    for (time, between) in [("0.52", true), ("0.55", false), ("0.5", false)] {
+        let saved = push(at, &format!("--until {time} -o {time}.csv --state {time}.run"), 0);
+        assert_eq!(saved.contains(&words(time)), between, "{saved}");
+        let resumed = push(at, &format!("--until 1 -o {time}.csv --resume {time}.run"), 0);
+        assert_eq!(resumed.contains(&words(time)), between, "{resumed}");
+        assert_eq!(read(at, &format!("{time}.csv")) == read(at, "whole.csv"), !between, "{time}");
+    }
+    // Where nothing is saved, nothing is said.
+    assert!(!push(at, "--until 0.52 -o x.csv", 0).contains("between two"));
+}
+
 /// A saved run, its texts and states changed.
 fn forged(at: &Path, from: &str, change: impl Fn(&str, Vec<u8>) -> Vec<u8>) -> PathBuf {
     let mut zip = zip::ZipArchive::new(File::open(at.join(from)).unwrap()).unwrap();
