@@ -11,6 +11,7 @@ distribution format".
 import base64
 import hashlib
 import os
+import re
 import sys
 import time
 import tomllib
@@ -26,6 +27,11 @@ TAGS = {
 }
 COMMAND = "lemons_command"
 ENTRY_POINTS = f"[console_scripts]\nlemons = {COMMAND}:main\n"
+
+
+def _named(link: re.Match[str]) -> str:
+    text, path = link.groups()
+    return path if path.endswith(text) else f"{text} ({path})"
 
 
 def metadata(project: dict) -> str:
@@ -47,6 +53,9 @@ def metadata(project: dict) -> str:
         lines.append(f"Provides-Extra: {extra}")
         lines += [f'Requires-Dist: {dependency}; extra == "{extra}"' for dependency in dependencies]
     readme = (ROOT / "python" / project["readme"]).read_text(encoding="utf-8")
+    # Other pages are not in the wheel: they are named instead.
+    readme = re.sub(r"\[([^\]]+)\]\(\.\./([^)#]+)[^)]*\)", _named, readme)
+    readme += "\nFiles of docs/ and examples/ are in the repository of the source code.\n"
     return "\n".join(lines) + "\nDescription-Content-Type: text/markdown\n\n" + readme
 
 

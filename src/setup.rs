@@ -4,6 +4,7 @@ mod advice;
 mod plausible;
 mod steps;
 mod surroundings;
+mod usual;
 mod within;
 mod world;
 

@@ -21,7 +21,7 @@ impl Setup<'_> {
     /// Returns warnings about overlaps at the start without a spring from an earlier step, and about a mechanical step
     /// that does not resolve the shortest contact.
     pub(super) fn advice(&self, places: &Places) -> Vec<Problem> {
-        let Places { parameters, agents, geometry, dynamics } = places;
+        let Places { parameters, agents, geometry, dynamics, .. } = places;
         let world = match self.world() {
             Ok(world) => world,
             Err(crowded @ WorldError::Crowded { .. }) => {
@@ -41,6 +41,7 @@ impl Setup<'_> {
         advice.extend(coincident.map(|message| warning(dynamics, None, message)));
         advice.extend(self.coarse_step(scene, parameters));
         advice.extend(self.stepping_over(scene, parameters));
+        advice.extend(self.unusual(places));
         advice.extend(self.doubts(scene).into_iter().map(|doubt| match doubt {
             Doubt::Parameters(attribute, value, message) => {
                 warning(parameters, Some(("Times", attribute, value)), message)
@@ -57,6 +58,7 @@ impl Setup<'_> {
         let of = |name: &str| PathBuf::from(format!("{} ({name}, with the parameters as set)", self.name));
         self.advice(&Places {
             parameters: of("Parameters.xml"),
+            materials: of("Materials.xml"),
             agents: of("Agents.xml"),
             geometry: of("Geometry.xml"),
             dynamics: of("AgentDynamics.xml"),
@@ -256,9 +258,10 @@ mod tests {
     }
 
     fn said(trial: &Trial) -> Vec<String> {
-        let [parameters, agents, geometry, dynamics] =
-            ["Parameters.xml", "Agents.xml", "Geometry.xml", "AgentDynamics.xml"].map(PathBuf::from);
-        let advice = Setup::of(trial).advice(&Places { parameters, agents, geometry, dynamics });
+        let [parameters, materials, agents, geometry, dynamics] =
+            ["Parameters.xml", "Materials.xml", "Agents.xml", "Geometry.xml", "AgentDynamics.xml"]
+                .map(PathBuf::from);
+        let advice = Setup::of(trial).advice(&Places { parameters, materials, agents, geometry, dynamics });
         advice.iter().map(ToString::to_string).collect()
     }
 
@@ -380,7 +383,7 @@ mod tests {
         trial.parameters.time_step_mechanical = 1e-6;
         (trial.agents[2].mass, trial.agents[2].moment_of_inertia) = (0.001, 0.001);
         let said = said(&trial);
-        assert!(said.len() == 1 && said[0].contains("is unstable") && said[0].contains("\"2\""), "{said:?}");
+        assert!(said.len() == 3 && said[0].contains("is unstable") && said[0].contains("\"2\""), "{said:?}");
     }
 
     #[test]

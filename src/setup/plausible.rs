@@ -4,7 +4,7 @@
 use super::Setup;
 use super::surroundings::Surroundings;
 use super::within::{Inside, outside_rooms, within_pillars};
-use crate::engine::{Scene, Vec2};
+use crate::engine::{Disk, Scene, Vec2};
 use lemons_plane::Bounds;
 use lemons_trial::quoted;
 
@@ -15,8 +15,6 @@ const LARGE_HALL: f64 = 50.0;
 /// \[1/m²\] ... and with fewer people than this may be in centimetres: with a hundredth of the length and width it
 /// would have 10 per m².
 const FEW_PEOPLE: f64 = 1e-3;
-/// \[s\] Usual range of TimeStep. A drive is constant, and results are written, once in a TimeStep.
-const TIME_STEP: [f64; 2] = [1e-5, 1.0];
 /// Mechanical steps in a TimeStep that take some seconds for each agent.
 const MANY_STEPS: f64 = 1e8;
 /// \[m\] A person this close to the outside of a room may be about to enter.
@@ -43,8 +41,9 @@ pub(super) enum Doubt {
 impl Setup<'_> {
     /// Returns all doubts.
     pub(super) fn doubts(&self, scene: &Scene) -> Vec<Doubt> {
-        let mut doubts = self.doubts_of_steps();
+        let mut doubts: Vec<Doubt> = self.doubts_of_steps().into_iter().collect();
         doubts.extend(self.doubts_of_bodies(scene));
+        doubts.extend(self.doubts_of_centres(scene));
         doubts.extend(self.doubts_of_walls(scene));
         let places: Vec<Vec2> = self.dynamics.iter().map(|dynamics| dynamics.position).collect();
         doubts.extend(self.doubts_of_places(scene, &places));
@@ -52,26 +51,11 @@ impl Setup<'_> {
         doubts
     }
 
-    fn doubts_of_steps(&self) -> Vec<Doubt> {
+    fn doubts_of_steps(&self) -> Option<Doubt> {
         let (step, mechanical) = (self.parameters.time_step, self.parameters.time_step_mechanical);
-        let mut doubts = Vec::new();
-        let [short, long] = TIME_STEP;
-        if step > long {
-            let message = format!(
-                "is long: drives are constant and results are written once during it; usual is \
-                 0.01 to 1 s, and TimeStepMechanical is the step of the integration ({mechanical:?} s)"
-            );
-            doubts.push(Doubt::Parameters("TimeStep", step, message));
-        } else if step < short {
-            let message = "is short: results are written at every TimeStep; 0.01 to 1 s is usual".to_owned();
-            doubts.push(Doubt::Parameters("TimeStep", step, message));
-        }
         let steps = step / mechanical;
-        if steps > MANY_STEPS {
-            let message = format!("is short: each TimeStep of {step:?} s takes {steps:.1e} mechanical steps");
-            doubts.push(Doubt::Parameters("TimeStepMechanical", mechanical, message));
-        }
-        doubts
+        let message = format!("is short: each TimeStep of {step:?} s takes {steps:.1e} mechanical steps");
+        (steps > MANY_STEPS).then_some(Doubt::Parameters("TimeStepMechanical", mechanical, message))
     }
 
     fn doubts_of_bodies(&self, scene: &Scene) -> Option<Doubt> {
@@ -86,6 +70,28 @@ impl Setup<'_> {
         let (id, width) = (quoted(&self.agents[b].id), 2.0 * body.bounding_radius);
         Some(Doubt::Agents(format!(
             "agent {id} is {width:.3} m wide{others}: are Radius and Position of its shapes in metres?"
+        )))
+    }
+
+    /// A centre of mass is within the hull of the disks: in each direction one of them reaches beyond it.
+    fn doubts_of_centres(&self, scene: &Scene) -> Option<Doubt> {
+        let odd = |disks: &[Disk]| {
+            (0..DIRECTIONS).any(|k| {
+                let angle = std::f64::consts::TAU * f64::from(k) / f64::from(DIRECTIONS);
+                let towards = Vec2 { x: libm::cos(angle), y: libm::sin(angle) };
+                disks.iter().all(|disk| disk.offset.dot(towards) + disk.radius < 0.0)
+            })
+        };
+        let mut all =
+            scene.bodies.iter().enumerate().filter(|(_, body)| odd(&scene.disks[body.disks.clone()]));
+        let (b, _) = all.next()?;
+        let others = match all.count() {
+            0 => String::new(),
+            count => format!(" ({} agents in all)", count + 1),
+        };
+        let id = quoted(&self.agents[b].id);
+        Some(Doubt::Agents(format!(
+            "the centre of mass of agent {id} is outside of its own shapes{others}: are their Positions relative to it?"
         )))
     }
 
@@ -161,9 +167,11 @@ impl Setup<'_> {
             1 => format!("agent {first} stands"),
             count => format!("{count} agents stand (first {first})"),
         };
-        Some(Doubt::Dynamics(format!(
-            "{who} outside of the closed walls in which {inside} others stand: is this intended?"
-        )))
+        let inside = match inside {
+            0 => "the closed walls, and nobody inside".to_owned(),
+            inside => format!("the closed walls in which {inside} others stand"),
+        };
+        Some(Doubt::Dynamics(format!("{who} outside of {inside}: is this intended?")))
     }
 
     fn doubts_of_pillars(&self, places: &[Vec2]) -> Option<Doubt> {
@@ -291,6 +299,17 @@ mod tests {
         );
         trial.dynamics[2].position = vec2(2.8, -1.0);
         says(&trial, "2 agents stand (first \"2\") outside of the closed walls in which 3 others stand");
+        // Somebody who is alone.
+        let mut lone = trial.clone();
+        lone.agents.truncate(1);
+        lone.dynamics.truncate(1);
+        assert_eq!(said(&lone), [""; 0]);
+        lone.dynamics[0].position = vec2(-3.0, 2.0);
+        says(&lone, "agent \"0\" stands outside of the closed walls, and nobody inside: is this intended?");
+        for corner in &mut lone.geometry.walls[0].corners {
+            *corner = *corner * 0.3;
+        }
+        assert_eq!(said(&lone), [""; 0], "a pillar");
         // More outside than inside: the others are asked about.
         trial.dynamics[1].position = vec2(1.8, -1.0);
         says(&trial, "around which 3 others stand: is it a pillar?");
@@ -353,7 +372,8 @@ mod tests {
             "agent \"0\" is ",
             " m wide (5 agents in all): are Radius and Position of its shapes in metres?",
         ];
-        assert!(said.len() == 1 && words.iter().all(|word| said[0].contains(word)), "{said:?}");
+        assert!(said.len() == 2 && words.iter().all(|word| said[1].contains(word)), "{said:?}");
+        assert!(said[0].contains("is it in kg cm² (1.85 kg m²)?"), "{said:?}");
     }
 
     #[test]
@@ -361,10 +381,7 @@ mod tests {
         let mut trial = room();
         trial.parameters.time_step = 50.0;
         trial.parameters.time_step_mechanical = 1e-5;
-        says(
-            &trial,
-            "<Times> TimeStep=\"50.0\": is long: drives are constant and results are written once during it",
-        );
+        says(&trial, "<Times> TimeStep=\"50.0\": 1e-5 s to 1 s is usual, because drives are constant");
         trial.parameters.time_step = 1.0;
         trial.parameters.time_step_mechanical = 1e-9;
         says(
@@ -372,6 +389,91 @@ mod tests {
             "<Times> TimeStepMechanical=\"1e-9\": is short: each TimeStep of 1.0 s takes 1.0e9 mechanical steps",
         );
         (trial.parameters.time_step, trial.parameters.time_step_mechanical) = (1e-6, 1e-6);
-        says(&trial, "<Times> TimeStep=\"1e-6\": is short");
+        says(&trial, "<Times> TimeStep=\"1e-6\": 1e-5 s to 1 s is usual");
+    }
+
+    #[test]
+    fn a_centre_of_mass_outside_of_the_own_disks_is_doubted() {
+        let mut trial = room();
+        // Beside the disks, but between them: two shoulders.
+        trial.agents[1].shapes = vec![trial.agents[1].shapes[0].clone(), trial.agents[1].shapes[4].clone()];
+        assert_eq!(said(&trial), [""; 0]);
+        for agent in &mut trial.agents[2..4] {
+            for shape in &mut agent.shapes {
+                shape.position.x += 0.4;
+            }
+        }
+        says(&trial, "the centre of mass of agent \"2\" is outside of its own shapes (2 agents in all)");
+    }
+
+    /// Of each attribute a value in another unit, with that unit and the value that is meant: the person's own.
+    #[test]
+    fn values_in_other_units_are_doubted_with_the_unit() {
+        type Change = fn(&mut Trial);
+        let cases: [(Change, &str, &str); 14] = [
+            (
+                |t| t.agents[0].mass = 89_000.0,
+                "<Agent> Mass=\"89000.0\": agent \"0\": 1 kg to 1000 kg",
+                "g (89 kg)?",
+            ),
+            (|t| t.agents[0].mass = 0.089, "Mass=\"0.089\"", "t (89 kg)?"),
+            (
+                |t| t.agents[1].moment_of_inertia = 10_200.0,
+                "MomentOfInertia=\"10200.0\": agent \"1\"",
+                "kg cm² (1.02 kg m²)?",
+            ),
+            (
+                |t| t.agents[1].moment_of_inertia = 1.02e6,
+                "MomentOfInertia=\"1020000.0\"",
+                "kg mm² (1.02 kg m²)?",
+            ),
+            (|t| t.agents[0].floor_damping = 450.0, "FloorDamping=\"450.0\"", "kg/s (5.06 1/s)?"),
+            (|t| t.agents[0].angular_damping = 90.0, "AngularDamping=\"90.0\"", "kg m²/s (48.6 1/s)?"),
+            (
+                |t| t.dynamics[2].velocity = vec2(60.0, 80.0),
+                "Velocity=\"60.0,80.0\": agent \"2\"",
+                "cm/s (1 m/s)?",
+            ),
+            (|t| t.dynamics[2].velocity = vec2(0.0, -18.0), "Velocity=\"0.0,-18.0\"", "km/h (5 m/s)?"),
+            (|t| t.dynamics[2].theta = -90.0, "Theta=\"-90.0\"", "degrees (-1.57 rad)?"),
+            (|t| t.dynamics[2].omega = 180.0, "Omega=\"180.0\"", "degrees/s (3.14 rad/s)?"),
+            (
+                |t| t.materials.binary[2].kinetic_friction = 40.0,
+                "KineticFriction=\"40.0\": materials \"concrete\" and \"human_naked\"",
+                "per cent (0.4)?",
+            ),
+            (|t| t.parameters.time_step = 50.0, "TimeStep=\"50.0\": 1e-5 s to 1 s is usual", "ms (0.05 s)?"),
+            (|t| t.dynamics[2].velocity = vec2(1e7, 0.0), "<Kinematics> Velocity", "is it right?"),
+            (
+                |t| {
+                    for dynamics in &mut t.dynamics {
+                        dynamics.theta = 90.0
+                    }
+                },
+                "agent \"0\" (and 4 more)",
+                "degrees",
+            ),
+        ];
+        for (change, whose, meant) in cases {
+            let mut trial = room();
+            change(&mut trial);
+            let said = said(&trial);
+            let found = said.iter().filter(|line| line.contains(whose)).collect::<Vec<_>>();
+            assert!(found.len() == 1 && found[0].contains(meant), "{whose} {meant}: {said:?}");
+        }
+        // Moduli of all materials, in MPa.
+        let mut trial = room();
+        for material in &mut trial.materials.intrinsic {
+            material.young_modulus *= 1e-6;
+            material.shear_modulus *= 1e-6;
+        }
+        let said = said(&trial);
+        for (attribute, meant) in
+            [("YoungModulus=\"1700.0\"", "1.7e9 N/m"), ("ShearModulus=\"710.0\"", "7.1e8 N/m")]
+        {
+            let found = said.iter().find(|line| line.contains(attribute)).unwrap();
+            let words = "material \"concrete\" (and 2 more): 10000 N/m to 1e12 N/m is usual";
+            assert!(found.contains(words) && found.contains(&format!("MN/m (MPa) ({meant})?")), "{found}");
+        }
     }
 }

@@ -11,6 +11,8 @@ const MOST_LOOKS: u64 = 50_000_000;
 const FEW: usize = 2;
 /// ... or at most this fraction (1/20) of the people around it; otherwise it is a room.
 const SMALL_PART: usize = 20;
+/// \[m\] A closed wall that is longer and wider is no pillar for somebody who is alone.
+const ROOM: f64 = 2.0;
 
 /// A person inside a closed wall while the others are around it.
 #[derive(Debug, PartialEq)]
@@ -75,13 +77,19 @@ pub(super) fn within_pillars(walls: &[Wall], places: &[Vec2]) -> Option<Inside> 
     told
 }
 
-/// Returns the agents who stand outside of all closed walls, and the number of those inside one, if these are more.
+/// Returns the agents who stand outside of all closed walls, and the number of those inside one, if these are more; or
+/// the only agent, if a wall is a [`ROOM`].
 pub(super) fn outside_rooms(walls: &[Wall], places: &[Vec2]) -> Option<(Vec<usize>, usize)> {
     let (outside, inside): (Vec<_>, Vec<_>) =
         chains(walls, places, MOST_LOOKS).0.into_iter().partition(|(_, chain)| chain.is_empty());
     let mut outside: Vec<usize> = outside.into_iter().map(|(agent, _)| agent).collect();
     outside.sort_unstable();
-    (outside.len() < inside.len()).then_some((outside, inside.len()))
+    let is_room = |wall: &Wall| {
+        let size = Bounds::of(wall.corners.iter().copied()).map(|bounds| bounds.size());
+        is_closed(wall) && size.is_some_and(|size| size.x.min(size.y) > ROOM)
+    };
+    let alone = places.len() == 1 && outside.len() == 1 && walls.iter().any(is_room);
+    (alone || outside.len() < inside.len()).then_some((outside, inside.len()))
 }
 
 /// The people in an area inside closed walls.

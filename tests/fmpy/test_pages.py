@@ -3,12 +3,14 @@
 The commands of a page run one after the other in a copy of what a user has: a directory with `resources` and `examples`.
 """
 
+import importlib.util
 import json
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import limited
@@ -320,6 +322,36 @@ def test_links_lead_somewhere(page):
         elif anchor and anchor not in pages.anchors(file.relative_to(REPOSITORY.resolve()).as_posix()):
             wrong.append(f"{link}: the page has no such heading")
     assert not wrong, "\n".join([page, *wrong])
+
+
+# The table of exit codes shows a wrong command line.
+@pytest.mark.parametrize("page", [page for page in pages.PAGES if page != "docs/reference/exit-codes.md"])
+def test_commands_have_the_options_that_are_named_with_them(page):
+    """In a row or line: of `lemons COMMAND --this`, and of `--that` after it."""
+    parts = [part.split("\n", 1) for part in pages.text_of("docs/command.md").split("\n## ")[1:]]
+    known = {name: set(re.findall(r"--[a-z][a-z-]*", text)) | {"--help"} for name, text in parts}
+    wrong = []
+    for number, line in pages.prose(page):
+        command = None
+        for code in re.findall(r"`([^`]+)`", line):
+            named = re.match(r"lemons [a-z]+", code)
+            command = named[0] if named else command if code.startswith("--") else None
+            options = re.findall(r"(?<![\w-])--[a-z][a-z-]*", code) if command in known else []
+            wrong += [f"{page}:{number}: {command} has no {option}" for option in options if option not in known[command]]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_links_of_the_wheel_lead_somewhere():
+    """Its description is python/README.md, without the other pages of the repository."""
+    spec = importlib.util.spec_from_file_location("wheels", REPOSITORY / "packaging/wheels.py")
+    wheels = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(wheels)
+    project = tomllib.loads((REPOSITORY / "python/pyproject.toml").read_text())["project"]
+    text = wheels.metadata(project)
+    own = pages.anchors("python/README.md")
+    links = pages.LINK.findall(text)
+    assert any(link.startswith("https://") for link in links) and "docs/install.md" in text and "../" not in text.split("```")[0]
+    assert [link for link in links if not link.startswith("https://") and link.removeprefix("#") not in own] == []
 
 
 def test_the_exceptions_are_needed():

@@ -192,6 +192,13 @@ def test_what_cannot_be_meant_is_refused(leaving, pack, decide, tmp_path):
         Crowd(trial)
 
 
+@pytest.mark.xfail(strict=True, reason="item 17: the package does not add a drive to how people walk, as lemons run does")
+def test_a_drive_is_added_to_how_people_walk(lemons, leaving, tmp_path):
+    trial = shutil.copytree(leaving, tmp_path / "both")
+    (trial / "drive.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,500,0,0\n1,0,500,0,0\n")
+    same(simulate(trial, until=0.2), written(lemons, tmp_path, trial, "--until", "0.2"))
+
+
 def test_a_drive_beside_a_plan_is_not_silently_ignored(lemons, leaving, tmp_path):
     trial = shutil.copytree(leaving, tmp_path / "both")
     (trial / "drive.csv").write_text("t,agent,Fp.x,Fp.y,Mp\n0,0,500,0,0\n1,0,500,0,0\n")

@@ -46,18 +46,16 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     Ok(plan) => (plan, Ok(())),
                     Err(error) => (None, Err(error)),
                 };
-                let hurry = plan.as_ref().and_then(hurried);
-                if let Some(hurry) = &hurry {
-                    writeln!(out, "warning: {}: {hurry}", path.join(WISHES_FILE).display())?;
+                let doubts: Vec<String> =
+                    plan.iter().flat_map(|plan| [hurried(plan), unmoved(plan)]).flatten().collect();
+                for doubt in &doubts {
+                    writeln!(out, "warning: {}: {doubt}", path.join(WISHES_FILE).display())?;
                 }
                 let driven = given.drive(&trial);
                 let parameters = &trial.parameters;
                 let missed = driven.as_ref().map(|drive| drive.missed(0.0, parameters.time_step));
                 let missed = missed.ok().flatten();
-                // How the drive fits the step does not matter where it is not used.
-                let unused = wishes.is_some() && given.directory().join(DRIVE_FILE).exists();
-                let missed = missed.filter(|_| !unused);
-                if unused {
+                if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
                     let plan = path.join(WISHES_FILE);
                     writeln!(out, "{}", words::warned(&Warning::DriveOfWalkers { plan }))?;
                 }
@@ -66,7 +64,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     let missed = words::missed(missed, "TimeStep");
                     writeln!(out, "warning: {}: {missed}", file.display())?;
                 }
-                if let (Ok(drive), None, false) = (&driven, &missed, unused)
+                if let (Ok(drive), None) = (&driven, &missed)
                     && let (between @ 1.., of) = drive.between(0.0, parameters.time_step)
                 {
                     let file = path.join(DRIVE_FILE);
@@ -103,10 +101,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     counted(trial.geometry.walls.len(), "wall"),
                     parameters.time_step,
                     parameters.time_step_mechanical,
-                    match warnings.iter().count()
-                        + usize::from(missed.is_some())
-                        + usize::from(hurry.is_some())
-                    {
+                    match warnings.iter().count() + usize::from(missed.is_some()) + doubts.len() {
                         0 => "no problem".to_owned(),
                         1 => "1 warning".to_owned(),
                         n => format!("{n} warnings"),
@@ -137,6 +132,18 @@ fn hurried(plan: &Plan) -> Option<String> {
     };
     Some(format!(
         "agent {id:?} wants {speed:?} m/s{others}: people walk at 0.5 to 2 m/s, and run at 3 to 5 m/s"
+    ))
+}
+
+/// Who cannot walk: the force with which people walk is proportional to FloorDamping.
+fn unmoved(plan: &Plan) -> Option<String> {
+    let unmoved = || plan.agents.iter().filter(|agent| agent.walker.floor_damping == 0.0);
+    let (first, count) = (unmoved().next()?, unmoved().count());
+    Some(format!(
+        "{count} of {} agents cannot walk (first {:?}): FloorDamping=\"0\" in Agents.xml, and the force with which they \
+         walk is Mass · FloorDamping · speed",
+        plan.agents.len(),
+        first.id
     ))
 }
 

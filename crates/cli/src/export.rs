@@ -2,9 +2,11 @@
 
 use crate::error::Misused;
 use crate::files::{self, Force};
+use crate::output::Output;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use crowd_mechanics::setup;
+use lemons_decision::{Person, WISHES_FILE, Wishes};
 use lemons_files::input;
 use lemons_master::{Fmu, Given, Kind};
 use lemons_record::{
@@ -12,6 +14,7 @@ use lemons_record::{
     trial_at_end, walkable_area,
 };
 use lemons_trial::Trial;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -51,7 +54,7 @@ enum Format {
     Chaos,
     /// The paper's AgentDynamics files for each time; from an OutputDirectory also AgentInteractions
     Series,
-    /// A Trial that continues from the end of the run; from an OutputDirectory with contact springs
+    /// A Trial that continues from the end of the run, with those who are there and its decision.toml; from an OutputDirectory with contact springs
     Trial,
 }
 
@@ -87,6 +90,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     let run = run.every(*every as usize);
     let last = run.frames() - 1;
     let mut said = Vec::new();
+    let mut agents = run.ids().len();
     match to {
         Format::Jupedsim => {
             let area = area(&run, ("--area", arguments.area.as_deref()), trial.as_ref())?;
@@ -103,10 +107,27 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             series(&run, need()?, out)?;
         }
         Format::Trial => {
-            let trial = trial_at_end(&run.read(|k| k == last)?, need()?)?;
-            claim_all(trial.files_written(out).into_iter())?;
+            let before = need()?;
+            let trial = trial_at_end(&run.read(|k| k == last)?, before)?;
+            agents = trial.agents.len();
+            if agents == 0 {
+                let end = run.times().nth(last).unwrap_or_default();
+                bail!(
+                    "{}: nobody is there at its end, t = {end:?} s: no Trial can go on from it",
+                    source.display()
+                );
+            }
+            let given = arguments.trial.as_deref().unwrap_or(&before.directory);
+            let wishes = wishes_at_end(given, &trial, &mut said)?;
+            let plan = wishes.as_ref().map(|_| out.join(WISHES_FILE));
+            claim_all(trial.files_written(out).into_iter().chain(plan.clone()))?;
             trial.write(out)?;
-            said.extend(files::staying(out, &[]));
+            if let (Some(text), Some(plan)) = (&wishes, plan) {
+                let mut file = Output::claimed(&plan)?;
+                file.fill(|file| file.write_all(text.as_bytes()))?;
+                file.persist()?;
+            }
+            said.extend(files::staying(out, if wishes.is_some() { &[WISHES_FILE] } else { &[] }));
         }
     }
     said.extend(not_exported(*to, &run));
@@ -114,7 +135,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         note!("{line}");
     }
     let (first, end) = (run.times().next().unwrap_or_default(), run.times().nth(last).unwrap_or_default());
-    let (agents, out) = (run.ids().len(), out.display());
+    let out = out.display();
     match to {
         Format::Trial => say!("{out}: {agents} agents as at t = {end:?} s")?,
         _ => say!("{out}: {agents} agents, {} frames from {first:?} to {end:?} s", run.frames())?,
@@ -140,6 +161,23 @@ impl Arguments {
         }
         Ok(())
     }
+}
+
+/// The `decision.toml` of a Trial for those who are there at the end of its run, if it has one.
+fn wishes_at_end(given: &Path, end: &Trial, said: &mut Vec<String>) -> Result<Option<String>> {
+    let Some(path) = Given::find(given)?.and_then(|given| given.wishes()) else { return Ok(None) };
+    let shown = || given.join(WISHES_FILE).display().to_string();
+    let text = input::read_text(&path, input::LARGEST_SETTINGS).with_context(shown)?;
+    let wishes = Wishes::from_toml(&text).with_context(shown)?;
+    said.push(
+        "decision.toml is taken along; people begin again with their first way-point, and by shares (share) it is chosen \
+         again who takes which exit"
+            .into(),
+    );
+    Ok(Some(match wishes.without_others(&Person::all_of(end)) {
+        Some(fewer) => fewer.to_toml()?,
+        None => text,
+    }))
 }
 
 /// What the format or the record does not have.

@@ -1,6 +1,7 @@
 //! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
 mod halved;
+mod pressing;
 mod rest;
 mod series;
 mod underway;
@@ -24,11 +25,12 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lemons_files::Staged;
 use lemons_master::{
     Algorithm, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings, System,
-    leavers, writers,
+    plan_in, writers,
 };
 use lemons_measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_record::Run;
 use lemons_trial::DriveChoice;
+use pressing::pressing;
 pub use rest::REST;
 use rest::{Rest, Still};
 pub use series::writes as writes_in_series;
@@ -60,7 +62,8 @@ pub struct Arguments {
     /// values are interpolated linearly between rows; they are held until the next point, so results
     /// depend on the communication step. Before the first and after the last row they are zero. Agents that are not
     /// in the file keep the values of AgentDynamics.xml. Default: the Trial's drive.csv if there is one, which
-    /// its FMU plays by itself (also in an SSP); where people walk by decision.toml, none
+    /// its FMU plays by itself (also in an SSP). Where people walk by decision.toml, it is added to the forces
+    /// with which they walk
     #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
     drive: Option<PathBuf>,
     /// Ignore the Trial's drive.csv
@@ -393,13 +396,15 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
     if let Some(Rest::Left(leaving)) = &stepping.rest {
         stayed(leaving, &watch, &system, &stepping.progress);
     }
+    let there = watch.standing().iter().flatten().count();
+    let pressed = if done.is_ok() { pressing(&system, there)? } else { None };
     let Recorded { lines: seen, run: recorded, poses, placed } = watch.finish();
     let saved = file.map(|(file, path)| stepping.save(&system, file, &path, records)).transpose();
     // States are given back while their FMUs are there.
     drop(stepping.kept.take());
     let (clock, rest) = (stepping.progress.clock, &stepping.rest);
     let done = done.and_then(|()| Ok(system.terminate()?));
-    for warning in system.warnings() {
+    for warning in system.warnings().into_iter().chain(pressed) {
         note!("{warning}");
     }
     if let Err(error) = done {
@@ -430,8 +435,12 @@ fn until_left(system: &System, watch: &Watch) -> Result<Leaving> {
         "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)";
     ensure!(watch.may_leave(), nobody);
     // Only our own Decision FMUs say who has an exit; of others, all might leave.
-    let known: Vec<Vec<bool>> =
-        system.components().iter().filter_map(|component| leavers(&component.fmu)).collect();
+    let known: Vec<Vec<bool>> = system
+        .components()
+        .iter()
+        .filter_map(|component| plan_in(&component.fmu))
+        .map(|plan| plan.leaving())
+        .collect();
     let (people, counted) = (watch.people(), known.iter().map(Vec::len).sum::<usize>());
     let leave = known.iter().flatten().filter(|leaves| **leaves).count() + people.saturating_sub(counted);
     ensure!(leave > 0, nobody);

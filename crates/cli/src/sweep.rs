@@ -10,7 +10,7 @@ use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_master::{Clock, PrepareError};
+use lemons_master::Clock;
 use lemons_sweep::{Directory, Finished, How, Progress, Spec, Swept, sweep as run};
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -154,11 +154,6 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         (Ok(done), _) => done,
         (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
         (Err(lemons_sweep::Error::Master(error)), None) => return Err(trial_told(error.into())),
-        (Err(lemons_sweep::Error::Prepare(PrepareError::DriveOfWalkers(plan))), None) => bail!(
-            "{}: drive: people who walk ({}) are not driven by a file, too (plan = false: nobody walks)",
-            arguments.spec.display(),
-            plan.display()
-        ),
         (Err(error @ (lemons_sweep::Error::Spec(_) | lemons_sweep::Error::In { .. })), None) => {
             return Err(anyhow::Error::new(error).context(arguments.spec.display().to_string()));
         }
@@ -166,7 +161,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     };
     let wall = started.elapsed().as_secs_f64();
     for warning in &warnings {
-        note!("note: {warning} (plan = false: the other way round)");
+        note!("note: {warning} (drive = false: only these)");
     }
     // Written before anything is said: who closes the pipe early has the file nevertheless.
     if let (Some(path), true) = (&arguments.csv, at.done == at.total) {

@@ -24,7 +24,6 @@ pub fn refused(error: PrepareError) -> anyhow::Error {
         E::DriveOfCoupled => {
             anyhow!("--drive is for a Trial or an FMU: in an SSP inputs are fed by connections")
         }
-        E::DriveOfWalkers(_) => Misused(format!("--drive: {error} (--no-plan: nobody walks)")).into(),
         E::OfOther { name, value, meant } => {
             anyhow!("--set {name}={value}: there is no such variable; did you mean --set {meant}={value}?")
         }
@@ -77,7 +76,8 @@ pub fn warned(warning: &Warning) -> String {
     match warning {
         Warning::Ignored(_) | Warning::Differs { .. } => format!("warning: {warning}"),
         Warning::Overwritten { .. } => format!("warning: --set {warning}"),
-        Warning::DriveOfWalkers { .. } => format!("note: {warning} (--no-plan: the other way round)"),
+        Warning::DriveOfWalkers { .. } => format!("note: {warning} (--no-drive: only these)"),
+        Warning::Between { .. } => format!("warning: {warning} (--until, --step)"),
         Warning::Still => format!("note: {warning} (lemons decide --help, --drive)"),
         Warning::Missed(rows) => format!("warning: drive: {}", missed(rows, "TimeStep, --step")),
     }

@@ -83,8 +83,8 @@ impl Run {
         self.driven.trial.agents.len()
     }
 
-    /// What drives people from a communication point \[s\] on: those whom the drive file names, its rows; those who
-    /// walk, eq. 4 of the paper; others, what the Trial says.
+    /// What drives people from a communication point \[s\] on: those who walk, eq. 4 of the paper, and the rows of the
+    /// drive file beside it; those whom only the file names, its rows; others, what the Trial says.
     ///
     /// Who walks decides from where he was one step before, as when `lemons run` couples the two FMUs (Jacobi).
     fn push(&mut self, time: f64) {
@@ -98,7 +98,8 @@ impl Run {
         let Driven { trial, table, .. } = &self.driven;
         for (agent, drive) in trial.agents.iter().zip(&mut self.world.drive) {
             if let Some([x, y, torque]) = table.at(&agent.id, time) {
-                *drive = Wrench { force: vec2(x, y), torque };
+                let walks = if self.decision.is_some() { *drive } else { Wrench::default() };
+                *drive = Wrench { force: walks.force + vec2(x, y), torque: walks.torque + torque };
             }
         }
     }

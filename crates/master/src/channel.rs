@@ -1,6 +1,6 @@
 //! The values on their way between components, of one type.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::instance::Instance;
 use crate::selection::Selection;
 use lemons_ssp::{Address, Affine};
@@ -19,8 +19,8 @@ pub(crate) trait Signal {
     type Value: Clone + Default + PartialEq;
     fn get(instance: &Instance, selection: &Selection, values: &mut [Self::Value]) -> Result<()>;
     fn set(instance: &Instance, selection: &Selection, values: &[Self::Value]) -> Result<()>;
-    /// What arrives of a value that is sent.
-    fn arrive(value: &Self::Value, _: Affine) -> Self::Value {
+    /// What arrives of a value that is sent, with what is added there.
+    fn arrive(value: &Self::Value, _: &Source) -> Self::Value {
         value.clone()
     }
 }
@@ -38,8 +38,10 @@ impl Signal for Reals {
     fn set(instance: &Instance, selection: &Selection, values: &[f64]) -> Result<()> {
         instance.set_real(selection, values)
     }
-    fn arrive(value: &f64, map: Affine) -> f64 {
-        map.apply(*value)
+    fn arrive(value: &f64, source: &Source) -> f64 {
+        let value = source.map.apply(*value);
+        // -0 stays -0.
+        if source.added == 0.0 { value } else { value + source.added }
     }
 }
 
@@ -94,16 +96,19 @@ struct Outputs<T> {
 struct Inputs<T> {
     addresses: Vec<Address>,
     selection: Selection,
+    places: HashMap<Address, usize>,
     sources: Vec<Source>,
     values: Vec<T>,
 }
 
 /// Which output feeds an input.
 #[derive(Clone, Copy)]
-struct Source {
+pub(crate) struct Source {
     component: usize,
     place: usize,
     map: Affine,
+    /// Of Reals, from elsewhere.
+    added: f64,
 }
 
 impl<S: Signal> Channel<S> {
@@ -122,8 +127,9 @@ impl<S: Signal> Channel<S> {
                 outputs.addresses.len() - 1
             });
             let inputs = &mut self.inputs[wire.to.0];
+            inputs.places.insert(wire.to.1, inputs.addresses.len());
             inputs.addresses.push(wire.to.1);
-            inputs.sources.push(Source { component: wire.from.0, place, map: wire.map });
+            inputs.sources.push(Source { component: wire.from.0, place, map: wire.map, added: 0.0 });
         }
         for ((instance, outputs), inputs) in instances.iter().zip(&mut self.outputs).zip(&mut self.inputs) {
             outputs.selection = instance.select_at(&outputs.addresses)?;
@@ -134,6 +140,7 @@ impl<S: Signal> Channel<S> {
 
     /// The values: those of a former run must not pass for values that have been sent.
     pub(crate) fn forget(&mut self) {
+        self.inputs.iter_mut().flat_map(|inputs| &mut inputs.sources).for_each(|source| source.added = 0.0);
         for outputs in &mut self.outputs {
             outputs.newest.fill(S::Value::default());
             outputs.before.clear();
@@ -155,7 +162,7 @@ impl<S: Signal> Channel<S> {
     }
 
     pub(crate) fn feeds(&self, c: usize, address: Address) -> bool {
-        self.inputs[c].addresses.contains(&address)
+        self.inputs[c].places.contains_key(&address)
     }
 
     pub(crate) fn read(&mut self, c: usize, instance: &Instance) -> Result<bool> {
@@ -177,10 +184,23 @@ impl<S: Signal> Channel<S> {
         values.clear();
         let outputs = &self.outputs;
         values.extend(
-            sources
-                .iter()
-                .map(|source| S::arrive(&outputs[source.component].newest[source.place], source.map)),
+            sources.iter().map(|source| S::arrive(&outputs[source.component].newest[source.place], source)),
         );
         S::set(instance, selection, values)
+    }
+}
+
+impl Channel<Reals> {
+    /// Adds values to what arrives at inputs of a component, until others are given.
+    ///
+    /// # Errors
+    /// Nothing feeds one of these inputs.
+    pub(crate) fn add(&mut self, c: usize, addresses: &[Address], values: &[f64]) -> Result<()> {
+        let Inputs { places, sources, .. } = &mut self.inputs[c];
+        for (address, value) in addresses.iter().zip(values) {
+            let place = places.get(address).ok_or(Error::NoReference(address.reference))?;
+            sources[*place].added = *value;
+        }
+        Ok(())
     }
 }

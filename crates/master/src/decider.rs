@@ -39,11 +39,10 @@ pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
     Ok(Plan::of(trial, &wishes)?)
 }
 
-/// Of everybody, whether they have an exit, by the plan in a Decision FMU of ours; `None` of other FMUs.
-pub fn leavers(fmu: &Fmu) -> Option<Vec<bool>> {
+/// The plan in a Decision FMU of ours; `None` of other FMUs.
+pub fn plan_in(fmu: &Fmu) -> Option<Plan> {
     let path = fmu.directory().join("resources").join(PLAN_FILE);
-    let plan = Plan::from_toml(&input::read_text(&path, input::LARGEST_SETTINGS).ok()?).ok()?;
-    Some(plan.leaving())
+    Plan::from_toml(&input::read_text(&path, input::LARGEST_SETTINGS).ok()?).ok()
 }
 
 /// The Decision FMU of a Trial's people, as `lemons decide` makes it, written to a file; and the file that says where

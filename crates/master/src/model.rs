@@ -168,17 +168,12 @@ impl Model {
         Ok(smallest)
     }
 
-    /// What drives a Trial of the crowd: nothing, if people walk.
+    /// What drives a Trial of the crowd; if people walk, this is added.
     ///
     /// # Errors
-    /// As [`Fmu::drive`]; or people who walk would be driven by a file, too.
-    pub fn drive(&self, trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable, PrepareError> {
-        let choice = match (&self.plan, choice) {
-            (Some(plan), DriveChoice::File(_)) => return Err(PrepareError::DriveOfWalkers(plan.clone())),
-            (Some(_), _) => &DriveChoice::None,
-            (None, choice) => choice,
-        };
-        Ok(self.crowd().drive(trial, choice)?)
+    /// As [`Fmu::drive`].
+    pub fn drive(&self, trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
+        self.crowd().drive(trial, choice)
     }
 
     /// Whether, with this choice, the crowd plays its packed drive itself; FMUs of earlier versions cannot.

@@ -118,22 +118,28 @@ impl Prepared {
         warnings.extend(system.differing()?);
         let trials = system.components().iter().map(Component::trial).collect::<Result<Vec<_>>>()?;
 
-        let first = &system.components()[0];
+        // The crowd; nothing drives the components of an SSP.
+        let main = trials.len() - 1;
+        let (crowd, trial) = (&system.components()[main].instance, trials[main].as_ref());
         let drive = match &model {
-            Some(_) if plays.is_some() && !is_true(&first.instance, PLAY_DRIVE)? => DriveTable::default(),
-            Some(model) => model.drive(trials[0].as_ref(), &settings.drive)?,
+            Some(_) if plays.is_some() && !is_true(crowd, PLAY_DRIVE)? => DriveTable::default(),
+            Some(model) => model.drive(trial, &settings.drive)?,
             None => DriveTable::default(),
         };
-        let agents = trials[0].as_ref().map_or(&[][..], |trial| &trial.agents);
-        let pushes = Pushes::new(&first.instance, agents, drive, plays.is_some())?;
+        let agents = trial.map_or(&[][..], |trial| &trial.agents);
+        let pushes = Pushes::new(crowd, agents, drive, plays.is_some())?;
         let (step, every) = match &before {
             Some(before) => same(settings, before, &pushes)?,
             None => (step_of(settings, &system, &trials)?, settings.every.unwrap_or(1)),
         };
         let clock = Clock::new(start, step, until).place(|| settings.input.display().to_string())?;
         warnings.extend(pushes.missed(start, step).map(Warning::Missed));
+        let begun = before.as_ref().map(|before| (before.time, before.index));
+        let saved = settings.saves.then_some((clock.until, clock.steps));
+        let between = begun.into_iter().chain(saved).find(|(time, index)| *time != clock.point(*index));
+        warnings.extend(between.map(|(time, _)| Warning::Between { time, step }));
         let undriven = !coupled && before.is_none() && pushes.end().is_none();
-        if undriven && trials[0].is_some() && is_still(&system.components()[0].instance, agents.len())? {
+        if undriven && trial.is_some() && is_still(crowd, agents.len())? {
             warnings.push(Warning::Still);
         }
         let progress = Progress { clock, every, index: before.as_ref().map_or(0, |before| before.index) };

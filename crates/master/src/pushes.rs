@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::instance::Instance;
 use crate::selection::Selection;
+use lemons_ssp::Address;
 use lemons_trial::Agent;
 use lemons_trial::{DriveTable, Missed};
 
@@ -12,7 +13,13 @@ pub struct Pushes {
     fingerprint: String,
     /// Of the agents that the drive names.
     ids: Vec<String>,
-    inputs: Selection,
+    inputs: Inputs,
+}
+
+/// The inputs of a crowd that a drive has values for: Fp.x, Fp.y and Mp of each driven agent.
+pub struct Inputs {
+    pub(crate) addresses: Vec<Address>,
+    pub(crate) selection: Selection,
 }
 
 impl Pushes {
@@ -27,8 +34,9 @@ impl Pushes {
         let names = driven
             .iter()
             .flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(move |name| format!("agent[{i}].{name}")));
+        let addresses = names.map(|name| instance.address(&name)).collect::<Result<Vec<_>>>()?;
         Ok(Pushes {
-            inputs: instance.select(names)?,
+            inputs: Inputs { selection: instance.select_at(&addresses)?, addresses },
             ids: driven.iter().map(|(_, agent)| agent.id.clone()).collect(),
             fingerprint: drive.fingerprint(),
             drive,
@@ -50,16 +58,13 @@ impl Pushes {
         self.drive.end()
     }
 
-    /// What drives them at a time \[s\].
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn send(&self, instance: &Instance, time: f64) -> Result<()> {
-        if self.inputs.is_empty() {
-            return Ok(());
-        }
-        let pushes = self.ids.iter().filter_map(|id| self.drive.at(id, time));
-        let values: Vec<f64> = pushes.flatten().collect();
-        instance.set_real(&self.inputs, &values)
+    /// The inputs that the drive has values for.
+    pub fn inputs(&self) -> &Inputs {
+        &self.inputs
+    }
+
+    /// The values of the inputs at a time \[s\]: forces \[N\] and torques \[N m\].
+    pub fn at(&self, time: f64) -> Vec<f64> {
+        self.ids.iter().filter_map(|id| self.drive.at(id, time)).flatten().collect()
     }
 }

@@ -32,10 +32,17 @@ pub enum Warning {
     },
     /// Rows of the drive are never applied.
     Missed(Missed),
-    /// The Trial has a drive file, which is not used because its people walk.
+    /// The Trial has a drive file, which is added to how its people walk.
     DriveOfWalkers {
         /// The file that says where, as the user knows it.
         plan: PathBuf,
+    },
+    /// A run that is saved ends, or one that goes on began, between two communication points.
+    Between {
+        /// \[s\]
+        time: f64,
+        /// \[s\] The communication step.
+        step: f64,
     },
     /// Nothing moves a Trial's people: no drive, no `decision.toml`, no force and no speed at the start.
     Still,
@@ -55,8 +62,17 @@ impl fmt::Display for Warning {
             ),
             Warning::Missed(missed) => write!(f, "drive: {missed}"),
             Warning::DriveOfWalkers { plan } => {
-                write!(f, "{DRIVE_FILE} is not used, because {} says where people walk", plan.display())
+                write!(
+                    f,
+                    "the forces of {DRIVE_FILE} are added to those with which people walk ({})",
+                    plan.display()
+                )
             }
+            Warning::Between { time, step } => write!(
+                f,
+                "t = {time:?} s is between two communication points ({step:?} s apart): a run that goes on from there has \
+                 one more, so its results are not those of a run without interruption"
+            ),
             Warning::Still => write!(
                 f,
                 "nobody is driven: neither {WISHES_FILE} (where people walk) nor {DRIVE_FILE} is used, and \
@@ -89,9 +105,6 @@ pub enum PrepareError {
     /// In an SSP there is no drive.
     #[error("a drive is for a Trial or an FMU: in an SSP inputs are fed by connections")]
     DriveOfCoupled,
-    /// People who walk are not driven by a file, too.
-    #[error("people who walk ({}) are not driven by a file, too", .0.display())]
-    DriveOfWalkers(PathBuf),
     /// Only people of a Trial walk by a file.
     #[error("a file like {WISHES_FILE} is for a Trial, and not for an FMU or an SSP")]
     PlanWithoutTrial,

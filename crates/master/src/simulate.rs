@@ -3,14 +3,18 @@
 use crate::clock::Clock;
 use crate::error::{Error, Result};
 use crate::instance::Instance;
-use crate::pushes::Pushes;
+use crate::pushes::{Inputs, Pushes};
 use crate::system::System;
 use std::ops::ControlFlow;
 
 /// What can be stepped: an instance of one FMU, or coupled ones.
 pub trait Stepped {
-    /// The instance whose inputs a drive sets.
-    fn driven(&self) -> &Instance;
+    /// Gives inputs of the crowd the values of a drive, for the steps from now on. To what another component feeds them,
+    /// they are added.
+    ///
+    /// # Errors
+    /// The FMU refuses the call.
+    fn push(&mut self, inputs: &Inputs, values: &[f64]) -> Result<()>;
 
     /// From a communication point to the next \[s\].
     ///
@@ -20,8 +24,8 @@ pub trait Stepped {
 }
 
 impl Stepped for Instance {
-    fn driven(&self) -> &Instance {
-        self
+    fn push(&mut self, inputs: &Inputs, values: &[f64]) -> Result<()> {
+        self.set_real(&inputs.selection, values)
     }
 
     fn step(&mut self, from: f64, to: f64) -> Result<()> {
@@ -30,8 +34,8 @@ impl Stepped for Instance {
 }
 
 impl Stepped for System {
-    fn driven(&self) -> &Instance {
-        &self.components()[0].instance
+    fn push(&mut self, inputs: &Inputs, values: &[f64]) -> Result<()> {
+        self.push_crowd(inputs, values)
     }
 
     fn step(&mut self, _: f64, to: f64) -> Result<()> {
@@ -84,7 +88,10 @@ pub fn simulate<S: Stepped, O: Observer<S>>(
             return Ok(ControlFlow::Break(()));
         }
         let (from, to) = (clock.point(k), clock.end(k));
-        pushes.send(stepped.driven(), from)?;
+        let values = pushes.at(from);
+        if !values.is_empty() {
+            stepped.push(pushes.inputs(), &values)?;
+        }
         stepped.step(from, to)?;
         let regular = to == clock.point(k + 1);
         observer.look(stepped, Reached { steps: k + 1, time: to, regular })?;

@@ -14,6 +14,7 @@ use crate::channel::{Booleans, Channel, Integers, Reals, Strings, Wire};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::instance::Instance;
+use crate::pushes::Inputs;
 use crate::refusal::Warning;
 use crate::state::State;
 use lemons_ssp::{Single, Type};
@@ -266,6 +267,14 @@ impl System {
         }
         self.time = end;
         Ok(())
+    }
+
+    /// Drives the last component: sets its inputs, or adds to what another component feeds them.
+    pub(crate) fn push_crowd(&mut self, inputs: &Inputs, values: &[f64]) -> Result<()> {
+        match &mut self.components[..] {
+            [only] => only.instance.set_real(&inputs.selection, values),
+            all => self.reals.add(all.len() - 1, &inputs.addresses, values),
+        }
     }
 
     /// The state of each component at the current communication point.

@@ -199,7 +199,7 @@ impl Runner {
         let stop = subject.stop.as_ref().map(look).transpose()?;
         let people = subject.trial.agents.len();
         let scene = subject.wanted.map(|wanted| Scene::of(&system, wanted, people)).transpose()?;
-        let driven = &system.components()[0].instance;
+        let driven = &system.components()[subject.model.parts().len() - 1].instance;
         let plays = subject.model.plays(&spec.drive);
         let pushes = Pushes::new(driven, &subject.trial.agents, subject.drive.clone(), plays)?;
         Ok(Runner { system, pushes, measures, stop, scene, subject })

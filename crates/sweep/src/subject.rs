@@ -7,7 +7,7 @@ use crate::output::{Names, Of};
 use crate::points::Values;
 use crate::scene::Wanted;
 use crate::spec::{End, Spec};
-use lemons_master::{Clock, Model, leavers};
+use lemons_master::{Clock, Model, plan_in};
 use lemons_ssp::Type;
 use lemons_trial::{DriveTable, Trial};
 use std::collections::HashSet;
@@ -95,11 +95,11 @@ impl Subject {
 
 /// How many people have an exit.
 fn who_leaves(model: &Model) -> Result<usize> {
-    let known = model.parts().iter().find_map(|part| leavers(&part.fmu));
+    let known = model.parts().iter().find_map(|part| plan_in(&part.fmu));
     let nobody =
         "until = \"left\": nobody can leave: people do not walk, or have no exits (give a time in seconds)";
     known
-        .map(|who| who.into_iter().filter(|leaves| *leaves).count())
+        .map(|plan| plan.leaving().into_iter().filter(|leaves| *leaves).count())
         .filter(|leave| *leave > 0)
         .ok_or_else(|| Error::Spec(nobody.into()))
 }

@@ -55,6 +55,8 @@ pub struct FileNames {
 pub struct Places {
     /// `Parameters.xml`
     pub parameters: PathBuf,
+    /// `Materials.xml`
+    pub materials: PathBuf,
     /// `Geometry.xml`
     pub geometry: PathBuf,
     /// `Agents.xml`
@@ -145,6 +147,7 @@ impl Trial {
         let moving = self.directory.join(self.parameters.dynamic_path());
         Places {
             parameters: tidy(&self.directory.join(&names.parameters)),
+            materials: tidy(&fixed.join(&names.materials)),
             geometry: tidy(&fixed.join(&names.geometry)),
             agents: tidy(&fixed.join(&names.agents)),
             dynamics: tidy(&moving.join(&names.dynamics)),

@@ -213,7 +213,7 @@ fn a_drive_between_two_communication_points_is_warned_of() {
     ];
     let said = checked(at, "T");
     assert!(words.iter().all(|word| said.contains(word)) && said.ends_with(": 2 warnings\n"), "{said}");
-    assert!(said.contains("TimeStep=\"1.5\": is long: drives are constant"), "{said}");
+    assert!(said.contains("TimeStep=\"1.5\": 1e-5 s to 1 s is usual, because drives are constant"), "{said}");
     // As the Trial is made, only that the push is sampled.
     let said = checked(at, default_trial().to_str().unwrap());
     let note = "drive.csv: 24 of 31 rows are between communication points: the drive is interpolated at each";
@@ -233,6 +233,35 @@ fn a_drive_between_two_communication_points_is_warned_of() {
         let said = err(&done(at, &run));
         assert!(!said.contains("rows come between"), "{said}");
     }
+}
+
+/// The walking force is Mass · FloorDamping · speed: none without a floor. It was checked without a word.
+#[test]
+fn people_who_cannot_walk_are_warned_of() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    crate::walking::copy(&root().join("resources/Trial_door"), &at.join("T"));
+    let agents = at.join("T/static/Agents.xml");
+    let text = fs::read_to_string(&agents).unwrap();
+    let mut rates = text.split("FloorDamping=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
+    let rate = rates.next().unwrap();
+    let number = 1 + rates.count();
+    let own = format!("FloorDamping=\"{rate}\"");
+    assert_eq!(text.matches(&own).count(), number);
+    fs::write(&agents, text.replace(&own, "FloorDamping=\"0\"")).unwrap();
+    let said = checked(at, "T");
+    let words = format!("warning: T/decision.toml: {number} of {number} agents cannot walk (first \"");
+    assert!(said.contains(&words) && said.ends_with(": 1 warning\n"), "{said}");
+    // Without somebody who wants to walk, it is what is meant.
+    fs::remove_file(at.join("T/decision.toml")).unwrap();
+    assert!(checked(at, "T").ends_with(": no problem\n"));
+    // The file is named, which a unit test cannot see.
+    fs::write(&agents, text.replacen(&own, "FloorDamping=\"450\"", 1)).unwrap();
+    let said = checked(at, "T");
+    assert!(
+        said.contains("T/static/Agents.xml: <Agent> FloorDamping=\"450.0\": agent \"0\": at most 50 1/s"),
+        "{said}"
+    );
 }
 
 /// Trials that are as they are meant.

@@ -1,6 +1,7 @@
 //! People who leave: from an empty room to nobody there.
 
 use crate::common::{assert_code, decision_library, done, err, lemons, out};
+use lemons_record::Run;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -229,4 +230,51 @@ fn a_run_in_which_nobody_gets_out_ends_and_says_so() {
     let number = |name: &str| cell(&table[0], name).parse::<f64>().unwrap();
     assert_eq!((cell(&table[0], "ended"), cell(&table[0], "status")), ("", "ok"));
     assert!((number("time") - 300.0).abs() < 1e-6 && number("there") < 3.5, "{table:?}");
+}
+
+/// The Trial at the end of a run has those who are there, and what they do: it went on with nobody who walked, told all who
+/// had ever been there, and could be empty.
+#[test]
+fn a_trial_at_the_end_has_who_is_there_and_what_they_do() {
+    let directory = room();
+    let at = directory.path();
+    let plan = fs::read_to_string(at.join("room/decision.toml")).unwrap();
+    done(at, &["run", "room", "--until", "6", "-o", "run.csv"]);
+    let run = Run::read_table(&at.join("run.csv")).unwrap();
+    let last = run.frames.last().unwrap();
+    let there: Vec<&str> = last.present().map(|(place, _)| run.ids[place].as_str()).collect();
+    let gone: Vec<&str> = run.ids.iter().map(String::as_str).filter(|id| !there.contains(id)).collect();
+    assert!(there.len() > 2 && gone.len() > 2, "{there:?} {gone:?}");
+    let export =
+        |table: &str, to: &str| lemons(at, &["export", table, to, "--to", "trial", "--trial", "room"]);
+    let output = export("run.csv", "end");
+    assert_code(&output, 0);
+    assert_eq!(out(&output), format!("end: {} agents as at t = 6.0 s\n", there.len()));
+    assert_eq!(fs::read_to_string(at.join("end/decision.toml")).unwrap(), plan, "nobody of its own");
+    // It goes on: more have left in the end than before.
+    done(at, &["run", "end", "--until", "4", "-o", "on.csv"]);
+    let on = Run::read_table(&at.join("on.csv")).unwrap();
+    assert_eq!(on.ids, there);
+    assert!(on.frames.last().unwrap().present().count() < there.len());
+    // Wishes of those who have left are left out, and those of the others kept.
+    let own = format!(
+        "{plan}\n\n[agents.{}]\ndesired_speed = 0.9\n[agents.{}]\ndesired_speed = 1.1\n",
+        gone[0], there[0]
+    );
+    fs::write(at.join("room/decision.toml"), own).unwrap();
+    assert_code(&export("run.csv", "fewer"), 0);
+    let fewer = fs::read_to_string(at.join("fewer/decision.toml")).unwrap();
+    assert!(
+        fewer.contains(&format!("[agents.{}]", there[0])) && fewer.contains("desired_speed = 1.1"),
+        "{fewer}"
+    );
+    assert!(!fewer.contains("0.9"), "{fewer}");
+    done(at, &["check", "fewer"]);
+    // Nobody is left.
+    fs::write(at.join("room/decision.toml"), &plan).unwrap();
+    done(at, &["run", "room", "--until", "left", "-o", "left.csv"]);
+    let output = export("left.csv", "empty");
+    assert_code(&output, 1);
+    assert!(err(&output).contains("left.csv: nobody is there at its end, t = "), "{}", err(&output));
+    assert!(!at.join("empty").exists());
 }

@@ -1,6 +1,6 @@
 //! What `lemons run` writes, stops and goes on with.
 
-use crate::common::{command, out};
+use crate::common::{command, err, out};
 use crowd_mechanics::setup;
 use lemons_record::Run;
 use std::fs::{self, File};
@@ -264,6 +264,41 @@ fn every_nth_point_is_written_and_all_are_looked_at() {
     push(at, "--until 0.5 -o part.csv --every 3 --state part.run", 0);
     push(at, "--until 1.03 -o part.csv --resume part.run", 0);
     assert!(text("part.csv") == third);
+}
+
+/// The greatest squeeze is in a step of which the table with every second row has no row of its own.
+#[test]
+fn a_parquet_table_with_every_second_row_has_the_whole_exposure() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let peak = |table: &str, every: &str| {
+        push(at, &format!("--until 1 -o {table} --every {every}"), 0);
+        said(&lemons(at, &["measure", table, "--summary", "s.json", "--force"]), 0);
+        let summary: serde_json::Value = serde_json::from_slice(&read(at, "s.json")).unwrap();
+        summary["exposure"]["peak"]["max"].as_f64().unwrap()
+    };
+    let all = peak("all.parquet", "1");
+    assert!(all > 20_000.0, "{all}");
+    assert_eq!(peak("some.parquet", "2"), all);
+}
+
+/// Of a run that ended within a communication step, the bytes are others, although they were said to be the same.
+#[test]
+fn a_run_that_is_saved_between_two_communication_points_says_that_its_results_will_differ() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    push(at, "--until 1 -o whole.csv", 0);
+    let words =
+        |time: &str| format!("warning: t = {time} s is between two communication points (0.05 s apart)");
+    for (time, between) in [("0.52", true), ("0.55", false), ("0.5", false)] {
+        let saved = push(at, &format!("--until {time} -o {time}.csv --state {time}.run"), 0);
+        assert_eq!(saved.contains(&words(time)), between, "{saved}");
+        let resumed = push(at, &format!("--until 1 -o {time}.csv --resume {time}.run"), 0);
+        assert_eq!(resumed.contains(&words(time)), between, "{resumed}");
+        assert_eq!(read(at, &format!("{time}.csv")) == read(at, "whole.csv"), !between, "{time}");
+    }
+    // Where nothing is saved, nothing is said.
+    assert!(!push(at, "--until 0.52 -o x.csv", 0).contains("between two"));
 }
 
 /// A saved run, its texts and states changed.

@@ -157,7 +157,12 @@ fn plans_are_chosen_and_belong_to_the_sweep() {
     let mass = "\"agent[2].Mass\" = [70]";
     let set = ["--set", "agent[2].Mass=70"];
     let (own, noted) = x("", mass, "own");
-    assert!(noted.contains("note: T: drive.csv is not used, because T/decision.toml says"), "{noted}");
+    assert!(
+        noted.contains(
+            "note: T: the forces of drive.csv are added to those with which people walk (T/decision.toml)"
+        ),
+        "{noted}"
+    );
     assert_eq!(own, of_run(&set));
     let (back, _) = x("plan = \"back_{way}.toml\"", &format!("way = [1]\n{mass}"), "back");
     assert_eq!(back, of_run(&[&set[..], &["--plan", "back_1.toml"]].concat()));
@@ -165,10 +170,9 @@ fn plans_are_chosen_and_belong_to_the_sweep() {
     assert_eq!((still, noted.as_str()), (of_run(&[&set[..], &["--no-plan"]].concat()), ""));
     assert!(back < still && still < own, "{back} {still} {own}");
     for (head, parameters, to, said) in [
-        ("plan = false", mass, "own", "differs in drive, algorithm, plan"),
+        ("plan = false", mass, "own", "differs in algorithm, plan"),
         ("plan = \"back_1.toml\"", mass, "own", "differs in plan"),
         ("algorithm = \"gauss-seidel\"", mass, "own", "differs in algorithm"),
-        ("drive = \"T/drive.csv\"", mass, "new", "drive: people who walk (T/decision.toml) are not driven"),
         ("plan = \"nothing.toml\"", mass, "new", "nothing.toml: cannot be read"),
         ("", "\"agent[2].DesiredSpeed\" = [1]", "new", "did you mean \"decision.agent[2].DesiredSpeed\"?"),
         (

@@ -2,6 +2,10 @@
 
 use crate::common::{assert_code, command, decision_library, done, err, lemons, out, root, waits};
 use crate::walked_sweep::{number, read_csv};
+use crowd_mechanics::setup;
+use lemons_record::Run;
+use lemons_testing::trial_push;
+use lemons_trial::Trial;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
@@ -280,22 +284,24 @@ fn another_plan_or_none_can_be_chosen() {
     let driven =
         done(at, &["run", "T", "--no-plan", "--set", "agent[2].Fp.x=9", "--until", "0.5", "-o", "still.csv"]);
     assert_eq!(err(&driven), "");
-    // A drive of the Trial is not used in silence.
+    // A drive of the Trial is not added in silence.
     fs::write(at.join("T/drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,2,100,0,0\n1,2,100,0,0\n").unwrap();
-    let both = done(at, &["run", "T", "--plan", "back.toml", "--until", "0.5", "-o", "poses.csv", "--force"]);
-    assert!(err(&both).contains("note: drive.csv is not used, because back.toml says"), "{}", err(&both));
-    let own = done(at, &["run", "T", "--until", "0.1", "-o", "own.csv"]);
-    assert!(err(&own).contains("note: drive.csv is not used, because T/decision.toml says"), "{}", err(&own));
-    // `check` says it, and nothing of what the drive would do.
+    let both = done(at, &["run", "T", "--plan", "back.toml", "--until", "0.5", "-o", "both.csv"]);
+    let note = |plan: &str| {
+        format!("note: the forces of drive.csv are added to those with which people walk ({plan})")
+    };
+    assert!(err(&both).contains(&note("back.toml")), "{}", err(&both));
+    assert!(fs::read(at.join("both.csv")).unwrap() != back[0]);
+    assert!(tables(at, "T", &["--until", "0.5", "--plan", "back.toml", "--no-drive"]) == back);
+    // `check` says it, and what the drive does.
     fs::write(at.join("T/drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0.01,2,100,0,0\n0.02,2,100,0,0\n").unwrap();
     let checked = out(&done(at, &["check", "T"]));
-    assert!(checked.contains("note: drive.csv is not used, because T/decision.toml says"), "{checked}");
-    assert!(!checked.contains("drive.csv:") && checked.contains("no problem"), "{checked}");
+    assert!(checked.contains(&note("T/decision.toml")), "{checked}");
+    assert!(checked.contains("warning: T/drive.csv: ") && checked.contains("1 warning"), "{checked}");
     let packed = done(at, &["pack", "T", "-o", "again.fmu"]);
     let said =
         "note: T/decision.toml is not in this FMU, which is the crowd alone: lemons decide T -o FILE.fmu";
     assert!(err(&packed).contains(said), "{}", err(&packed));
-    assert!(fs::read(at.join("poses.csv")).unwrap() == back[0]);
     fs::write(at.join("T/drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,2,100,0,0\n1,2,100,0,0\n").unwrap();
     let driven = done(at, &["run", "T", "--no-plan", "--until", "0.5", "-o", "still.csv"]);
     assert_eq!(err(&driven), "");
@@ -314,6 +320,81 @@ fn another_plan_or_none_can_be_chosen() {
     assert!(picture == fs::read(at.join("of_table.svg")).unwrap() && picture != walk);
 }
 
+/// One person in the open.
+fn alone(at: &Path, plan: &str) -> Trial {
+    decision_library();
+    let (mut trial, _) = setup::read(&trial_push()).unwrap();
+    trial.agents.truncate(1);
+    trial.dynamics.truncate(1);
+    trial.geometry.walls.clear();
+    trial.write(&at.join("T")).unwrap();
+    fs::write(at.join("T/decision.toml"), plan).unwrap();
+    trial
+}
+
+/// A walker with eq. 4 alone has the force m v0 γ. With a constant force F beside it, and the floor's friction, the way is
+/// (v0 + F / (m γ)) (t − (1 − exp(−γ t)) / γ): of both algorithms, in a run, in a run that goes on, and in a sweep.
+#[test]
+fn a_drive_is_added_to_how_people_walk() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    let trial = alone(at, "desired_speed = 1.3\nwaypoints = [{ x = 1000, y = 0 }]");
+    fs::write(at.join("push.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,0,120,0,0\n9,0,120,0,0\n").unwrap();
+    let (mass, rate, until) = (trial.agents[0].mass, trial.agents[0].floor_damping, 2.0);
+    let way = |force: f64| (1.3 + force / (mass * rate)) * (until - (1.0 - (-rate * until).exp()) / rate);
+    let end = |name: &str| {
+        Run::read_table(&at.join(name)).unwrap().frames.last().unwrap().agents[0].pose.position.x
+    };
+    let near =
+        |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    assert!(way(120.0) > 1.2 * way(0.0));
+    let run = |options: &[&str]| {
+        let run = ["run", "T", "--until", "2", "-o", "x.parquet", "--force"];
+        done(at, &[&run[..], options].concat());
+        end("x.parquet")
+    };
+    near(run(&[]), way(0.0));
+    for algorithm in ["jacobi", "gauss-seidel"] {
+        near(run(&["--drive", "push.csv", "--algorithm", algorithm]), way(120.0));
+    }
+    let whole = fs::read(at.join("x.parquet")).unwrap();
+    let options = ["--drive", "push.csv", "--algorithm", "gauss-seidel", "--force"];
+    for part in [["--until", "1", "--state", "a.run"], ["--until", "2", "--resume", "a.run"]] {
+        done(at, &[&["run", "T", "-o", "x.parquet"], &part[..], &options].concat());
+    }
+    assert!(fs::read(at.join("x.parquet")).unwrap() == whole);
+    let sweep = "trial = \"T\"\nuntil = 2\ndrive = \"push.csv\"\n[parameters]\n\"agent[0].Theta\" = [0.0, 0.0]\n\
+                 [measures]\nx = { of = \"x\", take = \"last\", across = \"max\" }\n";
+    fs::write(at.join("sweep.toml"), sweep).unwrap();
+    done(at, &["sweep", "sweep.toml", "-o", "swept", "--csv", "swept.csv"]);
+    let rows = read_csv(&at.join("swept.csv"));
+    assert_eq!(rows.len(), 2);
+    rows.iter().for_each(|row| near(number(row, "x"), way(120.0)));
+}
+
+/// Twelve in a closed room who want to be beyond its wall.
+#[test]
+fn people_who_press_on_in_vain_are_told_at_the_end() {
+    let directory = TempDir::new().unwrap();
+    let at = directory.path();
+    decision_library();
+    let room = ["--box", "2x2", "--number", "12", "--seed", "1"];
+    done(at, &[&["crowd", "-o", "T"], &room[..]].concat());
+    let told = |model: &str, until: &str| {
+        let plan = format!("model = {model:?}\nwaypoints = [{{ x = 50, y = 1 }}]");
+        fs::write(at.join("T/decision.toml"), plan).unwrap();
+        err(&done(at, &["run", "T", "--until", until, "-o", "x.csv", "--force"]))
+    };
+    let words = "of the 12 people who are there press on and get no further (median squeeze ";
+    let said = told("straight", "6");
+    assert!(said.contains("warning: at t = 6.000 s ") && said.contains(words), "{said}");
+    let squeeze: f64 = said.split(words).nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(squeeze > 50.0, "{said}");
+    // They walk first; and of a model that keeps distances it is not told.
+    assert!(!told("straight", "0.5").contains("press on"));
+    assert!(!told("collision-free-speed", "6").contains("press on"));
+}
+
 #[test]
 fn mistakes_are_refused_with_their_place() {
     let directory = door();
@@ -322,12 +403,7 @@ fn mistakes_are_refused_with_their_place() {
     fs::write(at.join("wrong.toml"), "waypoint = []").unwrap();
     for (arguments, code, said) in [
         (
-            &["run", "T", "--drive", "T/drive.csv"][..],
-            2,
-            "--drive: people who walk (T/decision.toml) are not driven by a file, too",
-        ),
-        (
-            &["run", "crowd.fmu", "--plan", "wrong.toml"],
+            &["run", "crowd.fmu", "--plan", "wrong.toml"][..],
             2,
             "--plan: a file like decision.toml is for a Trial",
         ),
@@ -341,11 +417,6 @@ fn mistakes_are_refused_with_their_place() {
             &["run", "T", "--set", "agent[3].DesiredSpeed=1"],
             1,
             "there is no such variable; did you mean --set decision.agent[3].DesiredSpeed=1?",
-        ),
-        (
-            &["run", "T", "--plan", "T/decision.toml", "--drive", "T/drive.csv"],
-            2,
-            "--drive: people who walk (T/decision.toml) are not driven by a file, too",
         ),
         (
             &[

@@ -130,6 +130,9 @@ fn who_has_left_has_no_place_and_the_rest_is_as_in_the_coupled_fmus() {
     let place = name["name"].as_str().unwrap().trim_end_matches(".zip");
     let plan = b"exits = [{ name = \"right\", polygon = [[3, 0], [4, 0], [4, 3], [3, 3]] }]";
     let zip = zipped_with(&zip, &format!("{place}/decision.toml"), plan);
+    // One is pushed as well.
+    let drive = b"t,agent,Fp.x,Fp.y,Mp\n0,0,-80,40,3\n9,0,-90,45,3\n";
+    let zip = zipped_with(&zip, &format!("{place}/drive.csv"), drive);
     let (shown, first) = ask(&mut lab, &opened("leave.zip", &zip), &zip);
     assert_eq!((&shown["ok"]["scene"]["walk"], &shown["ok"]["scene"]["ways"]), (&json!(true), &json!([])));
     let (advanced, frames) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 150}));

@@ -193,7 +193,8 @@ impl Packer<'_, '_> {
             // The hull is smaller than the circle, so even a loose crowd may be too dense.
             let dense = shapes.len() as f64 / hull_area(&pile.circles()) / wanted;
             match slide {
-                Slide::Clear if dense > 1.0 => radius *= dense.sqrt() * 1.01,
+                // The hull of a single shape is the shape itself, however large the circle is.
+                Slide::Clear if dense > 1.0 && shapes.len() > 1 => radius *= dense.sqrt() * 1.01,
                 Slide::Clear | Slide::Over(_) => break,
                 // Long shapes need more room than their area.
                 Slide::AtRest => radius *= 1.3,
@@ -212,7 +213,6 @@ impl Packer<'_, '_> {
                     let density = shapes.len() as f64 / hull_area(&pile.circles());
                     self.density = density;
                     best = Some(pile.bodies.clone());
-                    // The hull of a single shape is the shape itself.
                     if density >= wanted || shapes.len() == 1 {
                         return (pile.bodies, Ended::Done);
                     }

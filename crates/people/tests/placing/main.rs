@@ -165,6 +165,20 @@ fn dense_in_the_open() {
 }
 
 /// People four times as broad as deep do not fit the first circle, which is made for round ones.
+/// It was put 4e8 m away, where its density was −2 /m².
+#[test]
+fn somebody_alone_in_the_open_is_as_dense_as_the_own_hull() {
+    for seed in 0..5 {
+        let shapes = people(1, seed);
+        let settings = Dense { density: Some(0.2), seed, ..Dense::default() };
+        let packing = dense(&shapes, &Region::plane(), &settings, &mut go).unwrap();
+        let place = packing.poses[0].position;
+        assert!(packing.complete && place.norm() < 2.0, "{place:?} {packing:?}");
+        let found = 1.0 / hull_of_points(&shapes, &packing);
+        assert!((found - packing.density).abs() < 1e-4 * found, "{found} {}", packing.density);
+    }
+}
+
 #[test]
 fn long_shapes_in_the_open() {
     for count in [2, 3, 5, 8] {

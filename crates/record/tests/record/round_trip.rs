@@ -31,7 +31,7 @@ fn pushed(at: &Path) -> Trial {
 fn run(at: &Path, trial: &Trial) -> Vec<World> {
     let mut crowd = CrowdModel::load(Location::Path(at.join("trials").to_str().unwrap())).unwrap();
     crowd.set_strings(&[(Quantity::OutputDirectory, at.join("out").to_str().unwrap())]).unwrap();
-    crowd.initialize().unwrap();
+    crowd.initialize(0.0).unwrap();
     let mut world = Setup::of(trial).world().unwrap();
     (1..=30)
         .map(|k| {
