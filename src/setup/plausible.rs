@@ -4,7 +4,7 @@
 use super::Setup;
 use super::surroundings::Surroundings;
 use super::within::{Inside, outside_rooms, within_pillars};
-use crate::engine::{Disk, Scene, Vec2};
+use crate::engine::{Disk, FaceId, Scene, Vec2};
 use lemons_plane::Bounds;
 use lemons_trial::quoted;
 
@@ -45,6 +45,7 @@ impl Setup<'_> {
         doubts.extend(self.doubts_of_bodies(scene));
         doubts.extend(self.doubts_of_centres(scene));
         doubts.extend(self.doubts_of_walls(scene));
+        doubts.extend(self.doubts_of_doubled_faces(scene));
         let places: Vec<Vec2> = self.dynamics.iter().map(|dynamics| dynamics.position).collect();
         doubts.extend(self.doubts_of_places(scene, &places));
         doubts.extend(self.doubts_of_pillars(&places));
@@ -92,6 +93,28 @@ impl Setup<'_> {
         let id = quoted(&self.agents[b].id);
         Some(Doubt::Agents(format!(
             "the centre of mass of agent {id} is outside of its own shapes{others}: are their Positions relative to it?"
+        )))
+    }
+
+    /// Faces that lie on each other act like one: that is probably meant, but not their number.
+    fn doubts_of_doubled_faces(&self, scene: &Scene) -> Option<Doubt> {
+        let &(one, other) = scene.doubled.first()?;
+        let of = |face: FaceId| {
+            let face = &scene.faces[face.index()];
+            let wall = quoted(&self.geometry.walls[face.wall.index()].id);
+            format!(
+                "wall {wall} from {:?},{:?} to {:?},{:?}",
+                face.start.x, face.start.y, face.end.x, face.end.y
+            )
+        };
+        let others = match scene.doubled.len() {
+            1 => String::new(),
+            count => format!(" ({count} pairs in all)"),
+        };
+        Some(Doubt::Geometry(format!(
+            "{} and {} lie on each other{others}: they act like one wall",
+            of(one),
+            of(other)
         )))
     }
 
@@ -252,6 +275,20 @@ mod tests {
         assert_eq!(said(&trial), [""; 0]);
         trial.dynamics[4].position = vec2(7.5, 2.0);
         assert_eq!(said(&trial), [""; 0]);
+    }
+
+    #[test]
+    fn walls_that_lie_on_each_other_are_named() {
+        let mut trial = room();
+        let mut again = trial.geometry.walls[0].clone();
+        again.id = "again".into();
+        // End to end: as it should be.
+        again.corners = vec![vec2(6.0, 1.4), vec2(8.0, 1.4)];
+        trial.geometry.walls.push(again);
+        assert_eq!(said(&trial), [""; 0]);
+        trial.geometry.walls[1].corners = vec![vec2(4.0, 0.0), vec2(1.0, 0.0)];
+        let words = "wall \"again\" from 4.0,0.0 to 1.0,0.0 lie on each other: they act like one wall";
+        says(&trial, words);
     }
 
     #[test]

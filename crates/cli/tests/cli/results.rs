@@ -1,6 +1,6 @@
 //! What `lemons run` writes, stops and goes on with.
 
-use crate::common::{command, err, out};
+use crate::common::{command, out};
 use crowd_mechanics::setup;
 use lemons_record::Run;
 use std::fs::{self, File};
