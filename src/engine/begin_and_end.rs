@@ -172,7 +172,7 @@ fn began(encounter: &Encounter, edge: Edge, elongation: f64, dt: f64) -> (Touch,
     let (normal_speed, slip_speed) = encounter.speeds();
     let first = react(law, normal_force(law, edge.depth, normal_speed), slip_speed, elongation);
     let normal = normal_force(law, overlap.depth, normal_speed);
-    let grip = Grip { elongation, slip_speed, normal: first.normal };
+    let grip = Grip::after(law, &first, slip_speed);
     let relaxation = Relaxation::over(law, edge.since);
     let reaction = grip.advanced(law, normal, slip_speed, edge.since, &relaxation);
     (encounter.touch(reaction), Amendment::of(&first, &reaction, edge.since, dt, edge.whole))
@@ -197,7 +197,7 @@ fn ended(encounter: &Encounter, spring: &Spring, edge: Edge, dt: f64) -> (Touch,
     let (grip, lasted) = (spring.grip, dt - edge.since);
     let normal = normal_force(law, edge.depth.max(0.0), normal_speed);
     let reaction = grip.advanced(law, normal, slip_speed, lasted, &Relaxation::over(law, lasted));
-    let evaluated = react(law, grip.normal, grip.slip_speed, grip.elongation);
+    let evaluated = Reaction { normal: grip.normal, tangential: grip.tangential(law), ..reaction };
     (encounter.touch(reaction), Amendment::of(&reaction, &evaluated, lasted, dt, edge.whole))
 }
 
@@ -280,7 +280,7 @@ mod tests {
 
     #[test]
     fn a_contact_counts_until_the_time_when_it_ended() {
-        let grip = Grip { elongation: 1e-5, slip_speed: 0.0, normal: -900.0 };
+        let grip = Grip { elongation: 1e-5, rate: 0.0, normal: -900.0 };
         let spring = Spring { grip, part: FacePart::Left, touched_at: 1 };
         let ended = |gap: f64, speed: f64| {
             Some(super::ended(&encounter(-gap, vec2(0.0, speed)), &spring, end(-gap, -speed, None, DT)?, DT))

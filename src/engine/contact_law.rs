@@ -75,15 +75,32 @@ impl Relaxation {
 pub struct Grip {
     /// \[m\] elongation of the tangential spring.
     pub elongation: f64,
-    /// \[m/s\] tangential speed.
-    pub slip_speed: f64,
+    /// \[m/s\] rate of the elongation: the tangential speed; while the contact slides, that at which the spring and its
+    /// damper follow the slider. Without a damper the tangential speed, too.
+    pub rate: f64,
     /// \[N\] normal force.
     pub normal: f64,
 }
 
 impl Grip {
     /// That of a contact that begins.
-    pub const NONE: Grip = Grip { elongation: 0.0, slip_speed: 0.0, normal: 0.0 };
+    pub const NONE: Grip = Grip { elongation: 0.0, rate: 0.0, normal: 0.0 };
+
+    /// That of a contact with these forces, at a tangential speed \[m/s\].
+    #[inline]
+    pub fn after(law: &PairLaw, reaction: &Reaction, slip_speed: f64) -> Grip {
+        let Reaction { normal, tangential, elongation, regime } = *reaction;
+        let follows = regime == Regime::Sliding && law.tangential_damping > 0.0;
+        let force = -tangential - law.tangential_stiffness * elongation;
+        let rate = if follows { force / law.tangential_damping } else { slip_speed };
+        Grip { elongation, rate, normal }
+    }
+
+    /// \[N\] The tangential force: that of the spring and its damper.
+    #[inline]
+    pub fn tangential(&self, law: &PairLaw) -> f64 {
+        -law.tangential_stiffness * self.elongation - law.tangential_damping * self.rate
+    }
 
     /// Returns the forces and the spring after a duration \[s\]. `normal` \[N\] and `slip_speed` \[m/s\] are those at
     /// its end, `relaxation` is that of the duration.
@@ -102,7 +119,7 @@ impl Grip {
         if self.normal * normal < 0.0 {
             return self.past_zero(law, normal, slip_speed, duration);
         }
-        let stretched = self.elongation + 0.5 * duration * (self.slip_speed + slip_speed);
+        let stretched = self.elongation + 0.5 * duration * (self.rate + slip_speed);
         let mut reaction = react(law, normal, slip_speed, stretched);
         if reaction.regime == Regime::Sliding {
             reaction.elongation = self.following(law, reaction.tangential, relaxation);
@@ -117,8 +134,8 @@ impl Grip {
     /// sticks, so it does not matter when within the duration it began to slide.
     #[inline]
     fn following(&self, law: &PairLaw, tangential: f64, relaxation: &Relaxation) -> f64 {
-        let before = react(law, self.normal, self.slip_speed, self.elongation).tangential;
-        let (first, last) = (-before / law.tangential_stiffness, -tangential / law.tangential_stiffness);
+        let stiffness = law.tangential_stiffness;
+        let (first, last) = (-self.tangential(law) / stiffness, -tangential / stiffness);
         last + (self.elongation - first) * relaxation.remains - (last - first) * relaxation.mean
     }
 
@@ -129,9 +146,10 @@ impl Grip {
     fn past_zero(&self, law: &PairLaw, normal: f64, slip_speed: f64, duration: f64) -> Reaction {
         let share = self.normal / (self.normal - normal);
         let (before, after) = (share * duration, (1.0 - share) * duration);
-        let slip_then = self.slip_speed + share * (slip_speed - self.slip_speed);
+        let slip_then = self.rate + share * (slip_speed - self.rate);
         let elongation = self.following(law, 0.0, &Relaxation::over(law, before));
-        let zero = Grip { elongation, slip_speed: slip_then, normal: 0.0 };
+        let then = Reaction { normal: 0.0, tangential: 0.0, elongation, regime: Regime::Sliding };
+        let zero = Grip::after(law, &then, slip_then);
         zero.advanced(law, normal, slip_speed, after, &Relaxation::over(law, after))
     }
 }
@@ -167,7 +185,7 @@ mod tests {
     #[test]
     fn a_sliding_spring_relaxes_under_the_sliders_force() {
         // Slides to the left under limits of 400 N to 480 N.
-        let held = Grip { elongation: 1e-4, slip_speed: 3.0, normal: 1000.0 };
+        let held = Grip { elongation: 1e-4, rate: 0.2, normal: 1000.0 };
         let steps = 1_000_000;
         let dt = 1e-3 / f64::from(steps);
         let mut elongation = 1e-4;
@@ -187,7 +205,7 @@ mod tests {
 
     #[test]
     fn a_spring_relaxes_where_the_normal_force_is_zero() {
-        let held = Grip { elongation: 3e-4, slip_speed: 0.1, normal: 300.0 };
+        let held = Grip { elongation: 3e-4, rate: 0.1, normal: 300.0 };
         // Zero after three quarters of 1 ms, at a slip speed of 0.25 m/s. Undamped, the spring is then relaxed.
         let undamped = PairLaw { tangential_damping: 0.0, friction: 10.0, ..LAW };
         let reaction = advanced(&undamped, held, -100.0, 0.3, 1e-3);

@@ -6,7 +6,7 @@ use super::encounter::{Encounter, Instant, Touch};
 use super::overlap::Meeting;
 use super::pairs::{AT_ONCE, DiskPair, FacePair, Overlapping, Pairs, Sight, Spring};
 use super::wall_contacts::WallContacts;
-use super::{BodyId, Regime, Scene, Wrench};
+use super::{BodyId, PairLaw, Regime, Scene, Wrench};
 
 /// How an evaluation changes the springs.
 #[derive(Debug, Clone, Copy)]
@@ -158,12 +158,13 @@ impl Sums<'_> {
         &mut self,
         receiver: BodyId,
         giver: Option<BodyId>,
+        law: &PairLaw,
         began: (Touch, Amendment),
         now: u32,
     ) -> Spring {
         self.amend(receiver, giver, &began);
         self.add(receiver, giver, &began.0);
-        kept(&began.0, now)
+        kept(law, &began.0, now)
     }
 
     /// The impulse of a contact that began or ended within a step, on both bodies.
@@ -236,11 +237,11 @@ impl Instant<'_> {
                 && !continues
             {
                 // A copy, so that the encounter itself stays in registers.
-                *spring =
-                    sums.begin(receiver, giver, self.began_disks(&{ encounter }, step.dt), self.before + 1);
+                let began = self.began_disks(&{ encounter }, step.dt);
+                *spring = sums.begin(receiver, giver, encounter.law, began, self.before + 1);
             } else {
                 let touch = touch(&encounter, continues.then_some(&*spring), stretch);
-                *spring = kept(&touch, self.before + 1);
+                *spring = kept(encounter.law, &touch, self.before + 1);
                 sums.add(receiver, giver, &touch);
             }
             touching |= 1 << (k % AT_ONCE);
@@ -282,7 +283,7 @@ impl Instant<'_> {
                     let [ended, began] = passed;
                     springs[from] = Spring::RELAXED;
                     sums.amend(body, None, &ended);
-                    springs[k] = sums.begin(body, None, began, self.before + 1);
+                    springs[k] = sums.begin(body, None, encounter.law, began, self.before + 1);
                 }
                 (None, Stretch::Over(step)) => {
                     if springs[k].touched_at == self.before
@@ -292,14 +293,14 @@ impl Instant<'_> {
                         sums.amend(body, None, &ended);
                     }
                     let began = self.began_face(&pairs[k], contact, &{ encounter }, step.dt);
-                    springs[k] = sums.begin(body, None, began, self.before + 1);
+                    springs[k] = sums.begin(body, None, encounter.law, began, self.before + 1);
                 }
                 _ => {
                     let touch = touch(&encounter, from.map(|from| &springs[from]), stretch);
                     if let Some(from) = from {
                         springs[from] = Spring::RELAXED;
                     }
-                    springs[k] = kept(&touch, self.before + 1);
+                    springs[k] = kept(encounter.law, &touch, self.before + 1);
                     sums.add(body, None, &touch);
                 }
             }
@@ -372,8 +373,7 @@ pub(super) fn touch(encounter: &Encounter, spring: Option<&Spring>, stretch: Str
 
 /// What the pair keeps of a contact of the evaluation `now`.
 #[inline(always)]
-fn kept(touch: &Touch, now: u32) -> Spring {
-    let Touch { part, slip_speed, reaction, .. } = *touch;
-    let grip = Grip { elongation: reaction.elongation, slip_speed, normal: reaction.normal };
-    Spring { grip, part, touched_at: now }
+fn kept(law: &PairLaw, touch: &Touch, now: u32) -> Spring {
+    let grip = Grip::after(law, &touch.reaction, touch.slip_speed);
+    Spring { grip, part: touch.part, touched_at: now }
 }

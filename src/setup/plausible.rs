@@ -98,7 +98,14 @@ impl Setup<'_> {
 
     /// Faces that lie on each other act like one: that is probably meant, but not their number.
     fn doubts_of_doubled_faces(&self, scene: &Scene) -> Option<Doubt> {
-        let &(one, other) = scene.doubled.first()?;
+        // Of a wall that draws the same face again, the reader has warned with its line.
+        let again = |&&(one, other): &&(FaceId, FaceId)| {
+            let [one, other] = [one, other].map(|face| &scene.faces[face.index()]);
+            let ends = [other.start_corner, other.end_corner];
+            one.wall == other.wall && ends.contains(&one.start_corner) && ends.contains(&one.end_corner)
+        };
+        let mut doubled = scene.doubled.iter().filter(|pair| !again(pair));
+        let &(one, other) = doubled.next()?;
         let of = |face: FaceId| {
             let face = &scene.faces[face.index()];
             let wall = quoted(&self.geometry.walls[face.wall.index()].id);
@@ -107,9 +114,9 @@ impl Setup<'_> {
                 face.start.x, face.start.y, face.end.x, face.end.y
             )
         };
-        let others = match scene.doubled.len() {
-            1 => String::new(),
-            count => format!(" ({count} pairs in all)"),
+        let others = match doubled.count() {
+            0 => String::new(),
+            count => format!(" ({} pairs in all)", count + 1),
         };
         Some(Doubt::Geometry(format!(
             "{} and {} lie on each other{others}: they act like one wall",

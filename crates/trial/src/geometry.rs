@@ -92,7 +92,7 @@ fn read_corners(wall: Element<'_>, id: &str, problems: &mut Problems) -> Vec<Vec
                 match faces.entry(face) {
                     Entry::Occupied(first) => {
                         let message = format!(
-                            "wall {} draws its face {} a second time as face {}; both push",
+                            "wall {} draws its face {} a second time as face {}; they act like one",
                             quoted(id),
                             first.get(),
                             place - 1

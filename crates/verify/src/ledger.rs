@@ -43,9 +43,9 @@ pub struct Ledger {
     pub drive: f64,
     /// Lost to the floor, ∫ λ m v² + λ I ω².
     pub floor: f64,
-    /// Lost in the dashpots, ∫ γ_n v_n² + γ_t v_t².
+    /// Lost in the dashpots, ∫ γ_n v_n² + γ_t (ds/dt)².
     pub damping: f64,
-    /// Lost in the sliders, ∫ k_t s (v_t − ds/dt).
+    /// Lost in the sliders, −∫ F_t (v_t − ds/dt).
     pub sliding: f64,
     /// Energy left in springs when a contact ended.
     pub let_go: f64,
@@ -113,9 +113,17 @@ fn powers(world: &World) -> Powers {
     for contact in &world.contacts().contacts {
         let law = law_of(scene, contact);
         powers.damping += law.normal_damping * contact.normal_speed.powi(2)
-            + law.tangential_damping * contact.slip_speed.powi(2);
+            + law.tangential_damping * rate(law, contact).powi(2);
     }
     powers
+}
+
+/// \[m/s\] The rate of the elongation; without damping, the tangential speed.
+fn rate(law: &PairLaw, contact: &Contact) -> f64 {
+    if contact.regime == Regime::Sticking || law.tangential_damping == 0.0 {
+        return contact.slip_speed;
+    }
+    (-contact.tangential_force - law.tangential_stiffness * contact.elongation) / law.tangential_damping
 }
 
 fn law_of<'a>(scene: &'a Scene, contact: &Contact) -> &'a PairLaw {
@@ -179,8 +187,7 @@ pub fn ledger(which: Case, mechanical_step: f64) -> Result<Ledger> {
             if let Some(last) = contacts.remove(&key(contact.pair)) {
                 let slip = half * (last.slip_speed + contact.slip_speed);
                 let slid = slip - (contact.elongation - last.elongation);
-                let k = law_of(&scene, contact).tangential_stiffness;
-                books.sliding += k * 0.5 * (last.elongation + contact.elongation) * slid;
+                books.sliding -= 0.5 * (last.tangential_force + contact.tangential_force) * slid;
             } else {
                 // Its springs were loaded within the step.
                 books.sliding -= stored(&scene, contact).1;

@@ -183,12 +183,13 @@ fn two_disks(trial: &Trial, time: f64, after: &Motions) -> f64 {
             let relative = v[0] - v[1];
             // The contact point is in direction −n from the first and +n from the second.
             let slip = relative.dot(t) - w[0] * arms[0] - w[1] * arms[1];
-            s += slip * dt;
             let normal = kn * h - gn * relative.dot(n);
-            let mut tangential = -kt * s - gt * slip;
+            let mut tangential = -kt * (s + slip * dt) - gt * slip;
             if tangential.abs() > mu * normal.abs() {
                 tangential = mu * normal.abs() * tangential.signum();
-                s = -(tangential + gt * slip) / kt;
+                s += (-tangential - kt * s) / gt * dt;
+            } else {
+                s += slip * dt;
             }
             let force = n * normal + t * tangential;
             v[0] += force * (dt / a.0.mass);

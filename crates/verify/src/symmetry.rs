@@ -18,7 +18,8 @@ pub(crate) const CHECKS: &[Check] = &[
     Check::new("agents in the opposite order", "agents in order", "SI", 1e-9, reversed),
 ];
 
-/// Twenty-five pedestrians shoulder to shoulder in a corner of walls, for 0.2 s.
+/// Twenty-five pedestrians shoulder to shoulder in a corner of walls, for 0.15 s: collisions amplify rounding errors of
+/// places, here about tenfold in 0.05 s.
 fn bodies() -> Vec<BodySpec> {
     (0..25).map(|k| pedestrian(60.0 + 2.0 * f64::from(k), 4.5)).collect()
 }
@@ -38,7 +39,7 @@ const CORNERS: [(f64, f64); 3] = [(-1.0, -0.3), (1.7, -0.3), (1.7, 2.6)];
 fn run(bodies: &[BodySpec], corners: &[Vec2], motions: &[(Pose, Twist)]) -> Result<World> {
     let corners: Vec<(f64, f64)> = corners.iter().map(|c| (c.x, c.y)).collect();
     let mut world = world(bodies, &[wall(&corners)], BODIES, motions, 1e-5);
-    for _ in 0..4 {
+    for _ in 0..3 {
         world.advance(0.05)?;
     }
     ensure!(world.work().contacts > 1000, "they met");
