@@ -36,7 +36,7 @@ pub use clock::{Clock, ClockError};
 pub use decider::{PlanChoice, plan_in, plan_of};
 pub use error::{Error, Result, SavedError, whole};
 pub use extremes::{Extremes, Greatest};
-pub use fmu::{Fmu, Platform, named};
+pub use fmu::{Fmu, Platform, meant, named};
 pub use given::{Given, pack};
 pub use instance::Instance;
 pub use kind::{Kind, Unexpected};

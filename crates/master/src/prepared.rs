@@ -219,11 +219,16 @@ fn set(
         let (name, value) = given();
         return Err(PrepareError::Component { name, value, components });
     };
-    if let Some(meant) = model.and_then(|model| model.meant(name)) {
+    let component = &system.components()[place];
+    let misspelt = || {
+        let unknown = component.fmu.named(variable).iter().any(|name| component.fmu.kind(name).is_none());
+        let meant = if unknown { component.fmu.meant(variable)? } else { return None };
+        Some(name.strip_suffix(variable)?.to_owned() + &meant)
+    };
+    if let Some(meant) = model.map_or_else(misspelt, |model| model.meant(name)) {
         let (name, value) = given();
         return Err(PrepareError::OfOther { name, value, meant });
     }
-    let component = &system.components()[place];
     if component.fmu.is_structural(variable) {
         return Ok(None);
     }
