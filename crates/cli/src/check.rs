@@ -160,14 +160,16 @@ fn about_step(trial: &Trial) -> Option<String> {
     let stable = steps.stable();
     let told = if own < stable {
         format!(
-            "TimeStepMechanical {own:e} s: stable (up to {stable:.1e} s), about {} per collision",
+            "TimeStepMechanical {own:e} s: stable (up to {stable:.1e} s), with an error of about {} in a collision",
             length(steps.error(own))
         )
     } else {
         format!("TimeStepMechanical {own:e} s: not stable (up to {stable:.1e} s)")
     };
     let usual = steps.accurate_to(USUAL_ACCURACY);
-    let usual = usual.map(|step| format!("; {} at {step:e} s", length(USUAL_ACCURACY))).unwrap_or_default();
+    let usual = usual
+        .map(|step| format!("; a step of {step:e} s has an error of about {}", length(USUAL_ACCURACY)))
+        .unwrap_or_default();
     Some(format!("{told}{usual}"))
 }
 

@@ -31,8 +31,8 @@ use summary::Summary;
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// Count who crosses this line, in metres; can be given several times. Directions are those of
-    /// somebody who stands at X1,Y1 and looks at X2,Y2: to the right, to the left. Default NAME: 1, 2, …
+    /// Count who crosses this line, in metres; can be given several times. Stand at X1,Y1 and look at X2,Y2:
+    /// people cross to your right or to your left. Default NAME: 1, 2, …
     #[arg(long = "line", value_name = "[NAME=]X1,Y1,X2,Y2", value_parser = line, allow_hyphen_values = true)]
     lines: Vec<Named<Line>>,
     /// Width for the specific flow, in metres. Default: the length of the line

@@ -123,6 +123,7 @@ impl Model {
         found.unwrap_or((main, name))
     }
 
+<<<<<<< HEAD
     /// The components, the one that is meant first, and the variable that a value with this name sets. Without a
     /// component, a parameter of people is set of all components that have it: mass and damping are those of the same
     /// people.
@@ -138,13 +139,18 @@ impl Model {
     }
 
     /// What a name may mean that no component has: the same with the component that has it.
+=======
+    /// What a name may mean that no component has: the same with the component that has it, or one that is spelt alike.
+>>>>>>> help-cmd
     pub fn meant(&self, name: &str) -> Option<String> {
         let (place, variable) = self.find(name);
         if self.has(place, variable) {
             return None;
         }
-        let other = (0..self.parts.len()).find(|other| self.has(*other, variable))?;
-        Some(format!("{}.{variable}", self.parts[other].name))
+        match (0..self.parts.len()).find(|other| self.has(*other, variable)) {
+            Some(other) => Some(format!("{}.{variable}", self.parts[other].name)),
+            None => Some(name.strip_suffix(variable)?.to_owned() + &self.parts[place].fmu.meant(variable)?),
+        }
     }
 
     fn has(&self, place: usize, variable: &str) -> bool {

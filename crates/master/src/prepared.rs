@@ -241,10 +241,17 @@ fn set(
         let (name, value) = given();
         return Err(PrepareError::Component { name, value, components });
     };
-    if let Some(meant) = model.and_then(|model| model.meant(name)) {
+    let component = &system.components()[place];
+    let misspelt = || {
+        let unknown = component.fmu.named(variable).iter().any(|name| component.fmu.kind(name).is_none());
+        let meant = if unknown { component.fmu.meant(variable)? } else { return None };
+        Some(name.strip_suffix(variable)?.to_owned() + &meant)
+    };
+    if let Some(meant) = model.map_or_else(misspelt, |model| model.meant(name)) {
         let (name, value) = given();
         return Err(PrepareError::OfOther { name, value, meant });
     }
+<<<<<<< HEAD
     let mut fed = None;
     for place in places {
         let component = &system.components()[place];
@@ -254,6 +261,10 @@ fn set(
         let variables = component.fmu.named(variable);
         component.instance.set(&variables, value)?;
         fed = fed.or(variables.into_iter().find(|variable| system.feeds(place, variable)));
+=======
+    if component.fmu.is_structural(variable) {
+        return Ok(None);
+>>>>>>> help-cmd
     }
     Ok(fed.map(|input| {
         let (name, value) = given();

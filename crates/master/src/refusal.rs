@@ -121,14 +121,14 @@ pub enum PrepareError {
         /// Names of all of them.
         components: Vec<String>,
     },
-    /// The component has no such variable, but another one has.
+    /// The component has no such variable, but another one has, or there is one that is spelt alike.
     #[error("{name}={value}: there is no such variable; did you mean {meant:?}?")]
     OfOther {
         /// Of the parameter.
         name: String,
         /// Its value.
         value: String,
-        /// The name with the component that has it.
+        /// The name that is probably meant.
         meant: String,
     },
     /// An FMU cannot save its state.

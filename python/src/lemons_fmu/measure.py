@@ -77,8 +77,8 @@ def measure(
     """Measures a run.
 
     `what` is a Trial or an FMU, which is simulated first; the table of an earlier run; or a `Run`. `trial` is the Trial or
-    FMU of a table: its walls bound Voronoi cells; a Run knows its own. `lines` are names and x1, y1, x2, y2 [m]; directions are those of
-    somebody who stands at the first point and looks at the second one. `areas` are names and the lower left and the upper
+    FMU of a table: its walls bound Voronoi cells; a Run knows its own. `lines` are names and x1, y1, x2, y2 [m]; for who stands at the
+    first point and looks at the second one, people cross to the right or to the left. `areas` are names and the lower left and the upper
     right corner of a rectangle, or three and more corners of a polygon [m]. `above` are squeezes [N]. All other
     options of the command have the same names here: `window=0.5`, `width=0.9`, `walkable="room.wkt"`, `from_=2.0`, `until=8.0`.
 

@@ -36,7 +36,7 @@ pub fn svg(arguments: &Arguments, passed: &Passed) -> String {
     let crossed: Vec<(String, Vec<Passage>)> = named
         .zip(&passed.lines)
         .flat_map(|((k, line), seen)| {
-            Way::ALL.map(|way| (format!("{} {}", line.called(k), way.name()), seen.first(way)))
+            Way::ALL.map(|way| (format!("{}, to the {}", line.called(k), way.name()), seen.first(way)))
         })
         .filter(|(_, passages)| !passages.is_empty())
         .collect();

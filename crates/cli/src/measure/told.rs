@@ -11,7 +11,7 @@ pub fn tell(summary: &Summary) -> Result<()> {
     let Summary { from, until, frames, people, .. } = summary;
     writeln!(out, "{:<18} {from:.3} to {until:.3} s, {frames} frames, {people} people", "measured")?;
     if let Some(left) = &summary.left {
-        let last = left.last.map_or(String::new(), |last| format!(", the last one until {last:.3} s"));
+        let last = left.last.map_or(String::new(), |last| format!(" (the last at {last:.3} s)"));
         writeln!(out, "{:<18} {} of {people} people{last}", "left", left.people)?;
     }
     summary.lines.iter().try_for_each(|line| of_line(&mut out, line, summary.left))?;

@@ -11,7 +11,7 @@ use crate::run::{Ends, Job, Until, drive_of, name_and_value_of_all, simulate};
 use crate::watch::Places;
 use anyhow::{Context, Result, anyhow, bail};
 use crowd_mechanics::variables::{Kind, in_documents_mut, table};
-use lemons_master::{Clock, Given, PlanChoice, Settings, named};
+use lemons_master::{Clock, Given, PlanChoice, Settings, meant, named};
 use lemons_plane::Motion;
 pub use lemons_record::Wanted;
 use lemons_record::{Frame, Record, Run};
@@ -288,7 +288,10 @@ fn set(trial: &mut Trial, name: &str, value: &str) -> Result<()> {
     let variables: HashMap<&str, _> =
         variables.iter().map(|variable| (variable.name.as_str(), variable)).collect();
     for name in named(name, |name| variables.contains_key(name)) {
-        let unknown = || format!("there is no variable {name:?}");
+        let unknown = || match meant(&name, variables.keys().map(|known| (*known).to_owned())) {
+            Some(meant) => format!("there is no variable {name:?}; did you mean {meant:?}?"),
+            None => format!("there is no variable {name:?}"),
+        };
         let variable = variables.get(name.as_str()).with_context(unknown)?;
         match variable.kind {
             Kind::Real(_) => {}

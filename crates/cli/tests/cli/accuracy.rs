@@ -152,12 +152,19 @@ fn check_tells_stable_from_accurate() {
     // T = 10.9 ms: 5 m (2e-6/T)² = 0.17 µm. Eight contacts of agent 1 on concrete: 1/m* = 0.0644/kg, k = 5.0e6 N/m,
     // γ = 1230 kg/s, κ/4 + g = 1 at 8.4e-4 s.
     let told = note(at);
-    let words = ["TimeStepMechanical 2e-6 s: stable (up to 8.4e-4 s), about 0.17 µm", "0.1 mm at 4.8e-5 s"];
+    let words = [
+        "stable (up to 8.4e-4 s), with an error of about 0.17 µm in",
+        "a step of 4.8e-5 s has an error of about 0.1 mm",
+    ];
     assert!(words.iter().all(|word| told.contains(word)), "{told}");
     let parameters = at.join("T/Parameters.xml");
     let text = fs::read_to_string(&parameters).unwrap();
     fs::write(&parameters, text.replace("2e-6", "2e-4")).unwrap();
-    assert!(note(at).contains("2e-4 s: stable (up to 8.4e-4 s), about 1.7 mm"), "{}", note(at));
+    assert!(
+        note(at).contains("2e-4 s: stable (up to 8.4e-4 s), with an error of about 1.7 mm"),
+        "{}",
+        note(at)
+    );
     fs::write(&parameters, text.replace("2e-6", "1e-3")).unwrap();
     assert!(note(at).contains("1e-3 s: not stable (up to 8.4e-4 s)"), "{}", note(at));
 }

@@ -70,7 +70,7 @@ fn a_controller_that_wants_nothing_changes_nothing() {
     let read = |name: &str| fs::read_to_string(at.join(name)).unwrap();
     assert!(read("alone.csv") == read("trajectories.csv"), "to the last bit");
     let expected = [
-        "components                  2     (30 connections, Jacobi)",
+        "components                  2     (Jacobi algorithm, 30 connections)",
         "communication step    0.03125 s",
         "simulated time          0.500 s",
     ];

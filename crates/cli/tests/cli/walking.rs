@@ -395,6 +395,42 @@ fn people_who_press_on_in_vain_are_told_at_the_end() {
     assert!(!told("collision-free-speed", "6").contains("press on"));
 }
 
+/// Only a whole name that another component had was ever guessed.
+#[test]
+fn a_misspelt_variable_is_refused_with_the_right_one() {
+    let directory = door();
+    let at = directory.path();
+    done(at, &["pack", "T", "--fmi", "3", "-o", "crowd_3.fmu"]);
+    for (input, name, meant) in [
+        ("T", "agent[3].Mas", "agent[3].Mass"),
+        ("T", "agent[*].MomentOfinertia", "agent[*].MomentOfInertia"),
+        ("T", "TimeStepMechanicl", "TimeStepMechanical"),
+        ("T", "crowd.agent[3].Mas", "crowd.agent[3].Mass"),
+        ("T", "decision.agent[29].DesiredSped", "decision.agent[29].DesiredSpeed"),
+        ("T", "contact.concrete.human_naked.KineticFrictoin", "contact.concrete.human_naked.KineticFriction"),
+        ("x.ssp", "decision.agent[3].DesiredSped", "decision.agent[3].DesiredSpeed"),
+        ("crowd.fmu", "agent[3].mass", "agent[3].Mass"),
+        ("crowd_3.fmu", "agent[3].Positoin.x", "agent[3].Position.x"),
+    ] {
+        let output = lemons(at, &["run", input, "--set", &format!("{name}=1")]);
+        assert_code(&output, 1);
+        let said = err(&output);
+        assert!(said.contains(&format!("did you mean --set {meant}=1?")), "{input} {name}: {said}");
+    }
+    let plot = lemons(at, &["plot", "T", "--set", "agent[3].Mas=1", "-o", "x.svg"]);
+    assert!(err(&plot).contains("did you mean \"agent[3].Mass\"?"), "{}", err(&plot));
+    // There is no such person, or nothing like it.
+    for name in ["agent[99].Mass", "colour"] {
+        let output = lemons(at, &["run", "T", "--set", &format!("{name}=1")]);
+        assert_code(&output, 1);
+        assert!(
+            !err(&output).contains("did you mean") && err(&output).contains("see lemons info"),
+            "{}",
+            err(&output)
+        );
+    }
+}
+
 #[test]
 fn mistakes_are_refused_with_their_place() {
     let directory = door();
