@@ -35,13 +35,8 @@ pub use calls::{Answer, CallError};
 pub use clock::{Clock, ClockError};
 pub use decider::{PlanChoice, plan_in, plan_of};
 pub use error::{Error, Result, SavedError, whole};
-<<<<<<< HEAD
 pub use extremes::{Extremes, Greatest, Since};
-pub use fmu::{Fmu, Platform, named};
-=======
-pub use extremes::{Extremes, Greatest};
 pub use fmu::{Fmu, Platform, meant, named};
->>>>>>> help-cmd
 pub use given::{Given, pack};
 pub use instance::Instance;
 pub use kind::{Kind, Unexpected};

@@ -123,7 +123,6 @@ impl Model {
         found.unwrap_or((main, name))
     }
 
-<<<<<<< HEAD
     /// The components, the one that is meant first, and the variable that a value with this name sets. Without a
     /// component, a parameter of people is set of all components that have it: mass and damping are those of the same
     /// people.
@@ -138,10 +137,7 @@ impl Model {
         (std::iter::once(main).chain(others).collect(), variable)
     }
 
-    /// What a name may mean that no component has: the same with the component that has it.
-=======
     /// What a name may mean that no component has: the same with the component that has it, or one that is spelt alike.
->>>>>>> help-cmd
     pub fn meant(&self, name: &str) -> Option<String> {
         let (place, variable) = self.find(name);
         if self.has(place, variable) {

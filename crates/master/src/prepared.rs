@@ -241,7 +241,8 @@ fn set(
         let (name, value) = given();
         return Err(PrepareError::Component { name, value, components });
     };
-    let component = &system.components()[place];
+    // The one that is meant first.
+    let component = &system.components()[places[0]];
     let misspelt = || {
         let unknown = component.fmu.named(variable).iter().any(|name| component.fmu.kind(name).is_none());
         let meant = if unknown { component.fmu.meant(variable)? } else { return None };
@@ -251,7 +252,6 @@ fn set(
         let (name, value) = given();
         return Err(PrepareError::OfOther { name, value, meant });
     }
-<<<<<<< HEAD
     let mut fed = None;
     for place in places {
         let component = &system.components()[place];
@@ -261,10 +261,6 @@ fn set(
         let variables = component.fmu.named(variable);
         component.instance.set(&variables, value)?;
         fed = fed.or(variables.into_iter().find(|variable| system.feeds(place, variable)));
-=======
-    if component.fmu.is_structural(variable) {
-        return Ok(None);
->>>>>>> help-cmd
     }
     Ok(fed.map(|input| {
         let (name, value) = given();
