@@ -473,9 +473,8 @@ fn stayed(leaving: &Leaving, watch: &Watch, system: &System, progress: &Progress
 fn described(system: &System, coupled: bool, step: f64) -> Vec<String> {
     let (components, connections) = (system.components().len(), system.connections());
     let algorithm = system.algorithm();
-    let parts = format!(
-        "components         {components:>10}     ({algorithm} algorithm, {connections} connections)"
-    );
+    let parts =
+        format!("components         {components:>10}     ({algorithm} algorithm, {connections} connections)");
     coupled.then_some(parts).into_iter().chain([format!("communication step {step:>10} s")]).collect()
 }
 
