@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn a_sliding_spring_relaxes_under_the_sliders_force() {
         // Slides to the left under limits of 400 N to 480 N.
-        let held = Grip { elongation: 1e-4, rate: 0.2, normal: 1000.0 };
+        let held = Grip { elongation: 1e-4, rate: (400.0 - 50.0) / 300.0, normal: 1000.0 };
         let steps = 1_000_000;
         let dt = 1e-3 / f64::from(steps);
         let mut elongation = 1e-4;
@@ -211,7 +211,8 @@ mod tests {
         let reaction = advanced(&undamped, held, -100.0, 0.3, 1e-3);
         assert!((reaction.elongation - 0.25e-3 * 0.275).abs() < 1e-18, "{reaction:?}");
         // With damping it relaxes by e^(−k_t t/γ_t), here under a force of 120 N that falls to zero.
-        let reaction = advanced(&LAW, held, -1e-12, 0.3, 1e-3);
+        let slides = Grip { rate: (120.0 - 150.0) / 300.0, ..held };
+        let reaction = advanced(&LAW, slides, -1e-12, 0.3, 1e-3);
         let x: f64 = 5e5 * 1e-3 / 300.0;
         let expected = (3e-4 - 120.0 / 5e5) * (-x).exp() + 120.0 / 5e5 * (1.0 - (-x).exp()) / x;
         assert!((reaction.elongation - expected).abs() < 1e-12, "{reaction:?} {expected}");
