@@ -11,6 +11,7 @@ use super::neighbours::{CellGrid, Crowded, Near, Room, list};
 use super::pairs::{Candidates, FIRST_EVALUATION, Pairs};
 use super::report::ContactReport;
 use super::standing::Standing;
+use super::wall_contacts::WallContacts;
 use super::{Pose, Scene, State, Threads, Twist, Work};
 
 /// Number of bodies of a block. It is large enough that few pairs connect two blocks and that giving it to a thread is
@@ -22,6 +23,8 @@ pub(super) const BLOCK: usize = 512;
 pub(super) struct Block {
     candidates: Candidates,
     pairs: Pairs,
+    /// Scratch space.
+    walls: WallContacts,
     /// Forces on bodies of later blocks.
     outgoing: Vec<Crossing>,
     /// Forces from earlier blocks, in the order of their pairs.
@@ -236,11 +239,11 @@ impl Block {
         loads: &mut [Load],
         deepest: &mut [f64],
     ) {
-        let Block { pairs, outgoing, impulses, outgoing_impulses, work, .. } = self;
+        let Block { pairs, walls, outgoing, impulses, outgoing_impulses, work, .. } = self;
         loads.fill(Load::default());
         impulses.clear();
         let mut sums = Sums { start, loads, deepest, outgoing, impulses, outgoing_impulses, work };
-        instant.evaluate(pairs, stretch, &mut sums);
+        instant.evaluate(pairs, walls, stretch, &mut sums);
     }
 
     /// Adds the forces from earlier blocks. After that the forces are complete.

@@ -202,17 +202,17 @@ pub(super) fn deepen(deepest: &mut f64, depth: f64) {
 impl Instant<'_> {
     /// Sums the contact wrenches of a block's pairs, and lets their springs advance according to `stretch`. Contacts
     /// that began or ended within the last step give impulses.
-    pub fn evaluate(&self, pairs: &mut Pairs, stretch: Stretch, sums: &mut Sums) {
+    pub fn evaluate(&self, pairs: &mut Pairs, walls: &mut WallContacts, stretch: Stretch, sums: &mut Sums) {
         sums.work.pairs += (pairs.disks.len() + pairs.faces.len()) as u64;
         for start in (0..pairs.disks.len()).step_by(AT_ONCE) {
             self.evaluate_disks(pairs, start, stretch, sums);
         }
-        let Pairs { faces, face_springs, wall_contacts, .. } = pairs;
+        let Pairs { faces, face_springs, .. } = pairs;
         let mut springs = &mut face_springs[..];
         for of_disk in faces.chunk_by(|one, next| one.disk == next.disk) {
             let (springs_of_disk, others) = springs.split_at_mut(of_disk.len());
             springs = others;
-            self.evaluate_walls(of_disk, springs_of_disk, wall_contacts, stretch, sums);
+            self.evaluate_walls(of_disk, springs_of_disk, walls, stretch, sums);
         }
     }
 

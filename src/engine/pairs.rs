@@ -3,7 +3,6 @@
 use super::circle::Circle;
 use super::contact_law::Grip;
 use super::standing::Standing;
-use super::wall_contacts::WallContacts;
 use super::{BodyId, Disk, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
 use std::iter::Peekable;
 use std::slice::Iter;
@@ -109,8 +108,6 @@ pub(super) struct Pairs {
     pub touching: Vec<u32>,
     /// Scratch space.
     pub overlapping: Overlapping,
-    /// Scratch space.
-    pub wall_contacts: WallContacts,
     /// The previous list; scratch space.
     old: Old,
 }
