@@ -3,7 +3,7 @@
 use super::begin_and_end::Amendment;
 use super::contact_law::{Grip, Relaxation, normal_force, react};
 use super::encounter::{Encounter, Instant, Touch};
-use super::overlap::Meeting;
+use super::overlap::{Meeting, meet};
 use super::pairs::{AT_ONCE, DiskPair, FacePair, Overlapping, Pairs, Sight, Spring};
 use super::wall_contacts::WallContacts;
 use super::{BodyId, PairLaw, Regime, Scene, Wrench};
@@ -224,7 +224,7 @@ impl Instant<'_> {
             let (pair, detail) = (&pairs.disks[k], &pairs.disk_details[k]);
             let spring = &mut pairs.disk_springs[k];
             let (receiver, giver) = (pair.first_body, Some(pair.second_body));
-            let encounter = match self.meet_disks(pair, &sight) {
+            let encounter = match meet(sight.between, pair.reach) {
                 Meeting::Apart => continue,
                 Meeting::Coincident => {
                     sums.add_coincident(receiver, giver, pair.reach);

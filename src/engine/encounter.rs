@@ -2,7 +2,7 @@
 
 use super::circle::Circle;
 use super::contact_law::Reaction;
-use super::overlap::{Meeting, Overlap, meet};
+use super::overlap::Overlap;
 use super::pairs::{DiskPair, DiskPairDetail, FacePair, Sight};
 use super::standing::Standing;
 use super::{FacePart, PairLaw, Scene, Vec2, Wrench};
@@ -46,12 +46,6 @@ pub(super) struct Touch {
 }
 
 impl Instant<'_> {
-    /// Two disks that may touch.
-    #[inline(always)]
-    pub fn meet_disks(&self, pair: &DiskPair, sight: &Sight) -> Meeting {
-        meet(sight.between, pair.reach)
-    }
-
     /// Two disks with an overlap, which is negative where they do not touch.
     #[inline(always)]
     pub fn disks_encounter(

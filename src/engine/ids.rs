@@ -43,10 +43,10 @@ index!(
     FaceId
 );
 index!(
-    /// Index of a corner, which faces of one wall share.
+    /// Index of a corner, which the faces that meet there share.
     CornerId
 );
 index!(
-    /// Faces that form a straight line: the index of one of them.
+    /// Faces that continue each other: the index of the first of them.
     LineId
 );

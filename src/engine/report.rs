@@ -2,7 +2,7 @@
 
 use super::contacts::{Stretch, touch};
 use super::encounter::{Instant, Touch};
-use super::overlap::Meeting;
+use super::overlap::{Meeting, meet};
 use super::pairs::Pairs;
 use super::wall_contacts::WallContacts;
 use super::{BodyId, DiskId, FaceId, FacePart, Regime, Scene, Vec2, Wrench};
@@ -141,7 +141,7 @@ impl Instant<'_> {
         for ((pair, detail), spring) in blocks.clone().flat_map(disks) {
             let who = Pair::Disks { first: detail.first, second: detail.second };
             let sight = pair.seen(self.standing);
-            let squeeze = match self.meet_disks(pair, &sight) {
+            let squeeze = match meet(sight.between, pair.reach) {
                 Meeting::Apart => continue,
                 Meeting::Coincident => report.add_coincident(who, pair.reach),
                 Meeting::Touching(overlap) => {

@@ -14,7 +14,7 @@ pub struct Wrench {
 
 /// The part of a face that a disk touches.
 ///
-/// A corner at which the wall continues straight does not count as a corner: it belongs to the sides.
+/// A corner at which the wall goes on straight does not count as a corner: it belongs to the sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FacePart {
     /// The left side, seen in the direction from the first to the last corner.
@@ -49,8 +49,8 @@ pub struct FaceSpring {
     pub disk: DiskId,
     /// The face.
     pub face: FaceId,
-    /// The part of the face. Another part is another contact; but the sides of faces that form a straight line
-    /// ([`super::Face::line`]) are one part.
+    /// The part of the face. Another part is another contact; but parts of faces that are one line
+    /// ([`super::Face::line`]) are parts of one contact.
     pub part: FacePart,
     /// \[m\] elongation along the tangent.
     pub elongation: f64,

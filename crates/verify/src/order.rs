@@ -171,8 +171,8 @@ fn shortfall(moment: Moment, law: PairLaw) -> Result<f64> {
     Ok((2.0 - (errors[0].1 / errors[3].1).log2() / 3.0).max(0.0))
 }
 
-/// A disk is pressed outwards while it runs along the inner side of a polygon. At each obtuse corner, the force of one
-/// face ends and that of another begins, both at once with all their strength.
+/// A disk is pressed outwards while it runs along the inner side of a polygon. At each corner the contact goes on, but
+/// its normal turns at once.
 fn inside() -> Result<f64> {
     let sides = 36;
     let corner = |k: u32| {
