@@ -105,8 +105,8 @@ impl Grip {
     /// Returns the forces and the spring after a duration \[s\]. `normal` \[N\] and `slip_speed` \[m/s\] are those at
     /// its end, `relaxation` is that of the duration.
     ///
-    /// Sticking: the trapezoidal rule for ds/dt = v_t keeps the integrator's second order. Sliding: see
-    /// [`Grip::following`].
+    /// Sticking: the trapezoidal rule for ds/dt = v_t keeps the integrator's second order. Sliding:
+    /// γ_t ds/dt = −F_t − k_t s.
     #[inline]
     pub fn advanced(
         &self,

@@ -35,7 +35,7 @@ fn run(at: &Path, trial: &Trial) -> Vec<World> {
     let mut world = Setup::of(trial).world().unwrap();
     (1..=30)
         .map(|k| {
-            crowd.advance(0.05, f64::from(k) * 0.05).unwrap_or_else(|_| panic!("step {k}"));
+            crowd.advance(f64::from(k - 1) * 0.05, 0.05).unwrap_or_else(|_| panic!("step {k}"));
             world.advance(0.05).unwrap();
             let mut seen = Setup::of(trial).world().unwrap();
             seen.restore(world.state().clone()).unwrap();
