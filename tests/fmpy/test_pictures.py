@@ -73,7 +73,6 @@ def description(picture):
     return found.text
 
 
-@pytest.mark.xfail(strict=True, reason="item 16: docs/door_width.svg is of the slider before")
 def test_the_widths_of_a_door(lemons, tmp_path):
     """Some of the runs of the picture, made again."""
     runs = {(row["width"], row["seed"]): row for row in csv.DictReader(io.StringIO(description(DOCS / "door_width.svg")))}
@@ -100,7 +99,6 @@ def tables_of(name):
     return re.search(rf"<!-- {name} -->\n\n(.*?)\n\n<!-- /{name} -->", pages.text_of("docs/validation.md"), re.DOTALL)[1]
 
 
-@pytest.mark.xfail(strict=True, reason="item 16: the tables and pictures of docs/validation.md are of the slider before")
 def test_tables_of_the_validation_are_those_of_today(lemons, tmp_path, monkeypatch):
     """The cheapest one whole, of another one a cell."""
     monkeypatch.setenv("LEMONS", str(lemons))
@@ -126,7 +124,6 @@ def mechanics(lemons, directory):
     return repr(poses)
 
 
-@pytest.mark.xfail(strict=True, reason="item 16: docs/calibration.png is of the slider before")
 def test_pictures_that_take_minutes_are_of_what_they_were_drawn_from(lemons, tmp_path):
     """A picture of the validation belongs to its tables, which the same command writes. That of the calibration needs
     measured data: it may be old if its script or the mechanics has changed."""
