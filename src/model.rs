@@ -113,6 +113,8 @@ pub struct CrowdModel {
     play_drive: bool,
     /// Places of the agents whom the packed drive drives; nobody before initialization has ended.
     played: BTreeSet<usize>,
+    /// Places of the agents whom the packed drive does not drive, whatever their values are.
+    undriven: BTreeSet<usize>,
     /// Places of the agents who have left or come back since the last step.
     moved: BTreeSet<usize>,
     threads: i32,
@@ -142,27 +144,7 @@ impl Model for CrowdModel {
     const STATE_VERSION: u32 = 8;
 
     fn load(location: Location<'_>) -> Result<CrowdModel, ModelError> {
-        let resources = Resources::at(location)?;
-        let (packed, warnings) = Packed::load(&resources, resources.first())?;
-        Ok(CrowdModel {
-            resources,
-            any_size: matches!(location, Location::Path(_)),
-            trial: packed.trial.clone(),
-            packed,
-            settings: Settings::new(),
-            play_drive: true,
-            played: BTreeSet::new(),
-            moved: BTreeSet::new(),
-            threads: 1,
-            most_steps: MOST_MECHANICAL_STEPS,
-            intermediate_steps: 0,
-            output_directory: String::new(),
-            rates: BTreeMap::new(),
-            tolerance: None,
-            world: None,
-            warnings,
-            said_coincident: None,
-        })
+        CrowdModel::from_resources(Resources::at(location)?, matches!(location, Location::Path(_)))
     }
 
     fn table(&self) -> Vec<Variable> {
@@ -323,6 +305,7 @@ impl Model for CrowdModel {
         self.settings.clear();
         self.play_drive = true;
         self.played.clear();
+        self.undriven.clear();
         self.moved.clear();
         self.threads = 1;
         self.most_steps = MOST_MECHANICAL_STEPS;
@@ -345,6 +328,54 @@ impl Model for CrowdModel {
 }
 
 impl CrowdModel {
+    /// Makes the model of one Trial and its drive, without an FMU.
+    ///
+    /// # Errors
+    /// None of a Trial that was read.
+    pub fn of_trial(trial: Trial, drive: DriveTable) -> Result<CrowdModel, ModelError> {
+        CrowdModel::from_resources(Resources::of_one(trial, drive), false)
+    }
+
+    fn from_resources(resources: Resources, any_size: bool) -> Result<CrowdModel, ModelError> {
+        let (packed, warnings) = Packed::load(&resources, resources.first())?;
+        Ok(CrowdModel {
+            resources,
+            any_size,
+            trial: packed.trial.clone(),
+            packed,
+            settings: Settings::new(),
+            play_drive: true,
+            played: BTreeSet::new(),
+            undriven: BTreeSet::new(),
+            moved: BTreeSet::new(),
+            threads: 1,
+            most_steps: MOST_MECHANICAL_STEPS,
+            intermediate_steps: 0,
+            output_directory: String::new(),
+            rates: BTreeMap::new(),
+            tolerance: None,
+            world: None,
+            warnings,
+            said_coincident: None,
+        })
+    }
+
+    /// Keeps the packed drive from an agent, before initialization ends. An importer says so by another Fp or Mp; who
+    /// knows that it was set says it here.
+    pub fn keep_drive_from(&mut self, agent: usize) {
+        self.undriven.insert(agent);
+    }
+
+    /// Returns the running world; `None` before it is made.
+    pub fn world(&self) -> Option<&World> {
+        self.world.as_ref()
+    }
+
+    /// Returns the Trial with the settings of this instance.
+    pub fn trial(&self) -> &Trial {
+        &self.trial
+    }
+
     /// Advances by a part of a communication step that begins at `from`, of which `so_far` are over, to the
     /// communication point if that is its end; all in \[s\].
     fn advance_by(
@@ -391,7 +422,7 @@ impl CrowdModel {
                 played.remove(&(i as usize));
             }
         }
-        played.retain(|i| !self.rates.contains_key(i));
+        played.retain(|i| !self.rates.contains_key(i) && !self.undriven.contains(i));
         Ok(played)
     }
 

@@ -36,11 +36,20 @@ pub enum ResourcesError {
     Broken { name: String, problems: Problems },
 }
 
-/// The packed Trials and their location.
+/// The Trials of a model, by name.
 #[derive(Debug, Clone)]
 pub struct Resources {
-    directory: PathBuf,
+    place: Place,
     names: Vec<String>,
+}
+
+/// Where Trials are.
+#[derive(Debug, Clone)]
+enum Place {
+    /// Packed in this directory of an FMU.
+    Directory(PathBuf),
+    /// One, in memory, with its drive.
+    Memory(Box<(Trial, DriveTable)>),
 }
 
 impl Resources {
@@ -54,10 +63,16 @@ impl Resources {
         for directory in &candidates {
             let names = names_in(directory)?;
             if !names.is_empty() {
-                return Ok(Resources { directory: directory.clone(), names });
+                return Ok(Resources { place: Place::Directory(directory.clone()), names });
             }
         }
         Err(ResourcesError::NoTrial { uri: location.text().to_owned(), path: candidates[0].clone() })
+    }
+
+    /// Holds a Trial that is in memory already, with its drive.
+    pub fn of_one(trial: Trial, drive: DriveTable) -> Resources {
+        let names = vec![trial.name.clone()];
+        Resources { place: Place::Memory(Box::new((trial, drive))), names }
     }
 
     /// Returns the names of the packed Trials, the default one first; at least one.
@@ -75,7 +90,11 @@ impl Resources {
     /// # Errors
     /// All errors in its files.
     pub fn load(&self, name: &str) -> Result<(Trial, Vec<String>), ResourcesError> {
-        let (mut trial, warnings) = setup::read(&self.directory.join(name))
+        let directory = match &self.place {
+            Place::Memory(own) => return Ok((own.0.clone(), Vec::new())),
+            Place::Directory(directory) => directory,
+        };
+        let (mut trial, warnings) = setup::read(&directory.join(name))
             .map_err(|problems| ResourcesError::Broken { name: name.to_owned(), problems })?;
         name.clone_into(&mut trial.name);
         Ok((trial, warnings.iter().map(Problem::without_severity).collect()))
@@ -86,6 +105,9 @@ impl Resources {
     /// # Errors
     /// All errors in its file.
     pub fn drive(&self, trial: &Trial) -> Result<DriveTable, ResourcesError> {
+        if let Place::Memory(own) = &self.place {
+            return Ok(own.1.clone());
+        }
         let broken = |problems| ResourcesError::Broken { name: trial.name.clone(), problems };
         DriveTable::of(Some(trial), &DriveChoice::Own).map_err(|error| broken(error.0))
     }

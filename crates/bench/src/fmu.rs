@@ -8,7 +8,7 @@ use cpu_time::{ProcessTime, ThreadTime};
 use crowd_mechanics::pack::{Format, Package};
 use crowd_mechanics::setup;
 use include_dir::{Dir, include_dir};
-use lemons_master::{Fmu, Instance, Observer, Prepared, Reached, Selection, Settings, System, own_binary};
+use lemons_master::{Fmu, Instance, Prepared, Selection, Settings, own_binary};
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::DriveChoice;
 use lemons_trial::{
@@ -16,6 +16,7 @@ use lemons_trial::{
     Wall,
 };
 use lemons_verify::scenes::pedestrian;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
@@ -266,17 +267,6 @@ pub struct Run {
     pub processor: f64,
 }
 
-/// An observer that does nothing.
-struct Unseen;
-
-impl Observer<System> for Unseen {
-    type Error = lemons_master::Error;
-
-    fn look(&mut self, _: &mut System, _: Reached) -> lemons_master::Result<()> {
-        Ok(())
-    }
-}
-
 /// Measures the paper's push: five people in a row before a wall, the first pushed with 700 N. It simulates 5 s with
 /// mechanical steps of 2e-6 s through the FMU, in communication steps of 0.1 s, and returns the fastest run.
 ///
@@ -286,19 +276,21 @@ pub fn push(runs: usize) -> Result<Run> {
     let packed = Packed { directory: TempDir::with_prefix("lemons-bench-")? };
     std::fs::create_dir_all(packed.trial())?;
     PUSH.extract(packed.trial())?;
+    packed.pack(Format::default())?;
     let parameters = [("TimeStepMechanical", "2e-6"), ("agent[0].Fp.x", "700")];
     let settings = Settings {
         parameters: parameters.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec(),
         step: Some(0.1),
         until: Some(5.0),
         drive: DriveChoice::None,
-        ..Settings::of(packed.trial())
+        ..Settings::of(packed.fmu())
     };
     let mut best: Option<Run> = None;
     for _ in 0..runs {
         let mut prepared = Prepared::of(&settings)?;
         let (wall, processor) = (Instant::now(), ProcessTime::now());
-        let _ = prepared.simulate(&mut Unseen)?;
+        let clock = prepared.clock;
+        let _ = lemons_sim::run::<_, Error>(&mut prepared, &clock, 0, |_, _| Ok(ControlFlow::Continue(())))?;
         let run = Run { wall: wall.elapsed().as_secs_f64(), processor: processor.elapsed().as_secs_f64() };
         if best.is_none_or(|best| run.wall < best.wall) {
             best = Some(run);

@@ -1,6 +1,7 @@
 //! Poses of two runs, compared at each communication point.
 
-use lemons_plane::{Pose, vec2};
+use lemons_plane::Pose;
+use lemons_record::Frame;
 use lemons_trial::Trial;
 
 /// What is done with the poses of a run.
@@ -15,12 +16,9 @@ pub enum Poses {
     Compare(Vec<Kept>, f64),
 }
 
-/// x \[m\], y \[m\] and orientation \[rad\] of a crowd.
-type Places = Vec<[f64; 3]>;
-
 /// Poses of a crowd at each communication point.
 #[derive(Default)]
-pub struct Kept(Vec<Places>);
+pub struct Kept(Vec<Vec<Pose>>);
 
 /// Where two runs of a crowd differ.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +48,7 @@ pub enum Follower {
 
 /// Compares the poses of a crowd with those of another run.
 pub struct Comparer {
-    others: std::vec::IntoIter<Places>,
+    others: std::vec::IntoIter<Vec<Pose>>,
     /// \[m\] from the centre of mass to the rim, by agent; 0 if it is not known.
     rims: Vec<f64>,
     wished: f64,
@@ -85,13 +83,13 @@ fn rim(agent: &lemons_trial::Agent) -> f64 {
 }
 
 impl Follower {
-    /// At a communication point \[s\]: x, y, velocities, orientation and angular velocity of each agent.
-    pub fn see(&mut self, time: f64, motions: &[[f64; 6]]) {
-        let poses = motions.iter().map(|&[x, y, _, _, orientation, _]| [x, y, orientation]);
+    /// Sees the frame of a communication point.
+    pub fn see(&mut self, frame: &Frame) {
+        let poses = frame.agents.iter().map(|motion| motion.pose);
         match self {
             Follower::Nobody => {}
             Follower::Keeper(kept) => kept.0.push(poses.collect()),
-            Follower::Comparer(comparer) => comparer.compare(time, poses),
+            Follower::Comparer(comparer) => comparer.compare(frame.time, poses),
         }
     }
 
@@ -115,13 +113,11 @@ impl Follower {
 }
 
 impl Comparer {
-    fn compare(&mut self, time: f64, poses: impl Iterator<Item = [f64; 3]>) {
+    fn compare(&mut self, time: f64, poses: impl Iterator<Item = Pose>) {
         let Some(others) = self.others.next() else { return };
         for (agent, (pose, other)) in poses.zip(others).enumerate() {
             let rim = self.rims.get(agent).copied().unwrap_or(0.0);
-            let [one, other] =
-                [pose, other].map(|[x, y, orientation]| Pose { position: vec2(x, y), orientation });
-            let apart = one.apart(&other, rim);
+            let apart = pose.apart(&other, rim);
             if apart > self.largest.0 {
                 self.largest = (apart, agent, time);
             }
@@ -135,20 +131,25 @@ impl Comparer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lemons_plane::{Motion, Twist, vec2};
 
     #[test]
     fn the_largest_difference_and_the_first_beyond_are_found() {
-        let motion = |x: f64, turn: f64| [x, 0.0, 9.0, 9.0, turn, 9.0];
+        let frame = |time: f64, poses: [(f64, f64); 2]| {
+            let pose = |(x, orientation)| Pose { position: vec2(x, 0.0), orientation };
+            let agents = poses.map(|of| Motion { pose: pose(of), twist: Twist::default() }).to_vec();
+            Frame { time, agents, ..Frame::default() }
+        };
         let mut keeper = Poses::Keep.follower(None, 2);
         for time in [0.0, 1.0, 2.0] {
-            keeper.see(time, &[motion(time, 0.0), motion(5.0, 0.0)]);
+            keeper.see(&frame(time, [(time, 0.0), (5.0, 0.0)]));
         }
         let ids = ["a".to_owned(), "b".to_owned()];
         let Some(Seen::Kept(kept)) = keeper.finish(&ids) else { panic!("kept") };
         let mut comparer = Poses::Compare(vec![kept], 0.1).follower(None, 2);
-        comparer.see(0.0, &[motion(0.0, 0.0), motion(5.0, 3.0)]);
-        comparer.see(1.0, &[motion(1.2, 0.0), motion(5.0, 0.0)]);
-        comparer.see(2.0, &[motion(2.0, 0.0), motion(5.5, 0.0)]);
+        comparer.see(&frame(0.0, [(0.0, 0.0), (5.0, 3.0)]));
+        comparer.see(&frame(1.0, [(1.2, 0.0), (5.0, 0.0)]));
+        comparer.see(&frame(2.0, [(2.0, 0.0), (5.5, 0.0)]));
         let Some(Seen::Compared(difference)) = comparer.finish(&ids) else { panic!("compared") };
         assert_eq!(difference.largest, 0.5);
         assert_eq!((difference.at, difference.first), (("b".into(), 2.0), Some(("a".into(), 1.0))));

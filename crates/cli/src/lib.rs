@@ -14,7 +14,7 @@ mod binary;
 mod check;
 mod compared;
 mod connect;
-mod crowd_run;
+
 mod decide;
 mod describe;
 mod error;
@@ -27,17 +27,17 @@ mod lab;
 mod measure;
 mod misspelt;
 mod output;
-mod outputs;
+
 mod pack;
 mod people;
 mod pictures;
-mod recording;
+
 mod results;
 mod run;
 mod sweep;
 mod verify;
 mod version;
-mod watch;
+
 mod words;
 
 use anyhow::Result;

@@ -1,43 +1,38 @@
 //! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
-mod halved;
-mod pressing;
-mod rest;
-mod series;
-mod underway;
+mod fmus;
+mod outputs;
+mod recorder;
+mod subject;
+mod trial;
+mod two_steps;
 
 use crate::compared::{Poses, Seen};
-use crate::crowd_run::Point;
 use crate::decide::Walk;
 use crate::error::{Misused, and_then, said};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::recording::Recording;
 use crate::results::{Format, FormatName, Place};
 use crate::tell::{Interim, nobody_listens};
 use crate::version::BUILD;
-use crate::watch::{Places, Recorded, Records, Watch};
-use crate::words::{refused, warned};
 use anyhow::{Context, Error, Result, bail, ensure};
 use clap::ValueEnum;
-use halved::{Chosen, run_for, steps_of};
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_files::Staged;
-use lemons_master::{
-    Algorithm, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings, System,
-    plan_in, writers,
-};
+use lemons_decision::gait::Gait;
+use lemons_master::{Given, Kind, Saved, Settings, writers};
 use lemons_measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_record::Run;
+use lemons_sim::stop::{Still, StopCondition};
+use lemons_sim::{Algorithm, Clock, Point};
 use lemons_trial::DriveChoice;
-use pressing::pressing;
-pub use rest::REST;
-use rest::{Rest, Still};
-pub use series::writes as writes_in_series;
+pub use recorder::Target as RowTarget;
+use recorder::{CrowdRecorder, Look, Recorded, Target};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
-use underway::{AtHand, Shared, Underway};
+use subject::{Identity, Prepared, Subject};
+pub use trial::not_set;
+use two_steps::run_for;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -104,7 +99,8 @@ pub struct Arguments {
     /// Save the state of the run when it ends or is stopped by Ctrl-C; --resume continues it
     #[arg(long, value_name = "FILE.run")]
     state: Option<PathBuf>,
-    /// Continue a saved run of the same Trial, FMU or SSP, and add to the results it has written (-o)
+    /// Continue a saved run of the same Trial, FMU or SSP. Its results go to a table of their own (-o), which begins
+    /// after the last row of the table before; other commands take both
     #[arg(long, value_name = "FILE.run")]
     resume: Option<PathBuf>,
     #[command(flatten)]
@@ -152,8 +148,10 @@ pub enum Ends {
 /// A run, and what becomes of it.
 pub struct Job {
     pub settings: Settings,
-    /// Where its records go.
-    pub places: Places,
+    /// Where rows of crowds go.
+    pub rows: Target,
+    /// Where the outputs of what is not a crowd go, if they are recorded.
+    pub outputs: Option<Place>,
     /// Where it is saved.
     pub state: Option<PathBuf>,
     /// When it ends.
@@ -164,7 +162,10 @@ pub struct Job {
 
 impl Arguments {
     fn job(&self) -> Result<Job> {
-        let places = places_of(self)?;
+        let (rows, outputs) = places_of(self)?;
+        if self.resume.is_some() && self.output.is_none() {
+            bail!(Misused("--resume: name the table of what follows with -o; it begins after the rows of the run before".into()));
+        }
         let settings = Settings {
             parameters: name_and_value_of_all(&self.settings)?,
             threads: self.threads,
@@ -182,7 +183,14 @@ impl Arguments {
             ..Settings::of(&self.input)
         };
         let ends = if self.until == Some(Until::Left) { Ends::Left } else { Ends::AtTime };
-        Ok(Job { settings, places, state: self.state.clone(), ends, poses: Poses::Ignore })
+        Ok(Job {
+            settings,
+            rows,
+            outputs: Some(outputs),
+            state: self.state.clone(),
+            ends,
+            poses: Poses::Ignore,
+        })
     }
 }
 
@@ -240,7 +248,7 @@ fn length(text: &str) -> Result<f64, String> {
 pub struct Ended {
     /// If poses are followed: those of each crowd, and the mechanical steps \[s\].
     poses: Vec<Seen>,
-    chosen: Chosen,
+    mechanical_steps: Vec<(String, f64)>,
     /// \[s\] the communication step
     step: f64,
     /// Lines of the summary: how two runs differ.
@@ -257,7 +265,7 @@ pub struct Ended {
     /// Of a run that is shown, unless the FMU has no agents.
     pub recorded: Option<Run>,
     /// Why a file is not in its place.
-    failed: Option<anyhow::Error>,
+    failed: Option<Error>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -271,8 +279,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     ended.complete()?;
     let Some(time) = ended.stopped else { return told };
     let go_on = match &arguments.state {
-        Some(path) if ended.saved.is_some() => format!("go on with --resume {}", path.display()),
-        Some(_) => "it is not saved: no state can be taken in the middle of a step".into(),
+        Some(path) => format!("go on with --resume {}", path.display()),
         None => "it is not saved (--state)".into(),
     };
     Err(interrupted(format!("stopped at t = {time:?} s; {go_on}")))
@@ -282,77 +289,221 @@ fn interrupted(why: String) -> Error {
     Interrupted(why).into()
 }
 
-/// How often it is looked whether Ctrl-C was pressed.
-const LOOK: Duration = Duration::from_millis(50);
-/// After a step that took longer, Ctrl-C may find the next one under way: the state before it is put by.
-const LONG: Duration = Duration::from_millis(100);
-
-/// Runs and records; warnings go to standard error.
-///
-/// FMUs are called by a thread of their own. If Ctrl-C finds a step under way that does not end within [`PATIENCE`],
-/// this one completes the files with what was recorded before; the step is given up with the program.
-pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
-    let shared = Shared::default();
-    let (done, ended) = channel();
-    let thread = std::thread::Builder::new().name("run".into()).spawn({
-        let (interrupt, shared) = (interrupt.clone(), shared.clone());
-        // Nobody listens any more to a run that was given up.
-        move || drop(done.send(step_and_record(job, &interrupt, &shared)))
-    });
-    let thread = thread.context("cannot start a thread")?;
-    let mut pressed: Option<Instant> = None;
-    loop {
-        match ended.recv_timeout(LOOK) {
-            Ok(ended) => return ended,
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => match thread.join() {
-                Err(fault) => std::panic::resume_unwind(fault),
-                Ok(()) => bail!("the run ended without a result"),
-            },
-        }
-        if !interrupt.pressed() || pressed.get_or_insert_with(Instant::now).elapsed() < PATIENCE {
-            continue;
-        }
-        if shared.give_up_before() {
-            return Err(Interrupted::given_up().into());
-        }
-        if let Some(underway) = shared.take() {
-            return underway.give_up();
-        }
+/// Prepares a run of a Trial, an FMU or an SSP.
+fn prepare(settings: &Settings, outputs: Option<&Place>, about: &About) -> Result<Prepared> {
+    let runs = [Kind::Trial, Kind::Fmu, Kind::Ssp, Kind::Archive];
+    Kind::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
+    match Given::find(&settings.input)? {
+        Some(given) => trial::prepare(&given, settings),
+        None => fmus::prepare(settings, |system, others, clock, every| match outputs {
+            Some(place) => outputs::Outputs::create(system, others, place, &about.of(clock, every)),
+            None => Ok(None),
+        }),
     }
 }
 
-fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<Ended> {
-    let Job { settings, places, state, ends, poses } = job;
-    let prepared = Prepared::of(&settings).map_err(refused)?;
-    let Prepared { mut system, trials, pushes, progress, before, coupled, warnings } = prepared;
-    for warning in &warnings {
-        note!("{}", warned(warning));
+/// What a table says of the program that wrote it.
+struct About(String);
+
+impl About {
+    fn of(&self, clock: &Clock, every: u64) -> Vec<(&'static str, String)> {
+        vec![
+            ("lemons_version", self.0.clone()),
+            ("communication_step", format!("{:?}", clock.step)),
+            ("every", every.to_string()),
+        ]
     }
-    let first = system.time();
-    let chosen = match &poses {
-        Poses::Ignore => Chosen::new(),
-        Poses::Keep | Poses::Compare(..) => steps_of(&system, coupled)?,
-    };
-    let left = series::claim(&system, &trials, &progress)?;
-    let by = writers(before.as_ref().map_or("", |before| &before.lemons), &BUILD.whole());
-    let about = vec![
-        ("lemons_version", by.clone()),
-        ("communication_step", format!("{:?}", progress.clock.step)),
-        ("every", progress.every.to_string()),
-    ];
-    let recording = Recording { about, before: before.as_ref(), poses };
-    let watch = Watch::create(&system, trials, places, recording)?;
-    let rest = match ends {
+}
+
+/// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
+pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
+    let Job { settings, rows, outputs, state, ends, mut poses } = job;
+    let about = About(BUILD.whole());
+    let Prepared {
+        mut subject,
+        crowds,
+        plans,
+        mut coupling,
+        mechanical_steps,
+        output_directories,
+        clock,
+        index,
+        every,
+        drive_end,
+        identity,
+        before,
+    } = prepare(&settings, outputs.as_ref(), &about)?;
+    subject.take_warnings().iter().for_each(|warning| note!("{warning}"));
+    coupling.push(format!("communication step {:>10} s", clock.step));
+    if matches!(poses, Poses::Keep | Poses::Compare(..)) && mechanical_steps.is_empty() {
+        bail!(
+            "--accuracy: nothing here has a parameter TimeStepMechanical, so no mechanical step can be chosen"
+        );
+    }
+    if before.is_none() {
+        output_directories.iter().try_for_each(|path| claim_series(path))?;
+    }
+    let mut recorders = Vec::with_capacity(crowds.len());
+    for crowd in &crowds {
+        let to = if crowds.len() > 1 { rows.named(&crowd.component)? } else { rows.clone() };
+        let about = about.of(&clock, every);
+        recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), &mut poses)?);
+    }
+    let stop = match ends {
         Ends::AtTime => None,
-        Ends::Still => Some(Rest::Still(Still::after(pushes.end()))),
-        Ends::Left => Some(Rest::Left(until_left(&system, &watch)?)),
+        Ends::Still => Some(StopCondition::Still(Still::after(drive_end))),
+        Ends::Left => {
+            let plans: Vec<Vec<bool>> = plans.iter().map(|plan| plan.leaving()).collect();
+            Some(StopCondition::Left(until_left(&plans, &recorders)?))
+        }
     };
-    let file = state.map(|path| Ok::<_, anyhow::Error>((files::stage(&path)?, path))).transpose()?;
-    let coupling = described(&system, coupled, progress.clock.step);
-    let kept = if file.is_some() { Some(Kept::of(&mut system, &progress)?) } else { None };
-    series::remove(&left)?;
-    let bar = match rest.as_ref().and_then(Rest::left) {
+    let file = state.map(|path| Ok::<_, Error>((files::stage(&path)?, path))).transpose()?;
+    let first = subject.time();
+    let bar = progress_bar(stop.as_ref(), clock.steps.saturating_sub(index))?;
+    let started = Instant::now();
+    let mut run =
+        Recording { recorders, stop, every, index, bar, interim: Interim::from(started), interrupt };
+    let mut done = run.see(&mut *subject, if before.is_none() { Look::Start } else { Look::Resumed });
+    if done.is_ok() && !interrupt.pressed() {
+        let stepped =
+            lemons_sim::run(&mut *subject, &clock, index, |subject, point| run.step(subject, point));
+        done = stepped.map(drop);
+    }
+    run.bar.finish_and_clear();
+    let (wall, time) = (started.elapsed(), subject.time());
+    let Recording { recorders, stop, index, .. } = run;
+    if let Some(StopCondition::Left(leaving)) = &stop {
+        stayed(leaving, &recorders, time, clock.until);
+    }
+    let saved = match (&done, file) {
+        (Ok(()), Some((file, path))) => {
+            let (component, states) = subject.states()?;
+            let Identity { algorithm, wiring, drive } = identity;
+            let saved = Saved {
+                format: Saved::FORMAT,
+                lemons: writers(before.as_ref().map_or("", |before| &before.lemons), &about.0),
+                start: clock.start,
+                step: clock.step,
+                until: clock.until,
+                index,
+                time,
+                every,
+                algorithm,
+                wiring,
+                drive,
+                component,
+                crowd: recorders.iter().map(CrowdRecorder::record).collect(),
+            };
+            let shown = path.display();
+            let written = saved.write(&states, file).with_context(|| format!("cannot write {shown}"));
+            written.map(|()| Some(format!("saved run          {shown}   (at t = {time:.3} s)")))
+        }
+        (Err(_), Some((_, path))) => {
+            note!("warning: {}: a run that fails is not saved", path.display());
+            Ok(None)
+        }
+        _ => Ok(None),
+    };
+    let pressing = match (&done, &plans[..], &recorders[..]) {
+        (Ok(()), [plan], [crowd]) if plan.gait == Gait::Straight => pressing(&mut *subject, plan, crowd)?,
+        _ => None,
+    };
+    // What was simulated before a failure is worth having.
+    let (mut seen, mut recorded, mut poses, mut failed) = (Vec::new(), None, Vec::new(), Ok(()));
+    for (crowd, recorder) in crowds.iter().zip(recorders) {
+        seen.extend((crowds.len() > 1).then(|| format!("crowd              {}", crowd.component)));
+        let (Recorded { lines, run, poses: own }, placed) = recorder.finish();
+        seen.extend(lines);
+        poses.extend(own);
+        recorded = recorded.or(run);
+        failed = and_then(failed, placed);
+    }
+    match subject.finish_outputs() {
+        Ok(line) => seen.extend(line),
+        Err(error) => failed = and_then(failed, Err(error)),
+    }
+    let done = done.and_then(|()| subject.terminate());
+    subject.take_warnings().into_iter().chain(pressing).for_each(|warning| note!("{warning}"));
+    if let Err(error) = done {
+        return Err(stopped(error, time, failed));
+    }
+    let (saved, kept) = saved.map_or_else(|error| (None, Err(error)), |saved| (saved, Ok(())));
+    let over = time >= clock.until || stop.is_some_and(|stop| stop.is_over(time));
+    Ok(Ended {
+        poses,
+        mechanical_steps,
+        step: clock.step,
+        compared: Vec::new(),
+        simulated: time - first,
+        wall,
+        stopped: (!over).then_some(time),
+        coupling,
+        seen,
+        saved,
+        recorded,
+        failed: and_then(failed, kept).err(),
+    })
+}
+
+/// A crowd writes XML files of its own into its OutputDirectory: those of an earlier run must not be among them.
+fn claim_series(directory: &Path) -> Result<()> {
+    files::claim_series(directory, |_, _| true).context("OutputDirectory")?.iter().try_for_each(|path| {
+        let cannot = || format!("OutputDirectory: cannot remove {}", path.display());
+        lemons_files::remove_file(path).with_context(cannot)
+    })
+}
+
+/// A run as it is stepped.
+struct Recording<'a> {
+    recorders: Vec<CrowdRecorder>,
+    stop: Option<StopCondition>,
+    every: u64,
+    /// The last communication point of the clock that was reached.
+    index: u64,
+    bar: ProgressBar,
+    interim: Interim,
+    interrupt: &'a Interrupt,
+}
+
+impl Recording<'_> {
+    fn see(&mut self, subject: &mut dyn Subject, look: Look) -> Result<()> {
+        for (crowd, recorder) in self.recorders.iter_mut().enumerate() {
+            let frame = subject.frame(crowd)?;
+            // Whether anybody rests is known after a step.
+            match &mut self.stop {
+                Some(StopCondition::Still(_)) if matches!(look, Look::Start | Look::Resumed) => {}
+                Some(stop) if recorder.may_leave() || matches!(stop, StopCondition::Still(_)) => {
+                    stop.see(&frame)
+                }
+                _ => {}
+            }
+            recorder.see(frame, look)?;
+        }
+        if matches!(look, Look::Start | Look::Written) { subject.write_outputs() } else { Ok(()) }
+    }
+
+    /// After a step.
+    fn step(&mut self, subject: &mut dyn Subject, point: Point) -> Result<ControlFlow<()>> {
+        if point.regular {
+            self.index = point.steps;
+        }
+        let written = point.steps.is_multiple_of(self.every);
+        self.see(subject, if written { Look::Written } else { Look::Passed })?;
+        self.bar.set_message(format!("t = {:.2} s", point.time));
+        if self.bar.is_hidden() && self.interim.is_due(Instant::now()) {
+            note!("t = {:.2} s", point.time);
+        }
+        match self.stop.as_ref().and_then(StopCondition::left) {
+            Some((_, left)) => self.bar.set_position(left as u64),
+            None => self.bar.inc(1),
+        }
+        let over = self.stop.as_ref().is_some_and(|stop| stop.is_over(point.time));
+        Ok(if over || self.interrupt.pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    }
+}
+
+fn progress_bar(stop: Option<&StopCondition>, steps: u64) -> Result<ProgressBar> {
+    Ok(match stop.and_then(StopCondition::left) {
         // How long it takes is not known.
         Some((leave, _)) => {
             let style = ProgressStyle::with_template("{bar:40} {msg}  {pos} of {len} have left")?;
@@ -360,89 +511,21 @@ fn step_and_record(job: Job, interrupt: &Interrupt, shared: &Shared) -> Result<E
         }
         None => {
             let style = ProgressStyle::with_template("{bar:40} {percent:>3}%  {msg}  {eta} left")?;
-            ProgressBar::new(progress.clock.steps.saturating_sub(progress.index)).with_style(style)
+            ProgressBar::new(steps).with_style(style)
         }
-    };
-    shared.put(Underway {
-        first,
-        time: first,
-        started: Instant::now(),
-        coupling,
-        watch,
-        file,
-        at_hand: None,
-        bar: bar.clone(),
-        unzipped: system.components().iter().map(|c| c.fmu.directory().to_owned()).collect(),
-    })?;
-    let begun = Instant::now();
-    let pushes = &pushes;
-    let mut stepping = Stepping {
-        pushes,
-        by: &by,
-        shared,
-        interrupt,
-        progress,
-        kept,
-        rest,
-        bar,
-        begun,
-        interim: Interim::from(begun),
-    };
-    let done = stepping.advance(&mut system, before.is_none());
-    // What was simulated before a failure is worth having.
-    let Underway { started, coupling, watch, file, .. } = shared.take().context("the run was given up")?;
-    let wall = started.elapsed();
-    let records = watch.records(&system);
-    if let Some(Rest::Left(leaving)) = &stepping.rest {
-        stayed(leaving, &watch, &system, &stepping.progress);
-    }
-    let there = watch.standing().iter().flatten().count();
-    let pressed = if done.is_ok() { pressing(&system, there)? } else { None };
-    let Recorded { lines: seen, run: recorded, poses, placed } = watch.finish();
-    let saved = file.map(|(file, path)| stepping.save(&system, file, &path, records)).transpose();
-    // States are given back while their FMUs are there.
-    drop(stepping.kept.take());
-    let (clock, rest) = (stepping.progress.clock, &stepping.rest);
-    let done = done.and_then(|()| Ok(system.terminate()?));
-    for warning in system.warnings().into_iter().chain(pressed) {
-        note!("{warning}");
-    }
-    if let Err(error) = done {
-        return Err(stopped(error, system.time(), saved, placed));
-    }
-    let (saved, kept) = saved.map_or_else(|error| (None, Err(error)), |saved| (saved, Ok(())));
-    Ok(Ended {
-        poses,
-        chosen,
-        step: clock.step,
-        compared: Vec::new(),
-        simulated: system.time() - first,
-        wall,
-        stopped: (system.time() < clock.until
-            && !rest.as_ref().is_some_and(|rest| rest.is_over(system.time())))
-        .then(|| system.time()),
-        coupling,
-        seen,
-        saved,
-        recorded,
-        failed: and_then(placed, kept).err(),
     })
 }
 
 /// The end of a run in which people leave: when nobody is there any more who has an exit.
-fn until_left(system: &System, watch: &Watch) -> Result<Leaving> {
+fn until_left(plans: &[Vec<bool>], recorders: &[CrowdRecorder]) -> Result<Leaving> {
     let nobody =
         "--until left: nobody can leave: people do not walk, or have no exits (give a time in seconds)";
-    ensure!(watch.may_leave(), nobody);
-    // Only our own Decision FMUs say who has an exit; of others, all might leave.
-    let known: Vec<Vec<bool>> = system
-        .components()
-        .iter()
-        .filter_map(|component| plan_in(&component.fmu))
-        .map(|plan| plan.leaving())
-        .collect();
-    let (people, counted) = (watch.people(), known.iter().map(Vec::len).sum::<usize>());
-    let leave = known.iter().flatten().filter(|leaves| **leaves).count() + people.saturating_sub(counted);
+    let leaving = || recorders.iter().filter(|crowd| crowd.may_leave());
+    ensure!(leaving().next().is_some(), nobody);
+    // Only our own plans say who has an exit; of others, all might leave.
+    let people: usize = leaving().map(|crowd| crowd.ids().len()).sum();
+    let counted: usize = plans.iter().map(Vec::len).sum();
+    let leave = plans.iter().flatten().filter(|leaves| **leaves).count() + people.saturating_sub(counted);
     ensure!(leave > 0, nobody);
     if leave < people {
         note!(
@@ -450,10 +533,9 @@ fn until_left(system: &System, watch: &Watch) -> Result<Leaving> {
             people - leave
         );
     }
-    let leaving = Leaving::of(leave);
-    Ok(match &known[..] {
-        [only] if only.len() == watch.ids().count() => leaving.among(only.clone()),
-        _ => leaving,
+    Ok(match plans {
+        [only] if only.len() == people => Leaving::of(leave).among(only.clone()),
+        _ => Leaving::of(leave),
     })
 }
 
@@ -461,18 +543,17 @@ fn until_left(system: &System, watch: &Watch) -> Result<Leaving> {
 const TOLD: usize = 5;
 
 /// Says who has not left, and why the run ends nevertheless.
-fn stayed(leaving: &Leaving, watch: &Watch, system: &System, progress: &Progress) {
-    let time = system.time();
+fn stayed(leaving: &Leaving, recorders: &[CrowdRecorder], time: f64, until: f64) {
     let why = match leaving.over() {
         Some(Over::Standstill) => {
             format!("in the last {STANDSTILL} s nobody has left or got further than {REACH} m")
         }
-        None if time >= progress.clock.until => "this is the latest end".to_owned(),
+        None if time >= until => "this is the latest end".to_owned(),
         // Stopped, or failed.
         _ => return,
     };
     let (leave, left) = leaving.counts();
-    let ids: Vec<&str> = watch.ids().collect();
+    let ids: Vec<&str> = recorders.iter().flat_map(CrowdRecorder::ids).map(String::as_str).collect();
     let mut stay: Vec<&str> = leaving.stay().take(TOLD).map(|agent| ids[agent]).collect();
     if leaving.stay().nth(TOLD).is_some() {
         stay.push("…");
@@ -484,22 +565,48 @@ fn stayed(leaving: &Leaving, watch: &Watch, system: &System, progress: &Progress
     );
 }
 
-/// A system, for the lines at the end of a run. `step` \[s\] is the communication step.
-fn described(system: &System, coupled: bool, step: f64) -> Vec<String> {
-    let (components, connections) = (system.components().len(), system.connections());
-    let algorithm = system.algorithm();
-    let parts =
-        format!("components         {components:>10}     ({algorithm} algorithm, {connections} connections)");
-    coupled.then_some(parts).into_iter().chain([format!("communication step {step:>10} s")]).collect()
+/// Part of the desired speed: who is slower and touched gets no further.
+const STUCK: f64 = 0.1;
+
+/// A warning for the end of a run with the model `straight` if more than half of the people who are there are pushed,
+/// want to walk and get no further.
+fn pressing(
+    subject: &mut dyn Subject,
+    plan: &lemons_decision::Plan,
+    crowd: &CrowdRecorder,
+) -> Result<Option<String>> {
+    let (frame, people) = (crowd.last(), plan.agents.len());
+    if frame.agents.len() != people {
+        return Ok(None);
+    }
+    let names: Vec<String> =
+        (0..people).flat_map(|i| ["x", "y"].map(|axis| format!("agent[{i}].Fp.{axis}"))).collect();
+    let forces = subject.values(0, &names)?;
+    let squeeze = |i: usize| {
+        let step = frame.observed.as_ref().and_then(|observed| observed[i].of_step);
+        step.map_or(0.0, |step| step.mean_normal_force)
+    };
+    let stuck = |i: &usize| {
+        let desired = plan.agents[*i].walker.desired_speed;
+        let driven = forces[2 * i].hypot(forces[2 * i + 1]) > 0.0;
+        driven && squeeze(*i) > 0.0 && frame.agents[*i].twist.velocity.norm() < STUCK * desired
+    };
+    let mut squeezed: Vec<f64> = (0..people).filter(stuck).map(squeeze).collect();
+    squeezed.sort_by(f64::total_cmp);
+    let (stuck, there) = (squeezed.len(), frame.present().count());
+    Ok((2 * stuck > there && stuck > 1).then(|| {
+        format!(
+            "warning: at t = {:.3} s {stuck} of the {there} people who are there press on and get no further (median squeeze \
+             {:.0} N): in the model \"straight\" people walk on, whoever is in the way (in decision.toml, model = \
+             \"collision-free-speed\" makes them keep distances)",
+            frame.time,
+            squeezed[stuck / 2]
+        )
+    }))
 }
 
 /// The error of a run that stopped at a time \[s\], after what became of its files was told.
-fn stopped(error: Error, time: f64, saved: Result<Option<String>>, placed: Result<()>) -> Error {
-    match saved {
-        Ok(Some(line)) => note!("{line}"),
-        Ok(None) => {}
-        Err(why) => note!("warning: the run is not saved: {why:#}"),
-    }
+fn stopped(error: Error, time: f64, placed: Result<()>) -> Error {
     let stopped = format!("stopped at t = {time:?} s");
     let quiet = nobody_listens(&error);
     error.context(match placed {
@@ -534,7 +641,7 @@ impl Ended {
 }
 
 /// Where the trajectories and the outputs go, and as what.
-fn places_of(arguments: &Arguments) -> Result<Places> {
+fn places_of(arguments: &Arguments) -> Result<(Target, Place)> {
     let Arguments { output, outputs, format, .. } = arguments;
     let format = format.map(Format::from);
     let common = format.or(output.as_deref().and_then(Format::of)).unwrap_or(Format::Csv);
@@ -562,114 +669,19 @@ fn places_of(arguments: &Arguments) -> Result<Places> {
         Some(path.with_file_name(format!("{stem}_outputs.{extension}")))
     });
     let outputs = place(outputs, named.unwrap_or_else(|| format!("outputs.{extension}").into()))?;
-    Ok(Places::Files { trajectories, outputs })
+    Ok((Target::Table(trajectories), outputs))
 }
 
-/// A run as it is stepped: what was looked at, and what it takes to go on with it.
-struct Stepping<'a> {
-    pushes: &'a Pushes,
-    /// Builds of this program that wrote what is recorded.
-    by: &'a str,
-    shared: &'a Shared,
-    interrupt: &'a Interrupt,
-    progress: Progress,
-    /// `None` if the run is not saved, or failed between two states.
-    kept: Option<Kept>,
-    rest: Option<Rest>,
-    bar: ProgressBar,
-    /// When the step under way began.
-    begun: Instant,
-    interim: Interim,
-}
-
-impl Observer<System> for Stepping<'_> {
-    type Error = anyhow::Error;
-
-    /// Until Ctrl-C, or until all have come to rest.
-    fn goes_on(&mut self, system: &System) -> bool {
-        self.begun = Instant::now();
-        !self.interrupt.pressed() && !self.rest.as_ref().is_some_and(|rest| rest.is_over(system.time()))
-    }
-
-    fn look(&mut self, system: &mut System, reached: Reached) -> Result<()> {
-        let long = self.begun.elapsed() >= LONG;
-        // Until rows and state are both of the new point, no run can go on from it.
-        let before = self.kept.take();
-        if reached.regular {
-            self.progress.index = reached.steps;
+impl Target {
+    /// The same for one of several crowds: `dir/file.csv` -> `dir/file_name.csv`.
+    fn named(&self, name: &str) -> Result<Target> {
+        let Target::Table(Place { path, format }) = self else { return Ok(self.clone()) };
+        if files::is_standard_output(path) {
+            bail!("-o -: several crowds do not go to standard output together: -o FILE");
         }
-        let written = reached.steps.is_multiple_of(self.progress.every);
-        let (rest, point) = (&mut self.rest, if written { Point::Written } else { Point::Passed });
-        self.shared.with(|underway| {
-            underway.at_hand = None;
-            underway.watch.look(system, point)?;
-            underway.time = reached.time;
-            if let Some(rest) = rest {
-                rest.see(underway.time, &underway.watch);
-            }
-            Ok(())
-        })?;
-        if let Some(mut now) = before {
-            now.renew(system, &self.progress)?;
-            self.kept = Some(now);
-        }
-        if long {
-            self.put_by(system)?;
-        }
-        self.bar.set_message(format!("t = {:.2} s", reached.time));
-        if self.bar.is_hidden() && self.interim.is_due(Instant::now()) {
-            note!("t = {:.2} s", reached.time);
-        }
-        match self.rest.as_ref().and_then(Rest::left) {
-            Some((_, left)) => self.bar.set_position(left as u64),
-            None => self.bar.inc(1),
-        }
-        Ok(())
-    }
-}
-
-impl Stepping<'_> {
-    /// Looks at the first point, unless the run goes on from there; steps to the end.
-    fn advance(&mut self, system: &mut System, from_start: bool) -> Result<()> {
-        if from_start {
-            let rest = &mut self.rest;
-            self.shared.with(|underway| {
-                underway.watch.look(system, Point::Start)?;
-                // Whether anybody rests is known after a step.
-                if let Some(Rest::Left(leaving)) = rest {
-                    leaving.see(system.time(), &underway.watch.standing());
-                }
-                Ok(())
-            })?;
-        }
-        self.put_by(system)?;
-        let (clock, first) = (self.progress.clock, self.progress.index);
-        let _ = lemons_master::simulate(system, &clock, first, self.pushes, self)?;
-        self.bar.finish_and_clear();
-        Ok(())
-    }
-
-    /// Where a run that is given up in the next step can be gone on with.
-    fn put_by(&self, system: &System) -> Result<()> {
-        let Some(kept) = &self.kept else { return Ok(()) };
-        let records = self.shared.with(|underway| Ok(underway.watch.records(system)))?;
-        let at_hand = self.at_hand(system, kept, records)?;
-        self.shared.with(|underway| {
-            underway.at_hand = Some(at_hand);
-            Ok(())
-        })
-    }
-
-    /// Writes the state at the end of the run, and returns a line about it.
-    fn save(&self, system: &System, file: Staged, path: &Path, records: Records) -> Result<String> {
-        let kept = self.kept.as_ref().context("the run failed between two states");
-        let at_hand = kept.and_then(|kept| self.at_hand(system, kept, records));
-        at_hand.with_context(|| path.display().to_string())?.write(file, path)
-    }
-
-    fn at_hand(&self, system: &System, kept: &Kept, (crowd, outputs): Records) -> Result<AtHand> {
-        let (saved, states) = kept.saved(system, &self.progress, self.pushes, self.by)?;
-        let saved = Saved { crowd, outputs, ..saved };
-        Ok(AtHand { saved, states })
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let end = path.extension().map(|end| format!(".{}", end.to_string_lossy())).unwrap_or_default();
+        let path = path.with_file_name(format!("{stem}_{name}{end}"));
+        Ok(Target::Table(Place { path, format: *format }))
     }
 }

@@ -1,20 +1,15 @@
 //! `lemons sweep`: many runs with other parameters.
 
 use crate::error::Misused;
-use crate::export::trial_of;
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::run::writes_in_series;
 use crate::tell::Interim;
 use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_master::Clock;
 use lemons_sweep::{Directory, Finished, How, Progress, Spec, Swept, sweep as run};
 use std::cell::Cell;
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -189,25 +184,8 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
 
 /// Claims the directories where points write files themselves.
 fn claim_series(spec: &Spec) -> Result<()> {
-    let mut clocks = HashMap::new();
-    for (point, directory) in spec.points.output_directories() {
-        let (model, _) = spec.simulated(point);
-        let clock = match clocks.entry(model) {
-            Entry::Occupied(known) => *known.get(),
-            Entry::Vacant(new) => {
-                let step = match spec.step {
-                    Some(step) => step,
-                    None => {
-                        let trial = trial_of(new.key(), Some(new.key()))?;
-                        trial.with_context(|| new.key().display().to_string())?.parameters.time_step
-                    }
-                };
-                *new.insert(Clock::new(0.0, step, spec.until.latest())?)
-            }
-        };
-        let is_own =
-            |name: &str, time: Option<f64>| time.is_some_and(|time| writes_in_series(&clock, name, time));
-        files::claim_series(Path::new(&directory), is_own).map(drop).context("OutputDirectory")?;
+    for (_, directory) in spec.points.output_directories() {
+        files::claim_series(Path::new(&directory), |_, _| true).context("OutputDirectory")?;
     }
     Ok(())
 }

@@ -4,14 +4,11 @@ use crate::body;
 use crate::driven::Driven;
 use crate::frame::{COLUMNS, frame};
 use crate::{Refused, Reply};
-use crowd_mechanics::engine::{BodyId, Chain, State, Vec2, World, Wrench, vec2};
+use crowd_mechanics::engine::{BodyId, Chain, State, Vec2, World, vec2};
 use crowd_mechanics::setup::Setup;
-use lemons_decision::Decision;
-use lemons_decision::decision::Act;
-use lemons_decision::rule::Pose as Seen;
 use lemons_people::Body3d;
-use lemons_plane::Motion;
-use lemons_record::{Frame, Observed, OfStep, Totals};
+use lemons_record::Frame;
+use lemons_sim::{Algorithm, Documents, Model, Simulation};
 use serde_json::json;
 use std::cell::OnceCell;
 
@@ -21,15 +18,11 @@ pub const MOST_STEPS: u32 = 1000;
 pub const MOST_BYTES: u64 = 100_000_000;
 /// Most mechanical steps of a person in a communication step, for all people together: about a quarter of a minute.
 pub const MOST_WORK: f64 = 5e8;
-/// A Trial and its world.
+/// A Trial and its simulation.
 #[derive(Debug)]
 pub struct Run {
     driven: Driven,
-    world: World,
-    /// Those who walk.
-    decision: Option<Decision>,
-    /// What they will do in the next step.
-    coming: Vec<Act>,
+    simulation: Simulation,
     /// Communication steps so far.
     steps: u64,
     /// \[m\] Deepest overlap so far.
@@ -45,15 +38,11 @@ impl Run {
     /// Materials that can touch have no usable contact, too many people are at one place, or no ways to exits and goals
     /// can be found.
     pub fn begin(driven: Driven) -> Result<Run, Refused> {
-        let mut world = Setup::of(&driven.trial).world().map_err(Refused::of)?;
-        let mut decision = driven.plan.clone().map(Decision::new);
-        let coming = decision.as_mut().map_or(Ok(Vec::new()), Decision::acts).map_err(Refused::of)?;
-        if coming.iter().any(|act| !act.active) {
-            // Who stands in an exit is never there.
-            dismiss(&mut world, &coming);
-            world.restore(world.state().clone()).map_err(Refused::of)?;
-        }
-        Ok(Run { driven, world, decision, coming, steps: 0, overlap: 0.0, bodies: OnceCell::new() })
+        let Driven { trial, table, plan, .. } = driven.clone();
+        let documents = Documents { trial, drive: table, plan };
+        let mut simulation = Simulation::new(documents, Algorithm::Jacobi).map_err(Refused::of)?;
+        simulation.begin(0.0, None).map_err(Refused::of)?;
+        Ok(Run { driven, simulation, steps: 0, overlap: 0.0, bodies: OnceCell::new() })
     }
 
     /// What runs.
@@ -75,7 +64,7 @@ impl Run {
 
     /// Its bodies.
     pub fn world(&self) -> &World {
-        &self.world
+        self.simulation.world().expect("a run has begun")
     }
 
     /// How many people there are.
@@ -83,46 +72,15 @@ impl Run {
         self.driven.trial.agents.len()
     }
 
-    /// What drives people from a communication point \[s\] on: those who walk, eq. 4 of the paper, and the rows of the
-    /// drive file beside it; those whom only the file names, its rows; others, what the Trial says.
-    ///
-    /// Who walks decides from where he was one step before, as when `lemons run` couples the two FMUs (Jacobi).
-    fn push(&mut self, time: f64) {
-        if self.decision.is_some() {
-            dismiss(&mut self.world, &self.coming);
-            for (of, Act { drive, .. }) in self.world.drive.iter_mut().zip(&self.coming) {
-                let [x, y] = drive.force;
-                *of = Wrench { force: vec2(x, y), torque: drive.torque };
-            }
-        }
-        let Driven { trial, table, .. } = &self.driven;
-        for (agent, drive) in trial.agents.iter().zip(&mut self.world.drive) {
-            if let Some([x, y, torque]) = table.at(&agent.id, time) {
-                let walks = if self.decision.is_some() { *drive } else { Wrench::default() };
-                *drive = Wrench { force: walks.force + vec2(x, y), torque: walks.torque + torque };
-            }
-        }
-    }
-
     /// Advances by one communication step.
     ///
     /// # Errors
     /// The engine refuses it; the run is then where it was.
     pub fn step(&mut self) -> Result<(), Refused> {
-        // Communication points are multiples, as those of `lemons run`; steps are their differences.
-        let time = self.time_at(self.steps);
-        let duration = self.time_at(self.steps + 1) - time;
-        self.push(time);
-        let before: Vec<Seen> = seen(&self.world).collect();
-        let advanced = self.world.advance(duration);
-        advanced.map_err(|error| Refused(Setup::of(&self.driven.trial).name_body(&error)))?;
-        if let Some(decision) = &mut self.decision {
-            decision.see(before.into_iter());
-            decision.pass(duration).map_err(Refused::of)?;
-            self.coming = decision.acts().map_err(Refused::of)?;
-        }
+        // Communication points are multiples, as those of `lemons run`.
+        self.simulation.step_to(self.time_at(self.steps + 1)).map_err(Refused::of)?;
         self.steps += 1;
-        self.overlap = self.overlap.max(self.world.largest_overlap());
+        self.overlap = self.overlap.max(self.world().largest_overlap());
         Ok(())
     }
 
@@ -145,7 +103,7 @@ impl Run {
             self.step()?;
             bytes.extend(self.frame());
         }
-        let arrived = self.decision.as_mut().map_or(Ok(0), Decision::arrived).map_err(Refused::of)?;
+        let arrived = self.simulation.arrived().map_err(Refused::of)?;
         let value = json!({ "time": self.time_at(self.steps), "overlap": self.overlap, "arrived": arrived });
         Ok(Reply { value, bytes })
     }
@@ -174,12 +132,13 @@ impl Run {
 
     /// [`COLUMNS`] doubles for each agent, little-endian. The place of who has left is not a number.
     pub fn frame(&self) -> Vec<u8> {
-        let (state, contacts) = (self.world.state(), &self.world.contacts().bodies);
-        let exposures = self.world.exposures();
-        let mut bytes = Vec::with_capacity(8 * COLUMNS * state.poses.len());
-        for (k, (pose, twist)) in state.poses.iter().zip(&state.twists).enumerate() {
-            let touched = contacts[k].agent_contacts + contacts[k].wall_contacts;
-            let place = if self.world.present()[k] { pose.position } else { vec2(f64::NAN, f64::NAN) };
+        let frame = self.observed();
+        let mut bytes = Vec::with_capacity(8 * COLUMNS * frame.agents.len());
+        let observed = frame.observed.iter().flatten();
+        for ((k, motion), observed) in frame.agents.iter().enumerate().zip(observed) {
+            let (pose, twist) = (motion.pose, motion.twist);
+            let touched = observed.agent_contacts + observed.wall_contacts;
+            let place = if frame.is_there(k) { pose.position } else { vec2(f64::NAN, f64::NAN) };
             let numbers: [f64; COLUMNS] = [
                 place.x,
                 place.y,
@@ -187,7 +146,7 @@ impl Run {
                 twist.velocity.x,
                 twist.velocity.y,
                 twist.angular_velocity,
-                exposures[k].mean_force,
+                observed.of_step.map_or(0.0, |step| step.mean_normal_force),
                 f64::from(touched),
             ];
             bytes.extend(numbers.into_iter().flat_map(f64::to_le_bytes));
@@ -223,40 +182,8 @@ impl Run {
         Ok(shadow.chains(&poses))
     }
 
-    /// What a row of the table of `lemons run` says, for each.
+    /// What the rows of the table of `lemons run` say.
     pub fn observed(&self) -> Frame {
-        let (state, report) = (self.world.state(), self.world.contacts());
-        let agents = state.poses.iter().zip(&state.twists);
-        let observed = report.bodies.iter().zip(self.world.exposures()).map(|(body, exposure)| Observed {
-            agent_contacts: body.agent_contacts,
-            wall_contacts: body.wall_contacts,
-            contacting_agents: body.touching_bodies,
-            normal_force: body.squeeze,
-            of_step: Some(OfStep {
-                mean_normal_force: exposure.mean_force,
-                peak_normal_force: exposure.peak_force,
-                peak_overlap: exposure.peak_overlap,
-            }),
-        });
-        let totals = Totals { agent_contacts: report.agent_contacts, wall_contacts: report.wall_contacts };
-        Frame {
-            time: self.time_at(self.steps),
-            agents: agents.map(|(pose, twist)| Motion { pose: *pose, twist: *twist }).collect(),
-            observed: Some(observed.collect()),
-            totals: Some(totals),
-            active: self.driven.plan.is_some().then(|| self.world.present().to_vec()),
-            ..Frame::default()
-        }
+        self.simulation.frame()
     }
-}
-
-/// Takes those out who leave.
-fn dismiss(world: &mut World, acts: &[Act]) {
-    acts.iter().enumerate().for_each(|(b, act)| world.set_present(BodyId::from(b), act.active));
-}
-
-/// Everybody, as those who walk see them.
-fn seen(world: &World) -> impl Iterator<Item = Seen> {
-    let poses = world.state().poses.iter();
-    poses.map(|pose| Seen { x: pose.position.x, y: pose.position.y, theta: pose.orientation })
 }

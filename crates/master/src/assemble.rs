@@ -4,11 +4,12 @@ use crate::channel::Wire;
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::kind::Kind as FileKind;
-use crate::system::{Algorithm, Component, System, Wires, component_of};
+use crate::system::{Component, System, Wires, component_of};
 use lemons_files::Scratch;
+use lemons_sim::Algorithm;
 use lemons_ssp::{
-    Affine, Allowance, Archive, Connector, Extent, Interface, Kind, ParameterSet, Participant, Single,
-    SystemStructure, Type, Unit, Value, Variable, conversion, located,
+    Affine, Allowance, Archive, Connector, Extent, Interface, Kind, ParameterSet, Single, SystemStructure,
+    Type, Unit, Value, Variable, conversion, located,
 };
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -62,27 +63,6 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
     let mut system = System::new(components, algorithm);
     connect(&mut system, &structure)?;
     Ok(Assembled { system, start: structure.start, stop: structure.stop, ignored })
-}
-
-/// Couples FMUs of these names by the names of their variables: the system of the SSP that `lemons connect` makes of them.
-///
-/// # Errors
-/// They cannot be connected or instantiated.
-pub(crate) fn couple(fmus: Vec<(&str, Arc<Fmu>)>, algorithm: Algorithm) -> Result<System> {
-    let participant = |(name, fmu): &(&str, Arc<Fmu>)| (name.to_string(), fmu.description.clone());
-    let known: Vec<_> = fmus.iter().map(participant).collect();
-    let participants: Vec<_> = known
-        .iter()
-        .map(|(name, interface)| Participant { name: name.clone(), source: String::new(), interface })
-        .collect();
-    let structure = lemons_ssp::connect("coupled", &participants)?.structure;
-    let components = fmus.into_iter().map(|(name, fmu)| {
-        let instance = fmu.instantiate(name)?;
-        Ok(Component { name: name.to_owned(), fmu, instance })
-    });
-    let mut system = System::new(components.collect::<Result<_>>()?, algorithm);
-    connect(&mut system, &structure)?;
-    Ok(system)
 }
 
 /// The parameters of a component that are whole numbers or texts, in the order in which they count.

@@ -1,11 +1,12 @@
 //! What can go wrong with FMUs, SSPs and runs.
 
 use crate::calls::{Answer, CallError};
-use crate::clock::ClockError;
 use crate::kind::Unexpected;
 use crate::library::LibraryError;
 use crate::unzip::UnzipError;
 use crowd_mechanics::pack::PackError;
+use lemons_decision::WISHES_FILE;
+use lemons_sim::ClockError;
 use lemons_trial::DriveError;
 use lemons_trial::Problems;
 use std::collections::TryReserveError;
@@ -146,6 +147,9 @@ pub enum Error {
         /// Why not.
         why: String,
     },
+    /// A plan is given with an FMU.
+    #[error("a file like {WISHES_FILE} is for a Trial, and not for an FMU")]
+    PlanOfFmu,
     /// A text is not a value of a variable's type.
     #[error("{name}={text}: {why}")]
     Value {

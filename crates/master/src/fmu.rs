@@ -11,8 +11,9 @@ use crowd_mechanics::arrays;
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use crowd_mechanics::pack::{host_directory, host_platform};
 use crowd_mechanics::resources::{Resources, ResourcesError};
-use lemons_files::{Scratch, input, words};
+use lemons_files::{Scratch, input};
 use lemons_fmi::location::Location;
+use lemons_sim::settings::{meant, named};
 use lemons_ssp::{Allowance, Fmi, Interface, Kind, Type};
 use lemons_trial::Trial;
 use lemons_trial::{DriveChoice, DriveTable, own_drive};
@@ -23,41 +24,6 @@ use std::sync::{Arc, Mutex};
 
 /// The parameter of a crowd that chooses among its packed Trials.
 const TRIAL: &str = "Trial";
-
-/// Stands for all agents in the name of a variable.
-const EVERY_AGENT: &str = "agent[*].";
-
-/// The variables that a name stands for: `agent[*].Mass` stands for those of all known agents, any other name for itself.
-pub fn named(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
-    let of_all = name.strip_prefix(EVERY_AGENT).map(|rest| {
-        let names = (0..).map(|i| format!("agent[{i}].{rest}"));
-        names.take_while(|name| known(name)).collect::<Vec<_>>()
-    });
-    of_all.filter(|all| !all.is_empty()).unwrap_or_else(|| vec![name.to_owned()])
-}
-
-/// Which of all names an unknown one most likely means, with the indices of the unknown one if there is such a name;
-/// `None` if only its indices are wrong.
-pub fn meant(unknown: &str, all: impl Iterator<Item = String>) -> Option<String> {
-    // Every other part is an index.
-    let parts = |name: &str| name.split(['[', ']']).map(str::to_owned).collect::<Vec<_>>();
-    let kind = |parts: &[String]| parts.iter().step_by(2).map(String::as_str).collect::<Vec<_>>().join("[]");
-    let own = parts(unknown);
-    let all: BTreeMap<String, Vec<String>> = all.map(|name| (name.clone(), parts(&name))).collect();
-    let kinds: BTreeMap<String, &String> =
-        all.iter().rev().map(|(name, parts)| (kind(parts), name)).collect();
-    let (found, first) = kinds.get_key_value(words::meant(&kind(&own), kinds.keys().map(String::as_str))?)?;
-    if *found == kind(&own) {
-        return None;
-    }
-    let mut indices = own.iter().skip(1).step_by(2);
-    let with_own = found.split("[]").map(str::to_owned).reduce(|name, rest| {
-        let index = indices.next().map_or("", String::as_str);
-        format!("{name}[{index}]{rest}")
-    })?;
-    let exists = named(&with_own, |name| all.contains_key(name)).iter().all(|name| all.contains_key(name));
-    Some(if exists { with_own } else { (*first).clone() })
-}
 
 /// An FMU, unzipped.
 pub struct Fmu {

@@ -1,12 +1,15 @@
 //! A Trial as users give it: its directory, or a zip of that; and the FMU that it becomes.
 
+use crate::decider::{PlanChoice, plan_of};
 use crate::error::{Error, Place, Result};
+use crate::fmu::Fmu;
 use crate::kind::Kind;
 use crate::unzip::unzip_trial;
 use crowd_mechanics::pack::{Binary, Check, Draw, Format, PackError, Package};
 use crowd_mechanics::setup;
 use lemons_decision::WISHES_FILE;
 use lemons_files::Scratch;
+use lemons_sim::Documents;
 use lemons_trial::{DriveChoice, DriveTable};
 use lemons_trial::{Problem, Problems, Severity, Trial};
 use std::path::{Component, Path, PathBuf};
@@ -102,6 +105,32 @@ impl Given {
         DriveTable::of(Some(trial), &DriveChoice::Own).map_err(|error| self.renamed(&error.0))
     }
 
+    /// What the Trial is simulated with, with the file that says where people walk, as the user knows it.
+    ///
+    /// # Errors
+    /// The Trial, its drive or its plan has errors: [`Error::Broken`] where these are files of the Trial.
+    pub fn documents(
+        &self,
+        drive: &DriveChoice,
+        plan: &PlanChoice,
+    ) -> Result<(Documents, Problems, Option<PathBuf>)> {
+        let broken = |problems| Error::Broken { path: self.path.clone(), problems };
+        let (trial, warnings) = self.read().map_err(broken)?;
+        let drive = match drive {
+            DriveChoice::Own => self.drive(&trial).map_err(broken)?,
+            other => DriveTable::of(Some(&trial), other).map_err(Error::Drive)?,
+        };
+        let plan = match plan {
+            PlanChoice::None => None,
+            PlanChoice::File(path) => Some((path.clone(), path.clone())),
+            PlanChoice::Own => self.wishes().map(|path| (path, self.path.join(WISHES_FILE))),
+        };
+        let read = plan.as_ref();
+        let read = read.map(|(path, known)| plan_of(&trial, path).place(|| known.display().to_string()));
+        let documents = Documents { plan: read.transpose()?, trial, drive };
+        Ok((documents, warnings, plan.map(|(_, known)| known)))
+    }
+
     /// A text in which the user's name for it replaces that of the place where it was unpacked.
     pub fn under_its_name(&self, text: &str) -> String {
         match self.unpacked {
@@ -122,6 +151,28 @@ impl Given {
         }
         renamed
     }
+}
+
+/// What a Trial, or the Trial that an FMU contains, is simulated with: as [`Given::documents`]. The mechanics are those of
+/// this program, whichever has packed the FMU.
+///
+/// # Errors
+/// As there, or the FMU contains no Trial, or people are to walk in it.
+pub fn documents_of(
+    path: &Path,
+    drive: &DriveChoice,
+    plan: &PlanChoice,
+) -> Result<(Documents, Problems, Option<PathBuf>)> {
+    if let Some(given) = Given::find(path)? {
+        return given.documents(drive, plan);
+    }
+    if matches!(plan, PlanChoice::File(_)) {
+        return Err(Error::PlanOfFmu);
+    }
+    let fmu = Fmu::open(path)?;
+    let trial = fmu.trial(None)?;
+    let drive = fmu.drive(Some(&trial), drive)?;
+    Ok((Documents { trial, drive, plan: None }, Problems::default(), None))
 }
 
 /// Packs Trials into an FMU, and returns their warnings; `picture` draws its `model.png`. A drive is read when it is

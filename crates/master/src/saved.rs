@@ -1,12 +1,12 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
 use crate::error::{Place, Result, SavedError};
-use crate::extremes::{Extremes, Greatest, Since};
 use crate::state::LARGEST_STATE;
-use crate::system::System;
+use crate::system::{Component, System};
 use lemons_files::Staged;
 use lemons_files::input;
 use lemons_fmi::fingerprint;
+use lemons_sim::{ExposureSum, Extremes};
 use lemons_ssp::{Allowance, distinct};
 use lemons_trial::quoted;
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 const RUN: &str = "run.toml";
 /// Of `run.toml`; raised when its meaning changes.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 /// \[byte\] of `run.toml`: thousands of components.
 const LARGEST_RUN: u64 = 4_000_000;
 
@@ -54,8 +54,6 @@ pub struct Saved {
     pub component: Vec<ComponentRecord>,
     /// Of the components that are crowds.
     pub crowd: Vec<CrowdRecord>,
-    /// Of the table of outputs, if there is one.
-    pub outputs: Option<Extent>,
 }
 
 /// An FMU of a run.
@@ -77,61 +75,17 @@ pub struct ComponentRecord {
     pub bytes: u64,
 }
 
-/// What was written of a table.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Extent {
-    /// Their number.
-    pub rows: u64,
-    /// \[s\] of the last row
-    pub last: Option<f64>,
-    /// Of its content: see `lemons_record::Extent`.
-    #[serde(with = "hexadecimal")]
-    pub digest: u128,
-}
-
-/// TOML has no integers of 128 bits.
-mod hexadecimal {
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    pub fn serialize<S: Serializer>(value: &u128, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(&format!("{value:032x}"))
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<u128, D::Error> {
-        let text = String::deserialize(from)?;
-        let digits = text.len() == 32 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
-        let value = digits.then(|| u128::from_str_radix(&text, 16).ok()).flatten();
-        value.ok_or_else(|| D::Error::custom(format!("{text:?}: must have 32 hexadecimal digits")))
-    }
-}
-
 /// What was recorded of a crowd.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrowdRecord {
     /// Its name.
     pub component: String,
-    /// Of its table.
-    pub rows: u64,
-    /// \[s\] of the last row
-    pub last: Option<f64>,
-    /// Of its content: see `lemons_record::Extent`.
-    #[serde(with = "hexadecimal")]
-    pub digest: u128,
     /// So far.
     pub extremes: Extremes,
     /// Since the last rows, where not every communication point has rows.
-    #[serde(default, skip_serializing_if = "Since::is_empty")]
-    pub since: Since,
-}
-
-impl CrowdRecord {
-    /// Of its table.
-    pub fn extent(&self) -> Extent {
-        Extent { rows: self.rows, last: self.last, digest: self.digest }
-    }
+    #[serde(default, skip_serializing_if = "ExposureSum::is_empty")]
+    pub since: ExposureSum,
 }
 
 /// Of the connections between components.
@@ -301,67 +255,45 @@ impl Saved {
                 return Err(("state", format!("{state:?}: is that of component {other:?} and of {name:?}")));
             }
         }
-        let extents = self.crowd.iter().map(CrowdRecord::extent).chain(self.outputs);
-        for Extent { rows, last, .. } in extents {
-            match last {
-                Some(last) if !(start..=time).contains(&last) => {
-                    return wrong("last", last, &format!("from {start:?} to {time:?}"));
-                }
-                Some(_) if rows == 0 => return Err(("rows", "0: but there is a last one".into())),
-                None if rows > 0 => return Err(("rows", format!("{rows}: but there is no last one"))),
-                _ => {}
+        Ok(())
+    }
+
+    /// Checks that it is a run of these components (names, models and GUIDs), coupled like this.
+    ///
+    /// # Errors
+    /// It is not; the message says why.
+    pub fn check(&self, components: &[[String; 3]], algorithm: &str, wiring: &str) -> Result<(), SavedError> {
+        let there: Vec<&str> = self.component.iter().map(|component| component.name.as_str()).collect();
+        let here: Vec<&str> = components.iter().map(|[name, ..]| name.as_str()).collect();
+        if there != here {
+            return Err(SavedError::Components { there: there.join(", "), here: here.join(", ") });
+        }
+        for (there, [_, model, guid]) in self.component.iter().zip(components) {
+            if there.guid != *guid {
+                return Err(SavedError::Guid {
+                    component: there.name.clone(),
+                    there: Box::new((there.model.clone(), there.guid.clone())),
+                    here: Box::new((model.clone(), guid.clone())),
+                });
             }
         }
-        for CrowdRecord { extremes, since, .. } in &self.crowd {
-            if !since.is_sound() {
-                return Err(("since", "must be finite and not negative".into()));
-            }
-            let Extremes { largest_overlap, mean_squeeze, peak_squeeze } = *extremes;
-            let positive = |value: f64| value >= 0.0 && value.is_finite();
-            if !positive(largest_overlap) {
-                return wrong("largest_overlap", largest_overlap, "finite and not negative");
-            }
-            for Greatest { force, time: when, .. } in [mean_squeeze, peak_squeeze] {
-                if !positive(force) {
-                    return wrong("force", force, "finite and not negative");
-                }
-                if force > 0.0 && !(start..=time).contains(&when) {
-                    return wrong("extremes: time", when, &format!("from {start:?} to {time:?}"));
-                }
-            }
+        if self.algorithm != algorithm {
+            return Err(SavedError::Algorithm { there: self.algorithm.clone(), here: algorithm.to_owned() });
+        }
+        if self.wiring != wiring {
+            return Err(SavedError::Wiring);
         }
         Ok(())
     }
 
-    /// Whether it is a run of these components, coupled like this.
-    ///
-    /// # Errors
-    /// It is not; the message says why.
-    pub fn check_system(&self, system: &System) -> Result<(), SavedError> {
-        let names = |list: &mut dyn Iterator<Item = &str>| list.collect::<Vec<_>>().join(", ");
-        let there = names(&mut self.component.iter().map(|component| component.name.as_str()));
-        let here = names(&mut system.components().iter().map(|component| component.name.as_str()));
-        if there != here || self.component.len() != system.components().len() {
-            return Err(SavedError::Components { there, here });
-        }
-        for (there, here) in self.component.iter().zip(system.components()) {
-            let own = &here.fmu.description;
-            if there.guid != own.guid {
-                return Err(SavedError::Guid {
-                    component: there.name.clone(),
-                    there: Box::new((there.model.clone(), there.guid.clone())),
-                    here: Box::new((own.model_name.clone(), own.guid.clone())),
-                });
-            }
-        }
-        let here = system.algorithm().to_string();
-        if self.algorithm != here {
-            return Err(SavedError::Algorithm { there: self.algorithm.clone(), here });
-        }
-        if self.wiring != wiring_of(system) {
-            return Err(SavedError::Wiring);
-        }
-        Ok(())
+    /// As [`Saved::check`], of a system.
+    pub(crate) fn check_system(&self, system: &System) -> Result<(), SavedError> {
+        let of = |component: &Component| {
+            let description = &component.fmu.description;
+            [component.name.clone(), description.model_name.clone(), description.guid.clone()]
+        };
+        let components: Vec<_> = system.components().iter().map(of).collect();
+        self.check(&components, &system.algorithm().to_string(), &wiring_of(system))
     }
 }
 

@@ -1,8 +1,10 @@
 //! What is run, and how.
 
 use crate::decider::PlanChoice;
-use crate::system::Algorithm;
-use crowd_mechanics::pack::Binary;
+use crate::refusal::{PrepareError, Warning};
+use crate::saved::Saved;
+use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
+use lemons_sim::{Algorithm, Clock};
 use lemons_trial::DriveChoice;
 use std::path::PathBuf;
 
@@ -37,8 +39,6 @@ pub struct Settings {
     pub resume: Option<PathBuf>,
     /// Whether the run is to be saved: then each FMU must be able to save its state.
     pub saves: bool,
-    /// The crowd's shared library, with which a Trial becomes an FMU. Default: [`own_binary`](crate::own_binary).
-    pub binary: Option<Binary>,
 }
 
 impl Settings {
@@ -57,7 +57,61 @@ impl Settings {
             algorithm: Algorithm::default(),
             resume: None,
             saves: false,
-            binary: None,
         }
+    }
+    /// Checks that nothing is set that a saved run contains, and that points are recorded.
+    ///
+    /// # Errors
+    /// The first setting that cannot be.
+    pub fn check(&self) -> Result<(), PrepareError> {
+        match (&self.resume, self.tolerance, self.parameters.first(), self.threads) {
+            _ if self.every == Some(0) => Err(PrepareError::Every),
+            (None, ..) | (Some(_), None, None, None) => Ok(()),
+            (Some(_), Some(tolerance), ..) => Err(PrepareError::Tolerance(tolerance)),
+            (Some(_), None, Some((name, value)), _) => {
+                Err(PrepareError::Parameter { name: name.clone(), value: value.clone() })
+            }
+            (Some(_), None, None, Some(threads)) => Err(PrepareError::Threads(threads)),
+        }
+    }
+
+    /// Returns the end \[s\] of a run that begins at a time \[s\], or goes on.
+    ///
+    /// # Errors
+    /// It is not after the beginning.
+    pub fn until_of(
+        &self,
+        before: Option<&Saved>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Result<f64, PrepareError> {
+        let until = self.until.or(before.map(|before| before.until)).or(stop).unwrap_or(DEFAULT_STOP_TIME);
+        let first = before.map_or(start, |before| before.time);
+        if until <= first {
+            return Err(PrepareError::Nothing { first, until, resumed: before.is_some() });
+        }
+        Ok(until)
+    }
+
+    /// Returns communication step \[s\] and recorded points of a saved run, which goes on as it went before.
+    ///
+    /// # Errors
+    /// Others are set.
+    pub fn same_points(&self, before: &Saved) -> Result<(f64, u64), PrepareError> {
+        if let Some(step) = self.step.filter(|step| *step != before.step) {
+            return Err(PrepareError::OtherStep { step, saved: before.step });
+        }
+        if let Some(every) = self.every.filter(|every| *every != before.every) {
+            return Err(PrepareError::OtherEvery { every, saved: before.every });
+        }
+        Ok((before.step, before.every))
+    }
+
+    /// Returns a warning of a run that goes on from, or is saved, between two communication points.
+    pub fn between(&self, before: Option<&Saved>, clock: &Clock) -> Option<Warning> {
+        let begun = before.map(|before| (before.time, before.index));
+        let saved = self.saves.then_some((clock.until, clock.steps));
+        let between = begun.into_iter().chain(saved).find(|(time, index)| *time != clock.point(*index));
+        between.map(|(time, _)| Warning::Between { time, step: clock.step })
     }
 }

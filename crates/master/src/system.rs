@@ -17,33 +17,14 @@ use crate::instance::Instance;
 use crate::pushes::Inputs;
 use crate::refusal::Warning;
 use crate::state::State;
+use lemons_sim::Algorithm;
 use lemons_ssp::{Single, Type};
 use lemons_trial::Trial;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 use std::sync::Arc;
 
 /// The parameter of a crowd that says whether it plays the drive that is packed in it.
 pub(crate) const PLAY_DRIVE: &str = "PlayDrive";
-
-/// The algorithm: in which order components exchange values and step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Algorithm {
-    /// All components use the values of the last communication point.
-    #[default]
-    Jacobi,
-    /// The components step one after the other, and each uses the newest values.
-    GaussSeidel,
-}
-
-impl fmt::Display for Algorithm {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Algorithm::Jacobi => "Jacobi",
-            Algorithm::GaussSeidel => "Gauss-Seidel",
-        })
-    }
-}
 
 /// An instance in a system.
 pub struct Component {

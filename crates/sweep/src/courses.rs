@@ -45,7 +45,7 @@ impl<'a> Courses<'a> {
     /// # Errors
     /// A sentence: its parameters are no possible width.
     pub fn begin(spec: &'a Spec, subject: &'a Subject, point: usize) -> Result<Courses<'a>, String> {
-        let (people, places) = (subject.trial.agents.len(), &spec.places);
+        let (people, places) = (subject.documents.trial.agents.len(), &spec.places);
         let of_each = spec.measures.iter().zip(&subject.measures).map(|((_, measure), reads)| {
             Ok(match measure {
                 Measure::Output(of) => Course::Output(Watched::new(of)),

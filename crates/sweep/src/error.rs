@@ -1,6 +1,5 @@
 //! What can go wrong with a sweep.
 
-use lemons_master::PrepareError;
 use std::io;
 use std::path::PathBuf;
 
@@ -39,12 +38,12 @@ pub enum Error {
     /// A manifest is not JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// The FMU or the drive cannot be used, or the FMU fails.
+    /// A Trial, its drive or its plan cannot be used.
     #[error(transparent)]
     Master(#[from] lemons_master::Error),
-    /// What is given does not fit together.
+    /// A point cannot be simulated.
     #[error(transparent)]
-    Prepare(PrepareError),
+    Simulation(#[from] lemons_sim::SimError),
     /// Another process writes into the directory.
     #[error("{}: another process writes its results here", .0.display())]
     Busy(PathBuf),
@@ -76,15 +75,6 @@ pub enum Error {
     /// A fault in this program.
     #[error("a worker thread panicked")]
     Worker,
-}
-
-impl From<PrepareError> for Error {
-    fn from(error: PrepareError) -> Error {
-        match error {
-            PrepareError::Run(error) => Error::Master(error),
-            error => Error::Prepare(error),
-        }
-    }
 }
 
 impl Error {

@@ -1,27 +1,25 @@
 //! What must be equal to continue a sweep.
 
-use crate::error::{Place, Result};
+use crate::error::{Error, Result};
 use crate::models::Models;
 use crate::points::hex;
 use crate::spec::{End, Spec};
 use crate::subject::Subject;
-use lemons_files::input;
-use lemons_master::Part;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
-/// Of what is simulated: its FMU, its drive, its communication step; and of people who walk, their plan.
+/// Of what is simulated: its Trial, its drive, its communication step; and of people who walk, their plan.
 pub fn of_subject(spec: &Spec, subject: &Subject) -> Result<Map<String, Value>> {
-    let model = &subject.model;
     let mut all = Map::new();
-    for part in model.parts() {
-        let key = if part.name == "decision" { "plan" } else { "fmu" };
-        all.insert(key.into(), of_fmu(part)?);
-    }
-    if model.plan().is_some() {
+    let trial = &subject.documents.trial;
+    let fingerprint = format!("{:032x}", trial.fingerprint());
+    all.insert("trial".into(), json!({ "name": trial.name, "fingerprint": fingerprint }));
+    if let Some(plan) = &subject.documents.plan {
+        let text = plan.to_toml().map_err(|error| Error::Spec(error.to_string()))?;
+        all.insert("plan".into(), hex(&Sha256::digest(text)).into());
         all.insert("algorithm".into(), spec.algorithm.to_string().into());
     }
-    all.insert("drive".into(), of_drive(subject));
+    all.insert("drive".into(), subject.documents.drive.fingerprint().into());
     all.insert("step".into(), json!(subject.clock.step));
     Ok(all)
 }
@@ -61,34 +59,4 @@ pub fn of_spec(spec: &Spec) -> Result<Map<String, Value>> {
         all.insert("stop".into(), serde_json::to_value(stop)?);
     }
     Ok(all)
-}
-
-fn of_fmu(part: &Part) -> Result<Value> {
-    let bytes = input::read(&part.file, input::LARGEST_BINARY).place(|| part.file.display().to_string())?;
-    let description = &part.fmu.description;
-    Ok(json!({
-        "model": description.model_name,
-        "guid": description.guid,
-        "sha256": hex(&Sha256::digest(bytes)),
-    }))
-}
-
-/// As in the Python package: by the values, independent of how the file is written.
-fn of_drive(subject: &Subject) -> Value {
-    let mut digest = Sha256::new();
-    let mut driven = false;
-    for (place, agent) in subject.trial.agents.iter().enumerate() {
-        let Some(rows) = subject.drive.rows(&agent.id) else { continue };
-        driven = true;
-        [place, rows.len()].iter().for_each(|number| digest.update((*number as u64).to_le_bytes()));
-        for (time, push) in rows {
-            std::iter::once(time).chain(push).for_each(|value| digest.update(value.to_le_bytes()));
-        }
-    }
-    match driven {
-        true => {
-            json!({ "kind": "table", "at": "start", "per_mass": false, "sha256": hex(&digest.finalize()) })
-        }
-        false => json!({ "kind": "none" }),
-    }
 }

@@ -4,15 +4,14 @@ use crate::courses::Courses;
 use crate::error::{Error, Place, Result};
 use crate::identity;
 use crate::models::Models;
-use crate::output::Names;
-use crate::scene::{Scene, standing};
 use crate::spec::Spec;
-use crate::stop::Stop;
 use crate::subject::{Reads, Subject};
-use lemons_master::{Kind, Observer, PlanChoice, Pushes, Reached, Selection, System};
 use lemons_measure::{Leaving, Over};
-use lemons_trial::DriveChoice;
+use lemons_sim::stop::places;
+use lemons_sim::{Point, Simulation};
 use serde_json::{Map, Value};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Data shared by all points.
@@ -36,9 +35,6 @@ impl Job {
     /// continue, and what is probably not meant.
     pub fn open(spec: Spec) -> Result<(Job, Map<String, Value>, Vec<String>)> {
         let models = spec.models()?;
-        if models.all.len() > 1 {
-            check_read_again(&spec, &models)?;
-        }
         let (mut subjects, mut warnings) = (Vec::new(), Vec::new());
         let (mut identity, mut only) = (identity::of_spec(&spec)?, None);
         for simulated in &models.all {
@@ -50,8 +46,8 @@ impl Job {
                 }
                 subject => Arc::new(subject?),
             };
-            let warning = subject.model.warning(&spec.drive);
-            warnings.extend(warning.map(|warning| format!("{}: {warning}", simulated.0.display())));
+            let named = |warning: &String| format!("{}: {warning}", simulated.0.display());
+            warnings.extend(subject.warnings.iter().map(named));
             let own = identity::of_subject(&spec, &subject)?;
             let (digest, subject_of) = (identity::digest(&own)?, Mutex::new(Arc::downgrade(&subject)));
             subjects.push(Shared { digest, subject: subject_of });
@@ -83,235 +79,107 @@ impl Job {
         *kept = Arc::downgrade(&subject);
         Ok(subject)
     }
-
-    /// Removes the files of all models that are in use.
-    pub fn remove_files(&self) {
-        for Shared { subject, .. } in &self.subjects {
-            // Who holds the lock now loads it, and ends with the program.
-            let subject = subject.try_lock().ok().and_then(|kept| kept.upgrade());
-            subject.iter().for_each(|subject| subject.model.remove_files());
-        }
-    }
-}
-
-/// That files of several models can be read again: a pipe cannot.
-fn check_read_again(spec: &Spec, models: &Models) -> Result<()> {
-    let drive = if let DriveChoice::File(path) = &spec.drive { Some(path) } else { None };
-    let plans = models.all.iter().filter_map(|(_, plan)| match plan {
-        PlanChoice::File(path) => Some(path),
-        PlanChoice::Own | PlanChoice::None => None,
-    });
-    match drive.into_iter().chain(plans).find(|path| Kind::of(path) == Kind::Stream) {
-        Some(pipe) => {
-            let why =
-                "a sweep over several models reads it for each of them, and a pipe can be read only once";
-            Err(Error::Spec(format!("{}: {why}", pipe.display())))
-        }
-        None => Ok(()),
-    }
 }
 
 /// Simulates points one after the other.
 pub struct Worker<'a> {
     job: &'a Job,
-    /// Of the last point, with the place of its model.
-    runner: Option<(usize, Runner)>,
-}
-
-/// A system that simulates points of one model.
-struct Runner {
-    /// Dropped before the files of its FMUs.
-    system: System,
-    pushes: Pushes,
-    /// Of each measure; `None` if it looks at the whole crowd.
-    measures: Vec<Option<Look>>,
-    stop: Option<Look>,
-    scene: Option<Scene>,
-    subject: Arc<Subject>,
-}
-
-/// Where values are read.
-struct Look {
-    /// Of the component.
-    place: usize,
-    reals: Selection,
-    integers: Selection,
-    booleans: Selection,
-    /// For values of agents who may leave, whether they are there; else empty.
-    there: Selection,
-    /// Number of values that become one.
-    width: usize,
+    /// Of the last point: the place of its model, its subject and its simulation.
+    last: Option<(usize, Arc<Subject>, Simulation)>,
 }
 
 impl<'a> Worker<'a> {
     pub fn new(job: &'a Job) -> Worker<'a> {
-        Worker { job, runner: None }
+        Worker { job, last: None }
     }
 
-    /// Simulates a point and returns its measures, and when it ended by itself \[s\] if it may. The worker can be used
-    /// again unless this failed.
-    pub fn simulate(&mut self, point: usize) -> Result<Vec<Option<f64>>> {
-        let place = self.job.models.place(point);
-        let mut runner = match self.runner.take() {
-            Some((own, runner)) if own == place => runner,
+    /// Simulates a point and returns its measures, and when it ended by itself \[s\] if it may; `None` if `stop` was set
+    /// meanwhile. The worker can be used again unless this failed.
+    pub fn simulate(&mut self, point: usize, stop: &AtomicBool) -> Result<Option<Vec<Option<f64>>>> {
+        let (job, place) = (self.job, self.job.models.place(point));
+        let (_, subject, mut simulation) = match self.last.take() {
+            Some(last) if last.0 == place => last,
             // Nothing of the former stays in memory beside it.
             other => {
                 drop(other);
-                Runner::new(&self.job.spec, self.job.subject(place)?)?
+                let subject = job.subject(place)?;
+                let simulation = Simulation::new(subject.documents.clone(), job.spec.algorithm)?;
+                (place, subject, simulation)
             }
         };
-        let measured = runner.simulate(&self.job.spec, point)?;
-        self.runner = Some((place, runner));
+        let measured = simulate(&mut simulation, &job.spec, &subject, point, stop)?;
+        self.last = Some((place, subject, simulation));
         Ok(measured)
     }
 }
 
-impl Runner {
-    fn new(spec: &Spec, subject: Arc<Subject>) -> Result<Runner> {
-        let system = subject.model.system(spec.algorithm)?;
-        for ((parameter, _), leads) in spec.points.columns.iter().zip(&subject.parameters) {
-            let mut inputs =
-                leads.iter().flat_map(|(place, names)| names.iter().map(move |name| (*place, name)));
-            if let Some((_, input)) = inputs.find(|(place, name)| system.feeds(*place, name)) {
-                return Err(Error::Spec(format!(
-                    "parameters: {parameter}: overwritten by the connection that feeds {input}"
-                )));
-            }
+fn simulate(
+    simulation: &mut Simulation,
+    spec: &Spec,
+    subject: &Subject,
+    point: usize,
+    stop: &AtomicBool,
+) -> Result<Option<Vec<Option<f64>>>> {
+    simulation.reset()?;
+    for (column, (name, values)) in spec.points.columns.iter().enumerate() {
+        if !spec.only_chooses(column) {
+            simulation.set(name, &values.text(point))?;
         }
-        let look = |names: &Names| -> Result<Look> {
-            let instance = &system.components()[names.place].instance;
-            let there = names.there();
-            let fed = !there.is_empty() && there.iter().all(|name| system.feeds(names.place, name));
-            Ok(Look {
-                there: instance.select(if fed { &there[..] } else { &[] })?,
-                place: names.place,
-                reals: instance.select(&names.reals)?,
-                integers: instance.select(&names.integers)?,
-                booleans: instance.select(&names.booleans)?,
-                width: names.width,
-            })
+    }
+    simulation.begin(0.0, None)?;
+    let courses = Courses::begin(spec, subject, point).map_err(Error::Spec)?;
+    let leaving = subject.leave.map(Leaving::of);
+    let mut measured = Measured { spec, subject, courses, leaving, ended: None };
+    let mut over = measured.see(simulation)?.is_break();
+    if !over {
+        let step = |simulation: &mut Simulation, _: Point| match stop.load(Ordering::Relaxed) {
+            true => Ok(ControlFlow::Break(())),
+            false => measured.see(simulation),
         };
-        let measures = subject.measures.iter().map(|reads| match reads {
-            Reads::Output(names) => look(names).map(Some),
-            Reads::Crowd(_) => Ok(None),
-        });
-        let measures = measures.collect::<Result<_>>()?;
-        let stop = subject.stop.as_ref().map(look).transpose()?;
-        let people = subject.trial.agents.len();
-        let scene = subject.wanted.map(|wanted| Scene::of(&system, wanted, people)).transpose()?;
-        let driven = &system.components()[subject.model.parts().len() - 1].instance;
-        let plays = subject.model.plays(&spec.drive);
-        let pushes = Pushes::new(driven, &subject.trial.agents, subject.drive.clone(), plays)?;
-        Ok(Runner { system, pushes, measures, stop, scene, subject })
+        over = lemons_sim::run::<_, Error>(simulation, &subject.clock, 0, step)?.is_break();
     }
-
-    fn simulate(&mut self, spec: &Spec, point: usize) -> Result<Vec<Option<f64>>> {
-        let Runner { system, pushes, measures, stop, scene, subject } = self;
-        system.reset()?;
-        for ((_, values), leads) in spec.points.columns.iter().zip(&subject.parameters) {
-            for (place, names) in leads {
-                system.components()[*place].instance.set(names, &values.text(point))?;
-            }
-        }
-        if !subject.model.plays(&spec.drive) {
-            system.stop_drives()?;
-        }
-        system.initialize(0.0, None)?;
-        let courses = Courses::begin(spec, subject, point).map_err(Error::Spec)?;
-        let stop = spec.stop.as_ref().zip(stop.as_ref());
-        let (scene, leaving) = (scene.as_ref(), subject.leave.map(Leaving::of));
-        let mut measured =
-            Measured { looks: measures, scene, courses, stop, leaving, ended: None, over: false };
-        measured.see(system, 0.0)?;
-        // Whether its condition or its end ended it, it says itself.
-        let _ = lemons_master::simulate(system, &subject.clock, 0, pushes, &mut measured)?;
-        system.terminate()?;
-        let Measured { courses, ended, .. } = measured;
-        let walls = &subject.trial.geometry.walls;
-        let mut values = courses.finish(walls).map_err(Error::Spec)?;
-        values.extend(spec.may_end().then_some(ended));
-        Ok(values)
+    if stop.load(Ordering::Relaxed) {
+        return Ok(None);
     }
+    let Measured { courses, ended, .. } = measured;
+    let mut values = courses.finish(&subject.documents.trial.geometry.walls).map_err(Error::Spec)?;
+    values.extend(spec.may_end().then_some(ended.filter(|_| over)));
+    Ok(Some(values))
 }
 
 /// The measures of a run under way.
 struct Measured<'a> {
-    looks: &'a [Option<Look>],
-    scene: Option<&'a Scene>,
+    spec: &'a Spec,
+    subject: &'a Subject,
     courses: Courses<'a>,
-    stop: Option<(&'a Stop, &'a Look)>,
     /// It ends when people have left.
     leaving: Option<Leaving>,
     /// \[s\] When its condition held, or all had left.
     ended: Option<f64>,
-    /// Whether it ends now.
-    over: bool,
-}
-
-impl Observer<System> for Measured<'_> {
-    type Error = Error;
-
-    fn goes_on(&mut self, _: &System) -> bool {
-        !self.over
-    }
-
-    fn look(&mut self, system: &mut System, reached: Reached) -> Result<()> {
-        self.see(system, reached.time)
-    }
 }
 
 impl Measured<'_> {
-    fn see(&mut self, system: &System, time: f64) -> Result<()> {
-        for (place, look) in self.looks.iter().enumerate() {
-            if let Some(look) = look {
-                self.courses.see_values(place, time, look.values(system)?.into_iter());
+    /// Sees a communication point; breaks if the point ends there.
+    fn see(&mut self, simulation: &mut Simulation) -> Result<ControlFlow<()>> {
+        let frame = simulation.frame();
+        for (place, reads) in self.subject.measures.iter().enumerate() {
+            if let Reads::Output(reading) = reads {
+                let values = reading.read(simulation, &frame)?;
+                self.courses.see_values(place, frame.time, values.into_iter());
             }
         }
-        let mut holds = match self.stop {
-            Some((stop, look)) => stop.holds(look.values(system)?.into_iter()),
+        let mut holds = match self.spec.stop.as_ref().zip(self.subject.stop.as_ref()) {
+            Some((stop, reading)) => stop.holds(reading.read(simulation, &frame)?.into_iter()),
             None => false,
         };
         let mut stuck = false;
-        if let Some(scene) = self.scene {
-            let frame = scene.frame(system, time)?;
-            if let Some(leaving) = &mut self.leaving {
-                let over = leaving.see(time, &standing(&frame));
-                holds |= over == Some(Over::Left);
-                stuck = over == Some(Over::Standstill);
-            }
-            self.courses.see_frame(frame).map_err(Error::Spec)?;
+        if let Some(leaving) = &mut self.leaving {
+            let over = leaving.see(frame.time, &places(&frame));
+            holds |= over == Some(Over::Left);
+            stuck = over == Some(Over::Standstill);
         }
-        self.ended = holds.then_some(time);
-        self.over = holds || stuck;
-        Ok(())
-    }
-}
-
-impl Look {
-    /// `None` for agents who have left.
-    fn values(&self, system: &System) -> lemons_master::Result<Vec<Option<f64>>> {
-        let instance = &system.components()[self.place].instance;
-        let mut numbers = vec![0.0; self.reals.len()];
-        if !self.reals.is_empty() {
-            instance.get_real(&self.reals, &mut numbers)?;
-        }
-        if !self.integers.is_empty() {
-            let mut integers = vec![0; self.integers.len()];
-            instance.get_integer(&self.integers, &mut integers)?;
-            numbers.extend(integers.into_iter().map(f64::from));
-        }
-        if !self.booleans.is_empty() {
-            let mut booleans = vec![0; self.booleans.len()];
-            instance.get_boolean(&self.booleans, &mut booleans)?;
-            numbers.extend(booleans.into_iter().map(|value| f64::from(u8::from(value != 0))));
-        }
-        let values = numbers.chunks_exact(self.width).map(|of| match of {
-            [value] => *value,
-            parts => parts.iter().map(|part| part * part).sum::<f64>().sqrt(),
-        });
-        let mut there = vec![1; self.there.len()];
-        instance.get_boolean(&self.there, &mut there)?;
-        let there = there.into_iter().map(|there| there != 0).chain(std::iter::repeat(true));
-        Ok(values.zip(there).map(|(value, there)| there.then_some(value)).collect())
+        self.ended = holds.then_some(frame.time);
+        self.courses.see_frame(frame).map_err(Error::Spec)?;
+        Ok(if holds || stuck { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }
 }

@@ -4,7 +4,6 @@ use crate::directory::{Directory, Finished};
 use crate::error::{Error, Place, Result};
 use crate::simulate::{Job, Worker};
 use crate::spec::{ENDED, Spec};
-use lemons_master::PATIENCE;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -48,9 +47,8 @@ pub struct Swept {
 
 /// Simulates the points that a sweep's directory does not contain yet.
 ///
-/// `tell` is called when points are finished. When `stop` is set, points in progress are finished and kept if that
-/// takes no longer than [`PATIENCE`]; otherwise they are abandoned, and their threads end with the program. Failed
-/// points are kept with their message.
+/// `tell` is called when points are finished. When `stop` is set, points in progress are given up at their next
+/// communication point. Failed points are kept with their message.
 ///
 /// # Errors
 /// A Trial, an FMU, a plan or the drive cannot be used, the directory belongs to another sweep, or it cannot be written.
@@ -105,7 +103,7 @@ impl Queue {
         let mut worker = None;
         while !self.over.load(Ordering::Relaxed) {
             let Some(&point) = self.points.get(self.next.fetch_add(1, Ordering::Relaxed)) else { return };
-            let outcome = one(&self.job, &mut worker, point);
+            let Some(outcome) = one(&self.job, &mut worker, point, &self.over) else { return };
             if finished.send(Finished { point, outcome }).is_err() {
                 return;
             }
@@ -133,7 +131,7 @@ fn simulate(
     }
     // The channel closes when all workers have ended.
     drop(finished);
-    let (start, mut last, mut stopped) = (Instant::now(), Instant::now(), None);
+    let (start, mut last) = (Instant::now(), Instant::now());
     let mut pending: Vec<Finished> = Vec::new();
     loop {
         let between = Duration::from_secs(1).max(start.elapsed() / 100);
@@ -142,14 +140,12 @@ fn simulate(
         pending.extend(message);
         if stop.load(Ordering::Relaxed) {
             queue.over.store(true, Ordering::Relaxed);
-            stopped.get_or_insert_with(Instant::now);
         }
-        let given_up = stopped.is_some_and(|since| since.elapsed() >= PATIENCE);
-        if (over || given_up || last.elapsed() >= between) && !pending.is_empty() {
+        if (over || last.elapsed() >= between) && !pending.is_empty() {
             pending.extend(arrived.try_iter());
             pending.sort_by_key(|row| row.point);
             if let Err(error) = write(&pending) {
-                queue.give_up();
+                queue.over.store(true, Ordering::Relaxed);
                 return Err(error);
             }
             pending.clear();
@@ -160,10 +156,6 @@ fn simulate(
         if over {
             break;
         }
-        if given_up {
-            queue.give_up();
-            return Ok(());
-        }
     }
     match workers.into_iter().map(JoinHandle::join).find(Result::is_err) {
         Some(_) => Err(Error::Worker),
@@ -171,23 +163,17 @@ fn simulate(
     }
 }
 
-impl Queue {
-    /// Abandons points in progress: their threads end with the program.
-    fn give_up(&self) {
-        self.over.store(true, Ordering::Relaxed);
-        // They would remove them, but nobody waits for them.
-        self.job.remove_files();
-    }
-}
-
-/// Simulates a point. After a failure the next point gets a new instance.
+/// Simulates a point; `None` if it was stopped. After a failure the next point gets a new simulation.
 fn one<'a>(
     job: &'a Job,
     worker: &mut Option<Worker<'a>>,
     point: usize,
-) -> std::result::Result<Vec<Option<f64>>, String> {
+    stop: &AtomicBool,
+) -> Option<std::result::Result<Vec<Option<f64>>, String>> {
     let mut used = worker.take().unwrap_or_else(|| Worker::new(job));
-    let measured = used.simulate(point).map_err(|error| error.whole())?;
-    *worker = Some(used);
-    Ok(measured)
+    let outcome = used.simulate(point, stop).map_err(|error| error.whole()).transpose()?;
+    if outcome.is_ok() {
+        *worker = Some(used);
+    }
+    Some(outcome)
 }

@@ -1,12 +1,12 @@
 //! A run at any time: between its frames everything is linear.
 
-use crate::crowd_run::moves;
 use anyhow::bail;
 use crowd_mechanics::engine::{BodyId, Chain, Crowded, State, World};
 use crowd_mechanics::setup::{Setup, WorldError};
 use lemons_picture::Force;
 use lemons_plane::{Motion, Pose, vec2};
 use lemons_record::{Frame, Observed, Run};
+use lemons_sim::stop::moves;
 use lemons_trial::Trial;
 
 /// The crowd at one time.
@@ -95,9 +95,7 @@ impl Footage {
     /// \[s\] The first frame from which on nobody moves; `None` if somebody does in the last.
     pub fn still_from(&self) -> Option<f64> {
         let frames = &self.run.frames;
-        let moving = |frame: &Frame| {
-            frame.agents.iter().any(|agent| moves(agent.twist.velocity.norm(), agent.twist.angular_velocity))
-        };
+        let moving = |frame: &Frame| moves(frame);
         let still = frames.iter().rposition(moving).map_or(0, |last| last + 1);
         frames.get(still).map(|frame| frame.time)
     }

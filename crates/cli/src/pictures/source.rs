@@ -7,16 +7,14 @@ use crate::decide::Walk;
 use crate::error::Misused;
 use crate::export::{expect_table, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::run::{Ends, Job, Until, drive_of, name_and_value_of_all, simulate};
-use crate::watch::Places;
-use anyhow::{Context, Result, anyhow, bail};
-use crowd_mechanics::variables::{Kind, in_documents_mut, table};
-use lemons_master::{Clock, Given, PlanChoice, Settings, meant, named};
+use crate::run::{Ends, Job, RowTarget, Until, drive_of, name_and_value_of_all, not_set, simulate};
+use anyhow::{Context, Result, bail};
+use lemons_master::Settings;
 use lemons_plane::Motion;
 pub use lemons_record::Wanted;
 use lemons_record::{Frame, Record, Run};
-use lemons_trial::{AgentDynamics, Trial};
-use std::collections::HashMap;
+use lemons_sim::{Algorithm, Clock, Documents, Simulation};
+use lemons_trial::{AgentDynamics, DriveTable, Trial};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
@@ -137,14 +135,15 @@ impl Source {
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
         let mut trial = trial_of(&self.path, given)?;
         if let Some(trial) = &mut trial {
-            let walks = runs && until.is_some() && self.walks()?;
+            let documents = Documents { trial: trial.clone(), drive: DriveTable::default(), plan: None };
+            let mut edited = Simulation::new(documents, Algorithm::default())?;
             for (name, value) in &name_and_value_of_all(&self.settings)? {
-                let own = name.strip_prefix("crowd.").unwrap_or(name);
-                // Of who decides: the run takes it, and knows it.
-                if !(walks && own.starts_with("decision.")) {
-                    set(trial, own, value).with_context(|| format!("--set {name}={value}"))?;
+                // What a run needs of people who walk, it takes itself.
+                if !(runs && until.is_some() && name.starts_with("decision.")) {
+                    edited.set(name, value).map_err(not_set)?;
                 }
             }
+            *trial = edited.trial().clone();
         }
         let found = match (runs, until, &trial) {
             (true, Some(until), Some(trial)) => {
@@ -209,15 +208,6 @@ impl Source {
         ends("fmu") || ends("zip") || self.path.join("Parameters.xml").is_file()
     }
 
-    /// Whether a run couples the Trial with a plan.
-    fn walks(&self) -> Result<bool> {
-        Ok(match self.walk.choice() {
-            PlanChoice::None => false,
-            PlanChoice::File(_) => true,
-            PlanChoice::Own => Given::find(&self.path)?.is_some_and(|given| given.wishes().is_some()),
-        })
-    }
-
     /// As `lemons run` does it, in memory.
     fn record(&self, until: End, wanted: Wanted, interrupt: &Interrupt) -> Result<Run> {
         let settings = Settings {
@@ -228,13 +218,13 @@ impl Source {
             plan: self.walk.choice(),
             ..Settings::of(&self.path)
         };
-        let places = Places::Memory(wanted);
+        let rows = RowTarget::Memory(wanted);
         let ends = match until {
             End::At(_) | End::NotBefore(_) => Ends::AtTime,
             End::Still => Ends::Still,
             End::Left => Ends::Left,
         };
-        let job = Job { settings, places, state: None, ends, poses: Poses::Ignore };
+        let job = Job { settings, rows, outputs: None, state: None, ends, poses: Poses::Ignore };
         let mut ended = simulate(job, interrupt)?;
         ended.complete()?;
         if ended.stopped.is_some() {
@@ -280,31 +270,4 @@ fn still(path: &Path, trial: &Trial) -> Run {
     };
     let ids = trial.agents.iter().map(|agent| agent.id.clone()).collect();
     Run { source: path.to_owned(), ids, frames: vec![start] }
-}
-
-/// A parameter of the run, which its contacts depend on.
-fn set(trial: &mut Trial, name: &str, value: &str) -> Result<()> {
-    let variables = table(trial);
-    let variables: HashMap<&str, _> =
-        variables.iter().map(|variable| (variable.name.as_str(), variable)).collect();
-    for name in named(name, |name| variables.contains_key(name)) {
-        let unknown = || match meant(&name, variables.keys().map(|known| (*known).to_owned())) {
-            Some(meant) => format!("there is no variable {name:?}; did you mean {meant:?}?"),
-            None => format!("there is no variable {name:?}"),
-        };
-        let variable = variables.get(name.as_str()).with_context(unknown)?;
-        match variable.kind {
-            Kind::Real(_) => {}
-            // Results do not depend on them.
-            Kind::Integer | Kind::Boolean => continue,
-            Kind::String => bail!("not for pictures"),
-        }
-        let value: f64 = value.parse().context("not a number")?;
-        variable.domain.check(value).map_err(|must| anyhow!("must be {must}"))?;
-        match in_documents_mut(trial, variable.quantity) {
-            Some(place) => *place = value,
-            None => bail!("{name} is computed"),
-        }
-    }
-    Ok(())
 }

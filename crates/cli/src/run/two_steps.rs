@@ -1,14 +1,12 @@
 //! `lemons run --accuracy`: two runs, with a mechanical step for the accuracy and with half of it.
 
-use super::{Ended, Job, interrupted, simulate};
+use super::{Ended, Job, Target, interrupted, simulate};
 use crate::compared::{Difference, Poses, Seen};
 use crate::error::Misused;
 use crate::interrupt::Interrupt;
-use crate::watch::Places;
 use anyhow::{Result, bail};
-use lemons_master::{Kind, PlanChoice, Settings, System};
+use lemons_master::Settings;
 use lemons_record::Wanted;
-use lemons_trial::DriveChoice;
 
 /// The parameter that is chosen.
 const STEP: &str = "TimeStepMechanical";
@@ -22,30 +20,28 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
     if let Some((name, value)) = job.settings.parameters.iter().find(|(name, _)| named(name, STEP)) {
         bail!(Misused(format!("--set {name}={value}: --accuracy chooses the mechanical step")));
     }
-    check_read_twice(&job.settings)?;
     let mut parameters = job.settings.parameters.clone();
     // XML is written by the finer run only.
     parameters.retain(|(name, _)| !named(name, "OutputDirectory"));
     let settings = Settings { parameters, tolerance: Some(accuracy), saves: false, ..job.settings.clone() };
-    let places = Places::Memory(Wanted::Around(Vec::new()));
-    let first = Job { settings, places, state: None, poses: Poses::Keep, ..job };
+    let rows = Target::Memory(Wanted::Around(Vec::new()));
+    let first = Job { settings, rows, outputs: None, state: None, poses: Poses::Keep, ends: job.ends };
     let coarse = simulate(first, interrupt)?;
     if let Some(time) = coarse.stopped {
         return Err(interrupted(format!(
             "stopped at t = {time:?} s of the first of two runs; nothing is written"
         )));
     }
-    let Ended { poses, chosen, step, .. } = coarse;
+    let Ended { poses, mechanical_steps: chosen, step, .. } = coarse;
     let kept = poses.into_iter().filter_map(|seen| match seen {
         Seen::Kept(kept) => Some(kept),
         Seen::Compared(_) => None,
     });
     let poses = Poses::Compare(kept.collect(), accuracy);
-    let mut settings = Settings { tolerance: Some(accuracy), ..job.settings };
+    let mut settings = Settings { tolerance: Some(accuracy), ..job.settings.clone() };
     let halves: Chosen = chosen.iter().map(|(name, longest)| (name.clone(), half(step, *longest))).collect();
     settings.parameters.extend(halves.iter().map(|(name, half)| (name.clone(), format!("{half:?}"))));
-    let mut ended =
-        simulate(Job { settings, places: job.places, state: job.state, poses, ends: job.ends }, interrupt)?;
+    let mut ended = simulate(Job { settings, poses, ..job }, interrupt)?;
     let differences: Vec<Difference> = std::mem::take(&mut ended.poses)
         .into_iter()
         .filter_map(|seen| match seen {
@@ -57,44 +53,11 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
     Ok(ended)
 }
 
-/// That both runs can read all files: a pipe is empty for the second.
-fn check_read_twice(settings: &Settings) -> Result<()> {
-    let drive = if let DriveChoice::File(path) = &settings.drive { Some(("--drive", path)) } else { None };
-    let plan = if let PlanChoice::File(path) = &settings.plan { Some(("--plan", path)) } else { None };
-    for (option, path) in drive.into_iter().chain(plan) {
-        if Kind::of(path) == Kind::Stream {
-            bail!(Misused(format!(
-                "{option} {}: --accuracy runs twice, and a pipe can be read only once: give a file",
-                path.display()
-            )));
-        }
-    }
-    Ok(())
-}
-
 /// \[s\] Half of a step. A communication step \[s\] has a whole number of them: where there are few, half of the step that
 /// is really used.
 fn half(communication: f64, longest: f64) -> f64 {
     let steps = (communication / longest - 1e-9).ceil().max(1.0);
     if steps > 10.0 { 0.5 * longest } else { 0.5 * communication / steps }
-}
-
-/// The mechanical steps that an initialized system uses.
-///
-/// # Errors
-/// It has none, or the FMU refuses to tell.
-pub fn steps_of(system: &System, coupled: bool) -> Result<Chosen> {
-    let mut chosen = Chosen::new();
-    for component in system.components() {
-        if component.fmu.description.single(STEP).is_some() {
-            let name = if coupled { format!("{}.{STEP}", component.name) } else { STEP.to_owned() };
-            chosen.push((name, component.instance.real(STEP)?));
-        }
-    }
-    if chosen.is_empty() {
-        bail!("--accuracy: nothing here has a parameter {STEP}, so no mechanical step can be chosen");
-    }
-    Ok(chosen)
 }
 
 fn report(accuracy: f64, chosen: &Chosen, halves: &Chosen, differences: &[Difference]) -> Vec<String> {

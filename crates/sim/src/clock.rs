@@ -225,9 +225,6 @@ mod tests {
             std::fs::write(&path, &table).unwrap();
         }
         let committed = std::fs::read_to_string(&path).unwrap();
-        assert!(
-            committed == table,
-            "write it anew: CLOCK_TABLE=write cargo test -p lemons-master --lib clock"
-        );
+        assert!(committed == table, "write it anew: CLOCK_TABLE=write cargo test -p lemons-sim --lib clock");
     }
 }

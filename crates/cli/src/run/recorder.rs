@@ -1,0 +1,199 @@
+//! What a run records of a crowd: its table or frames in memory, its extremes.
+
+use super::subject::CrowdInfo;
+use crate::compared::{Follower, Poses, Seen};
+use crate::results::{self, Content, FrameWriter, Place, told};
+use anyhow::{Result, bail};
+use lemons_files::Staged;
+use lemons_master::{CrowdRecord, Saved};
+use lemons_record::{Frame, Recorder, Run, Wanted};
+use lemons_sim::{ExposureSum, Extremes, Greatest};
+use std::path::{Path, PathBuf};
+
+/// Where the rows of a crowd go.
+#[derive(Clone)]
+pub enum Target {
+    Table(Place),
+    /// Those that are wanted.
+    Memory(Wanted),
+}
+
+enum Rows {
+    Table(Box<FrameWriter<Staged>>, PathBuf),
+    Memory(Recorder),
+}
+
+/// What was recorded of a crowd.
+pub struct CrowdRecorder {
+    component: String,
+    ids: Vec<String>,
+    may_leave: bool,
+    of_step: bool,
+    rows: Rows,
+    extremes: Extremes,
+    /// Of the steps since the last rows.
+    exposure: ExposureSum,
+    /// Whether the greatest peak was since then.
+    peak_passed: bool,
+    follower: Follower,
+    /// Of the last communication point.
+    last: Frame,
+}
+
+/// What became of the records.
+#[derive(Default)]
+pub struct Recorded {
+    /// Lines of the summary.
+    pub lines: Vec<String>,
+    /// If it was to be kept in memory.
+    pub run: Option<Run>,
+    /// Poses, if they were followed.
+    pub poses: Option<Seen>,
+}
+
+/// A communication point at which a run is looked at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// The first one: its rows are written, and there has been no step.
+    Start,
+    /// The point from which a saved run goes on: its rows are in the table of the run before.
+    Resumed,
+    /// The end of a step, whose rows are written.
+    Written,
+    /// The end of a step, whose squeeze goes into the next rows.
+    Passed,
+}
+
+impl CrowdRecorder {
+    pub fn create(
+        crowd: &CrowdInfo,
+        to: Target,
+        about: &[(&'static str, String)],
+        before: Option<&Saved>,
+        poses: &mut Poses,
+    ) -> Result<CrowdRecorder> {
+        let (ids, component) = (crowd.ids.clone(), crowd.component.clone());
+        let record = before.and_then(|saved| saved.crowd.iter().find(|record| record.component == component));
+        let (extremes, exposure) = match record {
+            Some(record) => (record.extremes, record.since.clone()),
+            None if before.is_some() => {
+                bail!("the saved run is damaged: it has no entry for the crowd {component:?}")
+            }
+            None => Default::default(),
+        };
+        if !(extremes.are_possible(ids.len()) && exposure.is_possible(ids.len())) {
+            bail!("the saved run is damaged: the extremes of the crowd {component:?} are not possible");
+        }
+        let rows = match to {
+            Target::Table(place) => {
+                let about = about.iter().chain(&crowd.about).cloned().collect();
+                let content = Content { columns: crowd.columns.clone(), about };
+                let writer = FrameWriter::new(results::begin(&place, &content)?, ids.clone(), crowd.groups)?;
+                Rows::Table(Box::new(writer), place.path)
+            }
+            Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
+        };
+        Ok(CrowdRecorder {
+            follower: poses.follower(crowd.trial.as_ref(), ids.len()),
+            may_leave: crowd.groups.active,
+            of_step: crowd.groups.of_step,
+            component,
+            ids,
+            rows,
+            extremes,
+            exposure,
+            peak_passed: false,
+            last: Frame::default(),
+        })
+    }
+
+    /// Sees the frame of a communication point: extremes, and rows if they are wanted.
+    pub fn see(&mut self, mut frame: Frame, look: Look) -> Result<()> {
+        self.follower.see(&frame);
+        if look == Look::Resumed {
+            self.last = frame;
+            return Ok(());
+        }
+        let length = if look == Look::Start { 0.0 } else { frame.time - self.last.time };
+        let before = self.extremes.peak_squeeze.force;
+        self.extremes.see(&frame, look == Look::Start);
+        self.peak_passed =
+            look == Look::Passed && (self.peak_passed || self.extremes.peak_squeeze.force > before);
+        self.exposure.add(length, &frame);
+        self.last = frame.clone();
+        if look == Look::Passed {
+            return Ok(());
+        }
+        self.exposure.finish(&mut frame);
+        match &mut self.rows {
+            Rows::Table(writer, _) => writer.frame(&frame).map_err(told),
+            Rows::Memory(recorder) => {
+                recorder.add(frame);
+                Ok(())
+            }
+        }
+    }
+
+    /// The frame of the last communication point.
+    pub fn last(&self) -> &Frame {
+        &self.last
+    }
+
+    pub fn ids(&self) -> &[String] {
+        &self.ids
+    }
+
+    pub fn may_leave(&self) -> bool {
+        self.may_leave
+    }
+
+    /// What a saved run keeps of it.
+    pub fn record(&self) -> CrowdRecord {
+        let (component, since) = (self.component.clone(), self.exposure.clone());
+        CrowdRecord { component, extremes: self.extremes, since }
+    }
+
+    /// Puts the table in its place.
+    pub fn finish(self) -> (Recorded, Result<()>) {
+        let Extremes { largest_overlap, mean_squeeze, peak_squeeze } = self.extremes;
+        let squeeze = |what: &str, Greatest { force, agent, time }: Greatest, when: &str| {
+            let line = format!("{what:<18} {force:>10.1} N");
+            if force > 0.0 {
+                format!("{line}   (squeeze of agent {}, {when} {time:.3} s)", self.ids[agent])
+            } else {
+                line
+            }
+        };
+        let mut lines = Vec::new();
+        if self.may_leave {
+            let left = (0..self.ids.len()).filter(|agent| !self.last.is_there(*agent)).count();
+            lines.push(format!("left               {left:>10}     (of {} people)", self.ids.len()));
+        }
+        if self.of_step {
+            lines.push(format!("largest overlap    {:>10.3} mm", 1e3 * largest_overlap));
+            lines.push(squeeze("greatest step mean", mean_squeeze, "step to"));
+            lines.push(squeeze("greatest peak", peak_squeeze, "step to"));
+            if self.peak_passed && matches!(self.rows, Rows::Table(..)) {
+                lines.push(format!(
+                    "{:<33}(not in the table, whose last rows are before this step: --every)",
+                    ""
+                ));
+            }
+        } else {
+            lines.push(squeeze("greatest squeeze", mean_squeeze, "communication point"));
+        }
+        let (mut run, mut done) = (None, Ok(()));
+        let poses = self.follower.finish(&self.ids);
+        match self.rows {
+            Rows::Table(writer, path) => {
+                done = results::place(writer.finish(), &path);
+                lines.extend(done.is_ok().then(|| format!("trajectories       {}", path.display())));
+            }
+            Rows::Memory(recorder) => match recorder.finish(Path::new(""), self.ids) {
+                Ok(made) => run = Some(made),
+                Err(error) => done = Err(error.into()),
+            },
+        }
+        (Recorded { lines, run, poses }, done)
+    }
+}

@@ -1,0 +1,91 @@
+//! What a run steps: a Trial in memory, or FMUs.
+
+use anyhow::{Error, Result};
+use lemons_decision::Plan;
+use lemons_master::{ComponentRecord, Saved};
+use lemons_record::Frame;
+use lemons_record::columns::{Column, Groups};
+use lemons_sim::{Clock, Model};
+use lemons_trial::Trial;
+use std::path::PathBuf;
+
+/// A crowd whose frames a run records.
+pub struct CrowdInfo {
+    /// Name of its component.
+    pub component: String,
+    pub ids: Vec<String>,
+    /// Shapes, if they are known.
+    pub trial: Option<Trial>,
+    pub groups: Groups,
+    pub columns: Vec<Column>,
+    /// What a table says of it.
+    pub about: Vec<(&'static str, String)>,
+}
+
+/// States of the components of a run, with what a saved run says of them.
+pub type States = (Vec<ComponentRecord>, Vec<Vec<u8>>);
+
+/// What a run steps.
+pub trait Subject: Model<Error = Error> {
+    /// \[s\] The last communication point.
+    fn time(&self) -> f64;
+
+    /// A crowd at the last communication point.
+    fn frame(&self, crowd: usize) -> Result<Frame>;
+
+    /// Values of variables of a crowd.
+    fn values(&mut self, crowd: usize, names: &[String]) -> Result<Vec<f64>>;
+
+    /// Writes a row of what is not of a crowd, if there is such.
+    fn write_outputs(&mut self) -> Result<()> {
+        Ok(())
+    }
+
+    /// Puts the table of these rows in its place; returns the line of the summary.
+    fn finish_outputs(&mut self) -> Result<Option<String>> {
+        Ok(None)
+    }
+
+    /// States at the last communication point.
+    fn states(&mut self) -> Result<States>;
+
+    /// Ends the run.
+    fn terminate(&mut self) -> Result<()> {
+        Ok(())
+    }
+
+    /// Warnings since the last call.
+    fn take_warnings(&mut self) -> Vec<String>;
+}
+
+/// A run that is ready: at its first communication point, or at that of the saved run.
+pub struct Prepared {
+    pub subject: Box<dyn Subject>,
+    pub crowds: Vec<CrowdInfo>,
+    /// Known plans of people who walk.
+    pub plans: Vec<Plan>,
+    /// Lines of the summary: what is coupled.
+    pub coupling: Vec<String>,
+    /// Mechanical steps \[s\], by the name of the parameter.
+    pub mechanical_steps: Vec<(String, f64)>,
+    /// Directories into which crowds write XML files.
+    pub output_directories: Vec<PathBuf>,
+    pub clock: Clock,
+    /// The last communication point of the clock that was reached.
+    pub index: u64,
+    /// One communication point in so many is recorded.
+    pub every: u64,
+    /// \[s\] When the drive ends, if there is one.
+    pub drive_end: Option<f64>,
+    /// What a saved run says of the run besides where it is.
+    pub identity: Identity,
+    pub before: Option<Saved>,
+}
+
+/// What must be the same where a saved run goes on.
+pub struct Identity {
+    pub algorithm: String,
+    pub wiring: String,
+    /// Fingerprint of the drive.
+    pub drive: String,
+}

@@ -1,0 +1,188 @@
+//! A run of a Trial in memory.
+
+use super::subject::{CrowdInfo, Identity, Prepared, States, Subject};
+use crate::words::{refused, warned};
+use anyhow::{Error, Result, anyhow, ensure};
+use crowd_mechanics::model_description::MODEL_NAME;
+use crowd_mechanics::variables::{Quantity, guid, table};
+use lemons_master::{ComponentRecord, Given, PrepareError, Settings, Warning, read_saved};
+use lemons_record::Frame;
+use lemons_record::columns::Groups;
+use lemons_sim::{Clock, Documents, Model, SimError, Simulation};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Name of the component in a saved run, and in tables.
+const CROWD: &str = "crowd";
+/// The same in a saved run of people who walk.
+const WALKERS: &str = "crowd and decision";
+
+struct TrialRun {
+    simulation: Simulation,
+    /// Of the component in a saved run.
+    name: &'static str,
+    guid: String,
+}
+
+impl Model for TrialRun {
+    type Error = Error;
+
+    fn step_to(&mut self, time: f64) -> Result<()> {
+        Ok(self.simulation.step_to(time)?)
+    }
+}
+
+impl Subject for TrialRun {
+    fn time(&self) -> f64 {
+        self.simulation.time()
+    }
+
+    fn frame(&self, _: usize) -> Result<Frame> {
+        Ok(self.simulation.frame())
+    }
+
+    fn values(&mut self, _: usize, names: &[String]) -> Result<Vec<f64>> {
+        let selection = self.simulation.select(names).map_err(|(name, _)| anyhow!("there is no {name}"))?;
+        Ok(self.simulation.read(&selection)?)
+    }
+
+    fn states(&mut self) -> Result<States> {
+        let state = self.simulation.save();
+        let record = ComponentRecord {
+            name: self.name.into(),
+            model: MODEL_NAME.into(),
+            guid: self.guid.clone(),
+            chosen: BTreeMap::new(),
+            state: "state-0".into(),
+            bytes: state.len() as u64,
+        };
+        Ok((vec![record], vec![state]))
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        self.simulation.take_warnings().into_iter().map(|warning| format!("warning: {warning}")).collect()
+    }
+}
+
+/// Prepares a run of a Trial. Warnings are printed.
+pub fn prepare(given: &Given, settings: &Settings) -> Result<Prepared> {
+    settings.check().map_err(refused)?;
+    let saved = settings.resume.as_deref().map(read_saved).transpose().map_err(refused)?;
+    let (documents, problems, plan) = documents(given, settings)?;
+    problems.iter().for_each(|problem| note!("{problem}"));
+    let (drive, walking) = (documents.drive.clone(), documents.plan.clone());
+    let (trial, drive_end) = (documents.trial.clone(), drive.end());
+    let mut simulation = Simulation::new(documents, settings.algorithm)?;
+    for (name, value) in &settings.parameters {
+        let overwritten = simulation.set(name, value).map_err(not_set)?;
+        if let Some(input) = overwritten {
+            let (name, value) = (name.clone(), value.clone());
+            note!("{}", warned(&Warning::Overwritten { name, value, input }));
+        }
+    }
+    if let Some(threads) = settings.threads {
+        simulation.set("Threads", &threads.to_string())?;
+    }
+    let (before, states) = saved.unzip();
+    let until = settings.until_of(before.as_ref(), 0.0, None).map_err(refused)?;
+    simulation.begin(0.0, settings.tolerance)?;
+    let name = if walking.is_some() { WALKERS } else { CROWD };
+    let guid = guid(&table(&trial)).braced().to_string();
+    if let (Some(before), Some(states)) = (&before, &states) {
+        match (&plan, before.component[0].name.as_str()) {
+            (Some(plan), CROWD) => return Err(refused(PrepareError::NowWalks(plan.clone()))),
+            (None, WALKERS) => return Err(refused(PrepareError::NoLongerWalks)),
+            _ => {}
+        }
+        let component = [name.to_owned(), MODEL_NAME.to_owned(), guid.clone()];
+        before.check(&[component], &settings.algorithm.to_string(), "")?;
+        ensure!(before.drive == drive.fingerprint(), refused(PrepareError::OtherDrive));
+        simulation.restore(&states[0])?;
+    }
+    let (step, every) = match &before {
+        Some(before) => settings.same_points(before).map_err(refused)?,
+        None => (settings.step.unwrap_or(trial.parameters.time_step), settings.every.unwrap_or(1)),
+    };
+    let clock = Clock::new(0.0, step, until)?;
+    let missed = drive.missed(0.0, step).map(Warning::Missed);
+    for warning in missed.into_iter().chain(settings.between(before.as_ref(), &clock)) {
+        note!("{}", warned(&warning));
+    }
+    match plan {
+        Some(plan) if drive_end.is_some() => note!("{}", warned(&Warning::DriveOfWalkers { plan })),
+        None if before.is_none() && drive_end.is_none() && is_still(&simulation) => {
+            note!("{}", warned(&Warning::Still));
+        }
+        _ => {}
+    }
+    let frame = simulation.frame();
+    let groups = Groups { contacts: true, of_step: true, active: frame.active.is_some(), totals: true };
+    let crowd = CrowdInfo {
+        component: CROWD.into(),
+        ids: simulation.ids().to_vec(),
+        groups,
+        columns: groups.columns(),
+        about: vec![
+            ("trial", trial.name.clone()),
+            ("component", CROWD.into()),
+            ("model_name", MODEL_NAME.into()),
+            ("guid", guid.clone()),
+        ],
+        trial: Some(simulation.trial().clone()),
+    };
+    let step_name = if walking.is_some() { "crowd.TimeStepMechanical" } else { "TimeStepMechanical" };
+    let mechanical = simulation.trial().parameters.time_step_mechanical;
+    let directory = simulation.text(Quantity::OutputDirectory).to_owned();
+    let parts = |_| format!("people walk        ({} algorithm)", settings.algorithm);
+    Ok(Prepared {
+        crowds: vec![crowd],
+        coupling: walking.iter().map(parts).collect(),
+        plans: walking.into_iter().collect(),
+        mechanical_steps: vec![(step_name.into(), mechanical)],
+        output_directories: Some(directory)
+            .filter(|name| !name.is_empty())
+            .map(PathBuf::from)
+            .into_iter()
+            .collect(),
+        index: before.as_ref().map_or(0, |before| before.index),
+        clock,
+        every,
+        drive_end,
+        identity: Identity {
+            algorithm: settings.algorithm.to_string(),
+            wiring: String::new(),
+            drive: drive.fingerprint(),
+        },
+        before,
+        subject: Box::new(TrialRun { simulation, name, guid }),
+    })
+}
+
+/// The documents of a run; errors of a Trial are printed.
+pub fn documents(
+    given: &Given,
+    settings: &Settings,
+) -> Result<(Documents, lemons_trial::Problems, Option<PathBuf>)> {
+    let read = given.documents(&settings.drive, &settings.plan);
+    read.map_err(|error| crate::words::trial_told(error.into()))
+}
+
+/// Why a parameter was not set, in the words of the command.
+pub fn not_set(error: SimError) -> Error {
+    match error {
+        SimError::Unknown { name, text, meant: Some(value) } => {
+            refused(PrepareError::OfOther { name, value: text, meant: value })
+        }
+        error => Error::new(error).context("--set"),
+    }
+}
+
+/// Whether nobody has a speed or a force at the start.
+fn is_still(simulation: &Simulation) -> bool {
+    simulation.world().is_some_and(|world| {
+        let still = |(twist, drive): (&lemons_plane::Twist, &crowd_mechanics::engine::Wrench)| {
+            *twist == lemons_plane::Twist::default() && *drive == Default::default()
+        };
+        world.state().twists.iter().zip(&world.drive).all(still)
+    })
+}

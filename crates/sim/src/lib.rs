@@ -1,0 +1,22 @@
+//! One simulation of a Trial: its documents become a world, a decision and a drive, which step from one communication
+//! point to the next. Whoever simulates a Trial uses it: the command, sweeps, pictures, the lab and Python. Nothing here
+//! reads or writes files, and all of it builds for WebAssembly. SI units.
+//!
+//! - [`Simulation`]: the Trial's crowd, and who decides where its people walk, coupled as their FMUs are
+//! - [`settings`]: parameters by the names of their FMUs' variables
+//! - [`Clock`], [`run`]: communication points, and the one loop over them
+//! - [`exposure`]: greatest squeeze and overlap, and what passes between two rows of a table
+//! - [`stop`]: when a run ends before its time
+
+mod clock;
+pub mod exposure;
+mod run;
+pub mod settings;
+mod simulation;
+pub mod stop;
+
+pub use clock::{Clock, ClockError};
+pub use exposure::{ExposureSum, Extremes, Greatest};
+pub use run::{Model, Point, run};
+pub use simulation::{Algorithm, Documents, SimError, Simulation};
+pub use stop::StopCondition;

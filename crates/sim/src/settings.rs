@@ -1,0 +1,289 @@
+//! Parameters and start values of a Trial by the names of its FMUs' variables, with values as text.
+
+use crate::simulation::{SimError, Simulation};
+use crowd_mechanics::variables::{self, AgentQuantity};
+use lemons_decision::decision;
+use lemons_files::words;
+use lemons_fmi::variables::{Kind, Role, Variable};
+use lemons_fmi::{Model, Phase};
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+
+/// Prefix of the variables of the crowd.
+pub const CROWD: &str = "crowd";
+/// Prefix of the variables of Decision.
+pub const DECISION: &str = "decision";
+
+/// Stands for all agents in the name of a variable.
+const EVERY_AGENT: &str = "agent[*].";
+
+/// Returns the variables that a name stands for: `agent[*].Mass` stands for those of all known agents, any other name
+/// for itself.
+pub fn named(name: &str, known: impl Fn(&str) -> bool) -> Vec<String> {
+    let of_all = name.strip_prefix(EVERY_AGENT).map(|rest| {
+        let names = (0..).map(|i| format!("agent[{i}].{rest}"));
+        names.take_while(|name| known(name)).collect::<Vec<_>>()
+    });
+    of_all.filter(|all| !all.is_empty()).unwrap_or_else(|| vec![name.to_owned()])
+}
+
+/// Returns which of all names an unknown one most likely means, with the indices of the unknown one if there is such a
+/// name; `None` if only its indices are wrong.
+pub fn meant(unknown: &str, all: impl Iterator<Item = String>) -> Option<String> {
+    // Every other part is an index.
+    let parts = |name: &str| name.split(['[', ']']).map(str::to_owned).collect::<Vec<_>>();
+    let kind = |parts: &[String]| parts.iter().step_by(2).map(String::as_str).collect::<Vec<_>>().join("[]");
+    let own = parts(unknown);
+    let all: BTreeMap<String, Vec<String>> = all.map(|name| (name.clone(), parts(&name))).collect();
+    let kinds: BTreeMap<String, &String> =
+        all.iter().rev().map(|(name, parts)| (kind(parts), name)).collect();
+    let (found, first) = kinds.get_key_value(words::meant(&kind(&own), kinds.keys().map(String::as_str))?)?;
+    if *found == kind(&own) {
+        return None;
+    }
+    let mut indices = own.iter().skip(1).step_by(2);
+    let with_own = found.split("[]").map(str::to_owned).reduce(|name, rest| {
+        let index = indices.next().map_or("", String::as_str);
+        format!("{name}[{index}]{rest}")
+    })?;
+    let exists = named(&with_own, |name| all.contains_key(name)).iter().all(|name| all.contains_key(name));
+    Some(if exists { with_own } else { (*first).clone() })
+}
+
+/// Variables of a model by name.
+pub(crate) struct Names<Q>(BTreeMap<String, Variable<Q>>);
+
+impl<Q: Copy + Debug> Names<Q> {
+    pub(crate) fn of(table: Vec<Variable<Q>>) -> Names<Q> {
+        Names(table.into_iter().map(|variable| (variable.name.clone(), variable)).collect())
+    }
+
+    /// Returns the variables that a name stands for; `None` if one of them is unknown.
+    pub(crate) fn find(&self, name: &str) -> Option<Vec<&Variable<Q>>> {
+        named(name, |name| self.0.contains_key(name)).iter().map(|name| self.0.get(name)).collect()
+    }
+
+    fn meant(&self, name: &str) -> Option<String> {
+        meant(name, self.0.keys().cloned())
+    }
+
+    /// Returns the names of the variables that a name stands for, with a prefix.
+    fn full(&self, prefix: &str, name: &str) -> Option<Vec<String>> {
+        Some(self.find(name)?.iter().map(|variable| format!("{prefix}.{}", variable.name)).collect())
+    }
+
+    /// Returns the quantities that a name stands for, and whether each is a Real; `None` if one is a text.
+    fn numbers(&self, name: &str) -> Option<Vec<(Q, bool)>> {
+        let number = |variable: &&Variable<Q>| match variable.kind {
+            Kind::Real(_) => Some((variable.quantity, true)),
+            Kind::Integer | Kind::Boolean => Some((variable.quantity, false)),
+            Kind::String => None,
+        };
+        self.find(name)?.iter().map(number).collect()
+    }
+}
+
+/// Sets variables of a model, which is not initialized, to the value that a text means.
+fn set<M: Model>(model: &mut M, variables: &[&Variable<M::Quantity>], text: &str) -> Result<(), SimError>
+where
+    SimError: From<M::Error>,
+{
+    let Some(first) = variables.first() else { return Ok(()) };
+    let wrong =
+        |why: &str| SimError::Value { name: first.name.clone(), text: text.to_owned(), why: why.into() };
+    if !matches!(first.role, Role::Input | Role::Parameter | Role::Exact) {
+        return Err(wrong("it is computed, and cannot be set"));
+    }
+    let number = match first.kind {
+        Kind::String => {
+            let values: Vec<_> = variables.iter().map(|variable| (variable.quantity, text)).collect();
+            return Ok(model.set_strings(&values)?);
+        }
+        Kind::Real(_) => text.trim().parse().map_err(|_| wrong("not a number"))?,
+        Kind::Integer => f64::from(text.trim().parse::<i32>().map_err(|_| wrong("not a number"))?),
+        Kind::Boolean => match text {
+            "true" | "1" => 1.0,
+            "false" | "0" => 0.0,
+            _ => return Err(wrong("neither true nor false")),
+        },
+    };
+    first.domain.check(number).map_err(|must| wrong(&format!("must be {must}")))?;
+    for variable in variables {
+        match variable.kind {
+            Kind::Real(_) => model.set_real(variable.quantity, number, Phase::Instantiated),
+            _ => model.set_integer(variable.quantity, number as i32, Phase::Instantiated),
+        }
+    }
+    Ok(())
+}
+
+/// Whose variable a name means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Of {
+    Crowd,
+    Decision,
+    /// A parameter of people that both have: the same people's.
+    Both,
+}
+
+impl Simulation {
+    /// Returns whose variable a name means, and its name there.
+    pub(crate) fn meaning<'a>(&self, name: &'a str) -> (Of, &'a str) {
+        let Some(decision) = &self.decision_names else {
+            return (Of::Crowd, within(CROWD, name).unwrap_or(name));
+        };
+        if let Some(name) = within(CROWD, name) {
+            return (Of::Crowd, name);
+        }
+        if let Some(name) = within(DECISION, name) {
+            return (Of::Decision, name);
+        }
+        let both = name.starts_with("agent[")
+            && decision.find(name).is_some_and(|found| found.iter().all(|of| of.role == Role::Parameter));
+        // What only Decision has needs its prefix: the crowd may get such a variable later.
+        let both = both && self.crowd_names.find(name).is_some();
+        (if both { Of::Both } else { Of::Crowd }, name)
+    }
+
+    /// Sets a parameter or a start value, before [`Simulation::begin`]: `Threads`, `agent[*].Mass`,
+    /// `crowd.agent[0].Mass`, `decision.agent[3].DesiredSpeed`. Of people who walk, a parameter that crowd and Decision
+    /// have is set in both. Returns the input that the coupling overwrites, if the name means such.
+    ///
+    /// # Errors
+    /// There is no such variable, it is computed, or the text is no value of it.
+    pub fn set(&mut self, name: &str, text: &str) -> Result<Option<String>, SimError> {
+        let (of, variable) = self.meaning(name);
+        let crowd = if of == Of::Decision { None } else { Some(self.crowd_names.find(variable)) };
+        let decision = if of == Of::Crowd { None } else { self.decision_names.as_ref() };
+        let decision = decision.map(|names| names.find(variable));
+        if crowd == Some(None) || decision == Some(None) {
+            let meant = self.meant(of, name, variable);
+            return Err(SimError::Unknown { name: name.to_owned(), text: text.to_owned(), meant });
+        }
+        let mut overwritten = None;
+        if let Some(variables) = crowd.flatten() {
+            set(&mut self.crowd, &variables, text)?;
+            for variable in &variables {
+                use AgentQuantity::{FpX, FpY, Mp};
+                if let variables::Quantity::Agent(agent, FpX | FpY | Mp) = variable.quantity {
+                    self.crowd.keep_drive_from(agent as usize);
+                }
+            }
+            let fed = variables.iter().find(|variable| is_fed(variable.quantity));
+            overwritten = fed.filter(|_| self.decision.is_some()).map(|variable| variable.name.clone());
+        }
+        if let (Some(variables), Some(decision)) = (decision.flatten(), &mut self.decision) {
+            set(decision, &variables, text)?;
+            let fed = variables.iter().find(|variable| variable.role == Role::Input);
+            overwritten = overwritten.or(fed.map(|variable| variable.name.clone()));
+        }
+        Ok(overwritten)
+    }
+
+    /// Returns the name that was probably meant: the same with the prefix of who has it, or one that is spelt alike.
+    fn meant(&self, of: Of, name: &str, variable: &str) -> Option<String> {
+        let decision = self.decision_names.as_ref();
+        if of == Of::Crowd && decision.is_some_and(|names| names.find(variable).is_some()) {
+            return Some(format!("{DECISION}.{variable}"));
+        }
+        if of == Of::Decision && self.crowd_names.find(variable).is_some() {
+            return Some(format!("{CROWD}.{variable}"));
+        }
+        let meant = match (of, decision) {
+            (Of::Decision, Some(names)) => names.meant(variable),
+            _ => self.crowd_names.meant(variable),
+        };
+        Some(name.strip_suffix(variable)?.to_owned() + &meant?)
+    }
+
+    /// Returns the full names of the variables that a name sets: `crowd.agent[0].Mass`.
+    ///
+    /// # Errors
+    /// There is no such variable: the name that is probably meant, if any.
+    pub fn resolve(&self, name: &str) -> Result<Vec<String>, Option<String>> {
+        let (of, variable) = self.meaning(name);
+        let crowd =
+            if of == Of::Decision { Some(Vec::new()) } else { self.crowd_names.full(CROWD, variable) };
+        let decision = self.decision_names.as_ref().filter(|_| of != Of::Crowd);
+        let decision = decision.map_or(Some(Vec::new()), |names| names.full(DECISION, variable));
+        match (crowd, decision) {
+            (Some(crowd), Some(decision)) => Ok([crowd, decision].concat()),
+            _ => Err(self.meant(of, name, variable)),
+        }
+    }
+
+    /// Returns whether a variable, by its full name, is an input that crowd and Decision feed each other.
+    pub fn is_fed(&self, full: &str) -> bool {
+        let of = |prefix| within(prefix, full);
+        let Some(decision) = &self.decision_names else { return false };
+        let crowd = of(CROWD).and_then(|name| self.crowd_names.0.get(name));
+        let decision = of(DECISION).and_then(|name| decision.0.get(name));
+        crowd.is_some_and(|of| is_fed(of.quantity)) || decision.is_some_and(|of| of.role == Role::Input)
+    }
+
+    /// Finds variables that are read together, in an order: of people whom both have, those of the crowd.
+    ///
+    /// # Errors
+    /// There is no such variable, or it is a text: its name, and the one that is probably meant, if any.
+    pub fn select(&self, names: &[String]) -> Result<Selection, (String, Option<String>)> {
+        let mut all = Vec::new();
+        for name in names {
+            let (of, variable) = self.meaning(name);
+            let found = match (of, &self.decision_names) {
+                (Of::Decision, Some(names)) => names.numbers(variable).map(|found| {
+                    all.extend(found.into_iter().map(|(quantity, real)| Selected::Decision(quantity, real)));
+                }),
+                _ => self.crowd_names.numbers(variable).map(|found| {
+                    all.extend(found.into_iter().map(|(quantity, real)| Selected::Crowd(quantity, real)));
+                }),
+            };
+            found.ok_or_else(|| (name.clone(), self.meant(of, name, variable)))?;
+        }
+        Ok(Selection(all))
+    }
+
+    /// Returns the present values of selected variables.
+    ///
+    /// # Errors
+    /// Decision cannot compute them.
+    pub fn read(&mut self, selection: &Selection) -> Result<Vec<f64>, SimError> {
+        let mut values = Vec::with_capacity(selection.0.len());
+        for selected in &selection.0 {
+            values.push(match (selected, &mut self.decision) {
+                (Selected::Crowd(quantity, real), _) => read(&mut self.crowd, *quantity, *real)?,
+                (Selected::Decision(quantity, real), Some(decision)) => read(decision, *quantity, *real)?,
+                (Selected::Decision(..), None) => 0.0,
+            });
+        }
+        Ok(values)
+    }
+}
+
+/// Variables that are read together.
+#[derive(Debug, Clone)]
+pub struct Selection(Vec<Selected>);
+
+/// A quantity, and whether it is a Real: others are Integers or Booleans.
+#[derive(Debug, Clone, Copy)]
+enum Selected {
+    Crowd(variables::Quantity, bool),
+    Decision(decision::Quantity, bool),
+}
+
+fn read<M: Model>(model: &mut M, quantity: M::Quantity, real: bool) -> Result<f64, M::Error> {
+    if real { model.real(quantity) } else { Ok(f64::from(model.integer(quantity)?)) }
+}
+
+/// The rest of a name after a prefix and a point.
+fn within<'a>(prefix: &str, name: &'a str) -> Option<&'a str> {
+    name.strip_prefix(prefix)?.strip_prefix('.')
+}
+
+/// Whether Decision feeds a quantity of the crowd.
+fn is_fed(quantity: variables::Quantity) -> bool {
+    use AgentQuantity::{Active, FpX, FpY, Mp};
+    matches!(quantity, variables::Quantity::Agent(_, FpX | FpY | Mp | Active))
+}
+
+/// Names of the variables of Decision.
+pub(crate) type DecisionNames = Names<decision::Quantity>;

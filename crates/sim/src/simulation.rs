@@ -1,0 +1,365 @@
+//! A Trial's crowd, and who decides where its people walk.
+
+use crate::settings::{DecisionNames, Names};
+use crowd_mechanics::engine::{Pose, World, Wrench, vec2};
+use crowd_mechanics::model::{CrowdModel, ModelError, Saved as SavedCrowd};
+use crowd_mechanics::variables::{AgentQuantity, Quantity};
+use lemons_decision::decision::{Act, DecisionError, Saved as SavedDecision};
+use lemons_decision::rule::Pose as SeenPose;
+use lemons_decision::{Decision, Plan};
+use lemons_fmi::{Model, Phase, StepError};
+use lemons_plane::Motion;
+use lemons_record::{Frame, Observed, OfStep, Totals};
+use lemons_trial::{DriveTable, Trial};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// What a simulation begins with.
+#[derive(Debug, Clone)]
+pub struct Documents {
+    /// The Trial.
+    pub trial: Trial,
+    /// Propulsion over time; empty for none. Where people walk, it is added to the forces with which they do.
+    pub drive: DriveTable,
+    /// Where people walk, if they do.
+    pub plan: Option<Plan>,
+}
+
+/// In which order crowd and Decision exchange values and step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Algorithm {
+    /// Both use the values of the last communication point.
+    #[default]
+    Jacobi,
+    /// Decision steps first, and the crowd uses what it has decided.
+    GaussSeidel,
+}
+
+impl fmt::Display for Algorithm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Algorithm::Jacobi => "Jacobi",
+            Algorithm::GaussSeidel => "Gauss-Seidel",
+        })
+    }
+}
+
+/// Why a simulation does not begin or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum SimError {
+    /// The crowd refuses it.
+    #[error(transparent)]
+    Crowd(#[from] ModelError),
+    /// Decision refuses it.
+    #[error(transparent)]
+    Decision(#[from] DecisionError),
+    /// A text is not a value of a variable.
+    #[error("{name}={text}: {why}")]
+    Value {
+        /// Of the variable.
+        name: String,
+        /// What was given.
+        text: String,
+        /// What it must be.
+        why: String,
+    },
+    /// There is no such variable.
+    #[error(
+        "{name}={text}: there is no such variable{}",
+        meant.as_ref().map(|meant| format!("; did you mean {meant:?}?")).unwrap_or_default()
+    )]
+    Unknown {
+        /// What was given.
+        name: String,
+        /// Its value.
+        text: String,
+        /// The name that is probably meant.
+        meant: Option<String>,
+    },
+    /// A saved state is damaged, or of other documents.
+    #[error("the saved state is damaged, or is not a state of this Trial")]
+    State,
+}
+
+impl<E> From<StepError<E>> for SimError
+where
+    SimError: From<E>,
+{
+    fn from(error: StepError<E>) -> SimError {
+        let (StepError::Refused(error) | StepError::Failed(error)) = error;
+        error.into()
+    }
+}
+
+/// One simulation of a Trial.
+pub struct Simulation {
+    pub(crate) crowd: CrowdModel,
+    pub(crate) crowd_names: Names<Quantity>,
+    pub(crate) decision: Option<Decision>,
+    pub(crate) decision_names: Option<DecisionNames>,
+    algorithm: Algorithm,
+    ids: Vec<String>,
+    /// Added to the forces of those who walk; empty where nobody does, and the crowd is driven by it.
+    added: DriveTable,
+    /// Whether it is, by the crowd's `PlayDrive`.
+    adds: bool,
+    /// What those who walk do next.
+    acts: Vec<Act>,
+    /// \[s\]
+    time: f64,
+}
+
+/// Everything on which a simulation's future depends, besides its documents and settings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Saved {
+    time: f64,
+    crowd: SavedCrowd,
+    decision: Option<SavedDecision>,
+    adds: bool,
+}
+
+impl Simulation {
+    /// Makes a simulation that has not begun: parameters can be [set](Simulation::set).
+    ///
+    /// # Errors
+    /// None of documents that were read and checked.
+    pub fn new(documents: Documents, algorithm: Algorithm) -> Result<Simulation, SimError> {
+        let Documents { trial, drive, plan } = documents;
+        let ids = trial.agents.iter().map(|agent| agent.id.clone()).collect();
+        let (played, added) = match &plan {
+            None => (drive, DriveTable::default()),
+            Some(_) => (DriveTable::default(), drive),
+        };
+        let crowd = CrowdModel::of_trial(trial, played)?;
+        let decision = plan.map(Decision::new);
+        let decision_names = decision.as_ref().map(|decision| Names::of(decision.table()));
+        let crowd_names = Names::of(crowd.table());
+        let acts = Vec::new();
+        Ok(Simulation {
+            crowd,
+            crowd_names,
+            decision,
+            decision_names,
+            algorithm,
+            ids,
+            added,
+            adds: true,
+            acts,
+            time: 0.0,
+        })
+    }
+
+    /// Begins at a time \[s\]. The tolerance \[m\], if there is one, chooses the mechanical step (docs/step.md).
+    ///
+    /// # Errors
+    /// The values that were set do not fit together, or no ways to exits and goals can be found.
+    pub fn begin(&mut self, start: f64, tolerance: Option<f64>) -> Result<(), SimError> {
+        self.time = start;
+        self.crowd.set_tolerance(tolerance);
+        self.adds = self.crowd.integer(Quantity::PlayDrive)? != 0;
+        if let Some(decision) = &mut self.decision {
+            decision.initialize(start)?;
+            let mut poses = Vec::with_capacity(self.ids.len());
+            for i in 0..self.ids.len() as u32 {
+                let mut real = |quantity| self.crowd.real(Quantity::Agent(i, quantity));
+                use AgentQuantity::{PositionX, PositionY, Theta};
+                poses.push(SeenPose { x: real(PositionX)?, y: real(PositionY)?, theta: real(Theta)? });
+            }
+            decision.see(poses.into_iter());
+            self.acts = decision.acts()?;
+            self.drive_crowd(Phase::Initialization);
+        }
+        Ok(self.crowd.initialize(start)?)
+    }
+
+    /// Goes back to before [`Simulation::begin`], without what was set.
+    ///
+    /// # Errors
+    /// None of documents that were read and checked.
+    pub fn reset(&mut self) -> Result<(), SimError> {
+        self.crowd.reset()?;
+        if let Some(decision) = &mut self.decision {
+            decision.reset()?;
+        }
+        (self.acts, self.time) = (Vec::new(), 0.0);
+        Ok(())
+    }
+
+    /// Returns the last communication point \[s\].
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Returns the Trial, with what was set.
+    pub fn trial(&self) -> &Trial {
+        self.crowd.trial()
+    }
+
+    /// Returns the order in which crowd and Decision step.
+    pub fn algorithm(&self) -> Algorithm {
+        self.algorithm
+    }
+
+    /// Returns whether people walk.
+    pub fn walks(&self) -> bool {
+        self.decision.is_some()
+    }
+
+    /// Returns the Ids of the agents.
+    pub fn ids(&self) -> &[String] {
+        &self.ids
+    }
+
+    /// Returns the engine's world; `None` before the beginning.
+    pub fn world(&self) -> Option<&World> {
+        self.crowd.world()
+    }
+
+    /// Returns what those who walk do next; empty where nobody does.
+    pub fn acts(&self) -> &[Act] {
+        &self.acts
+    }
+
+    /// Returns how many of those who walk have arrived: at their last way-point, at a goal, or have left.
+    ///
+    /// # Errors
+    /// No ways to exits and goals can be found.
+    pub fn arrived(&mut self) -> Result<usize, SimError> {
+        Ok(self.decision.as_mut().map_or(Ok(0), Decision::arrived)?)
+    }
+
+    /// Returns the value of a parameter of the crowd that is a text.
+    pub fn text(&self, quantity: Quantity) -> &str {
+        self.crowd.string(quantity)
+    }
+
+    /// Returns the warnings since the last call.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        self.crowd.take_warnings()
+    }
+
+    /// Returns the crowd at the present communication point; empty before the beginning.
+    pub fn frame(&self) -> Frame {
+        let Some(world) = self.world() else { return Frame::default() };
+        let (state, report) = (world.state(), world.contacts());
+        let motions = state.poses.iter().zip(&state.twists);
+        let observed = report.bodies.iter().zip(world.exposures()).map(|(body, exposure)| Observed {
+            agent_contacts: body.agent_contacts,
+            wall_contacts: body.wall_contacts,
+            contacting_agents: body.touching_bodies,
+            normal_force: body.squeeze,
+            of_step: Some(OfStep {
+                mean_normal_force: exposure.mean_force,
+                peak_normal_force: exposure.peak_force,
+                peak_overlap: exposure.peak_overlap,
+            }),
+        });
+        let may_leave = self.walks() || world.present().contains(&false);
+        Frame {
+            time: self.time,
+            agents: motions.map(|(pose, twist)| Motion { pose: *pose, twist: *twist }).collect(),
+            observed: Some(observed.collect()),
+            totals: Some(Totals {
+                agent_contacts: report.agent_contacts,
+                wall_contacts: report.wall_contacts,
+            }),
+            active: may_leave.then(|| world.present().to_vec()),
+            place: format!("t = {:?} s", self.time),
+            ..Frame::default()
+        }
+    }
+
+    /// Returns the state at the present communication point, as bytes.
+    pub fn save(&self) -> Vec<u8> {
+        let decision = self.decision.as_ref().map(Model::save);
+        let saved = Saved { time: self.time, crowd: self.crowd.save(), decision, adds: self.adds };
+        postcard::to_stdvec(&saved).expect("a state is plain numbers and text")
+    }
+
+    /// Goes to a state that a simulation of the same documents has saved. It has the settings of that one.
+    ///
+    /// # Errors
+    /// The bytes are damaged, or are of other documents.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SimError> {
+        let saved: Saved = postcard::from_bytes(bytes).map_err(|_| SimError::State)?;
+        if !saved.time.is_finite() || saved.decision.is_some() != self.decision.is_some() {
+            return Err(SimError::State);
+        }
+        if let (Some(decision), Some(saved)) = (&mut self.decision, &saved.decision) {
+            decision.restore(saved)?;
+            self.acts = decision.acts()?;
+        }
+        self.crowd.restore(&saved.crowd)?;
+        (self.time, self.adds) = (saved.time, saved.adds);
+        Ok(())
+    }
+
+    /// Drives the crowd as those who walk do, with what is added.
+    fn drive_crowd(&mut self, phase: Phase) {
+        for (i, act) in (0..).zip(&self.acts) {
+            let [x, y] = act.drive.force;
+            let mut drive = Wrench { force: vec2(x, y), torque: act.drive.torque };
+            if phase == Phase::StepComplete
+                && self.adds
+                && let Some([x, y, torque]) = self.added.at(&self.ids[i as usize], self.time)
+            {
+                drive = Wrench { force: drive.force + vec2(x, y), torque: drive.torque + torque };
+            }
+            use AgentQuantity::{Active, FpX, FpY, Mp};
+            for (quantity, value) in [(FpX, drive.force.x), (FpY, drive.force.y), (Mp, drive.torque)] {
+                self.crowd.set_real(Quantity::Agent(i, quantity), value, phase);
+            }
+            self.crowd.set_integer(Quantity::Agent(i, Active), act.active.into(), phase);
+        }
+    }
+
+    /// Those who walk see these poses, and decide over a step \[s\].
+    fn decide(&mut self, poses: &[Pose], step: f64) -> Result<(), SimError> {
+        let Some(decision) = &mut self.decision else { return Ok(()) };
+        let seen = |pose: &Pose| SeenPose { x: pose.position.x, y: pose.position.y, theta: pose.orientation };
+        decision.see(poses.iter().map(seen));
+        decision.pass(step)?;
+        self.acts = decision.acts()?;
+        Ok(())
+    }
+
+    fn poses(&self) -> Vec<Pose> {
+        match (self.world(), &self.decision) {
+            (Some(world), Some(_)) => world.state().poses.clone(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+impl fmt::Debug for Simulation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (agents, walks) = (self.ids.len(), self.walks());
+        f.debug_struct("Simulation")
+            .field("agents", &agents)
+            .field("walks", &walks)
+            .field("time", &self.time)
+            .finish()
+    }
+}
+
+impl crate::run::Model for Simulation {
+    type Error = SimError;
+
+    fn step_to(&mut self, time: f64) -> Result<(), SimError> {
+        let (from, step, poses) = (self.time, time - self.time, self.poses());
+        match self.algorithm {
+            Algorithm::Jacobi => {
+                self.drive_crowd(Phase::StepComplete);
+                self.crowd.advance(from, step)?;
+                self.decide(&poses, step)?;
+            }
+            Algorithm::GaussSeidel => {
+                self.decide(&poses, step)?;
+                self.drive_crowd(Phase::StepComplete);
+                self.crowd.advance(from, step)?;
+            }
+        }
+        self.time = time;
+        Ok(())
+    }
+}
