@@ -5,6 +5,7 @@ mod files;
 mod leaving;
 mod people;
 mod runs;
+mod same_bits;
 
 use lemons_lab::Lab;
 use lemons_lab::boundary::answer;

@@ -1,48 +1,9 @@
-//! What moves, against the FMU; and what pages ask of frames.
+//! What moves, and what pages ask of frames.
 
 use crate::{ask, close, crowd, numbers, ok, opened, push, refused, show, square, with, zipped_with};
 use lemons_lab::Lab;
 use lemons_lab::frame::COLUMNS;
-use lemons_master::{Error, Observer, Prepared, Reached, Settings, System, own_binary};
 use serde_json::json;
-use std::path::Path;
-
-#[test]
-fn the_push_moves_as_the_fmu_moves_to_the_last_bit() {
-    let mut lab = Lab::default();
-    ok(&mut lab, push());
-    let (value, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": 20}));
-    assert_eq!(value["time"], 1.0);
-    let shown = numbers(&frames);
-    assert_eq!(shown.len(), 20 * 5 * COLUMNS);
-
-    let binary = own_binary().unwrap();
-    let library = std::fs::read(&binary.path).unwrap();
-    let wanted = json!({"ask": "take", "run": 1, "wanted": {
-        "file": "fmu", "version": 2, "binaries": [[binary.platform, library.len()]]
-    }});
-    let (value, fmu) = ask(&mut lab, &wanted, &library);
-    assert_eq!(value["ok"]["name"], "push.fmu");
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("push.fmu");
-    std::fs::write(&path, fmu).unwrap();
-    let frames = run(&path, 1.0);
-    assert_eq!(frames.len(), 20);
-    for (frame, shown) in frames.iter().zip(shown.chunks(5 * COLUMNS)) {
-        for (a, pose) in frame.iter().enumerate() {
-            assert_eq!(pose, &shown[COLUMNS * a..COLUMNS * a + 3], "agent {a}");
-        }
-    }
-    // It reached the last of the row.
-    assert!((frames[19][4][0] - frames[0][4][0]).abs() > 0.01);
-    // And from the beginning again: the former run is over.
-    ok(&mut lab, push());
-    assert!(
-        refused(&mut lab, json!({"ask": "advance", "run": 1, "steps": 1}), &[]).contains("run 1 is over")
-    );
-    let (_, again) = ok(&mut lab, json!({"ask": "advance", "run": 2, "steps": 20}));
-    assert_eq!(numbers(&again), shown);
-}
 
 #[test]
 fn a_table_is_that_of_the_frames_and_tells_its_progress() {
@@ -121,7 +82,7 @@ fn people_walk_to_the_nearer_way_and_arrive() {
 }
 
 #[test]
-fn who_has_left_has_no_place_and_the_rest_is_as_in_the_coupled_fmus() {
+fn who_has_left_has_no_place() {
     // Some stand in the exit from the start.
     let mut lab = Lab::default();
     let base = with(crowd(8, square(4.0, 3.0)), "direction", json!(0));
@@ -140,33 +101,23 @@ fn who_has_left_has_no_place_and_the_rest_is_as_in_the_coupled_fmus() {
     let take = json!({"ask": "take", "run": 2, "wanted": {"file": "trajectories", "steps": 150}});
     let table = String::from_utf8(ok(&mut lab, take).1).unwrap();
 
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("leave.zip");
-    std::fs::write(&path, &zip).unwrap();
-    let settings = Settings { until: Some(1.5), ..Settings::of(path) };
-    let mut seen = Seen::default();
-    assert!(Prepared::of(&settings).unwrap().simulate(&mut seen).unwrap().is_continue());
-
     let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let column = |name: &str| header.iter().position(|column| *column == name).unwrap();
     let (x, y, there) = (column("x"), column("y"), column("active"));
     let rows: Vec<Vec<f64>> =
         table.lines().skip(1).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
-    assert_eq!((rows.len(), seen.0.len()), (151 * 8, 150 * 8));
+    assert_eq!(rows.len(), 151 * 8);
     let frames_shown = numbers(&frames);
-    let pairs = rows.iter().zip(frames_shown.chunks(COLUMNS)).skip(8).zip(&seen.0);
-    for ((row, shown), (place, active)) in pairs {
-        assert_eq!(([row[x], row[y]], row[there] != 0.0), (*place, *active));
-        if *active {
-            assert_eq!(shown[..2], place[..]);
+    for (row, shown) in rows.iter().zip(frames_shown.chunks(COLUMNS)) {
+        if row[there] != 0.0 {
+            assert_eq!(shown[..2], [row[x], row[y]]);
         } else {
             assert!(shown[0].is_nan() && shown[1].is_nan() && shown[6..] == [0.0, 0.0]);
         }
     }
-    let left = |row: &[(_, bool)]| row.iter().filter(|(_, active)| !active).count();
-    let (begin, end) = (left(&seen.0[..8]), left(&seen.0[149 * 8..]));
+    let left = |rows: &[Vec<f64>]| rows.iter().filter(|row| row[there] == 0.0).count();
+    let (begin, end) = (left(&rows[..8]), left(&rows[150 * 8..]));
     assert!(begin > 0 && begin < end && end < 8, "{begin} {end}");
-    assert_eq!(rows[..8].iter().filter(|row| row[there] == 0.0).count(), begin, "from the start");
     assert!(advanced["arrived"].as_u64().unwrap() as usize >= end);
 
     // What is asked of such a frame: nobody who has left presses, is drawn, or crosses a line.
@@ -183,28 +134,6 @@ fn who_has_left_has_no_place_and_the_rest_is_as_in_the_coupled_fmus() {
     let mesh = String::from_utf8(ask(&mut lab, &mesh, last).1).unwrap();
     let named = mesh.split("agent_").skip(1).filter_map(|rest| rest.split('_').next());
     assert_eq!(named.collect::<std::collections::BTreeSet<_>>().len(), 8 - end);
-}
-
-/// Where everybody is, and whether they are there.
-#[derive(Default)]
-pub struct Seen(pub Vec<([f64; 2], bool)>);
-
-impl Observer<System> for Seen {
-    type Error = Error;
-
-    fn look(&mut self, system: &mut System, _: Reached) -> Result<(), Error> {
-        let crowd = system.components().iter().find(|component| component.name == "crowd").unwrap();
-        let named = |what: &str| (0..8).map(|a| format!("agent[{a}].{what}")).collect::<Vec<_>>();
-        let x = crowd.instance.select(named("Position.x"))?;
-        let y = crowd.instance.select(named("Position.y"))?;
-        let active = crowd.instance.select(named("Active"))?;
-        let (mut of_x, mut of_y, mut of_active) = ([0.0; 8], [0.0; 8], [0; 8]);
-        crowd.instance.get_real(&x, &mut of_x)?;
-        crowd.instance.get_real(&y, &mut of_y)?;
-        crowd.instance.get_boolean(&active, &mut of_active)?;
-        self.0.extend((0..8).map(|a| ([of_x[a], of_y[a]], of_active[a] != 0)));
-        Ok(())
-    }
 }
 
 #[test]
@@ -244,30 +173,4 @@ fn forces_are_those_of_the_contacts_and_crossings_are_counted_once() {
     assert!(ask(&mut lab, &crossing(90.0, 99.0), &all).0["ok"]["crossings"].as_array().unwrap().is_empty());
     assert!(refused(&mut lab, crossing(0.0, 1.0), &all[1..]).contains("are not frames"));
     assert!(refused(&mut lab, json!({"ask": "forces", "run": 1}), &all).contains("a frame of 5 people"));
-}
-
-/// Notes poses of five people.
-struct Poses(Vec<Vec<[f64; 3]>>);
-
-impl Observer<System> for Poses {
-    type Error = Error;
-
-    fn look(&mut self, system: &mut System, _: Reached) -> Result<(), Error> {
-        let instance = &system.components()[0].instance;
-        let quantities = ["Position.x", "Position.y", "Theta"];
-        let names = (0..5).flat_map(|a| quantities.map(|quantity| format!("agent[{a}].{quantity}")));
-        let selection = instance.select(names)?;
-        let mut values = vec![0.0; selection.len()];
-        instance.get_real(&selection, &mut values)?;
-        self.0.push(values.chunks(3).map(|pose| [pose[0], pose[1], pose[2]]).collect());
-        Ok(())
-    }
-}
-
-/// Poses at the communication points after the first.
-fn run(fmu: &Path, until: f64) -> Vec<Vec<[f64; 3]>> {
-    let settings = Settings { until: Some(until), ..Settings::of(fmu.to_owned()) };
-    let mut poses = Poses(Vec::new());
-    assert!(Prepared::of(&settings).unwrap().simulate(&mut poses).unwrap().is_continue());
-    poses.0
 }

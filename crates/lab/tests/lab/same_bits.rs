@@ -1,0 +1,187 @@
+//! One physics: a simulation in memory, FMUs of FMI 2.0 and 3.0 and the lab give the same bits.
+
+use crate::{ask, numbers, ok, opened};
+use crowd_mechanics::pack::Format;
+use lemons_decision::{Plan, Wishes, pack};
+use lemons_lab::Lab;
+use lemons_lab::frame::COLUMNS;
+use lemons_master::{Error, Given, PlanChoice, Prepared, Settings, binary_beside, documents_of, own_binary};
+use lemons_plane::Motion;
+use lemons_record::Frame;
+use lemons_sim::{Algorithm, Clock, Documents, SimError, Simulation};
+use lemons_ssp::{Participant, write_archive};
+use lemons_testing::{repository, trial_push};
+use lemons_trial::DriveChoice;
+use serde_json::json;
+use std::fs::File;
+use std::io::{Cursor, Write};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// Numbers of everybody at each communication point; the pose of who has left does not count.
+type Bits = Vec<Vec<[u64; 6]>>;
+
+fn bits(motions: &[Motion], there: impl Fn(usize) -> bool) -> Vec<[u64; 6]> {
+    let of = |(agent, motion): (usize, &Motion)| {
+        let (pose, twist) = (motion.pose, motion.twist);
+        let [x, y] = if there(agent) { [pose.position.x, pose.position.y] } else { [f64::NAN; 2] };
+        [x, y, twist.velocity.x, twist.velocity.y, pose.orientation, twist.angular_velocity].map(f64::to_bits)
+    };
+    motions.iter().enumerate().map(of).collect()
+}
+
+fn of_simulation(documents: &Documents, algorithm: Algorithm, clock: &Clock) -> Bits {
+    let mut simulation = Simulation::new(documents.clone(), algorithm).unwrap();
+    simulation.begin(0.0, None).unwrap();
+    let of = |frame: Frame| bits(&frame.agents, |agent| frame.is_there(agent));
+    let mut all = vec![of(simulation.frame())];
+    let ended = lemons_sim::run::<_, SimError>(&mut simulation, clock, 0, |simulation, _| {
+        all.push(of(simulation.frame()));
+        Ok(ControlFlow::Continue(()))
+    });
+    assert!(ended.unwrap().is_continue());
+    all
+}
+
+/// Of the FMUs that `lemons pack`, `decide` and `connect` would make.
+fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -> Bits {
+    let directory = TempDir::new().unwrap();
+    let crowd = directory.path().join("crowd.fmu");
+    let given = Given::open(&scene.directory).unwrap();
+    lemons_master::pack(&[given], vec![own_binary().unwrap()], format, None, true, &crowd).unwrap();
+    let input = match &scene.documents.plan {
+        None => crowd,
+        Some(plan) => coupled(directory.path(), plan, format, crowd),
+    };
+    let settings =
+        Settings { until: Some(clock.until), step: Some(clock.step), algorithm, ..Settings::of(input) };
+    let mut run = Prepared::of(&settings).unwrap();
+    let agents = scene.documents.trial.agents.len();
+    let see = |run: &Prepared| -> Result<Vec<[u64; 6]>, Error> {
+        let crowd = run.system.components().iter().find(|component| component.name == "crowd").unwrap();
+        let quantities = ["Position.x", "Position.y", "Velocity.x", "Velocity.y", "Theta", "Omega"];
+        let of = |i: usize| quantities.map(|quantity| format!("agent[{i}].{quantity}"));
+        let selection = crowd.instance.select((0..agents).flat_map(of))?;
+        let active = crowd.instance.select((0..agents).map(|i| format!("agent[{i}].Active")))?;
+        let (mut values, mut there) = (vec![0.0; 6 * agents], vec![0; agents]);
+        crowd.instance.get_real(&selection, &mut values)?;
+        crowd.instance.get_boolean(&active, &mut there)?;
+        let mut rows: Vec<[f64; 6]> = values.as_chunks().0.to_vec();
+        let left = rows.iter_mut().zip(&there).filter(|(_, there)| **there == 0);
+        left.for_each(|(row, _)| row[..2].fill(f64::NAN));
+        Ok(rows.into_iter().map(|row| row.map(f64::to_bits)).collect())
+    };
+    let mut all = vec![see(&run).unwrap()];
+    let ended = lemons_sim::run::<_, Error>(&mut run, clock, 0, |run, _| {
+        all.push(see(run)?);
+        Ok(ControlFlow::Continue(()))
+    });
+    assert!(ended.unwrap().is_continue());
+    all
+}
+
+fn coupled(directory: &Path, plan: &Plan, format: Format, crowd: PathBuf) -> PathBuf {
+    let decision = directory.join("decision.fmu");
+    let binary = binary_beside("lemons_decision_fmu").unwrap();
+    pack::write_fmu(plan, format, &[binary], File::create(&decision).unwrap()).unwrap();
+    let files = [("decision", decision), ("crowd", crowd)];
+    let interfaces = files.each_ref().map(|(_, path)| lemons_master::Fmu::open(path).unwrap().description);
+    let participants: Vec<Participant> = files
+        .iter()
+        .zip(&interfaces)
+        .map(|((name, _), interface)| Participant {
+            name: name.to_string(),
+            source: format!("resources/{name}.fmu"),
+            interface,
+        })
+        .collect();
+    let connected = lemons_ssp::connect("coupled", &participants).unwrap();
+    let of = |(name, path): &(&str, PathBuf)| (format!("resources/{name}.fmu"), path.clone());
+    let files: Vec<(String, PathBuf)> = files.iter().map(of).collect();
+    let files: Vec<(String, &Path)> =
+        files.iter().map(|(name, path)| (name.clone(), path.as_path())).collect();
+    let path = directory.join("coupled.ssp");
+    write_archive(&path, &connected.structure, &files).unwrap();
+    path
+}
+
+fn of_lab(scene: &Scene, clock: &Clock) -> Bits {
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let files = ["Parameters.xml", "decision.toml", "drive.csv"].map(PathBuf::from).into_iter();
+    let statics = ["Agents", "Geometry", "Materials"].map(|name| format!("static/{name}.xml").into());
+    let dynamics = ["AgentDynamics", "AgentInteractions"].map(|name| format!("dynamic/{name}.xml").into());
+    for file in files.chain(statics).chain(dynamics) {
+        let Ok(content) = std::fs::read(scene.directory.join(&file)) else { continue };
+        let name = format!("scene/{}", file.display());
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        zip.write_all(&content).unwrap();
+    }
+    let zip = zip.finish().unwrap().into_inner();
+    let mut lab = Lab::default();
+    let (_, first) = ask(&mut lab, &opened("scene.zip", &zip), &zip);
+    let (_, frames) = ok(&mut lab, json!({"ask": "advance", "run": 1, "steps": clock.steps}));
+    let all = numbers(&[first, frames].concat());
+    let frame = |frame: &[f64]| {
+        let of = |row: &[f64]| [row[0], row[1], row[3], row[4], row[2], row[5]].map(f64::to_bits);
+        frame.chunks(COLUMNS).map(of).collect()
+    };
+    all.chunks(COLUMNS * scene.documents.trial.agents.len()).map(frame).collect()
+}
+
+struct Scene {
+    directory: PathBuf,
+    documents: Documents,
+}
+
+impl Scene {
+    fn of(directory: PathBuf) -> Scene {
+        let read = documents_of(&directory, &DriveChoice::Own, &PlanChoice::Own).unwrap();
+        Scene { directory, documents: read.0 }
+    }
+
+    fn check(&self, until: f64) {
+        let clock = Clock::new(0.0, self.documents.trial.parameters.time_step, until).unwrap();
+        for algorithm in [Algorithm::Jacobi, Algorithm::GaussSeidel] {
+            let own = of_simulation(&self.documents, algorithm, &clock);
+            assert_eq!(own.len() as u64, clock.steps + 1);
+            let (first, last) = (&own[0], &own[own.len() - 1]);
+            assert!(first.iter().zip(last).any(|(first, last)| first != last), "somebody moves");
+            for format in [Format::default(), Format::Fmi3] {
+                assert!(own == of_fmus(self, format, algorithm, &clock), "{algorithm} {format:?}");
+            }
+            if algorithm == Algorithm::Jacobi {
+                assert!(own == of_lab(self, &clock), "the lab");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_push_has_the_same_bits_everywhere() {
+    Scene::of(trial_push()).check(1.0);
+}
+
+#[test]
+fn people_who_walk_to_a_door_have_the_same_bits_everywhere() {
+    Scene::of(repository().join("resources/Trial_door")).check(2.0);
+}
+
+/// People who keep distances, have patience with a seed of its own, and leave.
+#[test]
+fn people_who_leave_have_the_same_bits_everywhere() {
+    let directory = TempDir::new().unwrap();
+    let place = directory.path().join("scene");
+    let (trial, _) = crowd_mechanics::setup::read(&repository().join("resources/Trial_door")).unwrap();
+    trial.write(&place).unwrap();
+    let exit = "exits = [{ name = \"door\", line = [[6.5, 1.0], [6.5, 4.0]] }]";
+    let wishes = format!("model = \"collision-free-speed\"\nseed = 7\n{exit}");
+    Wishes::from_toml(&wishes).unwrap();
+    std::fs::write(place.join("decision.toml"), wishes).unwrap();
+    let scene = Scene::of(place);
+    scene.check(6.0);
+    let clock = Clock::new(0.0, scene.documents.trial.parameters.time_step, 6.0).unwrap();
+    let last = of_simulation(&scene.documents, Algorithm::Jacobi, &clock).pop().unwrap();
+    let left = last.iter().filter(|row| f64::from_bits(row[0]).is_nan()).count();
+    assert!(left > 0 && left < last.len(), "{left}");
+}
