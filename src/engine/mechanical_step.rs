@@ -142,6 +142,8 @@ impl<D: Course> CommunicationStep<'_, D> {
         if self.movers.iter().any(|movers| !movers.is_empty()) {
             self.flights = D::flights(self.scene, self.mechanical.dt);
         }
+        // What was learnt in the step before is not part of the state, and free bodies become active when lists are made.
+        self.scratch.near = Near::default();
         self.list_candidates(0)?;
         self.take_near();
         Ok(())

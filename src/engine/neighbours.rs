@@ -13,7 +13,7 @@ use thiserror::Error;
 pub(super) const SKIN: f64 = 0.02;
 
 /// \[m\] Candidates nearer than this are checked in every mechanical step. The list is valid while no disk has moved by
-/// more than half of this. Results do not depend on it.
+/// more than half of this.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Near(pub f64);
 

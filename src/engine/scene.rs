@@ -127,7 +127,7 @@ pub struct Disk {
 /// \[rad\] Faces that meet and turn by at most this much go on straight.
 const STRAIGHT: f64 = 1e-6;
 /// Cosine of 20°: faces that meet and turn by at most this much are one line.
-pub(super) const LINE: f64 = 0.939_692_620_785_908_4;
+const LINE: f64 = 0.939_692_620_785_908_4;
 /// \[m\] Points of walls closer than this are one point: they differ by rounding.
 const SAME_POINT: f64 = 1e-9;
 
@@ -143,8 +143,6 @@ pub struct Corner {
     pub owner: FaceId,
     /// Whether another face passes through. Then nothing touches the corner, because that face is nearer.
     pub covered: bool,
-    /// Whether two of its faces turn by more than 20° and less than 90°.
-    pub(super) obtuse: bool,
 }
 
 /// Bodies, walls and laws: immutable after load.
@@ -355,7 +353,6 @@ impl Scene {
             let j = opposite(k);
             let ((_, one, away), (_, other, back)) = (ends[k], ends[j]);
             let turn = away.dot(back);
-            self.corners[at.index()].obtuse |= turn < 0.0 && turn > -LINE;
             if turn <= -LINE && one < other && opposite(j) == k {
                 let straight = (away + back).norm() <= STRAIGHT;
                 let how = if straight { Continuation::Straight } else { Continuation::Bend };
@@ -461,7 +458,7 @@ impl Places {
         let at = corners.len();
         self.cells.insert([cell(position.x, 0.0), cell(position.y, 0.0)], at);
         let (faces, owner) = (Vec::new(), FaceId::from(0));
-        corners.push(Corner { position, faces, owner, covered: false, obtuse: false });
+        corners.push(Corner { position, faces, owner, covered: false });
         at
     }
 }

@@ -4,15 +4,14 @@
 //!   Of each run only the nearest face acts. So neither the division of a wall into faces nor a wall that is drawn twice
 //!   changes the mechanics.
 //! - A corner acts if it is the nearest point of all faces that meet there, and only once.
-//! - At an inner corner that turns by more than 20° and less than 90°, two faces act with the depths that they have as a
-//!   pair. The elastic energy is then k d²/2, where d is the distance of the disk's centre from the wall moved inwards by
-//!   the radius. Because d is continuous, such corners neither make nor take energy.
+//! - Two contacts whose normals differ by less than 90° act with the depths that they have as a pair, whether the faces
+//!   meet or not. The elastic energy is then k d²/2, where d is the distance of the disk's centre from the wall moved
+//!   inwards by the radius. Because d is continuous, inner corners neither make nor take energy.
 
 use super::circle::Circle;
 use super::face::{Along, Continuation, beyond, nearest_on_face};
 use super::overlap::{Meeting, Overlap, meet_face, overlap_with_part};
 use super::pairs::{FacePair, Spring};
-use super::scene::LINE;
 use super::{FaceId, FacePart, Scene, Vec2};
 
 /// A contact of a disk with a face.
@@ -21,16 +20,15 @@ pub(super) struct WallContact {
     /// Index of the face among those that were looked at.
     pub place: usize,
     pub part: FacePart,
-    /// The depth is not positive where the other face of an inner corner alone holds the disk: no force acts then.
+    /// The depth is not positive where the other contact of a pair alone holds the disk: no force acts then.
     pub overlap: Overlap,
     /// Whether the disk's centre is on a corner: there is no normal, so no force acts.
     pub coincident: bool,
     /// \[1\] The depth falls by the product of this vector and a small motion of the disk's centre. It is the normal,
     /// but not where two faces act as a pair.
     pub gradient: Vec2,
-    /// \[m\] The depth that the contact has without the other face of a pair.
+    /// \[m\] The depth that the contact has without the other one of a pair.
     alone: f64,
-    run: u32,
 }
 
 /// A face that a disk overlaps.
@@ -48,7 +46,7 @@ struct Overlapped {
 
 /// Without a run as yet.
 const NO_RUN: u32 = u32::MAX;
-/// Below this squared sine two faces of a pair are parallel.
+/// Below this squared sine two normals are parallel: the deeper contact alone holds the disk.
 const PARALLEL: f64 = 1e-12;
 
 /// Finds the contacts of a disk with walls; holds scratch space.
@@ -76,7 +74,7 @@ impl WallContacts {
         }
         self.find_runs(scene);
         for k in 0..self.overlapped.len() {
-            let Overlapped { place, face, nearest, run, acts, .. } = self.overlapped[k];
+            let Overlapped { place, face, nearest, acts, .. } = self.overlapped[k];
             if !acts || !self.is_free(scene, k, disk.centre) {
                 continue;
             }
@@ -88,10 +86,11 @@ impl WallContacts {
                 Meeting::Apart => continue,
             };
             let (gradient, alone) = (overlap.normal, overlap.depth);
-            self.contacts.push(WallContact { place, part, overlap, coincident, gradient, alone, run });
+            self.contacts.push(WallContact { place, part, overlap, coincident, gradient, alone });
         }
         if self.contacts.len() > 1 {
-            self.pair_at_inner_corners(scene);
+            self.join_runs(scene, faces);
+            self.pair(scene, faces, disk);
         }
         &self.contacts
     }
@@ -159,19 +158,62 @@ impl WallContacts {
             && corner.faces.iter().all(|other| self.run_of(*other) == Some(run) || nearest_of(other))
     }
 
-    /// Changes the depths of contacts with the two faces of an inner corner.
-    fn pair_at_inner_corners(&mut self, scene: &Scene) {
+    /// Leaves the deepest of the contacts of a line that act in similar directions: the disk does not overlap the faces
+    /// between them as yet, and when it does they are one run.
+    fn join_runs(&mut self, scene: &Scene, faces: &[FacePair]) {
+        let line = |contact: &WallContact| scene.faces[faces[contact.place].face.index()].line;
+        for j in 1..self.contacts.len() {
+            for i in 0..j {
+                let (one, other) = (self.contacts[i], self.contacts[j]);
+                if line(&one) == line(&other) && one.goes_with(other.overlap.normal) {
+                    self.contacts[if one.alone < other.alone { i } else { j }].alone = 0.0;
+                }
+            }
+        }
+        self.contacts.retain(|contact| contact.alone > 0.0);
+    }
+
+    /// Gives contacts in directions that differ by less than 90° the depths that they have as a pair.
+    fn pair(&mut self, scene: &Scene, faces: &[FacePair], disk: Circle) {
         for j in 1..self.contacts.len() {
             for i in 0..j {
                 let (one, other) = (self.contacts[i], self.contacts[j]);
                 let (n, m) = (one.overlap.normal, other.overlap.normal);
                 let cos = n.dot(m);
                 let squared_sine = 1.0 - cos * cos;
-                if cos <= 0.0 || squared_sine < PARALLEL || !self.at_inner_corner(scene, &one, &other) {
+                if cos <= 0.0 {
                     continue;
                 }
-                let a = (one.alone - other.alone * cos) / squared_sine;
-                let b = (other.alone - one.alone * cos) / squared_sine;
+                if squared_sine < PARALLEL {
+                    let (shallow, lead) =
+                        if one.alone < other.alone { (i, other.alone) } else { (j, one.alone) };
+                    let depth = self.contacts[shallow].alone - lead;
+                    self.contacts[shallow].reduce(depth, Vec2::ZERO);
+                    continue;
+                }
+                let seen = |contact: &WallContact, centre| {
+                    let face = &scene.faces[faces[contact.place].face.index()];
+                    overlap_with_part(face, contact.part, centre, disk.radius)
+                };
+                let [mut a, mut b] = shares(
+                    &Overlap { depth: one.alone, normal: n },
+                    &Overlap { depth: other.alone, normal: m },
+                );
+                if !(one.is_on_side() && other.is_on_side()) {
+                    // About a corner the depth is not linear: Newton's method finds where the disk touches both.
+                    let mut to = n * a + m * b;
+                    for _ in 0..3 {
+                        let centre = disk.centre + to;
+                        if let (Some(one), Some(other)) = (seen(&one, centre), seen(&other, centre)) {
+                            let [a, b] = shares(&one, &other);
+                            to += one.normal * a + other.normal * b;
+                        }
+                    }
+                    // Far away there is no such place, or another one.
+                    if to.norm() < disk.radius {
+                        [a, b] = [to.cross(m), n.cross(to)].map(|part| part / n.cross(m));
+                    }
+                }
                 if b > 0.0 {
                     self.contacts[i].reduce(a, (n - m * cos) * (1.0 / squared_sine));
                 }
@@ -180,29 +222,6 @@ impl WallContacts {
                 }
             }
         }
-    }
-
-    /// Whether two contacts with sides of faces are in an inner corner that turns by more than 20° and less than 90°.
-    fn at_inner_corner(&self, scene: &Scene, one: &WallContact, other: &WallContact) -> bool {
-        let on_side = |contact: &WallContact| matches!(contact.part, FacePart::Left | FacePart::Right);
-        if !on_side(one) || !on_side(other) {
-            return false;
-        }
-        let of_run = self.overlapped.iter().filter(|face| face.run == one.run);
-        let ends = of_run.flat_map(|found| {
-            let face = &scene.faces[found.face.index()];
-            [face.start_corner, face.end_corner].map(|at| (face, at))
-        });
-        ends.filter(|(_, at)| scene.corners[at.index()].obtuse).any(|(face, at)| {
-            let meets = |met: &FaceId| {
-                let (away, back) = (face.away_from(at)?, scene.faces[met.index()].away_from(at)?);
-                let turn = away.dot(back);
-                let turns = turn < 0.0 && turn > -LINE;
-                Some(turns && one.overlap.normal.dot(back) > 0.0 && other.overlap.normal.dot(away) > 0.0)
-            };
-            let mut faces = scene.corners[at.index()].faces.iter();
-            faces.any(|met| self.run_of(*met) == Some(other.run) && meets(met) == Some(true))
-        })
     }
 
     /// Returns the index of the pair whose spring a contact keeps: its own, or that of a face of the same line that
@@ -229,7 +248,7 @@ impl WallContacts {
         let same_side = |k: usize| {
             let other = &scene.faces[faces[k].face.index()];
             let overlap = overlap_with_part(other, springs[k].part, centre, 0.0);
-            overlap.is_some_and(|overlap| overlap.normal.dot(contact.overlap.normal) > 0.5)
+            overlap.is_some_and(|overlap| contact.goes_with(overlap.normal))
         };
         let in_line = |k: &usize| {
             springs[*k].touched_at == before && scene.faces[faces[*k].face.index()].line == face.line
@@ -239,12 +258,28 @@ impl WallContacts {
 }
 
 impl WallContact {
+    fn is_on_side(&self) -> bool {
+        matches!(self.part, FacePart::Left | FacePart::Right)
+    }
+
+    /// Whether a normal is in a similar direction.
+    fn goes_with(&self, normal: Vec2) -> bool {
+        self.overlap.normal.dot(normal) > 0.5
+    }
+
     /// Takes a depth \[m\] of a pair, if it is less.
     fn reduce(&mut self, depth: f64, gradient: Vec2) {
         if depth < self.overlap.depth {
             (self.overlap.depth, self.gradient) = (depth, gradient);
         }
     }
+}
+
+/// Returns the depths of two contacts as a pair.
+fn shares(one: &Overlap, other: &Overlap) -> [f64; 2] {
+    let cos = one.normal.dot(other.normal);
+    let share = |one: &Overlap, other: &Overlap| (one.depth - other.depth * cos) / (1.0 - cos * cos);
+    [share(one, other), share(other, one)]
 }
 
 /// Whether the nearest point of a face is a corner through which another face passes.
@@ -390,6 +425,46 @@ mod tests {
         }
     }
 
+    /// Half the squared force is the elastic energy, divided by the stiffness.
+    #[test]
+    fn the_elastic_energy_does_not_jump() {
+        let turned = |degrees: f64| vec2(libm::cos(degrees.to_radians()), libm::sin(degrees.to_radians()));
+        let (from, to) = (vec2(-3.0, 0.0), vec2(3.0, 0.0));
+        let bends = |first: f64, length: f64, second: f64| {
+            let middle = turned(first) * length;
+            wall(&[from, Vec2::ZERO, middle, middle + turned(first + second) * 3.0])
+        };
+        let scenes = [
+            ("a wall that ends on another", walls(&[&[from, to], &[Vec2::ZERO, turned(10.0) * 3.0]])),
+            ("three in a corner", walls(&[&[from, Vec2::ZERO, to], &[Vec2::ZERO, turned(10.0) * 3.0]])),
+            ("a step", bends(60.0, 0.115, -60.0)),
+            ("a small bend and a large one", bends(-15.0, 0.04, 60.0)),
+            ("a large bend and a small one", bends(60.0, 0.1, 15.0)),
+            ("a short face in a line", bends(19.9, 0.04, 19.9)),
+            ("a short face between corners", bends(20.1, 0.04, 20.1)),
+        ];
+        for (name, scene) in scenes {
+            for row in 1..12 {
+                let (step, mut last) = (2e-5, None);
+                for column in 0..20_000 {
+                    let centre = vec2(-0.3 + step * f64::from(column), 0.2 - 0.001 * f64::from(row));
+                    let acting = found(&scene, centre, 0.2);
+                    let acting = acting.iter().filter(|contact| contact.overlap.depth > 0.0);
+                    let force = acting.fold(Vec2::ZERO, |sum, contact| {
+                        sum + contact.overlap.normal * contact.overlap.depth
+                    });
+                    if force.norm() > 0.02 {
+                        break;
+                    }
+                    let energy = 0.5 * force.norm_squared();
+                    let jump = (energy - last.unwrap_or(energy)).abs();
+                    assert!(jump < 1.1 * 0.02 * step, "{name}: {jump:e} at {centre:?}");
+                    last = Some(energy);
+                }
+            }
+        }
+    }
+
     /// The gradient is that of the depth.
     #[test]
     fn the_depth_of_a_pair_changes_by_its_gradient() {
@@ -436,6 +511,9 @@ mod tests {
             let x = 0.01 * f64::from(k);
             assert_eq!(touched(&scene, vec2(x, 0.25)).len(), 1, "{x}");
         }
+        // A second line 5 mm below is not nearer.
+        let plate = walls(&[&[along[0], along[2]], &[vec2(-2.0, -0.005), vec2(2.0, -0.005)]]);
+        assert_eq!(touched(&plate, vec2(0.3, 0.25)), [(0, FacePart::Left)]);
         // In the corner of the last one both act.
         assert_eq!(touched(&scene, vec2(1.1, -0.2)), [(1, FacePart::Left), (3, FacePart::Right)]);
     }

@@ -455,6 +455,34 @@ mod tests {
         }
     }
 
+    /// When a free body becomes active depends on the lists, and so do its last bits.
+    #[test]
+    fn a_restored_world_gives_the_same_bits_where_free_bodies_become_active() {
+        for spread in [0.3, 0.4, 0.5, 0.6, 0.8] {
+            let new = || {
+                let scene = Ball { mass: 1.0, radius: 0.1, relaxation: 0.5, stiffness: 1e4 }.scene(30);
+                let place = |k: u32| {
+                    let jitter = 0.05 * libm::sin(7.0 * f64::from(k));
+                    vec2(spread * f64::from(k % 6) + jitter, spread * f64::from(k / 6))
+                };
+                let poses = (0..30).map(|k| Pose { position: place(k), orientation: 0.1 }).collect();
+                let speed = |k: f64| vec2(libm::sin(5.0 * k), libm::cos(3.0 * k)) * 3.0;
+                let twists = (0..30).map(|k| Twist { velocity: speed(f64::from(k)), angular_velocity: 2.0 });
+                World::new(scene, State::new(poses, twists.collect()), 1e-4).unwrap()
+            };
+            let mut world = new();
+            for step in 0..60 {
+                let mut restored = new();
+                restored.restore(world.state().clone()).unwrap();
+                for world in [&mut world, &mut restored] {
+                    world.advance(0.1).unwrap();
+                }
+                assert_eq!(world.state(), restored.state(), "{spread} {step}");
+            }
+            assert!(world.work().shortlisted > 0 && world.work().contacts > 0);
+        }
+    }
+
     /// In the middle of a run. The total momentum of the others changes no more, and the one who comes back begins
     /// again with what it touches there.
     #[test]
