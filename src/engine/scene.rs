@@ -130,6 +130,10 @@ const STRAIGHT: f64 = 1e-6;
 pub(super) const LINE: f64 = 0.939_692_620_785_908_4;
 /// \[m\] Points of walls closer than this are one point: they differ by rounding.
 const SAME_POINT: f64 = 1e-9;
+/// \[m\] Faces beside each other over this length, or over the whole of a shorter one, are nearly doubled ...
+const BESIDE: f64 = 0.1;
+/// ... if the sine of their angle is less than this.
+const NEARLY_PARALLEL: f64 = 0.1;
 
 /// A point where faces meet, of one wall or of several, or where a wall ends.
 #[derive(Debug, Clone, PartialEq)]
@@ -378,6 +382,10 @@ impl Scene {
                 self.doubled.push((first, FaceId::from(at)));
             }
         }
+        // Both are equally near to a disk but for rounding, which must not choose the material.
+        for &(first, other) in &self.doubled {
+            self.faces[other.index()].material = self.faces[first.index()].material;
+        }
         let mut scratch = Vec::new();
         for at in 0..self.corners.len() {
             let place = Circle { centre: self.corners[at].position, radius: 0.0 };
@@ -402,6 +410,47 @@ impl Scene {
         for (one, other) in self.doubled.clone() {
             self.join(one, other);
         }
+    }
+
+    /// Returns pairs of nearly parallel faces that lie beside each other within a distance \[m\]. Both act on a disk,
+    /// unlike those that lie on each other.
+    pub fn nearly_doubled(&self, within: f64) -> Vec<(FaceId, FaceId)> {
+        let mut found = Vec::new();
+        let mut scratch = Vec::new();
+        for (at, corner) in self.corners.iter().enumerate() {
+            let place = Circle { centre: corner.position, radius: 0.0 };
+            for &one in self.face_grid.candidates(&place, within, &mut scratch) {
+                let is_beside = |other: &&FaceId| {
+                    let pair = (one.min(**other), one.max(**other));
+                    one != **other
+                        && self.doubled.binary_search(&pair).is_err()
+                        && self.goes_beside(one, **other, CornerId::from(at), within)
+                };
+                found.extend(
+                    corner.faces.iter().filter(is_beside).map(|&other| (one.min(other), one.max(other))),
+                );
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// Whether another face, from one of its corners on, goes beside a face within a distance \[m\].
+    fn goes_beside(&self, face: FaceId, other: FaceId, from: CornerId, within: f64) -> bool {
+        let [face, other] = [face, other].map(|face| &self.faces[face.index()]);
+        let Some(away) =
+            other.away_from(from).filter(|_| face.normal.cross(other.normal).abs() < NEARLY_PARALLEL)
+        else {
+            return false;
+        };
+        let length = |face: &Face| (face.end - face.start).norm();
+        let shared = BESIDE.min(length(face)).min(length(other));
+        let begin = self.corners[from.index()].position;
+        let places = [begin, begin + away * shared];
+        let nearest = places.map(|place| nearest_on_face(face, place).0);
+        let near = |k: usize| (places[k] - nearest[k]).norm() <= within;
+        near(0) && near(1) && (nearest[1] - nearest[0]).norm() > within.max(0.5 * shared)
     }
 
     fn join(&mut self, one: FaceId, other: FaceId) {
@@ -580,10 +629,46 @@ mod tests {
         assert_eq!(lines(&doubled), [0, 0, 0, 0]);
         let pairs: Vec<_> = doubled.doubled.iter().map(|(one, other)| (one.index(), other.index())).collect();
         assert_eq!(pairs, [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3)]);
+        assert_eq!((doubled.nearly_doubled(5e-3), met.nearly_doubled(5e-3)), (vec![], vec![]));
         // One that ends on another, without lying on it.
         let tee = scene(&[&[(0.0, 0.0), (2.0, 0.0)], &[(1.0, 0.0), (1.0, 1.0)]]);
         assert_eq!((lines(&tee), tee.doubled.len()), (vec![0, 1], 0));
         assert!(tee.corners[2].covered && !tee.corners[3].covered);
+    }
+
+    #[test]
+    fn faces_beside_each_other_are_found() {
+        let first = [vec2(0.0, 0.0), vec2(3.0, 0.0)];
+        for (from, to, beside) in [
+            (vec2(0.0, 1e-8), vec2(3.0, 1e-8), true),
+            (vec2(3.0, 4e-3), vec2(0.0, 4e-3), true),
+            (vec2(2.0, -1e-3), vec2(5.0, -1e-3), true),
+            (vec2(1.0, 2e-3), vec2(1.05, 2e-3), true),
+            // From one corner, or from near to far.
+            (vec2(0.0, 0.0), vec2(3.0, 2e-3), true),
+            (vec2(1.0, 1e-3), vec2(3.0, 4e-2), true),
+            // A partition, one behind the other with a gap, one that ends there, and one that crosses.
+            (vec2(0.0, 0.1), vec2(3.0, 0.1), false),
+            (vec2(3.002, 0.0), vec2(5.0, 0.0), false),
+            (vec2(1.0, 2e-3), vec2(1.0, 2.0), false),
+            (vec2(1.0, 1e-3), vec2(1.001, 4e-3), false),
+            (vec2(1.0, -1.0), vec2(2.0, 1.0), false),
+        ] {
+            let wall = |corners: &[Vec2]| WallSpec { material: 0, corners: corners.to_vec() };
+            let scene = Scene::new(&[], &[wall(&first), wall(&[from, to])], &LawTable::new(1)).unwrap();
+            let expected = if beside { vec![(FaceId::from(0), FaceId::from(1))] } else { vec![] };
+            assert_eq!(scene.nearly_doubled(5e-3), expected, "{from:?} {to:?}");
+        }
+    }
+
+    /// Rounding of the nearest points of two faces that lie on each other would choose between their materials.
+    #[test]
+    fn the_first_of_doubled_faces_gives_the_material() {
+        let ends = vec![vec2(0.1, 0.0), vec2(3.7, 1.3)];
+        let back = ends.iter().rev().copied().collect();
+        let specs = [WallSpec { material: 1, corners: ends }, WallSpec { material: 0, corners: back }];
+        let scene = Scene::new(&[], &specs, &LawTable::new(2)).unwrap();
+        assert_eq!([scene.faces[0].material, scene.faces[1].material], [1, 1]);
     }
 
     #[test]
