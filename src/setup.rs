@@ -9,6 +9,7 @@ mod within;
 mod world;
 
 pub use steps::{FINEST_ACCURACY, Steps};
+pub use usual::doubts_of_drive;
 pub use world::{WorldError, dynamics_of, interactions_of};
 
 use lemons_files::source::{Disk, Source};

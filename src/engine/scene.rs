@@ -375,6 +375,10 @@ impl Scene {
                 self.doubled.push((first, FaceId::from(at)));
             }
         }
+        // Both are equally near to a disk but for rounding, which must not choose the material.
+        for &(first, other) in &self.doubled {
+            self.faces[other.index()].material = self.faces[first.index()].material;
+        }
         let mut scratch = Vec::new();
         for at in 0..self.corners.len() {
             let place = Circle { centre: self.corners[at].position, radius: 0.0 };
@@ -581,6 +585,16 @@ mod tests {
         let tee = scene(&[&[(0.0, 0.0), (2.0, 0.0)], &[(1.0, 0.0), (1.0, 1.0)]]);
         assert_eq!((lines(&tee), tee.doubled.len()), (vec![0, 1], 0));
         assert!(tee.corners[2].covered && !tee.corners[3].covered);
+    }
+
+    /// Rounding of the nearest points of two faces that lie on each other would choose between their materials.
+    #[test]
+    fn the_first_of_doubled_faces_gives_the_material() {
+        let ends = vec![vec2(0.1, 0.0), vec2(3.7, 1.3)];
+        let back = ends.iter().rev().copied().collect();
+        let specs = [WallSpec { material: 1, corners: ends }, WallSpec { material: 0, corners: back }];
+        let scene = Scene::new(&[], &specs, &LawTable::new(2)).unwrap();
+        assert_eq!([scene.faces[0].material, scene.faces[1].material], [1, 1]);
     }
 
     #[test]

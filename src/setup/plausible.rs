@@ -4,7 +4,7 @@
 use super::Setup;
 use super::surroundings::Surroundings;
 use super::within::{Inside, outside_rooms, within_pillars};
-use crate::engine::{Disk, FaceId, Scene, Vec2};
+use crate::engine::{CornerId, Disk, FaceId, Scene, Vec2};
 use lemons_plane::Bounds;
 use lemons_trial::quoted;
 
@@ -64,10 +64,7 @@ impl Setup<'_> {
         let doubted = |rim: f64| rim < small || rim > large;
         let mut odd = scene.bodies.iter().enumerate().filter(|(_, body)| doubted(body.bounding_radius));
         let (b, body) = odd.next()?;
-        let others = match odd.count() {
-            0 => String::new(),
-            count => format!(" ({} agents in all)", count + 1),
-        };
+        let others = in_all(1 + odd.count(), "agents");
         let (id, width) = (quoted(&self.agents[b].id), 2.0 * body.bounding_radius);
         Some(Doubt::Agents(format!(
             "agent {id} is {width:.3} m wide{others}: are Radius and Position of its shapes in metres?"
@@ -86,10 +83,7 @@ impl Setup<'_> {
         let mut all =
             scene.bodies.iter().enumerate().filter(|(_, body)| odd(&scene.disks[body.disks.clone()]));
         let (b, _) = all.next()?;
-        let others = match all.count() {
-            0 => String::new(),
-            count => format!(" ({} agents in all)", count + 1),
-        };
+        let others = in_all(1 + all.count(), "agents");
         let id = quoted(&self.agents[b].id);
         Some(Doubt::Agents(format!(
             "the centre of mass of agent {id} is outside of its own shapes{others}: are their Positions relative to it?"
@@ -104,8 +98,33 @@ impl Setup<'_> {
             let ends = [other.start_corner, other.end_corner];
             one.wall == other.wall && ends.contains(&one.start_corner) && ends.contains(&one.end_corner)
         };
-        let mut doubled = scene.doubled.iter().filter(|pair| !again(pair));
-        let &(one, other) = doubled.next()?;
+        let doubled: Vec<_> = scene.doubled.iter().filter(|pair| !again(pair)).collect();
+        let material =
+            |face: FaceId| &self.geometry.walls[scene.faces[face.index()].wall.index()].material_id;
+        let differ = |pair: &&&(FaceId, FaceId)| material(pair.0) != material(pair.1);
+        let &&(one, other) = doubled.iter().find(differ).or(doubled.first())?;
+        let [first, second] = [one, other].map(|face| quoted(material(face)));
+        let same = |corner: CornerId| {
+            let face = &scene.faces[one.index()];
+            corner == face.start_corner || corner == face.end_corner
+        };
+        let of_other = &scene.faces[other.index()];
+        let of_material = if first == second {
+            String::new()
+        } else if same(of_other.start_corner) && same(of_other.end_corner) {
+            format!(" of {first}, the material of the first")
+        } else {
+            format!(", of {first} or of {second} as rounding decides")
+        };
+        Some(Doubt::Geometry(format!(
+            "{} lie on each other{}: they act like one wall{of_material}",
+            self.both(scene, (one, other)),
+            in_all(doubled.len(), "pairs")
+        )))
+    }
+
+    /// Two faces by their walls and ends.
+    fn both(&self, scene: &Scene, (one, other): (FaceId, FaceId)) -> String {
         let of = |face: FaceId| {
             let face = &scene.faces[face.index()];
             let wall = quoted(&self.geometry.walls[face.wall.index()].id);
@@ -114,15 +133,7 @@ impl Setup<'_> {
                 face.start.x, face.start.y, face.end.x, face.end.y
             )
         };
-        let others = match doubled.count() {
-            0 => String::new(),
-            count => format!(" ({} pairs in all)", count + 1),
-        };
-        Some(Doubt::Geometry(format!(
-            "{} and {} lie on each other{others}: they act like one wall",
-            of(one),
-            of(other)
-        )))
+        format!("{} and {}", of(one), of(other))
     }
 
     fn doubts_of_walls(&self, scene: &Scene) -> Option<Doubt> {
@@ -219,6 +230,11 @@ impl Setup<'_> {
     }
 }
 
+/// Says how many there are, if there are several.
+fn in_all(count: usize, what: &str) -> String {
+    if count > 1 { format!(" ({count} {what} in all)") } else { String::new() }
+}
+
 /// Returns the median of each coordinate.
 fn middle_of(places: &[Vec2]) -> Option<Vec2> {
     let median = |coordinate: fn(&Vec2) -> f64| {
@@ -296,6 +312,11 @@ mod tests {
         trial.geometry.walls[1].corners = vec![vec2(4.0, 0.0), vec2(1.0, 0.0)];
         let words = "wall \"again\" from 4.0,0.0 to 1.0,0.0 lie on each other: they act like one wall";
         says(&trial, words);
+        // Of other materials: in part, and twice the same.
+        trial.geometry.walls[1].material_id = "human_naked".into();
+        says(&trial, "act like one wall, of \"concrete\" or of \"human_naked\" as rounding decides");
+        trial.geometry.walls[1].corners = vec![vec2(6.0, 0.0), vec2(0.0, 0.0)];
+        says(&trial, "act like one wall of \"concrete\", the material of the first");
     }
 
     #[test]
@@ -454,7 +475,7 @@ mod tests {
     #[test]
     fn values_in_other_units_are_doubted_with_the_unit() {
         type Change = fn(&mut Trial);
-        let cases: [(Change, &str, &str); 14] = [
+        let cases: [(Change, &str, &str); 20] = [
             (
                 |t| t.agents[0].mass = 89_000.0,
                 "<Agent> Mass=\"89000.0\": agent \"0\": 1 kg to 1000 kg",
@@ -479,6 +500,20 @@ mod tests {
                 "cm/s (1 m/s)?",
             ),
             (|t| t.dynamics[2].velocity = vec2(0.0, -18.0), "Velocity=\"0.0,-18.0\"", "km/h (5 m/s)?"),
+            (|t| t.dynamics[2].fp = vec2(6e5, 0.0), "Fp=\"600000.0,0.0\": agent \"2\"", "mN (600 N)?"),
+            (|t| t.dynamics[2].mp = -1e4, "Mp=\"-10000.0\"", "N mm (-10 N m)?"),
+            (|t| t.agents[0].height = Some(1794.0), "<Agent> Height=\"1794.0\"", "mm (1.79 m)?"),
+            (|t| t.agents[0].height = Some(70.6), "<Agent> Height=\"70.6\"", "inches (1.79 m)?"),
+            (
+                |t| t.agents[1].shapes[0].radius = 0.0095,
+                "<Shape> Radius=\"0.0095\": agent \"1\"",
+                "is it right?",
+            ),
+            (
+                |t| t.materials.binary[2].gamma_normal = 0.0013,
+                "GammaNormal=\"0.0013\"",
+                "MN s/m (1300 kg/s)?",
+            ),
             (|t| t.dynamics[2].theta = -90.0, "Theta=\"-90.0\"", "degrees (-1.57 rad)?"),
             (|t| t.dynamics[2].omega = 180.0, "Omega=\"180.0\"", "degrees/s (3.14 rad/s)?"),
             (
@@ -517,7 +552,7 @@ mod tests {
         {
             let found = said.iter().find(|line| line.contains(attribute)).unwrap();
             let words = "material \"concrete\" (and 2 more): 10000 N/m to 1e12 N/m is usual";
-            assert!(found.contains(words) && found.contains(&format!("MN/m (MPa) ({meant})?")), "{found}");
+            assert!(found.contains(words) && found.contains(&format!("MN/m or MPa ({meant})?")), "{found}");
         }
     }
 }

@@ -1,7 +1,10 @@
 //! The usual values of attributes, and the units in which others may be by mistake.
 
 use super::Setup;
-use lemons_trial::{Agent, AgentDynamics, Contact, Material, Places, Problem, Severity, quoted};
+use crate::engine::Vec2;
+use lemons_trial::{
+    Agent, AgentDynamics, Contact, DriveTable, Material, Places, Problem, Push, Severity, quoted,
+};
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
@@ -12,7 +15,7 @@ struct Usual {
     attribute: &'static str,
     /// Of the values.
     unit: &'static str,
-    /// The least and the greatest magnitude; zero is usual, too.
+    /// The least and the greatest magnitude, perhaps infinite; zero is usual, too.
     range: [f64; 2],
     reason: &'static str,
     /// One that is met often: of several units, the one that leads nearest to it is asked for.
@@ -56,13 +59,24 @@ fn dynamics(setup: &Setup<'_>, of: fn(&AgentDynamics) -> f64) -> Vec<Value> {
     all.map(|(agent, dynamics)| value(of(dynamics), format!("agent {}", quoted(&agent.id)))).collect()
 }
 
-fn velocities(setup: &Setup<'_>) -> Vec<Value> {
-    let all = dynamics(setup, |dynamics| dynamics.velocity.norm()).into_iter().zip(&setup.dynamics);
-    all.map(|(value, AgentDynamics { velocity, .. })| Value {
-        shown: format!("{:?},{:?}", velocity.x, velocity.y),
-        ..value
-    })
-    .collect()
+/// A vector of each agent.
+fn vectors(setup: &Setup<'_>, of: fn(&AgentDynamics) -> Vec2) -> Vec<Value> {
+    let all = setup.agents.iter().zip(&setup.dynamics);
+    all.map(|(agent, dynamics)| vector(of(dynamics), format!("agent {}", quoted(&agent.id)))).collect()
+}
+
+fn vector(vector: Vec2, of: String) -> Value {
+    Value { shown: format!("{:?},{:?}", vector.x, vector.y), ..value(vector.norm(), of) }
+}
+
+fn radii(setup: &Setup<'_>) -> Vec<Value> {
+    let shapes = setup.agents.iter().flat_map(|agent| agent.shapes.iter().map(move |shape| (agent, shape)));
+    shapes.map(|(agent, shape)| value(shape.radius, format!("agent {}", quoted(&agent.id)))).collect()
+}
+
+fn heights(setup: &Setup<'_>) -> Vec<Value> {
+    let all = setup.agents.iter().filter_map(|agent| Some((agent, agent.height?)));
+    all.map(|(agent, height)| value(height, format!("agent {}", quoted(&agent.id)))).collect()
 }
 
 fn materials(setup: &Setup<'_>, of: fn(&Material) -> f64) -> Vec<Value> {
@@ -70,10 +84,10 @@ fn materials(setup: &Setup<'_>, of: fn(&Material) -> f64) -> Vec<Value> {
     setup.materials.intrinsic.iter().map(one).collect()
 }
 
-fn frictions(setup: &Setup<'_>) -> Vec<Value> {
+fn contacts(setup: &Setup<'_>, of: fn(&Contact) -> f64) -> Vec<Value> {
     let one = |contact: &Contact| {
-        let of = format!("materials {} and {}", quoted(&contact.id1), quoted(&contact.id2));
-        value(contact.kinetic_friction, of)
+        let whose = format!("materials {} and {}", quoted(&contact.id1), quoted(&contact.id2));
+        value(of(contact), whose)
     };
     setup.materials.binary.iter().map(one).collect()
 }
@@ -90,12 +104,67 @@ const fn modulus(attribute: &'static str, values: fn(&Setup<'_>) -> Vec<Value>) 
         range: [1e4, 1e12],
         reason: "people have some 1e6 N/m and concrete some 1e9 N/m",
         typical: 4e6,
-        mistaken: &[("MN/m (MPa)", 1e6, Per::One), ("GN/m (GPa)", 1e9, Per::One)],
+        mistaken: &[("MN/m or MPa", 1e6, Per::One), ("GN/m or GPa", 1e9, Per::One)],
         values,
     }
 }
 
-const USUAL: [Usual; 11] = [
+/// A damping of contacts. Too much of it is found by comparison with the critical one.
+const fn damping(attribute: &'static str, values: fn(&Setup<'_>) -> Vec<Value>) -> Usual {
+    Usual {
+        file: |places| &places.materials,
+        element: "Contact",
+        attribute,
+        unit: "kg/s",
+        range: [1.0, f64::INFINITY],
+        reason: "people have some 1000 kg/s, and the critical damping is some 10000 kg/s",
+        typical: 1000.0,
+        mistaken: &[("t/s", 1e3, Per::One), ("MN s/m", 1e6, Per::One)],
+        values,
+    }
+}
+
+const FORCE: Usual = Usual {
+    file: |places| &places.dynamics,
+    element: "Dynamics",
+    attribute: "Fp",
+    unit: "N",
+    range: [0.0, 3e4],
+    reason: "walking takes Mass · FloorDamping · speed, some 500 N, and a strong push is 2000 N",
+    typical: 500.0,
+    mistaken: &[("mN", 1e-3, Per::One)],
+    values: |setup| vectors(setup, |dynamics| dynamics.fp),
+};
+
+const TORQUE: Usual = Usual {
+    file: |places| &places.dynamics,
+    element: "Dynamics",
+    attribute: "Mp",
+    unit: "N m",
+    range: [0.0, 2000.0],
+    reason: "people turn with some 10 N m, and a rider with a bicycle with some 100 N m",
+    typical: 10.0,
+    mistaken: &[("N cm", 1e-2, Per::One), ("N mm", 1e-3, Per::One)],
+    values: |setup| dynamics(setup, |dynamics| dynamics.mp),
+};
+
+/// The shortest time between two rows of a drive file with different pushes.
+const PACE: Usual = Usual {
+    file: |places| &places.dynamics,
+    element: "",
+    attribute: "t",
+    unit: "s",
+    range: [0.0, 30.0],
+    reason: "people begin and end a push within seconds",
+    typical: 0.1,
+    mistaken: &[("ms", 1e-3, Per::One)],
+    values: |_| Vec::new(),
+};
+
+/// The last row of a drive file.
+const LAST: Usual = Usual { range: [0.0, 3600.0], reason: "hardly a run is longer", ..PACE };
+
+const USUAL: [Usual; 17] = [
     Usual {
         file: |places| &places.parameters,
         element: "Times",
@@ -118,6 +187,29 @@ const USUAL: [Usual; 11] = [
         typical: 75.0,
         mistaken: &[("g", 1e-3, Per::One), ("t", 1e3, Per::One)],
         values: |setup| agents(setup, |agent| (agent.mass, 1.0)),
+    },
+    Usual {
+        file: |places| &places.agents,
+        element: "Agent",
+        attribute: "Height",
+        unit: "m",
+        range: [0.3, 2.8],
+        reason: "an infant is 0.5 m tall, and the tallest person was 2.72 m tall",
+        typical: 1.7,
+        mistaken: &[("cm", 1e-2, Per::One), ("mm", 1e-3, Per::One), ("inches", 0.0254, Per::One)],
+        values: heights,
+    },
+    Usual {
+        file: |places| &places.agents,
+        element: "Shape",
+        attribute: "Radius",
+        unit: "m",
+        // Too large ones make a body too wide, which is found with their Positions.
+        range: [0.015, f64::INFINITY],
+        reason: "the disks of an adult have 0.08 to 0.14 m",
+        typical: 0.1,
+        mistaken: &[],
+        values: radii,
     },
     Usual {
         file: |places| &places.agents,
@@ -161,7 +253,7 @@ const USUAL: [Usual; 11] = [
         reason: "people walk at 1 to 2 m/s, run at up to 10 m/s and ride bicycles at up to 15 m/s",
         typical: 1.3,
         mistaken: &[("km/h", 1.0 / 3.6, Per::One), ("cm/s", 1e-2, Per::One), ("mm/s", 1e-3, Per::One)],
-        values: velocities,
+        values: |setup| vectors(setup, |dynamics| dynamics.velocity),
     },
     Usual {
         file: |places| &places.dynamics,
@@ -169,7 +261,7 @@ const USUAL: [Usual; 11] = [
         attribute: "Theta",
         unit: "rad",
         range: [0.0, 4.0 * PI],
-        reason: "a whole turn is 2π",
+        reason: "these are two whole turns",
         typical: 1.5,
         mistaken: &[("degrees", DEGREE, Per::One)],
         values: |setup| dynamics(setup, |dynamics| dynamics.theta),
@@ -185,6 +277,8 @@ const USUAL: [Usual; 11] = [
         mistaken: &[("degrees/s", DEGREE, Per::One)],
         values: |setup| dynamics(setup, |dynamics| dynamics.omega),
     },
+    FORCE,
+    TORQUE,
     modulus("YoungModulus", |setup| materials(setup, |material| material.young_modulus)),
     modulus("ShearModulus", |setup| materials(setup, |material| material.shear_modulus)),
     Usual {
@@ -196,8 +290,10 @@ const USUAL: [Usual; 11] = [
         reason: "skin and clothes have 0.2 to 0.6, and rubber on concrete has 1",
         typical: 0.5,
         mistaken: &[("per cent", 1e-2, Per::One)],
-        values: frictions,
+        values: |setup| contacts(setup, |contact| contact.kinetic_friction),
     },
+    damping("GammaNormal", |setup| contacts(setup, |contact| contact.gamma_normal)),
+    damping("GammaTangential", |setup| contacts(setup, |contact| contact.gamma_tangential)),
 ];
 
 impl Usual {
@@ -217,8 +313,9 @@ impl Usual {
         nearer.min_by(|a, b| far(a.1).total_cmp(&far(b.1)))
     }
 
-    fn warning(&self, setup: &Setup<'_>, places: &Places) -> Option<Problem> {
-        let mut odd = (self.values)(setup).into_iter().filter(|value| !self.is_met_by(value.value));
+    /// The first unusual value, as it is written, and what is said of it.
+    fn doubt(&self, values: Vec<Value>) -> Option<(String, String)> {
+        let mut odd = values.into_iter().filter(|value| !self.is_met_by(value.value));
         let first = odd.next()?;
         let others = match odd.count() {
             0 => String::new(),
@@ -228,20 +325,26 @@ impl Usual {
         let with_unit = |number: f64| format!("{} {}", told(number), self.unit).trim_end().to_owned();
         let range = match self.range {
             [0.0, high] => format!("at most {}", with_unit(high)),
+            [low, f64::INFINITY] => format!("at least {}", with_unit(low)),
             range => range.map(with_unit).join(" to "),
         };
         let ask = match self.meant(&first) {
             Some((unit, value)) => format!("is it in {unit} ({})?", with_unit(value)),
             None => "is it right?".to_owned(),
         };
+        Some((first.shown, format!("{whose}{range} is usual, because {}: {ask}", self.reason)))
+    }
+
+    fn warning(&self, setup: &Setup<'_>, places: &Places) -> Option<Problem> {
+        let (shown, message) = self.doubt((self.values)(setup))?;
         Some(Problem {
             severity: Severity::Warning,
             file: (self.file)(places).clone(),
             line: None,
             element: Some(self.element.into()),
             attribute: Some(self.attribute.into()),
-            value: Some(first.shown),
-            message: format!("{whose}{range} is usual, because {}: {ask}", self.reason),
+            value: Some(shown),
+            message,
         })
     }
 }
@@ -260,5 +363,70 @@ impl Setup<'_> {
     /// Returns a warning for each attribute with unusual values.
     pub(super) fn unusual(&self, places: &Places) -> impl Iterator<Item = Problem> {
         USUAL.iter().filter_map(|usual| usual.warning(self, places))
+    }
+}
+
+/// Returns what is unusual in a drive file: forces, torques and times that are probably in other units.
+pub fn doubts_of_drive(drive: &DriveTable) -> Vec<String> {
+    let mut ids: Vec<&str> = drive.agents().collect();
+    ids.sort_unstable();
+    let agents: Vec<(String, &[(f64, Push)])> =
+        ids.into_iter().filter_map(|id| Some((format!("agent {}", quoted(id)), drive.rows(id)?))).collect();
+    let pushes = || agents.iter().flat_map(|(of, rows)| rows.iter().map(move |(_, push)| (of.clone(), push)));
+    let forces = pushes().map(|(of, [x, y, _])| vector(Vec2 { x: *x, y: *y }, of));
+    let torques = pushes().map(|(of, [_, _, torque])| value(*torque, of));
+    let changes = agents.iter().flat_map(|(of, rows)| {
+        let changes = rows.windows(2).filter(|rows| rows[0].1 != rows[1].1);
+        changes.map(move |rows| {
+            let (from, to) = (rows[0].0, rows[1].0);
+            let within = format!("{of}, whose push changes in the {:?} s after t={from:?}", to - from);
+            Value { shown: format!("{to:?}"), ..value(to - from, within) }
+        })
+    });
+    let quickest = changes.min_by(|a, b| a.value.total_cmp(&b.value));
+    let last = drive.end().map(|end| value(end, "last row".into()));
+    let all = [
+        (&FORCE, forces.collect()),
+        (&TORQUE, torques.collect()),
+        (&PACE, quickest.into_iter().collect()),
+        (&LAST, last.into_iter().collect()),
+    ];
+    let doubts = all.into_iter().filter_map(|(usual, values): (&Usual, Vec<Value>)| {
+        let (shown, message) = usual.doubt(values)?;
+        Some(format!("{}=\"{shown}\": {message}", usual.attribute))
+    });
+    doubts.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drives_in_other_units_are_doubted() {
+        let said = |rows: &str| {
+            let text = format!("t,agent,Fp.x,Fp.y,Mp\n{rows}");
+            doubts_of_drive(&DriveTable::from_csv(text.as_bytes()).unwrap())
+        };
+        // Somebody who pushes for ten minutes.
+        assert_eq!(said("0,a,0,0,0\n0.3,a,600,-100,9\n0.6,a,0,0,0\n1,b,50,0,0\n600,b,50,0,0\n"), [""; 0]);
+        for (rows, words) in [
+            (
+                "0,a,0,0,0\n0.3,a,0,-1e6,0\n0.6,a,0,0,0\n",
+                "Fp=\"0.0,-1000000.0\": agent \"a\": at most 30000 N is usual, because walking takes Mass · FloorDamping · speed, some 500 N, and a strong push is 2000 N: is it in mN (1000 N)?",
+            ),
+            ("0,a,0,0,0\n0.3,a,0,0,9000\n", "Mp=\"9000.0\": agent \"a\": at most 2000 N m is usual"),
+            (
+                "0,a,0,0,0\n300,a,600,0,0\n600,a,0,0,0\n",
+                "t=\"300.0\": agent \"a\", whose push changes in the 300.0 s after t=0.0: at most 30 s is usual, because people begin and end a push within seconds: is it in ms (0.3 s)?",
+            ),
+            (
+                "0,a,0,0,0\n10,a,600,0,0\n5000,a,0,0,0\n",
+                "t=\"5000.0\": last row: at most 3600 s is usual, because hardly a run is longer: is it in ms (5 s)?",
+            ),
+        ] {
+            let said = said(rows);
+            assert!(said.len() == 1 && said[0].starts_with(words), "{said:?}");
+        }
     }
 }

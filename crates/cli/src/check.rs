@@ -4,9 +4,10 @@ use crate::error::{TrialHasErrors, said};
 use crate::tell;
 use crate::words;
 use anyhow::{Context, Result};
-use crowd_mechanics::setup::Setup;
+use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_decision::{Plan, WISHES_FILE};
 use lemons_master::{Given, Warning, plan_of};
+use lemons_plane::Vec2;
 use lemons_trial::DRIVE_FILE;
 use lemons_trial::Problems;
 use lemons_trial::Trial;
@@ -46,8 +47,11 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     Ok(plan) => (plan, Ok(())),
                     Err(error) => (None, Err(error)),
                 };
-                let doubts: Vec<String> =
-                    plan.iter().flat_map(|plan| [hurried(plan), unmoved(plan)]).flatten().collect();
+                let doubts: Vec<String> = plan
+                    .iter()
+                    .flat_map(|plan| [hurried(plan), unmoved(plan), unused(&trial)])
+                    .flatten()
+                    .collect();
                 for doubt in &doubts {
                     writeln!(out, "warning: {}: {doubt}", path.join(WISHES_FILE).display())?;
                 }
@@ -55,6 +59,10 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                 let parameters = &trial.parameters;
                 let missed = driven.as_ref().map(|drive| drive.missed(0.0, parameters.time_step));
                 let missed = missed.ok().flatten();
+                let drive_doubts = driven.as_ref().map(doubts_of_drive).unwrap_or_default();
+                for doubt in &drive_doubts {
+                    writeln!(out, "warning: {}: {doubt}", path.join(DRIVE_FILE).display())?;
+                }
                 if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
                     let plan = path.join(WISHES_FILE);
                     writeln!(out, "{}", words::warned(&Warning::DriveOfWalkers { plan }))?;
@@ -101,7 +109,11 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     counted(trial.geometry.walls.len(), "wall"),
                     parameters.time_step,
                     parameters.time_step_mechanical,
-                    match warnings.iter().count() + usize::from(missed.is_some()) + doubts.len() {
+                    match warnings.iter().count()
+                        + usize::from(missed.is_some())
+                        + doubts.len()
+                        + drive_doubts.len()
+                    {
                         0 => "no problem".to_owned(),
                         1 => "1 warning".to_owned(),
                         n => format!("{n} warnings"),
@@ -132,6 +144,22 @@ fn hurried(plan: &Plan) -> Option<String> {
     };
     Some(format!(
         "agent {id:?} wants {speed:?} m/s{others}: people walk at 0.5 to 2 m/s, and run at 3 to 5 m/s"
+    ))
+}
+
+/// Whose force and torque are replaced by those with which people walk.
+fn unused(trial: &Trial) -> Option<String> {
+    let pushed = trial.dynamics.iter().map(|dynamics| dynamics.fp != Vec2::ZERO || dynamics.mp != 0.0);
+    let mut pushed = trial.agents.iter().zip(pushed).filter(|(_, pushed)| *pushed);
+    let (first, _) = pushed.next()?;
+    let others = match pushed.count() {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    Some(format!(
+        "Fp and Mp in AgentDynamics.xml of agent {:?}{others} are not used, because people walk; forces of a {DRIVE_FILE} \
+         would be added",
+        first.id
     ))
 }
 

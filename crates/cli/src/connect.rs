@@ -2,8 +2,9 @@
 
 use crate::files::{self, Force};
 use crate::pack::say_size;
+use crate::words::warned;
 use anyhow::{Result, bail};
-use lemons_master::Fmu;
+use lemons_master::{Fmu, Warning};
 use lemons_ssp::{Participant, write_archive};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -22,23 +23,23 @@ pub struct Arguments {
 
 pub fn connect(arguments: &Arguments) -> Result<()> {
     check_output(arguments)?;
-    let mut interfaces = Vec::new();
+    let mut fmus = Vec::new();
     for path in &arguments.fmus {
-        let interface = Fmu::open(path)?.description;
-        if interface.co_simulation.is_none() {
+        let fmu = Fmu::open(path)?;
+        if fmu.description.co_simulation.is_none() {
             bail!("{}: the FMU is not for co-simulation", path.display());
         }
-        interfaces.push(interface);
+        fmus.push(fmu);
     }
     let stems: Vec<String> = arguments.fmus.iter().map(|path| stem(path)).collect();
     let names = plain_names(stems.iter().map(String::as_str));
     let participants: Vec<Participant> = names
         .iter()
-        .zip(&interfaces)
-        .map(|(name, interface)| Participant {
+        .zip(&fmus)
+        .map(|(name, fmu)| Participant {
             name: name.clone(),
             source: format!("resources/{name}.fmu"),
-            interface,
+            interface: &fmu.description,
         })
         .collect();
     let connected = lemons_ssp::connect(&stem(&arguments.output), &participants)?;
@@ -60,7 +61,11 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
             }
         }
     }
-    for (component, inputs) in structure.components.iter().zip(&connected.unconnected) {
+    for ((component, fmu), inputs) in structure.components.iter().zip(&fmus).zip(&connected.unconnected) {
+        let free: HashSet<&str> = inputs.iter().map(String::as_str).collect();
+        if fmu.loses_drive(|input| !free.contains(input))? {
+            note!("{}", warned(&Warning::DriveReplaced(component.name.clone())));
+        }
         // People are there unless somebody says otherwise.
         let there = |name: &&str| *name == "Active" || name.ends_with(".Active");
         let names: Vec<&str> = inputs.iter().map(String::as_str).filter(|name| !there(name)).collect();

@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use crowd_mechanics::setup;
 use lemons_decision::{Person, WISHES_FILE, Wishes};
 use lemons_files::input;
-use lemons_master::{Fmu, Given, Kind};
+use lemons_master::{Fmu, Given, Kind, plan_of};
 use lemons_record::{
     Area, Positions, Record, chaos, chaos_files, given_area, jupedsim, pedpy_into, series, series_files,
     trial_at_end, walkable_area,
@@ -54,7 +54,7 @@ enum Format {
     Chaos,
     /// The paper's AgentDynamics files for each time; from an OutputDirectory also AgentInteractions
     Series,
-    /// A Trial that continues from the end of the run, with those who are there and its decision.toml; from an OutputDirectory with contact springs
+    /// A Trial that continues from the end of the run, with those who are there and its decision.toml; from an OutputDirectory, if nobody can leave, with contact springs
     Trial,
 }
 
@@ -65,6 +65,14 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     if *to == Format::Jupedsim && trial.is_none() && arguments.area.is_none() {
         bail!(
             "{}: its walls are not known: give the Trial or FMU of the run with --trial, or the walkable area with --area",
+            source.display()
+        );
+    }
+    let leaves = *to == Format::Trial && arguments.lets_leave(trial.as_ref())?;
+    if leaves && source.is_dir() {
+        bail!(
+            "{}: an OutputDirectory does not say who has left ({WISHES_FILE} lets people leave): export from the table of \
+             the run",
             source.display()
         );
     }
@@ -130,7 +138,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             said.extend(files::staying(out, if wishes.is_some() { &[WISHES_FILE] } else { &[] }));
         }
     }
-    said.extend(not_exported(*to, &run));
+    said.extend(not_exported(*to, &run, leaves));
     for line in said {
         note!("{line}");
     }
@@ -161,6 +169,15 @@ impl Arguments {
         }
         Ok(())
     }
+
+    /// Whether the Trial has a `decision.toml` with which people leave.
+    fn lets_leave(&self, trial: Option<&Trial>) -> Result<bool> {
+        let Some(trial) = trial else { return Ok(false) };
+        let given = self.trial.as_deref().unwrap_or(&trial.directory);
+        let Some(path) = Given::find(given)?.and_then(|given| given.wishes()) else { return Ok(false) };
+        let plan = plan_of(trial, &path).with_context(|| given.join(WISHES_FILE).display().to_string())?;
+        Ok(plan.leaving().contains(&true))
+    }
 }
 
 /// The `decision.toml` of a Trial for those who are there at the end of its run, if it has one.
@@ -181,7 +198,7 @@ fn wishes_at_end(given: &Path, end: &Trial, said: &mut Vec<String>) -> Result<Op
 }
 
 /// What the format or the record does not have.
-fn not_exported(to: Format, run: &Record) -> Vec<String> {
+fn not_exported(to: Format, run: &Record, leaves: bool) -> Vec<String> {
     let mut said = Vec::new();
     if matches!(to, Format::Jupedsim | Format::Pedpy) && !run.names().are_ids {
         said.push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into());
@@ -196,11 +213,15 @@ fn not_exported(to: Format, run: &Record) -> Vec<String> {
     }
     if to == Format::Trial {
         if without_contacts {
-            said.push(
-                "a table contains no contacts, so all contact springs start unstretched. To keep them, export from an \
-                 OutputDirectory (lemons run TRIAL --set OutputDirectory=DIRECTORY)"
-                    .into(),
-            );
+            // An OutputDirectory does not say who has left.
+            let kept = if leaves {
+                ""
+            } else {
+                ". To keep them, export from an OutputDirectory (lemons run TRIAL --set OutputDirectory=DIRECTORY)"
+            };
+            said.push(format!(
+                "a table contains no contacts, so all contact springs start unstretched{kept}"
+            ));
         }
         said.push(
             "Fp and Mp are those of the Trial, because runs do not record them; its drive.csv is not copied"

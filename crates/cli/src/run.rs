@@ -57,7 +57,7 @@ pub struct Arguments {
     /// values are interpolated linearly between rows; they are held until the next point, so results
     /// depend on the communication step. Before the first and after the last row they are zero. Agents that are not
     /// in the file keep the values of AgentDynamics.xml. Default: the Trial's drive.csv if there is one, which
-    /// its FMU plays by itself (also in an SSP). Where people walk by decision.toml, it is added to the forces
+    /// its FMU plays by itself (in an SSP, too, but not for people whose Fp or Mp is connected). Where people walk by decision.toml, it is added to the forces
     /// with which they walk
     #[arg(long, value_name = "FILE.csv", conflicts_with = "no_drive")]
     drive: Option<PathBuf>,

@@ -77,6 +77,7 @@ pub fn warned(warning: &Warning) -> String {
         Warning::Ignored(_) | Warning::Differs { .. } => format!("warning: {warning}"),
         Warning::Overwritten { .. } => format!("warning: --set {warning}"),
         Warning::DriveOfWalkers { .. } => format!("note: {warning} (--no-drive: only these)"),
+        Warning::DriveReplaced(_) => format!("note: {warning}"),
         Warning::Between { .. } => format!("warning: {warning} (--until, --step)"),
         Warning::Still => format!("note: {warning} (lemons decide --help, --drive)"),
         Warning::Missed(rows) => format!("warning: drive: {}", missed(rows, "TimeStep, --step")),

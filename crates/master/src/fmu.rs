@@ -150,6 +150,26 @@ impl Fmu {
         })
     }
 
+    /// Whether a Trial of this FMU has a drive of its own for people whose Fp or Mp is fed by a connection, which
+    /// replaces it. `feeds` says it of the names of variables.
+    ///
+    /// # Errors
+    /// A Trial or its drive has errors.
+    pub fn loses_drive(&self, feeds: impl Fn(&str) -> bool) -> Result<bool> {
+        let Ok(packed) = self.resources() else { return Ok(false) };
+        for name in packed.names() {
+            let trial = self.trial(Some(name))?;
+            let drive = self.drive(Some(&trial), &DriveChoice::Own)?;
+            let driven = trial.agents.iter().enumerate().filter(|(_, agent)| drive.rows(&agent.id).is_some());
+            let mut inputs =
+                driven.flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(|of| format!("agent[{i}].{of}")));
+            if inputs.any(|input| feeds(&input)) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
     /// A new instance.
     ///
     /// # Errors

@@ -181,7 +181,14 @@ fn open(settings: &Settings, parameters: &[(String, String)]) -> Result<Opened, 
             return Err(PrepareError::DriveOfCoupled);
         }
         let Assembled { system, start, stop, ignored } = assemble(input, settings.algorithm, parameters)?;
-        let warnings = ignored.into_iter().map(Warning::Ignored).collect();
+        let mut warnings: Vec<Warning> = ignored.into_iter().map(Warning::Ignored).collect();
+        if settings.drive == DriveChoice::Own {
+            for (place, component) in system.components().iter().enumerate() {
+                if component.fmu.loses_drive(|input| system.feeds(place, input))? {
+                    warnings.push(Warning::DriveReplaced(component.name.clone()));
+                }
+            }
+        }
         return Ok(Opened { system, start: start.unwrap_or(0.0), stop, warnings });
     }
     let mut fmu = Fmu::open(input)?;

@@ -37,6 +37,8 @@ pub enum Warning {
         /// The file that says where, as the user knows it.
         plan: PathBuf,
     },
+    /// A connection feeds Fp or Mp of people whom the drive in the FMU of this component would drive.
+    DriveReplaced(String),
     /// A run that is saved ends, or one that goes on began, between two communication points.
     Between {
         /// \[s\]
@@ -68,6 +70,11 @@ impl fmt::Display for Warning {
                     plan.display()
                 )
             }
+            Warning::DriveReplaced(component) => write!(
+                f,
+                "{component}: the {DRIVE_FILE} in it does not act on people whose Fp or Mp is connected; of a Trial with \
+                 {WISHES_FILE}, lemons run TRIAL adds it to the forces with which they walk"
+            ),
             Warning::Between { time, step } => write!(
                 f,
                 "t = {time:?} s is between two communication points ({step:?} s apart): a run that goes on from there has \

@@ -9,6 +9,7 @@ use lemons_trial::{
     AgentDynamics, DynamicsElement, Interactions, Trial, dynamics_xml, interactions_xml, output_names,
 };
 use std::collections::BTreeSet;
+use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
 const DYNAMICS: &str = "AgentDynamics output t=";
@@ -197,7 +198,14 @@ pub fn trial_at_end(run: &Run, trial: &Trial) -> Result<Trial, RecordError> {
     let mut trial = trial.clone();
     if let Some(last) = run.frames.into_iter().next() {
         let moved = last.agents.iter().map(AgentDynamics::of).zip(&trial.dynamics);
-        trial.dynamics = moved.map(|(now, was)| AgentDynamics { fp: was.fp, mp: was.mp, ..now }).collect();
+        trial.dynamics = moved
+            .map(|(now, was)| AgentDynamics {
+                theta: within_a_turn(now.theta),
+                fp: was.fp,
+                mp: was.mp,
+                ..now
+            })
+            .collect();
         // A run in which people leave is a table, which has no springs: nothing names those who are taken out.
         let (mut agent, mut motion) = (0.., 0..);
         trial.agents.retain(|_| agent.next().is_some_and(|place| last.is_there(place)));
@@ -205,4 +213,13 @@ pub fn trial_at_end(run: &Run, trial: &Trial) -> Result<Trial, RecordError> {
         trial.interactions = last.interactions.unwrap_or_default();
     }
     Ok(trial)
+}
+
+/// The same orientation \[rad\], more than -π and at most π: in a run bodies turn on and on.
+fn within_a_turn(theta: f64) -> f64 {
+    if theta > -PI && theta <= PI {
+        return theta;
+    }
+    let turned = theta.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
 }

@@ -205,6 +205,13 @@ fn a_drive_between_two_communication_points_is_warned_of() {
     let parameters = at.join("T/Parameters.xml");
     let text = fs::read_to_string(&parameters).unwrap();
     fs::write(&parameters, text.replace("TimeStep=\"0.05\"", "TimeStep=\"1.5\"")).unwrap();
+    // In mN.
+    let drive = fs::read_to_string(at.join("T/drive.csv")).unwrap();
+    fs::write(at.join("T/drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,0,0,0,0\n0.05,0,1.2e6,0,0\n").unwrap();
+    let said = checked(at, "T");
+    let doubt = "warning: T/drive.csv: Fp=\"1200000.0,0.0\": agent \"0\": at most 30000 N is usual";
+    assert!(said.contains(doubt), "{said}");
+    fs::write(at.join("T/drive.csv"), drive).unwrap();
     let words = [
         "drive",
         "30 of 31 rows come between communication points, which are 1.5 s apart",
@@ -252,6 +259,14 @@ fn people_who_cannot_walk_are_warned_of() {
     let said = checked(at, "T");
     let words = format!("warning: T/decision.toml: {number} of {number} agents cannot walk (first \"");
     assert!(said.contains(&words) && said.ends_with(": 1 warning\n"), "{said}");
+    // A force of the Trial is not used.
+    let dynamics = at.join("T/dynamic/AgentDynamics.xml");
+    let still = fs::read_to_string(&dynamics).unwrap();
+    fs::write(&dynamics, still.replacen("Mp=\"0", "Mp=\"7", 1)).unwrap();
+    let words = "warning: T/decision.toml: Fp and Mp in AgentDynamics.xml of agent \"0\" are not used, because people walk";
+    let said = checked(at, "T");
+    assert!(said.contains(words) && said.ends_with(": 2 warnings\n"), "{said}");
+    fs::write(&dynamics, still).unwrap();
     // Without somebody who wants to walk, it is what is meant.
     fs::remove_file(at.join("T/decision.toml")).unwrap();
     assert!(checked(at, "T").ends_with(": no problem\n"));

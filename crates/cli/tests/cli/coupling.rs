@@ -36,6 +36,10 @@ fn fmus(binary: bool) -> TempDir {
 
 const CONNECT: [&str; 5] = ["connect", "controller.fmu", "crowd.fmu", "-o", "coupled.ssp"];
 
+/// The crowd has a drive, and the controller feeds Fp and Mp.
+const LOST: &str = "note: crowd: the drive.csv in it does not act on people whose Fp or Mp is connected; of a Trial with \
+                    decision.toml, lemons run TRIAL adds it to the forces with which they walk\n";
+
 #[test]
 fn connect_says_what_it_did_and_writes_the_same_bytes() {
     let directory = fmus(false);
@@ -48,7 +52,7 @@ fn connect_says_what_it_did_and_writes_the_same_bytes() {
     ];
     assert_eq!(said.lines().take(2).collect::<Vec<_>>(), expected);
     let warning = "warning: controller: 4 inputs not connected: real.in, integer.in, boolean.in, …\n";
-    assert_eq!(String::from_utf8_lossy(&output.stderr), warning);
+    assert_eq!(String::from_utf8_lossy(&output.stderr), format!("{warning}{LOST}"));
     assert!(said.lines().nth(2).unwrap().starts_with("coupled.ssp: "), "{said}");
     assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
     let first = fs::read(at.join("coupled.ssp")).unwrap();
@@ -179,7 +183,7 @@ fn a_value_that_a_connection_overwrites_is_warned_of() {
     let at = directory.path();
     out(&lemons(at, &CONNECT));
     let warnings = |setting: &str| {
-        let output = lemons(at, &["run", "coupled.ssp", "--until", "0.1", "--set", setting]);
+        let output = lemons(at, &["run", "coupled.ssp", "--until", "0.1", "--no-drive", "--set", setting]);
         out(&output);
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
@@ -190,6 +194,9 @@ fn a_value_that_a_connection_overwrites_is_warned_of() {
     for free in ["crowd.agent[0].Velocity.x=1", "controller.real.in=1", "controller.integer.in=1"] {
         assert_eq!(warnings(free), "", "{free}");
     }
+    // The push in the FMU.
+    let output = lemons(at, &["run", "coupled.ssp", "--until", "0.1"]);
+    assert_eq!(String::from_utf8_lossy(&output.stderr), LOST);
 }
 
 #[test]

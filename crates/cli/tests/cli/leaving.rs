@@ -249,6 +249,17 @@ fn a_trial_at_the_end_has_who_is_there_and_what_they_do() {
         |table: &str, to: &str| lemons(at, &["export", table, to, "--to", "trial", "--trial", "room"]);
     let output = export("run.csv", "end");
     assert_code(&output, 0);
+    // A series of files does not say who is there.
+    assert!(!err(&output).contains("OutputDirectory"), "{}", err(&output));
+    done(at, &["run", "room", "--until", "0.1", "--set", "OutputDirectory=series", "-o", "s.csv"]);
+    let refused = export("series", "back");
+    assert_code(&refused, 1);
+    assert!(
+        err(&refused).contains("series: an OutputDirectory does not say who has left"),
+        "{}",
+        err(&refused)
+    );
+    assert!(!at.join("back").exists());
     assert_eq!(out(&output), format!("end: {} agents as at t = 6.0 s\n", there.len()));
     assert_eq!(fs::read_to_string(at.join("end/decision.toml")).unwrap(), plan, "nobody of its own");
     // It goes on: more have left in the end than before.

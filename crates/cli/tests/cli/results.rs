@@ -522,6 +522,10 @@ fn help_is_readable() {
     let directory = TempDir::new().unwrap();
     let help = said(&lemons(directory.path(), &["run", "--help"]), 0);
     assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
+    // A comment that goes on in the next line is no TOML.
+    let help = said(&lemons(directory.path(), &["sweep", "--help"]), 0);
+    let of_files: Vec<&str> = help.lines().filter(|line| line.contains('#')).collect();
+    assert!(of_files.len() > 8 && of_files.iter().all(|line| line.chars().count() <= 70), "{of_files:?}");
 }
 
 /// Sends it once the run's files are begun and, as nothing tells when a step is under way, a moment later.

@@ -9,6 +9,7 @@ use lemons_fmi::location::Location;
 use lemons_plane::vec2;
 use lemons_record::{Record, RecordError, Run, series, trial_at_end};
 use lemons_trial::Trial;
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -81,6 +82,13 @@ fn the_end_of_a_series_is_where_the_run_was() {
         world.advance(0.05).unwrap();
         again.advance(0.05).unwrap();
         same(again.state(), world.state());
+    }
+    // A body that has turned more than twice: it was asked of whether it is in degrees.
+    for (turned, theta) in [(15.0, 15.0 - 4.0 * PI), (-4.0, 2.0 * PI - 4.0), (-PI, PI), (3.0, 3.0)] {
+        let mut until = series.clone();
+        until.frames[29].agents[0].pose.orientation = turned;
+        let end = trial_at_end(&until, &trial).unwrap();
+        assert!((end.dynamics[0].theta - theta).abs() < 1e-14, "{turned}: {}", end.dynamics[0].theta);
     }
     assert!(rubbed_agents > 0 && rubbed_walls > 0, "{rubbed_agents} and {rubbed_walls} springs");
 }
