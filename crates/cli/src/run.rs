@@ -86,8 +86,7 @@ pub struct Arguments {
     /// of each component. Default: trajectories.csv
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// File for the outputs of FMUs that are not a crowd. Default: with -o NAME.csv NAME_outputs.csv, else
-    /// outputs.csv
+    /// File for the outputs of what is not a crowd: of other FMUs, or where people want to go
     #[arg(long, value_name = "FILE")]
     outputs: Option<PathBuf>,
     #[arg(long, value_name = "FORMAT", hide_possible_values = true, help = FORMAT_HELP)]
@@ -183,14 +182,7 @@ impl Arguments {
             ..Settings::of(&self.input)
         };
         let ends = if self.until == Some(Until::Left) { Ends::Left } else { Ends::AtTime };
-        Ok(Job {
-            settings,
-            rows,
-            outputs: Some(outputs),
-            state: self.state.clone(),
-            ends,
-            poses: Poses::Ignore,
-        })
+        Ok(Job { settings, rows, outputs, state: self.state.clone(), ends, poses: Poses::Ignore })
     }
 }
 
@@ -294,7 +286,7 @@ fn prepare(settings: &Settings, outputs: Option<&Place>, about: &About) -> Resul
     let runs = [Kind::Trial, Kind::Fmu, Kind::Ssp, Kind::Archive];
     Kind::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
     match Given::find(&settings.input)? {
-        Some(given) => trial::prepare(&given, settings),
+        Some(given) => trial::prepare(&given, settings, outputs, about),
         None => fmus::prepare(settings, |system, others, clock, every| match outputs {
             Some(place) => outputs::Outputs::create(system, others, place, &about.of(clock, every)),
             None => Ok(None),
@@ -641,7 +633,7 @@ impl Ended {
 }
 
 /// Where the trajectories and the outputs go, and as what.
-fn places_of(arguments: &Arguments) -> Result<(Target, Place)> {
+fn places_of(arguments: &Arguments) -> Result<(Target, Option<Place>)> {
     let Arguments { output, outputs, format, .. } = arguments;
     let format = format.map(Format::from);
     let common = format.or(output.as_deref().and_then(Format::of)).unwrap_or(Format::Csv);
@@ -663,12 +655,7 @@ fn places_of(arguments: &Arguments) -> Result<(Target, Place)> {
         }
     };
     let trajectories = place(output, format!("trajectories.{extension}").into())?;
-    // Beside trajectories that were given a name: two runs with names of their own write to different files.
-    let named = output.as_deref().filter(|path| *path != Path::new("-")).and_then(|path| {
-        let stem = path.file_stem()?.to_str()?;
-        Some(path.with_file_name(format!("{stem}_outputs.{extension}")))
-    });
-    let outputs = place(outputs, named.unwrap_or_else(|| format!("outputs.{extension}").into()))?;
+    let outputs = outputs.as_ref().map(|path| place(&Some(path.clone()), PathBuf::new())).transpose()?;
     Ok((Target::Table(trajectories), outputs))
 }
 

@@ -212,6 +212,12 @@ impl Simulation {
         }
     }
 
+    /// Returns the outputs of Decision; none where nobody walks.
+    pub fn decision_outputs(&self) -> Vec<Variable<decision::Quantity>> {
+        let table = self.decision.as_ref().map(Model::table).unwrap_or_default();
+        table.into_iter().filter(|variable| variable.role == Role::Calculated).collect()
+    }
+
     /// Returns whether a variable, by its full name, is an input that crowd and Decision feed each other.
     pub fn is_fed(&self, full: &str) -> bool {
         let of = |prefix| within(prefix, full);

@@ -1,4 +1,4 @@
-//! The outputs of components that are not a crowd: one table, with a column for each output.
+//! The outputs of what is not a crowd: one table, with a column for each output.
 
 use crate::results::{self, Cell, Column, Content, Kind, Place, TableWriter, told};
 use anyhow::Result;
@@ -9,15 +9,55 @@ use lemons_ssp::{Address, Kind as Causality, Type};
 /// Outputs that are warned of by name.
 const MOST_WARNINGS: usize = 20;
 
-pub struct Outputs {
-    components: Vec<Columns>,
+/// A table with a column for each output.
+pub struct OutputTable {
     table: TableWriter<Staged>,
-    /// After the time.
-    count: usize,
     /// Of the columns after the time; `None` once a value was seen that is no finite number.
     names: Vec<Option<String>>,
     /// What was seen then.
     odd: Vec<String>,
+}
+
+impl OutputTable {
+    /// With these columns after the time.
+    pub fn create(columns: Vec<Column>, to: &Place, about: &[(&'static str, String)]) -> Result<OutputTable> {
+        let names = columns.iter().map(|column| Some(column.name.clone())).collect();
+        let columns = std::iter::once(Column::time()).chain(columns).collect();
+        let table = results::begin(to, &Content { columns, about: about.to_vec() })?;
+        Ok(OutputTable { table, names, odd: Vec::new() })
+    }
+
+    pub fn row(&mut self, time: f64, row: Vec<Cell<'_>>) -> Result<()> {
+        for (name, cell) in self.names.iter_mut().zip(&row) {
+            if let Cell::Real(value) = cell
+                && !value.is_finite()
+                && let Some(name) = name.take()
+            {
+                self.odd.push(format!(
+                    "warning: output {name} is {value:?} for the first time at t = {time:?} s"
+                ));
+            }
+        }
+        self.table.row(time, row).map_err(told)
+    }
+
+    /// Puts the table in its place; returns the line of the summary.
+    pub fn finish(self) -> Result<String> {
+        self.odd.iter().take(MOST_WARNINGS).for_each(|warning| note!("{warning}"));
+        if self.odd.len() > MOST_WARNINGS {
+            note!("warning: and {} more outputs", self.odd.len() - MOST_WARNINGS);
+        }
+        let (path, columns) = (self.table.path().to_owned(), self.names.len() + 1);
+        results::place(self.table.finish(), &path)?;
+        Ok(format!("outputs            {}   ({columns} columns)", path.display()))
+    }
+}
+
+/// Outputs of components of a system.
+pub struct Outputs {
+    components: Vec<Columns>,
+    table: OutputTable,
+    count: usize,
 }
 
 /// The outputs of a component, by type.
@@ -44,7 +84,7 @@ impl Outputs {
         to: &Place,
         about: &[(&'static str, String)],
     ) -> Result<Option<Outputs>> {
-        let mut header = vec![Column::time()];
+        let mut header = Vec::new();
         let mut all = Vec::new();
         for place in places {
             let component = &system.components()[place];
@@ -61,7 +101,7 @@ impl Outputs {
                     Type::Binary | Type::Clock => continue,
                 };
                 lists[list].0.push(single.address());
-                lists[list].1.push(header.len() - 1);
+                lists[list].1.push(header.len());
                 header.push(Column {
                     name: format!("{}.{name}", component.name),
                     kind,
@@ -82,14 +122,11 @@ impl Outputs {
                 strings: selected(strings)?,
             });
         }
-        let count = header.len() - 1;
+        let count = header.len();
         if count == 0 {
             return Ok(None);
         }
-        let names = header.iter().skip(1).map(|column| Some(column.name.clone())).collect();
-        let content = Content { columns: header, about: about.to_vec() };
-        let table = results::begin(to, &content)?;
-        Ok(Some(Outputs { components: all, table, count, names, odd: Vec::new() }))
+        Ok(Some(Outputs { components: all, table: OutputTable::create(header, to, about)?, count }))
     }
 
     /// Reads the outputs at a communication point and writes the row.
@@ -112,29 +149,12 @@ impl Outputs {
                 row[*column] = Cell::Text(text);
             }
         }
-        for (name, cell) in self.names.iter_mut().zip(&row) {
-            if let Cell::Real(value) = cell
-                && !value.is_finite()
-                && let Some(name) = name.take()
-            {
-                let time = system.time();
-                self.odd.push(format!(
-                    "warning: output {name} is {value:?} for the first time at t = {time:?} s"
-                ));
-            }
-        }
-        self.table.row(system.time(), row).map_err(told)
+        self.table.row(system.time(), row)
     }
 
-    /// Puts the table in its place; returns the line of the summary.
+    /// As [`OutputTable::finish`].
     pub fn finish(self) -> Result<String> {
-        self.odd.iter().take(MOST_WARNINGS).for_each(|warning| note!("{warning}"));
-        if self.odd.len() > MOST_WARNINGS {
-            note!("warning: and {} more outputs", self.odd.len() - MOST_WARNINGS);
-        }
-        let path = self.table.path().to_owned();
-        results::place(self.table.finish(), &path)?;
-        Ok(format!("outputs            {}   ({} columns)", path.display(), self.count + 1))
+        self.table.finish()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::subject::CrowdInfo;
 use crate::compared::{Follower, Poses, Seen};
-use crate::results::{self, Content, FrameWriter, Place, told};
+use crate::results::{self, Content, Format, FrameWriter, Place, told};
 use anyhow::{Result, bail};
 use lemons_files::Staged;
 use lemons_master::{CrowdRecord, Saved};
@@ -187,7 +187,9 @@ impl CrowdRecorder {
         match self.rows {
             Rows::Table(writer, path) => {
                 done = results::place(writer.finish(), &path);
-                lines.extend(done.is_ok().then(|| format!("trajectories       {}", path.display())));
+                lines.extend(
+                    done.is_ok().then(|| format!("trajectories       {}{}", path.display(), large(&path))),
+                );
             }
             Rows::Memory(recorder) => match recorder.finish(Path::new(""), self.ids) {
                 Ok(made) => run = Some(made),
@@ -195,5 +197,18 @@ impl CrowdRecorder {
             },
         }
         (Recorded { lines, run, poses }, done)
+    }
+}
+
+/// \[byte\] Larger text is worth a remark.
+const LARGE: u64 = 10_000_000;
+
+/// A remark on a large table of text.
+fn large(path: &Path) -> String {
+    match path.metadata() {
+        Ok(file) if file.len() > LARGE && Format::of(path) == Some(Format::Csv) => {
+            format!("   ({} MB; smaller with --format parquet, or --every)", file.len() / 1_000_000)
+        }
+        _ => String::new(),
     }
 }

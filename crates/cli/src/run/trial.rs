@@ -1,13 +1,18 @@
 //! A run of a Trial in memory.
 
+use super::About;
+use super::outputs::OutputTable;
 use super::subject::{CrowdInfo, Identity, Prepared, States, Subject};
+use crate::results::{Cell, Column, Kind, Place};
 use crate::words::{refused, warned};
 use anyhow::{Error, Result, anyhow, ensure};
 use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::variables::{Quantity, guid, table};
+use lemons_fmi::variables::{Kind as VariableKind, Variable};
 use lemons_master::{ComponentRecord, Given, PrepareError, Settings, Warning, read_saved};
 use lemons_record::Frame;
 use lemons_record::columns::Groups;
+use lemons_sim::settings::{DECISION, Selection};
 use lemons_sim::{Clock, Documents, Model, SimError, Simulation};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -19,9 +24,50 @@ const WALKERS: &str = "crowd and decision";
 
 struct TrialRun {
     simulation: Simulation,
+    /// Where the outputs of Decision go, if they are wanted.
+    outputs: Option<DecisionOutputs>,
     /// Of the component in a saved run.
     name: &'static str,
     guid: String,
+}
+
+/// The outputs of Decision, and which of them are Reals, Integers or Booleans.
+struct DecisionOutputs {
+    selection: Selection,
+    kinds: Vec<Kind>,
+    table: OutputTable,
+}
+
+impl DecisionOutputs {
+    fn create(
+        simulation: &Simulation,
+        to: &Place,
+        about: &[(&'static str, String)],
+    ) -> Result<Option<DecisionOutputs>> {
+        let variables = simulation.decision_outputs();
+        if variables.is_empty() {
+            return Ok(None);
+        }
+        let column = |variable: &Variable<_>| Column {
+            name: format!("{DECISION}.{}", variable.name),
+            kind: match variable.kind {
+                VariableKind::Real(_) => Kind::Real,
+                VariableKind::Integer => Kind::Integer,
+                _ => Kind::Boolean,
+            },
+            unit: match variable.kind {
+                VariableKind::Real(unit) => Some(unit.name.to_owned()),
+                _ => None,
+            },
+            variable: variable.name.clone(),
+            description: variable.description.clone(),
+        };
+        let columns: Vec<Column> = variables.iter().map(column).collect();
+        let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+        let selection = simulation.select(&names).map_err(|(name, _)| anyhow!("there is no {name}"))?;
+        let kinds = columns.iter().map(|column| column.kind).collect();
+        Ok(Some(DecisionOutputs { selection, kinds, table: OutputTable::create(columns, to, about)? }))
+    }
 }
 
 impl Model for TrialRun {
@@ -46,6 +92,21 @@ impl Subject for TrialRun {
         Ok(self.simulation.read(&selection)?)
     }
 
+    fn write_outputs(&mut self) -> Result<()> {
+        let Some(DecisionOutputs { selection, kinds, table }) = &mut self.outputs else { return Ok(()) };
+        let values = self.simulation.read(selection)?;
+        let cell = |(value, kind): (f64, &Kind)| match kind {
+            Kind::Real => Cell::Real(value),
+            Kind::Integer => Cell::Integer(value as i32),
+            _ => Cell::Boolean(value != 0.0),
+        };
+        table.row(self.simulation.time(), values.into_iter().zip(kinds.iter()).map(cell).collect())
+    }
+
+    fn finish_outputs(&mut self) -> Result<Option<String>> {
+        self.outputs.take().map(|outputs| outputs.table.finish()).transpose()
+    }
+
     fn states(&mut self) -> Result<States> {
         let state = self.simulation.save();
         let record = ComponentRecord {
@@ -64,8 +125,13 @@ impl Subject for TrialRun {
     }
 }
 
-/// Prepares a run of a Trial. Warnings are printed.
-pub fn prepare(given: &Given, settings: &Settings) -> Result<Prepared> {
+/// Prepares a run of a Trial; outputs of Decision go to a table, if they are wanted. Warnings are printed.
+pub fn prepare(
+    given: &Given,
+    settings: &Settings,
+    outputs: Option<&Place>,
+    about: &About,
+) -> Result<Prepared> {
     settings.check().map_err(refused)?;
     let saved = settings.resume.as_deref().map(read_saved).transpose().map_err(refused)?;
     let (documents, problems, plan) = documents(given, settings)?;
@@ -115,6 +181,8 @@ pub fn prepare(given: &Given, settings: &Settings) -> Result<Prepared> {
         }
         _ => {}
     }
+    let outputs = outputs.map(|to| DecisionOutputs::create(&simulation, to, &about.of(&clock, every)));
+    let outputs = outputs.transpose()?.flatten();
     let frame = simulation.frame();
     let groups = Groups { contacts: true, of_step: true, active: frame.active.is_some(), totals: true };
     let crowd = CrowdInfo {
@@ -154,7 +222,7 @@ pub fn prepare(given: &Given, settings: &Settings) -> Result<Prepared> {
             drive: drive.fingerprint(),
         },
         before,
-        subject: Box::new(TrialRun { simulation, name, guid }),
+        subject: Box::new(TrialRun { simulation, outputs, name, guid }),
     })
 }
 
