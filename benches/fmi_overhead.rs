@@ -9,7 +9,8 @@ use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::setup;
 use crowd_mechanics::variables::{guid, table};
 use lemons_bench::fmu::{INPUTS, INTEGERS, Packed, REALS, SPARSE, processor_time};
-use lemons_testing::fmi2::{Callbacks, Functions, OK};
+use lemons_fmi::Status::Ok as OK;
+use lemons_testing::fmi2::{Functions, NO_CALLBACKS};
 use lemons_trial::Trial;
 use std::ffi::{CString, c_void};
 
@@ -26,7 +27,7 @@ fn instance(c: &Functions, trial: &Trial, packed: &Packed) -> *mut c_void {
             1,
             guid.as_ptr(),
             resources.as_ptr(),
-            &Callbacks::NONE,
+            &NO_CALLBACKS,
             0,
             0,
         );
