@@ -22,15 +22,8 @@ fn instance(c: &Functions, trial: &Trial, packed: &Packed) -> *mut c_void {
     let resources = CString::new(packed.resources().to_str().expect("text")).expect("no zero");
     // SAFETY: texts and functions live through the calls, which come in FMI's order.
     unsafe {
-        let instance = (c.fmi2Instantiate)(
-            c"bench".as_ptr(),
-            1,
-            guid.as_ptr(),
-            resources.as_ptr(),
-            &NO_CALLBACKS,
-            0,
-            0,
-        );
+        let instance =
+            (c.fmi2Instantiate)(c"bench".as_ptr(), 1, guid.as_ptr(), resources.as_ptr(), &NO_CALLBACKS, 0, 0);
         assert!(!instance.is_null());
         assert_eq!((c.fmi2SetupExperiment)(instance, 0, 0.0, 0.0, 0, 0.0), OK);
         assert_eq!((c.fmi2EnterInitializationMode)(instance), OK);
