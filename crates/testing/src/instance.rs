@@ -2,6 +2,8 @@
 //!
 //! Arrays are as long as said. [`Instance::nulls`] leaves out pointers of the calls that follow.
 
+#![allow(clippy::not_unsafe_ptr_arg_deref)] // states are given as the importer holds them
+
 use crate::functions::{fmi2, fmi3};
 use lemons_fmi::Status;
 use lemons_fmi::v2::CallbackFunctions;
@@ -321,10 +323,11 @@ impl Instance {
         *self.environment.update.borrow_mut() = Some(update);
     }
 
-    /// Asserts `Ok`.
+    /// Asserts `Ok`; what was told until then is forgotten.
     #[track_caller]
     pub fn must(&self, status: Status) {
-        assert_eq!(status, Status::Ok, "{:?}", self.take_messages());
+        let said = self.take_messages();
+        assert_eq!(status, Status::Ok, "{said:?}");
     }
 
     /// Asserts an error with one message, and returns its text.
