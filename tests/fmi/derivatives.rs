@@ -77,7 +77,10 @@ fn a_rate_counts_for_one_step_and_zero_is_held() {
     with.steps(1, 12);
     let other = Crowd::new(V2);
     other.must(other.restore(&state));
-    other.steps(1, 12);
+    for k in 1..12 {
+        other.must(rates(&other, &[("agent[0].Fp.x", 1, 0.0), ("agent[3].Mp", 1, 0.0)]));
+        other.steps(k, k + 1);
+    }
     assert_eq!(with.everything(), other.everything());
     assert_ne!(with.everything(), without.everything());
 }

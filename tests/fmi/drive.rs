@@ -161,10 +161,14 @@ fn start_values_that_are_set_again_change_nothing() {
 /// A step that is refused after the drive was looked up leaves the drive as it was.
 #[test]
 fn a_refused_step_plays_nothing() {
-    let resources = two_pushes();
-    let crowd = ready(V2, &resources, 0.2, |crowd| crowd.must(crowd.set("MostMechanicalSteps", 1e300)));
+    let resources = Resources::new();
+    let rows = "t,agent,Fp.x,Fp.y,Mp\n0,0,50,0,0\n1,0,50,0,0\n";
+    fs::write(resources.trial().join("drive.csv"), rows).unwrap();
+    let crowd = ready(V2, &resources, 0.0, |crowd| crowd.must(crowd.set("MostMechanicalSteps", 1e300)));
+    assert_eq!(crowd.get("agent[0].Fp.x"), 50.0);
     let before = (crowd.bytes(), crowd.everything());
-    let message = crowd.refused(crowd.try_step(0.2_f64.next_up(), 1e300));
+    // Just before the first row nothing is played.
+    let message = crowd.refused(crowd.try_step(-f64::MIN_POSITIVE, 1e300));
     assert!(message.contains("too many steps"), "{message}");
     assert!((crowd.bytes(), crowd.everything()) == before);
 }
