@@ -9,7 +9,8 @@ use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::setup;
 use crowd_mechanics::variables::{guid, table};
 use lemons_bench::fmu::{INPUTS, INTEGERS, Packed, REALS, SPARSE, processor_time};
-use lemons_testing::fmi2::{Callbacks, Functions, OK};
+use lemons_fmi::Status::Ok as OK;
+use lemons_testing::fmi2::{Functions, NO_CALLBACKS};
 use lemons_trial::Trial;
 use std::ffi::{CString, c_void};
 
@@ -21,15 +22,8 @@ fn instance(c: &Functions, trial: &Trial, packed: &Packed) -> *mut c_void {
     let resources = CString::new(packed.resources().to_str().expect("text")).expect("no zero");
     // SAFETY: texts and functions live through the calls, which come in FMI's order.
     unsafe {
-        let instance = (c.fmi2Instantiate)(
-            c"bench".as_ptr(),
-            1,
-            guid.as_ptr(),
-            resources.as_ptr(),
-            &Callbacks::NONE,
-            0,
-            0,
-        );
+        let instance =
+            (c.fmi2Instantiate)(c"bench".as_ptr(), 1, guid.as_ptr(), resources.as_ptr(), &NO_CALLBACKS, 0, 0);
         assert!(!instance.is_null());
         assert_eq!((c.fmi2SetupExperiment)(instance, 0, 0.0, 0.0, 0, 0.0), OK);
         assert_eq!((c.fmi2EnterInitializationMode)(instance), OK);

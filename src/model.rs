@@ -387,6 +387,8 @@ impl CrowdModel {
     ) -> Result<(), StepError<ModelError>> {
         self.make_world().map_err(StepError::Refused)?;
         self.few_steps(part).map_err(StepError::Refused)?;
+        let world = self.world.as_ref().filter(|_| !self.played.is_empty());
+        let drive = world.map(|world| world.drive.clone());
         if so_far == 0.0 {
             // The importer's time, which may differ from ours by rounding.
             self.play(from);
@@ -396,7 +398,14 @@ impl CrowdModel {
             let told = ModelError::Advance(Setup::of(&self.trial).name_body(&error));
             // All other errors are found before the step begins.
             let failed = matches!(error, AdvanceError::NotFinite { .. } | AdvanceError::Crowded(_));
-            return Err(if failed { StepError::Failed(told) } else { StepError::Refused(told) });
+            if failed {
+                return Err(StepError::Failed(told));
+            }
+            // A refused step changes nothing, the drive that is played neither.
+            if let (Some(world), Some(drive)) = (&mut self.world, drive) {
+                world.drive = drive;
+            }
+            return Err(StepError::Refused(told));
         }
         self.warn_of_coincidence();
         // A rate is used for one step.
@@ -456,6 +465,11 @@ impl CrowdModel {
             let mut world = Setup::of(&self.trial).world()?;
             give_threads(&mut world, self.threads, None)?;
             self.dismiss(&mut world)?;
+            // A state with such forces could not be restored.
+            if let Some(i) = world.exposures().iter().position(|exposure| !exposure.is_finite()) {
+                let told = format!("agent {:?}: the forces on it are not finite", self.trial.agents[i].id);
+                return Err(ModelError::Advance(told));
+            }
             self.world = Some(world);
         }
         Ok(self.world.as_mut().expect("made above"))

@@ -31,7 +31,8 @@ impl Exposure {
         }
     }
 
-    pub(super) fn is_finite(&self) -> bool {
+    /// Returns whether all of it are numbers.
+    pub fn is_finite(&self) -> bool {
         self.mean_force.is_finite() && self.peak_force.is_finite() && self.peak_overlap.is_finite()
     }
 }

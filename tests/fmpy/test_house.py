@@ -1,4 +1,4 @@
-"""The house's own rules for Python: no modules of the package import each other in a circle (Rust's: crates/testing/tests/house.rs)."""
+"""The house's own rules for Python: no modules of the package import each other in a circle."""
 
 import ast
 from collections import deque

@@ -9,7 +9,7 @@ from fmpy import simulate_fmu
 from masters import run
 
 OWN = 2e-6  # s, of the Trial
-CHOSEN = 4.8e-5  # s, for a tolerance of 1e-4: tests/fmi2/tolerance.rs says why
+CHOSEN = 4.8e-5  # s, for a tolerance of 1e-4: tests/fmi/tolerance.rs says why
 PUSHED = {2: ("agent[0].Velocity.x", 1.5), 3: ("Velocity", [1.5] + 9 * [0.0])}
 PLACES = {2: [f"agent[{i}].Position.x" for i in range(5)], 3: ["Position"]}
 

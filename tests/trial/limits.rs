@@ -1,7 +1,6 @@
 //! How much a Trial may hold, and what is refused before it is read.
 
 use crate::good::{FILES, edited, good, put};
-use cpu_time::ThreadTime;
 use crowd_mechanics::engine::vec2;
 use crowd_mechanics::setup::{self, Setup, WorldError};
 use lemons_trial::*;
@@ -99,21 +98,6 @@ fn of_materials(count: usize, missing: usize) -> Result<(Trial, Problems), Probl
     files.truncate(5);
     put(directory.path(), &files);
     setup::read(directory.path())
-}
-
-/// Each of 80 000 contacts was looked for among all: 400 materials took 9 s, now a second in a development build.
-#[test]
-fn hundreds_of_materials_are_checked_in_the_time_of_their_contacts() {
-    let seconds = |count| {
-        let begun = ThreadTime::now();
-        let (_, warnings) = of_materials(count, 0).unwrap();
-        assert!(warnings.is_empty(), "{warnings}");
-        begun.elapsed().as_secs_f64()
-    };
-    // Four times the contacts; sixteen times the pairs of contacts. Of the processor, whatever else the machine does.
-    let best = |count| (0..3).map(|_| seconds(count)).fold(f64::INFINITY, f64::min);
-    let (few, many) = (best(200), best(400));
-    assert!(many < 10.0 * few + 0.5, "{few} s, then {many} s");
 }
 
 #[test]

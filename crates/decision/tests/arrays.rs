@@ -1,36 +1,22 @@
 //! The decision as arrays, through the functions of FMI 3.0.
 
-#![allow(unsafe_code)] // calls the C functions
-
-use State::*;
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::rule::Pose;
 use lemons_decision::{Decision, Person, Plan, Wishes};
+use lemons_fmi::Status::{self, Error as ERROR, Ok as OK};
 use lemons_fmi::v2;
 use lemons_fmi::v3::arrays::{array_reference, size_reference};
 use lemons_fmi::v3::{ArrayModel, token};
-use lemons_testing::fmi3::{Functions, Log, log};
-use std::ffi::{CString, c_int, c_void};
-use std::ptr::{null, null_mut};
-use std::sync::Once;
+use lemons_testing::instance::{Arguments, Functions};
+use lemons_testing::{Instance, Version};
+use std::ffi::CString;
+use std::ops::Deref;
 use tempfile::TempDir;
 
-const OK: c_int = 0;
-const ERROR: c_int = 3;
 /// Agents, and the way-points of each.
 const AGENTS: usize = 3;
 const COUNTS: [i32; AGENTS] = [2, 1, 3];
 const MOST: usize = 3;
-
-/// An FMU silences panics in its host; those of a test are shown.
-fn show_panics() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        let hook = std::panic::take_hook();
-        lemons_fmi::silence_panics();
-        std::panic::set_hook(hook);
-    });
-}
 
 fn plan() -> Plan {
     let person = |id: &str, x| Person {
@@ -57,130 +43,63 @@ fn reference(name: &str) -> u32 {
     array_reference::<Decision>(place.unwrap_or_else(|| panic!("no variable {name}")))
 }
 
-struct Instance {
-    c: Functions,
-    raw: *mut c_void,
-    log: Box<Log>,
+/// An instance of the plan.
+struct Walkers {
+    instance: Instance,
     _resources: TempDir,
 }
 
-impl Drop for Instance {
-    fn drop(&mut self) {
-        unsafe { (self.c.fmi3FreeInstance)(self.raw) };
+impl Deref for Walkers {
+    type Target = Instance;
+
+    fn deref(&self) -> &Instance {
+        &self.instance
     }
 }
 
-impl Instance {
-    fn new() -> Instance {
-        show_panics();
+impl Walkers {
+    fn new() -> Walkers {
         let resources = TempDir::new().unwrap();
         std::fs::write(resources.path().join(PLAN_FILE), plan().to_toml().unwrap()).unwrap();
-        let (c, log_of) = (Functions::of_model::<Decision>(), Box::<Log>::default());
         let token = CString::new(token::<Decision>().braced().to_string()).unwrap();
         let path = CString::new(resources.path().to_str().unwrap()).unwrap();
-        let environment = std::ptr::from_ref(&*log_of).cast_mut().cast();
-        let raw = unsafe {
-            (c.fmi3InstantiateCoSimulation)(
-                c"decision".as_ptr(),
-                token.as_ptr(),
-                path.as_ptr(),
-                false,
-                true,
-                false,
-                false,
-                null(),
-                0,
-                environment,
-                Some(log),
-                None,
-            )
-        };
-        assert!(!raw.is_null(), "{:?}", log_of.take());
-        Instance { c, raw, log: log_of, _resources: resources }
+        let functions = Functions::of_model::<Decision>(Version::V3);
+        let instance = Instance::new(&functions, &Arguments::new(&token, &path));
+        Walkers { instance: instance.unwrap_or_else(|said| panic!("{said:?}")), _resources: resources }
     }
 
-    fn initialized() -> Instance {
-        let instance = Instance::new();
+    fn initialized() -> Walkers {
+        let instance = Walkers::new();
         instance.initialize();
         instance
     }
 
     #[track_caller]
-    fn must(&self, status: c_int) {
-        assert_eq!(status, OK, "{:?}", self.log.take());
+    fn refuses(&self, status: Status, words: &str) {
+        let said = self.refused(status);
+        assert!(said.contains(words), "{said}");
     }
 
-    #[track_caller]
-    fn refused(&self, status: c_int, words: &str) {
-        let said = self.log.take();
-        assert!(status == ERROR && said.len() == 1 && said[0].2.contains(words), "{status}: {said:?}");
-    }
-
-    #[track_caller]
-    fn initialize(&self) {
-        self.must(unsafe { (self.c.fmi3EnterInitializationMode)(self.raw, false, 0.0, 0.0, false, 0.0) });
-        self.must(unsafe { (self.c.fmi3ExitInitializationMode)(self.raw) });
-    }
-
-    fn try_set(&self, name: &str, values: &[f64]) -> c_int {
-        let set = self.c.fmi3SetFloat64;
-        unsafe { set(self.raw, &reference(name), 1, values.as_ptr(), values.len()) }
-    }
-
-    fn try_get(&self, name: &str, length: usize) -> (c_int, Vec<f64>) {
-        let mut values = vec![f64::NAN; length];
-        let get = self.c.fmi3GetFloat64;
-        (unsafe { get(self.raw, &reference(name), 1, values.as_mut_ptr(), length) }, values)
+    fn try_set(&self, name: &str, values: &[f64]) -> Status {
+        self.set_real(&[reference(name)], values)
     }
 
     #[track_caller]
     fn get(&self, name: &str, length: usize) -> Vec<f64> {
-        let (status, values) = self.try_get(name, length);
+        let (status, values) = self.get_real(&[reference(name)], length);
         self.must(status);
         values
     }
 
     #[track_caller]
     fn integers(&self, name: &str, length: usize) -> Vec<i32> {
-        let (mut values, get) = (vec![-7; length], self.c.fmi3GetInt32);
-        self.must(unsafe { get(self.raw, &reference(name), 1, values.as_mut_ptr(), length) });
+        let (status, values) = self.get_integer(&[reference(name)], length);
+        self.must(status);
         values
     }
 
-    fn try_step(&self, from: f64) -> c_int {
-        let (mut no, mut time) = ([false; 3], 0.0);
-        let [event, terminate, early] = &mut no;
-        unsafe { (self.c.fmi3DoStep)(self.raw, from, 0.05, true, event, terminate, early, &mut time) }
-    }
-
-    fn save(&self) -> *mut c_void {
-        let mut state = null_mut();
-        self.must(unsafe { (self.c.fmi3GetFMUState)(self.raw, &mut state) });
-        state
-    }
-
-    fn free(&self, mut state: *mut c_void) {
-        self.must(unsafe { (self.c.fmi3FreeFMUState)(self.raw, &mut state) });
-    }
-
-    fn bytes(&self) -> Vec<u8> {
-        let (state, mut size) = (self.save(), 0);
-        self.must(unsafe { (self.c.fmi3SerializedFMUStateSize)(self.raw, state, &mut size) });
-        let mut bytes = vec![0; size];
-        self.must(unsafe { (self.c.fmi3SerializeFMUState)(self.raw, state, bytes.as_mut_ptr(), size) });
-        self.free(state);
-        bytes
-    }
-
-    fn restore(&self, bytes: &[u8]) -> c_int {
-        let (mut state, read) = (null_mut(), self.c.fmi3DeserializeFMUState);
-        let status = unsafe { read(self.raw, bytes.as_ptr(), bytes.len(), &mut state) };
-        if status != OK {
-            return status;
-        }
-        let status = unsafe { (self.c.fmi3SetFMUState)(self.raw, state) };
-        self.free(state);
-        status
+    fn try_step(&self, from: f64) -> Status {
+        self.do_step(from, 0.05).status
     }
 
     /// As numbers, whatever the type.
@@ -195,93 +114,38 @@ impl Instance {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum State {
-    Instantiated,
-    Configuration,
-    Initialization,
-    StepComplete,
-    Terminated,
-}
-
-fn reach(state: State) -> Instance {
-    let instance = Instance::new();
-    match state {
-        Instantiated => {}
-        Configuration => instance.must(unsafe { (instance.c.fmi3EnterConfigurationMode)(instance.raw) }),
-        Initialization => instance.must(unsafe {
-            (instance.c.fmi3EnterInitializationMode)(instance.raw, false, 0.0, 0.0, false, 0.0)
-        }),
-        StepComplete | Terminated => instance.initialize(),
-    }
-    if state == Terminated {
-        instance.must(unsafe { (instance.c.fmi3Terminate)(instance.raw) });
-    }
-    instance
-}
-
-type Call = fn(&Instance) -> c_int;
-
-/// Function, where it is allowed (in the order of the states), and a call that is right there.
-const TABLE: [(&str, &str, Call); 18] = [
-    ("fmi3EnterConfigurationMode", "x - - - -", |i| unsafe { (i.c.fmi3EnterConfigurationMode)(i.raw) }),
-    ("fmi3ExitConfigurationMode", "- x - - -", |i| unsafe { (i.c.fmi3ExitConfigurationMode)(i.raw) }),
-    ("fmi3EnterInitializationMode", "x - - - -", |i| unsafe {
-        (i.c.fmi3EnterInitializationMode)(i.raw, true, 1e-6, 0.5, true, 2.0)
-    }),
-    ("fmi3ExitInitializationMode", "- - x - -", |i| unsafe { (i.c.fmi3ExitInitializationMode)(i.raw) }),
-    ("fmi3Terminate", "- - - x -", |i| unsafe { (i.c.fmi3Terminate)(i.raw) }),
-    ("fmi3Reset", "x x x x x", |i| unsafe { (i.c.fmi3Reset)(i.raw) }),
-    ("fmi3GetFloat64", "- x x x x", |i| i.try_get("Fp", 2 * AGENTS).0),
-    ("fmi3GetInt32", "- x x x x", |i| unsafe {
-        (i.c.fmi3GetInt32)(i.raw, &reference("Arrived"), 1, &mut 0, 1)
-    }),
-    ("fmi3GetUInt64", "- x x x x", |i| unsafe {
-        (i.c.fmi3GetUInt64)(i.raw, &reference("Waypoints"), 1, &mut 0, 1)
-    }),
-    ("fmi3GetString", "- x x x x", |i| unsafe {
-        let mut texts = [null(); AGENTS];
-        (i.c.fmi3GetString)(i.raw, &reference("AgentId"), 1, texts.as_mut_ptr(), AGENTS)
-    }),
-    ("fmi3SetFloat64", "x - x x -", |i| i.try_set("Theta", &[1.0; AGENTS])),
-    ("fmi3SetFloat64", "x - x - -", |i| i.try_set("DesiredSpeed", &[1.0; AGENTS])),
-    ("fmi3SetUInt64", "- x - - -", |i| unsafe {
-        (i.c.fmi3SetUInt64)(i.raw, &reference("Agents"), 1, &(AGENTS as u64), 1)
-    }),
-    ("fmi3GetNumberOfVariableDependencies", "x x x x x", |i| unsafe {
-        (i.c.fmi3GetNumberOfVariableDependencies)(i.raw, reference("Fp"), &mut 0)
-    }),
-    ("fmi3SetFMUState", "x x x x x", |i| {
-        let state = i.save();
-        let status = unsafe { (i.c.fmi3SetFMUState)(i.raw, state) };
-        i.free(state);
-        status
-    }),
-    ("fmi3SerializeFMUState", "x x x x x", |i| {
-        i.bytes();
-        OK
-    }),
-    ("fmi3DeserializeFMUState", "x x x x x", |i| i.restore(&i.bytes())),
-    ("fmi3DoStep", "- - - x -", |i| i.try_step(0.0)),
-];
-
+/// What is of this model: which of its variables can be read and set when. The rest is in tests/fmi/lifecycle.rs.
 #[test]
-fn functions_are_allowed_where_the_standard_allows_them() {
-    for (name, states, call) in TABLE {
-        let reached = [Instantiated, Configuration, Initialization, StepComplete, Terminated];
-        for (state, cell) in reached.into_iter().zip(states.split(' ')) {
-            let instance = reach(state);
+fn values_can_be_read_and_set_where_they_may() {
+    type Call = fn(&Walkers) -> Status;
+    type Enter = fn(&Walkers);
+    let table: [(&str, Call); 7] = [
+        ("- x x x x", |i| i.get_real(&[reference("Fp")], 2 * AGENTS).0),
+        ("- x x x x", |i| i.get_integer(&[reference("Arrived")], 1).0),
+        ("- x x x x", |i| i.get_size(&[reference("Waypoints")], 1).0),
+        ("- x x x x", |i| i.get_string(&[reference("AgentId")], AGENTS).0),
+        ("x - x x -", |i| i.try_set("Theta", &[1.0; AGENTS])),
+        ("x - x - -", |i| i.try_set("DesiredSpeed", &[1.0; AGENTS])),
+        ("- - - x -", |i| i.try_step(0.0)),
+    ];
+    let states: [(&str, Enter); 5] = [
+        ("instantiated", |_| ()),
+        ("configuration", |i| i.must(i.enter_configuration())),
+        ("initialization", |i| i.must(i.enter(None, 0.0, None))),
+        ("step complete", |i| i.initialize()),
+        ("terminated", |i| {
+            i.initialize();
+            i.must(i.terminate());
+        }),
+    ];
+    for (row, (cells, call)) in table.into_iter().enumerate() {
+        for ((state, enter), cell) in states.iter().zip(cells.split(' ')) {
+            let instance = Walkers::new();
+            enter(&instance);
             let before = instance.bytes();
             let status = call(&instance);
-            let said = instance.log.take();
-            let case = format!("{name} in {state:?}: {status}, {said:?}");
-            if cell == "x" {
-                assert_eq!(status, OK, "{case}");
-            } else {
-                assert_eq!(status, ERROR, "{case}");
-                assert!(said.len() == 1 && said[0].2.starts_with(&format!("{name}: ")), "{case}");
-                assert!(instance.bytes() == before, "{case} has changed something");
-            }
+            assert_eq!(status, if cell == "x" { OK } else { ERROR }, "row {row}, {state}");
+            assert!(status == OK || instance.bytes() == before, "row {row}, {state}: something has changed");
         }
     }
 }
@@ -289,7 +153,7 @@ fn functions_are_allowed_where_the_standard_allows_them() {
 /// A walk past way-points, with arrays and with the variables of FMI 2.0.
 #[test]
 fn arrays_have_the_bits_of_scalars() {
-    let instance = Instance::initialized();
+    let instance = Walkers::initialized();
     let decision = Decision::new(plan());
     let table = lemons_decision::decision::table(&plan());
     let mut scalars = v2::Slave::new(decision, &v2::guid(&table).to_string()).unwrap();
@@ -339,9 +203,8 @@ fn arrays_have_the_bits_of_scalars() {
 
 #[test]
 fn routes_of_different_lengths_are_rows_with_zeros_behind() {
-    let instance = Instance::new();
-    instance
-        .must(unsafe { (instance.c.fmi3EnterInitializationMode)(instance.raw, false, 0.0, 0.0, false, 0.0) });
+    let instance = Walkers::new();
+    instance.must(instance.enter(None, 0.0, None));
     assert_eq!(instance.integers("WaypointCount", AGENTS), COUNTS);
     let mut waypoints = instance.get("Waypoint", AGENTS * MOST * 2);
     let radii = instance.get("WaypointRadius", AGENTS * MOST);
@@ -358,7 +221,7 @@ fn routes_of_different_lengths_are_rows_with_zeros_behind() {
     let before = instance.bytes();
     waypoints[MOST * 2 + 3] = 1.0;
     let words = "agent \"two words\" has only 1 way-points";
-    instance.refused(instance.try_set("Waypoint", &waypoints), words);
+    instance.refuses(instance.try_set("Waypoint", &waypoints), words);
     assert!(instance.bytes() == before);
     // A way-point that is moved is where it is walked to.
     waypoints[MOST * 2 + 3] = 0.0;
@@ -370,29 +233,29 @@ fn routes_of_different_lengths_are_rows_with_zeros_behind() {
 
 #[test]
 fn the_sizes_are_those_of_the_plan() {
-    let instance = Instance::new();
-    instance.must(unsafe { (instance.c.fmi3EnterConfigurationMode)(instance.raw) });
-    let mut sizes = [0; 2];
+    let instance = Walkers::new();
+    instance.must(instance.enter_configuration());
     let names = ["Agents", "Waypoints"].map(reference);
-    instance
-        .must(unsafe { (instance.c.fmi3GetUInt64)(instance.raw, names.as_ptr(), 2, sizes.as_mut_ptr(), 2) });
+    let (status, sizes) = instance.get_size(&names, 2);
+    instance.must(status);
     assert_eq!(sizes, [AGENTS as u64, MOST as u64]);
-    instance.must(unsafe { (instance.c.fmi3SetUInt64)(instance.raw, names.as_ptr(), 2, [3, 5].as_ptr(), 2) });
-    instance.must(unsafe { (instance.c.fmi3ExitConfigurationMode)(instance.raw) });
+    instance.must(instance.set_size(&names, &[3, 5]));
+    instance.must(instance.exit_configuration());
     let words = "Waypoints is 5, but what is loaded has 3";
-    instance.refused(instance.try_set("WaypointRadius", &[0.0; 15]), words);
+    instance.refuses(instance.try_set("WaypointRadius", &[0.0; 15]), words);
     instance.must(instance.try_set("Theta", &[0.0; AGENTS]));
 }
 
 /// All dependencies of an output: element, value reference, element.
-fn listed(instance: &Instance, output: &str) -> Vec<(usize, u32, usize)> {
+#[allow(unsafe_code)] // calls C functions
+fn listed(instance: &Walkers, output: &str) -> Vec<(usize, u32, usize)> {
     let mut count = 0;
-    let number = instance.c.fmi3GetNumberOfVariableDependencies;
+    let number = instance.v3().fmi3GetNumberOfVariableDependencies;
     instance.must(unsafe { number(instance.raw, reference(output), &mut count) });
     let (mut dependents, mut elements) = (vec![0; count], vec![0; count]);
     let (mut independents, mut kinds) = (vec![0; count], vec![0; count]);
     instance.must(unsafe {
-        (instance.c.fmi3GetVariableDependencies)(
+        (instance.v3().fmi3GetVariableDependencies)(
             instance.raw,
             reference(output),
             dependents.as_mut_ptr(),
@@ -423,7 +286,11 @@ fn outputs_depend_on_what_is_listed() {
         ("WaypointRadius", MOST * AGENTS),
     ];
     for initialized in [true, false] {
-        let instance = reach(if initialized { StepComplete } else { Initialization });
+        let instance = Walkers::new();
+        instance.must(instance.enter(None, 0.0, None));
+        if initialized {
+            instance.must(instance.exit());
+        }
         let start = |(name, length): (&'static str, usize)| (name, instance.get(name, length));
         let mut known: Vec<(&str, Vec<f64>)> = poses.to_vec();
         if !initialized {
@@ -443,7 +310,7 @@ fn outputs_depend_on_what_is_listed() {
                         moved[element] += by;
                         if instance.try_set(name, &moved) != OK {
                             // Below 0, or of a way-point that nobody has.
-                            instance.log.take();
+                            instance.take_messages();
                             continue;
                         }
                         let after = instance.output(output);
@@ -477,7 +344,7 @@ fn outputs_depend_on_what_is_listed() {
 
 #[test]
 fn a_state_remembers_waypoints_and_damaged_bytes_are_refused() {
-    let (instance, other) = (Instance::initialized(), Instance::new());
+    let (instance, other) = (Walkers::initialized(), Walkers::new());
     instance.must(instance.try_set("Position", &[5.0, 2.0, -3.0, 1.0, 2.0, 4.0]));
     instance.must(instance.try_step(0.0));
     instance.must(instance.try_set("Position", &[0.0; 6]));
@@ -492,10 +359,10 @@ fn a_state_remembers_waypoints_and_damaged_bytes_are_refused() {
     for k in (0..bytes.len()).step_by(5) {
         let mut damaged = bytes.clone();
         damaged[k] ^= 0x55;
-        other.refused(other.restore(&damaged), "state");
+        other.refuses(other.restore(&damaged), "state");
     }
     assert!(other.bytes() == before);
-    other.must(unsafe { (other.c.fmi3Reset)(other.raw) });
+    other.must(other.reset());
     other.initialize();
     assert_eq!(other.integers("NextWaypoint", AGENTS), [0; AGENTS]);
 }

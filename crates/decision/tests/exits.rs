@@ -155,9 +155,12 @@ fn who_has_left_stays_away_and_is_not_seen() {
     let mut decision = Decision::new(plan(&[room()], &people, &wishes).unwrap());
     assert_eq!(decision.arrived().unwrap(), 1, "on the line");
     decision.pass(STEP).unwrap();
-    // Carried back into the room.
+    // Carried back into the room, and left there for a step.
     let back = Pose { x: 3.0, y: 2.0, theta: 0.0 };
-    decision.see([back, Pose { x: 2.6, y: 2.0, theta: 0.0 }].into_iter());
+    for _ in 0..2 {
+        decision.see([back, Pose { x: 2.6, y: 2.0, theta: 0.0 }].into_iter());
+        decision.pass(STEP).unwrap();
+    }
     let acts = decision.acts().unwrap();
     assert_eq!(acts[0], Act { drive: Default::default(), active: false });
     let speed = acts[1].drive.force[0] / 160.0;

@@ -31,7 +31,7 @@ pub const LOG_CATEGORIES: [(&str, &str); 4] = [
 ];
 
 /// `fmi2CallbackLogger`
-pub(crate) type Logger2 =
+pub type Logger2 =
     unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, ...);
 /// `fmi3LogMessageCallback`
 pub type Logger3 = unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char);

@@ -12,12 +12,14 @@
 //! - [`archive`]: an `.fmu`, the same bytes for the same content
 //! - `units`: units in model descriptions
 //! - `boundary`: what all C functions share: pointers, messages, panics
+//! - `export`: what the macros that export C functions share
 //! - [`v2`] and [`v3`]: what differs between the versions: the variables of an instance, the model description, the C
 //!   functions
 //! - [`Format`]: which of them is written
 
 pub mod archive;
 mod boundary;
+mod export;
 mod format;
 pub mod lifecycle;
 pub mod location;
@@ -29,7 +31,7 @@ pub mod v2;
 pub mod v3;
 pub mod variables;
 
-pub use boundary::{LOG_CATEGORIES, Status, silence_panics};
+pub use boundary::{LOG_CATEGORIES, Logger2, Status, silence_panics};
 pub use format::Format;
 pub use lifecycle::{Function, Phase};
 pub use model::{Model, StepError, fingerprint};

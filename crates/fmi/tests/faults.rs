@@ -1,15 +1,14 @@
 //! A model that panics: the host is told in words, and the instance refuses all calls but fmi2FreeInstance.
 //! FMI's state "fatal", the column of section 4.2.4 that no call of a sound model reaches.
 
-#![allow(unsafe_code)] // calls the C functions
-
 use lemons_fmi::location::Location;
 use lemons_fmi::v2::guid;
 use lemons_fmi::variables::{Domain, Kind, Role, Variable, units};
-use lemons_fmi::{Model, Phase, StepError};
-use lemons_testing::fmi2::{FATAL, Functions, Log, Message, OK};
-use std::ffi::{CStr, CString, c_int, c_void};
-use std::ptr::{null, null_mut};
+use lemons_fmi::{Model, Phase, Status, StepError};
+use lemons_testing::fmi2;
+use lemons_testing::instance::{Arguments, Functions};
+use lemons_testing::{Instance, Message};
+use std::ffi::{CStr, CString};
 
 /// Its one variable is an input; at 13 it breaks.
 struct Brittle {
@@ -100,115 +99,41 @@ impl Model for Brittle {
     }
 }
 
-fn instantiate_at(c: &Functions, location: &CStr, log: &Log) -> *mut c_void {
+fn instantiate_at(location: &CStr) -> Result<Instance, Vec<Message>> {
     let guid = CString::new(guid(&Brittle { x: 0.0 }.table()).braced().to_string()).unwrap();
-    let callbacks = log.callbacks();
-    // SAFETY: texts that end with a zero; the log outlives the instance.
-    unsafe { (c.fmi2Instantiate)(c"brittle".as_ptr(), 1, guid.as_ptr(), location.as_ptr(), &callbacks, 0, 0) }
+    let functions = Functions::V2(Box::new(fmi2::Functions::of_model::<Brittle>()));
+    Instance::new(&functions, &Arguments::new(&guid, location))
 }
 
-type Call = unsafe fn(&Functions, *mut c_void) -> c_int;
-
-/// Every function that takes an instance and returns a status, with arguments that are right elsewhere.
-const CALLS: [(&str, Call); 31] = {
-    static VALUE: f64 = 1.0;
-    static REFERENCE: u32 = 0;
-    static ORDER: c_int = 1;
-    [
-        ("SetDebugLogging", |c, i| unsafe { (c.fmi2SetDebugLogging)(i, 1, 0, null()) }),
-        ("SetupExperiment", |c, i| unsafe { (c.fmi2SetupExperiment)(i, 0, 0.0, 0.0, 0, 0.0) }),
-        ("EnterInitializationMode", |c, i| unsafe { (c.fmi2EnterInitializationMode)(i) }),
-        ("ExitInitializationMode", |c, i| unsafe { (c.fmi2ExitInitializationMode)(i) }),
-        ("Terminate", |c, i| unsafe { (c.fmi2Terminate)(i) }),
-        ("Reset", |c, i| unsafe { (c.fmi2Reset)(i) }),
-        ("GetReal", |c, i| unsafe { (c.fmi2GetReal)(i, &REFERENCE, 1, &mut 0.0) }),
-        ("GetInteger", |c, i| unsafe { (c.fmi2GetInteger)(i, null(), 0, null_mut()) }),
-        ("GetBoolean", |c, i| unsafe { (c.fmi2GetBoolean)(i, null(), 0, null_mut()) }),
-        ("GetString", |c, i| unsafe { (c.fmi2GetString)(i, null(), 0, null_mut()) }),
-        ("SetReal", |c, i| unsafe { (c.fmi2SetReal)(i, &REFERENCE, 1, &VALUE) }),
-        ("SetInteger", |c, i| unsafe { (c.fmi2SetInteger)(i, null(), 0, null()) }),
-        ("SetBoolean", |c, i| unsafe { (c.fmi2SetBoolean)(i, null(), 0, null()) }),
-        ("SetString", |c, i| unsafe { (c.fmi2SetString)(i, null(), 0, null()) }),
-        ("GetFMUstate", |c, i| unsafe { (c.fmi2GetFMUstate)(i, &mut null_mut()) }),
-        ("SetFMUstate", |c, i| unsafe { (c.fmi2SetFMUstate)(i, null_mut()) }),
-        ("FreeFMUstate", |c, i| unsafe { (c.fmi2FreeFMUstate)(i, &mut null_mut()) }),
-        ("SerializedFMUstateSize", |c, i| unsafe { (c.fmi2SerializedFMUstateSize)(i, null_mut(), &mut 0) }),
-        ("SerializeFMUstate", |c, i| unsafe { (c.fmi2SerializeFMUstate)(i, null_mut(), null_mut(), 0) }),
-        ("DeSerializeFMUstate", |c, i| unsafe { (c.fmi2DeSerializeFMUstate)(i, null(), 0, &mut null_mut()) }),
-        ("GetDirectionalDerivative", |c, i| unsafe {
-            (c.fmi2GetDirectionalDerivative)(i, null(), 0, null(), 0, null(), null_mut())
-        }),
-        ("SetRealInputDerivatives", |c, i| unsafe {
-            (c.fmi2SetRealInputDerivatives)(i, &REFERENCE, 1, &ORDER, &VALUE)
-        }),
-        ("GetRealOutputDerivatives", |c, i| unsafe {
-            (c.fmi2GetRealOutputDerivatives)(i, null(), 0, null(), null_mut())
-        }),
-        ("DoStep", |c, i| unsafe { (c.fmi2DoStep)(i, 0.0, 1.0, 1) }),
-        ("CancelStep", |c, i| unsafe { (c.fmi2CancelStep)(i) }),
-        ("GetStatus", |c, i| unsafe { (c.fmi2GetStatus)(i, 0, &mut 0) }),
-        ("GetRealStatus", |c, i| unsafe { (c.fmi2GetRealStatus)(i, 2, &mut 0.0) }),
-        ("GetIntegerStatus", |c, i| unsafe { (c.fmi2GetIntegerStatus)(i, 0, &mut 0) }),
-        ("GetBooleanStatus", |c, i| unsafe { (c.fmi2GetBooleanStatus)(i, 3, &mut 0) }),
-        ("GetStringStatus", |c, i| unsafe { (c.fmi2GetStringStatus)(i, 1, &mut null()) }),
-        ("DoStep again", |c, i| unsafe { (c.fmi2DoStep)(i, 0.0, 1.0, 1) }),
-    ]
-};
+#[track_caller]
+fn fatal(messages: &[Message], words: [&str; 2]) {
+    let [Message { status: Status::Fatal, text, .. }] = messages else { panic!("{messages:?}") };
+    assert!(words.iter().all(|word| text.contains(word)), "{text}");
+}
 
 #[test]
 fn a_panic_is_fatal_and_told_and_the_instance_can_be_freed() {
-    let (c, told) = (Functions::of_model::<Brittle>(), Log::default());
-    let instance = instantiate_at(&c, c"sound", &told);
-    assert!(!instance.is_null());
-    let ok = |status| assert_eq!(status, OK, "{:?}", told.take());
-    unsafe {
-        ok((c.fmi2SetupExperiment)(instance, 0, 0.0, 0.0, 0, 0.0));
-        ok((c.fmi2EnterInitializationMode)(instance));
-        ok((c.fmi2ExitInitializationMode)(instance));
-        ok((c.fmi2DoStep)(instance, 0.0, 1.0, 1));
-        ok((c.fmi2SetReal)(instance, &0, 1, &13.0));
-        assert_eq!((c.fmi2DoStep)(instance, 1.0, 1.0, 1), FATAL);
+    let (instance, sound) = (instantiate_at(c"sound").unwrap(), instantiate_at(c"sound").unwrap());
+    for instance in [&instance, &sound] {
+        instance.initialize();
+        instance.must(instance.do_step(0.0, 1.0).status);
     }
-    let messages = told.take();
-    let [Message { status: FATAL, text: message, .. }] = &*messages else { panic!("{messages:?}") };
-    assert!(message.contains("fmi2DoStep") && message.contains("x is 13"), "{message}");
-    for (name, call) in CALLS {
-        assert_eq!(unsafe { call(&c, instance) }, FATAL, "{name}");
-        let messages = told.take();
-        let [Message { status: FATAL, text: message, .. }] = &*messages else {
-            panic!("{name}: {messages:?}")
-        };
-        assert!(message.contains(name.trim_end_matches(" again")), "{message}");
+    instance.must(instance.set_real(&[0], &[13.0]));
+    assert_eq!(instance.do_step(1.0, 1.0).status, Status::Fatal);
+    fatal(&instance.take_messages(), ["fmi2DoStep", "x is 13"]);
+    let probes = fmi2::Functions::probes();
+    assert_eq!(probes.len(), 30, "all but those that make and free instances, and two that tell the version");
+    for probe in probes {
+        assert_eq!((probe.call)(instance.v2(), instance.raw, None), Some(Status::Fatal), "{}", probe.name);
+        fatal(&instance.take_messages(), [probe.name, ""]);
     }
-    unsafe { (c.fmi2FreeInstance)(instance) };
-    assert!(told.take().is_empty());
+    drop(instance);
+    sound.must(sound.do_step(1.0, 1.0).status);
+    assert!(sound.take_messages().is_empty(), "another instance is not touched");
 }
 
 #[test]
 fn a_panic_while_instantiating_gives_no_instance_and_words() {
-    let (c, told) = (Functions::of_model::<Brittle>(), Log::default());
-    assert!(instantiate_at(&c, c"broken", &told).is_null());
-    let messages = told.take();
-    let [Message { status: FATAL, text: message, .. }] = &*messages else { panic!("{messages:?}") };
-    assert!(message.contains("fmi2Instantiate") && message.contains("no such place"), "{message}");
-}
-
-#[test]
-fn an_instance_of_another_thread_is_not_touched_by_a_fault() {
-    let c = Functions::of_model::<Brittle>();
-    let (told, others) = (Log::default(), Log::default());
-    let (broken, sound) = (instantiate_at(&c, c"sound", &told), instantiate_at(&c, c"sound", &others));
-    unsafe {
-        for instance in [broken, sound] {
-            (c.fmi2SetupExperiment)(instance, 0, 0.0, 0.0, 0, 0.0);
-            (c.fmi2EnterInitializationMode)(instance);
-            (c.fmi2ExitInitializationMode)(instance);
-        }
-        (c.fmi2SetReal)(broken, &0, 1, &13.0);
-        assert_eq!((c.fmi2DoStep)(broken, 0.0, 1.0, 1), FATAL);
-        assert_eq!((c.fmi2DoStep)(sound, 0.0, 1.0, 1), OK);
-        (c.fmi2FreeInstance)(broken);
-        (c.fmi2FreeInstance)(sound);
-    }
-    assert!(others.take().is_empty());
+    let Err(messages) = instantiate_at(c"broken") else { panic!("an instance") };
+    fatal(&messages, ["fmi2Instantiate", "no such place"]);
 }

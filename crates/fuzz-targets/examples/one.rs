@@ -6,7 +6,5 @@ fn main() {
     let (Some(target), Some(file)) = (arguments.next(), arguments.next()) else {
         panic!("give a target and a file");
     };
-    let targets = lemons_fuzz_targets::TARGETS;
-    let (_, run) = targets.iter().find(|(name, _)| *name == target).expect("a target");
-    run(&std::fs::read(file).expect("a file that can be read"));
+    lemons_fuzz_targets::run(&target, &std::fs::read(file).expect("a file that can be read"));
 }

@@ -2,45 +2,43 @@
 //! program under test breaks a promise. The fuzzers are one-liners around them; `tests/replay.rs` runs
 //! them on the inputs that the fuzzers kept.
 //!
-//! - [`fmi_calls`], [`decision_calls`]: sequences of FMI calls with any arguments
-//! - [`states`]: damaged states with a good checksum
-//! - [`fmi3_calls`], [`decision3_calls`], [`states3`]: the same for FMI 3.0, with whole arrays and their sizes
-//! - [`trial_xml`]: any bytes as one file of a Trial
-//! - [`fmu_archive`]: any bytes as an `.fmu`, or as its `modelDescription.xml`
-//! - [`ssp_archive`]: any bytes as an `.ssp`, as its structure, or as an FMU's interface
-//! - [`decision_toml`]: any text as wishes or as a plan
-//! - [`drive_csv`]: any bytes as a drive file
-//! - [`table_csv`], [`table_parquet`]: any bytes as the table of a run
-//! - [`sweep_toml`]: any text as a `sweep.toml`, any bytes as the table of points that it names
-//! - [`run_file`]: any bytes as a saved run, or as its `run.toml`
-//! - [`light_xml`]: any text as a light XML file
+//! - `fmi_calls`, `decision_calls`: sequences of FMI calls with any arguments
+//! - `states`: damaged states with a good checksum
+//! - `fmi3_calls`, `decision3_calls`, `states3`: the same for FMI 3.0, with whole arrays and their sizes
+//! - `trial_xml`: any bytes as one file of a Trial
+//! - `fmu_archive`: any bytes as an `.fmu`, or as its `modelDescription.xml`
+//! - `ssp_archive`: any bytes as an `.ssp`, as its structure, or as an FMU's interface
+//! - `decision_toml`: any text as wishes or as a plan
+//! - `drive_csv`: any bytes as a drive file
+//! - `table_csv`, `table_parquet`: any bytes as the table of a run
+//! - `sweep_toml`: any text as a `sweep.toml`, any bytes as the table of points that it names
+//! - `run_file`: any bytes as a saved run, or as its `run.toml`
+//! - `light_xml`: any text as a light XML file
 
 #![cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
 
 mod calls;
-mod calls3;
 mod files;
-mod importer;
-mod importer3;
 mod inputs;
 mod models;
 
-pub use calls::{decision_calls, fmi_calls, states};
-pub use calls3::{decision3_calls, fmi3_calls, states3};
-pub use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
-pub use inputs::{drive_csv, light_xml, run_file, sweep_toml, table_csv, table_parquet};
+use calls::{calls, states};
+use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
+use inputs::{drive_csv, light_xml, run_file, sweep_toml, table_csv, table_parquet};
+use lemons_testing::Version;
+use models::Subject;
 
 /// A fuzz target.
 pub type Target = fn(&[u8]);
 
 /// The targets, by the names of their fuzzers and of the directories of their inputs.
 pub const TARGETS: [(&str, Target); 16] = [
-    ("fmi_calls", fmi_calls),
-    ("decision_calls", decision_calls),
-    ("states", states),
-    ("fmi3_calls", fmi3_calls),
-    ("decision3_calls", decision3_calls),
-    ("states3", states3),
+    ("fmi_calls", |data| calls(Subject::Crowd, Version::V2, data)),
+    ("decision_calls", |data| calls(Subject::Decision, Version::V2, data)),
+    ("states", |data| states(Version::V2, data)),
+    ("fmi3_calls", |data| calls(Subject::Crowd, Version::V3, data)),
+    ("decision3_calls", |data| calls(Subject::Decision, Version::V3, data)),
+    ("states3", |data| states(Version::V3, data)),
     ("trial_xml", trial_xml),
     ("fmu_archive", fmu_archive),
     ("ssp_archive", ssp_archive),
@@ -61,4 +59,13 @@ fn show_panics() {
         lemons_fmi::silence_panics();
         std::panic::set_hook(hook);
     });
+}
+
+/// Runs a target.
+///
+/// # Panics
+/// There is no such target, or the program under test breaks a promise.
+pub fn run(target: &str, data: &[u8]) {
+    let (_, run) = TARGETS.iter().find(|(name, _)| *name == target).expect("a target");
+    run(data);
 }

@@ -2,106 +2,181 @@
 
 use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::setup;
-use crowd_mechanics::variables::{Quantity, table};
+use crowd_mechanics::variables::Quantity;
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{Decision, rule::Pose};
 use lemons_decision::{Person, Plan, Wishes};
 use lemons_fmi::Model;
 use lemons_fmi::v2::guid;
-use lemons_fmi::variables::{Kind, Variable};
+use lemons_fmi::v3::arrays::{ArrayModel, Dimension, array_reference, size_reference, token};
+use lemons_fmi::variables::Kind;
 use lemons_plane::vec2;
+use lemons_testing::Version;
+use lemons_testing::instance::Functions;
 use lemons_trial::{Trial, Wall};
 use std::collections::BTreeMap;
 use std::ffi::CString;
-use std::fmt::Debug;
-use std::path::Path;
+use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::OnceLock;
 use tempfile::TempDir;
 
+/// A variable: a number or a text in FMI 2.0, an array in FMI 3.0.
+pub(crate) struct Variable {
+    pub reference: u32,
+    pub name: String,
+    pub kind: Kind,
+    pub dimensions: &'static [Dimension],
+}
+
 /// An unpacked FMU, and what its model description says.
 pub(crate) struct Fmu {
-    _directory: TempDir,
-    pub uri: CString,
-    pub guid: CString,
-    /// How many value references there are.
+    _directory: Rc<TempDir>,
+    pub functions: Functions,
+    pub location: CString,
+    /// GUID or instantiation token.
+    pub token: CString,
+    /// Value references are below this number.
     pub count: u32,
+    pub variables: Vec<Variable>,
     pub reals: Vec<u32>,
     pub integers: Vec<u32>,
+    pub booleans: Vec<u32>,
     pub strings: Vec<u32>,
-    /// The reference of the mechanical step, which bounds the work of a communication step.
-    pub mechanical_step: Option<u32>,
-    /// The reference of OutputDirectory, where files are written.
-    pub output: Option<u32>,
+    /// References of the structural parameters of FMI 3.0.
+    pub sizes: Vec<u32>,
     /// Values for strings: nothing, a directory of our own, names of Trials.
     pub texts: Vec<CString>,
+    /// The OutputDirectory in the content of a serialised state: restoring the state makes it.
+    pub output_directory: fn(&[u8]) -> Option<String>,
 }
 
 /// OutputDirectory is nothing or a directory of our own: the first two of [`Fmu::texts`].
 pub(crate) const OUTPUTS: usize = 2;
 
 /// A Trial of one person; the others have two.
-pub(crate) const SMALLER: &str = "Trial_one";
+const SMALLER: &str = "Trial_one";
+
+/// Longer arrays are not passed: they are refused at once.
+const LONGEST: u64 = 256;
 
 /// A model to be fuzzed.
-pub(crate) trait Fuzzed: Model {
-    /// Its FMU, one for each thread: gone with the thread.
-    fn fmu() -> Rc<Fmu>;
-
-    /// The OutputDirectory in the content of a serialised state: restoring the state makes it.
-    fn output_directory(content: &[u8]) -> Option<String>;
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Subject {
+    Crowd,
+    Decision,
 }
 
 thread_local! {
-    static CROWD: Rc<Fmu> = Rc::new(crowd());
-    static DECISION: Rc<Fmu> = Rc::new(decision());
-}
-
-impl Fuzzed for CrowdModel {
-    fn fmu() -> Rc<Fmu> {
-        CROWD.with(Rc::clone)
-    }
-
-    fn output_directory(content: &[u8]) -> Option<String> {
-        /// Phase, time, experiment, sizes.
-        type OfSlave = (u32, f64, Option<(f64, Option<f64>)>, Vec<u64>);
-        /// Of `model::Saved`: Trial, fingerprint, settings, whether it plays, threads, most steps, intermediate steps.
-        type Before = (String, u128, BTreeMap<Quantity, f64>, bool, i32, f64, i32);
-        let (_, rest) = postcard::take_from_bytes::<(OfSlave, Before)>(content).ok()?;
-        Some(postcard::take_from_bytes(rest).ok()?.0)
-    }
-}
-
-impl Fuzzed for Decision {
-    fn fmu() -> Rc<Fmu> {
-        DECISION.with(Rc::clone)
-    }
-
-    fn output_directory(_: &[u8]) -> Option<String> {
-        Some(String::new())
-    }
+    static CROWD: Rc<Resources> = Rc::new(crowd());
+    static DECISION: Rc<Resources> = Rc::new(decision());
 }
 
 impl Fmu {
-    fn new<Q: Debug>(directory: TempDir, resources: &Path, table: &[Variable<Q>], texts: &[&str]) -> Fmu {
+    /// Each thread has its directories, which are gone with it.
+    pub(crate) fn of(subject: Subject, version: Version) -> Fmu {
+        match subject {
+            Subject::Crowd => {
+                let resources = CROWD.with(Rc::clone);
+                let model = CrowdModel::load(lemons_fmi::location::Location::Path(&resources.path()));
+                Fmu::new(&resources, version, &model.expect("a crowd"), crowd_output_directory)
+            }
+            Subject::Decision => {
+                let resources = DECISION.with(Rc::clone);
+                let model = Decision::load(lemons_fmi::location::Location::Path(&resources.path()));
+                Fmu::new(&resources, version, &model.expect("a decision"), |_| Some(String::new()))
+            }
+        }
+    }
+
+    fn new<M: ArrayModel>(
+        resources: &Resources,
+        version: Version,
+        model: &M,
+        output_directory: fn(&[u8]) -> Option<String>,
+    ) -> Fmu {
         let text = |text: &str| CString::new(text).expect("no zero inside");
-        let of_kind = |wanted: fn(Kind) -> bool| {
-            let rows = table.iter().zip(0..).filter(|(row, _)| wanted(row.kind));
-            rows.map(|(_, reference)| reference).collect::<Vec<u32>>()
+        let table = model.table();
+        let (variables, token, sizes): (Vec<Variable>, _, _) = match version {
+            Version::V2 => {
+                let variable = |(row, reference): (&lemons_fmi::variables::Variable<_>, u32)| Variable {
+                    reference,
+                    name: row.name.clone(),
+                    kind: row.kind,
+                    dimensions: &[],
+                };
+                (table.iter().zip(0..).map(variable).collect(), guid(&table), Vec::new())
+            }
+            Version::V3 => {
+                let variable = |(place, array): (usize, lemons_fmi::v3::Array<M::Block>)| Variable {
+                    reference: array_reference::<M>(place),
+                    name: array.name.to_owned(),
+                    kind: array.kind,
+                    dimensions: array.dimensions,
+                };
+                let sizes = (0..M::SIZES.len()).map(size_reference).collect();
+                (M::arrays().into_iter().enumerate().map(variable).collect(), token::<M>(), sizes)
+            }
         };
-        let named = |name: &str| table.iter().zip(0..).find(|(row, _)| row.name == name).map(|(_, at)| at);
+        let of_kind = |wanted: fn(Kind) -> bool| {
+            let variables = variables.iter().filter(|variable| wanted(variable.kind));
+            variables.map(|variable| variable.reference).collect::<Vec<u32>>()
+        };
         Fmu {
-            _directory: directory,
-            uri: text(&format!("file://{}", resources.display())),
-            guid: text(&guid(table).braced().to_string()),
-            count: u32::try_from(table.len()).expect("a small table"),
+            _directory: resources.directory.clone(),
+            functions: Functions::of_model::<M>(version),
+            location: text(&version.location(&resources.resources)),
+            token: text(&token.braced().to_string()),
+            count: variables.iter().map(|variable| variable.reference + 1).max().unwrap_or(0),
             reals: of_kind(|kind| matches!(kind, Kind::Real(_))),
             integers: of_kind(|kind| kind == Kind::Integer),
+            booleans: of_kind(|kind| kind == Kind::Boolean),
             strings: of_kind(|kind| kind == Kind::String),
-            mechanical_step: named("TimeStepMechanical"),
-            output: named("OutputDirectory"),
-            texts: texts.iter().map(|value| text(value)).collect(),
+            sizes,
+            texts: resources.texts.iter().map(|value| text(value)).collect(),
+            variables,
+            output_directory,
         }
+    }
+
+    pub(crate) fn named(&self, name: &str) -> Option<u32> {
+        self.variables.iter().find(|variable| variable.name == name).map(|variable| variable.reference)
+    }
+
+    /// The number of elements of variables together, for these values of the structural parameters.
+    pub(crate) fn length(&self, references: &[u32], sizes: &[u64]) -> usize {
+        let length = |reference: &u32| {
+            let variable = self.variables.iter().find(|variable| variable.reference == *reference);
+            let sizes =
+                variable.into_iter().flat_map(|variable| variable.dimensions).map(|size| match *size {
+                    Dimension::Fixed(size) => size,
+                    Dimension::Size(place) => sizes[place].min(LONGEST),
+                });
+            sizes.product::<u64>().min(LONGEST)
+        };
+        references.iter().map(length).sum::<u64>() as usize
+    }
+}
+
+fn crowd_output_directory(content: &[u8]) -> Option<String> {
+    /// Phase, time, experiment, sizes.
+    type OfSlave = (u32, f64, Option<(f64, Option<f64>)>, Vec<u64>);
+    /// Of `model::Saved`: Trial, fingerprint, settings, whether it plays, threads, most steps, intermediate steps.
+    type Before = (String, u128, BTreeMap<Quantity, f64>, bool, i32, f64, i32);
+    let (_, rest) = postcard::take_from_bytes::<(OfSlave, Before)>(content).ok()?;
+    Some(postcard::take_from_bytes(rest).ok()?.0)
+}
+
+/// Unpacked resources.
+struct Resources {
+    directory: Rc<TempDir>,
+    resources: PathBuf,
+    texts: Vec<String>,
+}
+
+impl Resources {
+    fn path(&self) -> String {
+        self.resources.display().to_string()
     }
 }
 
@@ -125,12 +200,11 @@ fn made_small() -> Trial {
     trial
 }
 
-fn crowd() -> Fmu {
+fn crowd() -> Resources {
     let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
     let (resources, output) = (directory.path().join("resources"), directory.path().join("output"));
     std::fs::create_dir_all(&output).expect("its directory");
     let mut trial = small_trial();
-    let table = table(&trial);
     trial.write(&resources.join("Trial_a")).expect("a Trial can be written");
     trial.dynamics[1].position.x = 0.5;
     trial.write(&resources.join("Trial_b")).expect("a Trial can be written");
@@ -141,12 +215,8 @@ fn crowd() -> Fmu {
     trial.dynamics.truncate(1);
     trial.write(&resources.join(SMALLER)).expect("a Trial can be written");
     let output = output.to_str().expect("UTF-8").to_owned();
-    Fmu::new(
-        directory,
-        &resources,
-        &table,
-        &["", &output, "Trial_a", "Trial_b", "Trial_c", "../resources/Trial_a"],
-    )
+    let texts = ["", &output, "Trial_a", "Trial_b", "Trial_c", "../resources/Trial_a", SMALLER];
+    Resources { directory: Rc::new(directory), resources, texts: texts.map(str::to_owned).to_vec() }
 }
 
 /// The people that a plan is made for.
@@ -163,7 +233,7 @@ pub(crate) fn people() -> Vec<Person> {
     vec![person("0", 0.0), person("two words", 1.0)]
 }
 
-fn decision() -> Fmu {
+fn decision() -> Resources {
     let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
     let wishes =
         "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
@@ -171,6 +241,6 @@ fn decision() -> Fmu {
     let plan = Plan::new(&people(), &wishes, 0.05).expect("a good plan");
     let text = plan.to_toml().expect("a plan can be written");
     std::fs::write(directory.path().join(PLAN_FILE), text).expect("a file can be written");
-    let (table, path) = (lemons_decision::decision::table(&plan), directory.path().to_owned());
-    Fmu::new(directory, &path, &table, &["", "text"])
+    let resources = directory.path().to_owned();
+    Resources { directory: Rc::new(directory), resources, texts: ["", "text"].map(str::to_owned).to_vec() }
 }

@@ -13,14 +13,15 @@ fn inputs(target: &str) -> Vec<PathBuf> {
     files
 }
 
-fn replay(target: &str) {
-    let (_, run) = TARGETS.iter().find(|(name, _)| *name == target).expect("a target");
-    let files = inputs(target);
-    assert!(files.len() >= 5, "the inputs of {target} are gone: {files:?}");
-    for file in files {
-        // Shown when it fails.
-        println!("{}", file.display());
-        run(&std::fs::read(&file).unwrap());
+fn replay(targets: &[&str]) {
+    for target in targets {
+        let files = inputs(target);
+        assert!(files.len() >= 5, "the inputs of {target} are gone: {files:?}");
+        for file in files {
+            // Shown when it fails.
+            println!("{}", file.display());
+            lemons_fuzz_targets::run(target, &std::fs::read(&file).unwrap());
+        }
     }
 }
 
@@ -50,82 +51,42 @@ fn dictionaries_are_of_the_form_that_libfuzzer_reads() {
     }
 }
 
-#[test]
-fn fmi_calls() {
-    replay("fmi_calls");
+/// Bytes of a seed: what the fuzzers begin with.
+fn random(seed: u64) -> Vec<u8> {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+    let mut next = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state.to_le_bytes()[3]
+    };
+    (0..1500).map(|_| next()).collect()
 }
 
 #[test]
-fn decision_calls() {
-    replay("decision_calls");
+fn random_calls() {
+    for seed in 0..100 {
+        println!("seed {seed}");
+        for target in ["fmi_calls", "decision_calls", "fmi3_calls", "decision3_calls"] {
+            lemons_fuzz_targets::run(target, &random(seed));
+        }
+    }
+}
+
+#[test]
+fn calls() {
+    replay(&["fmi_calls", "decision_calls", "fmi3_calls", "decision3_calls"]);
 }
 
 #[test]
 fn states() {
-    replay("states");
+    replay(&["states", "states3"]);
 }
 
 #[test]
-fn fmi3_calls() {
-    replay("fmi3_calls");
-}
-
-#[test]
-fn decision3_calls() {
-    replay("decision3_calls");
-}
-
-#[test]
-fn states3() {
-    replay("states3");
-}
-
-#[test]
-fn trial_xml() {
-    replay("trial_xml");
-}
-
-#[test]
-fn fmu_archive() {
-    replay("fmu_archive");
-}
-
-#[test]
-fn ssp_archive() {
-    replay("ssp_archive");
-}
-
-#[test]
-fn decision_toml() {
-    replay("decision_toml");
-}
-
-#[test]
-fn drive_csv() {
-    replay("drive_csv");
-}
-
-#[test]
-fn table_csv() {
-    replay("table_csv");
-}
-
-#[test]
-fn table_parquet() {
-    replay("table_parquet");
-}
-
-#[test]
-fn sweep_toml() {
-    replay("sweep_toml");
-}
-
-#[test]
-fn run_file() {
-    replay("run_file");
-}
-
-#[test]
-fn light_xml() {
-    replay("light_xml");
+fn files() {
+    let others = TARGETS.iter().map(|(name, _)| *name).filter(|name| !name.contains("calls"));
+    let others: Vec<&str> = others.filter(|name| !name.starts_with("states")).collect();
+    assert_eq!(others.len(), 10);
+    replay(&others);
 }

@@ -11,6 +11,7 @@
 
 #![allow(unsafe_code)] // the C boundary
 #![allow(clippy::missing_safety_doc)] // said once, above
+#![allow(clippy::extra_unused_type_parameters)] // so that all bodies have the model as their parameter
 
 use super::slave::{Slave, Table};
 use crate::boundary::{
@@ -26,6 +27,7 @@ use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 
 /// `fmi2CallbackFunctions`; the memory functions may be NULL and are never used.
 #[repr(C)]
+#[derive(Clone, Copy)]
 #[allow(missing_docs)] // FMI's own names
 pub struct CallbackFunctions {
     pub logger: Option<Logger2>,
@@ -36,17 +38,17 @@ pub struct CallbackFunctions {
 }
 
 /// `fmi2GetTypesPlatform`
-pub fn get_types_platform() -> *const c_char {
+pub extern "C" fn get_types_platform<M: Model>() -> *const c_char {
     c"default".as_ptr()
 }
 
 /// `fmi2GetVersion`
-pub fn get_version() -> *const c_char {
+pub extern "C" fn get_version<M: Model>() -> *const c_char {
     c"2.0".as_ptr()
 }
 
 /// `fmi2Instantiate`: NULL, after a message, when the instance cannot be made.
-pub unsafe fn instantiate<M: Model>(
+pub unsafe extern "C" fn instantiate<M: Model>(
     instance_name: *const c_char,
     fmu_type: c_int,
     guid: *const c_char,
@@ -84,7 +86,7 @@ pub unsafe fn instantiate<M: Model>(
 }
 
 /// `fmi2FreeInstance`
-pub unsafe fn free_instance<M: Model>(instance: *mut c_void) {
+pub unsafe extern "C" fn free_instance<M: Model>(instance: *mut c_void) {
     // SAFETY: an instance that `fmi2Instantiate` made, given back once.
     unsafe { free::<M, Table<M>>(instance) }
 }
@@ -99,7 +101,7 @@ fn call<M: Model>(
 }
 
 /// `fmi2SetDebugLogging`
-pub unsafe fn set_debug_logging<M: Model>(
+pub unsafe extern "C" fn set_debug_logging<M: Model>(
     instance: *mut c_void,
     logging_on: c_int,
     count: usize,
@@ -113,7 +115,7 @@ pub unsafe fn set_debug_logging<M: Model>(
 }
 
 /// `fmi2SetupExperiment`
-pub unsafe fn setup_experiment<M: Model>(
+pub unsafe extern "C" fn setup_experiment<M: Model>(
     instance: *mut c_void,
     tolerance_defined: c_int,
     tolerance: f64,
@@ -129,14 +131,14 @@ pub unsafe fn setup_experiment<M: Model>(
 }
 
 /// `fmi2EnterInitializationMode`
-pub unsafe fn enter_initialization_mode<M: Model>(instance: *mut c_void) -> Status {
+pub unsafe extern "C" fn enter_initialization_mode<M: Model>(instance: *mut c_void) -> Status {
     call::<M>(instance, "fmi2EnterInitializationMode", |component| {
         Ok(component.slave.enter_initialization()?)
     })
 }
 
 /// `fmi2ExitInitializationMode`
-pub unsafe fn exit_initialization_mode<M: Model>(instance: *mut c_void) -> Status {
+pub unsafe extern "C" fn exit_initialization_mode<M: Model>(instance: *mut c_void) -> Status {
     call::<M>(instance, "fmi2ExitInitializationMode", |component| {
         component.slave.exit_initialization()?;
         component.tell_warnings();
@@ -145,17 +147,17 @@ pub unsafe fn exit_initialization_mode<M: Model>(instance: *mut c_void) -> Statu
 }
 
 /// `fmi2Terminate`
-pub unsafe fn terminate<M: Model>(instance: *mut c_void) -> Status {
+pub unsafe extern "C" fn terminate<M: Model>(instance: *mut c_void) -> Status {
     call::<M>(instance, "fmi2Terminate", |component| Ok(component.slave.terminate()?))
 }
 
 /// `fmi2Reset`
-pub unsafe fn reset<M: Model>(instance: *mut c_void) -> Status {
+pub unsafe extern "C" fn reset<M: Model>(instance: *mut c_void) -> Status {
     call::<M>(instance, "fmi2Reset", |component| Ok(component.slave.reset()?))
 }
 
 /// `fmi2GetReal`
-pub unsafe fn get_real<M: Model>(
+pub unsafe extern "C" fn get_real<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
@@ -170,7 +172,7 @@ pub unsafe fn get_real<M: Model>(
 }
 
 /// `fmi2GetInteger`
-pub unsafe fn get_integer<M: Model>(
+pub unsafe extern "C" fn get_integer<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
@@ -185,7 +187,7 @@ pub unsafe fn get_integer<M: Model>(
 }
 
 /// `fmi2GetBoolean`
-pub unsafe fn get_boolean<M: Model>(
+pub unsafe extern "C" fn get_boolean<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
@@ -200,7 +202,7 @@ pub unsafe fn get_boolean<M: Model>(
 }
 
 /// `fmi2GetString`: the texts live until the next call of this function or the end of the instance.
-pub unsafe fn get_string<M: Model>(
+pub unsafe extern "C" fn get_string<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
@@ -217,7 +219,7 @@ pub unsafe fn get_string<M: Model>(
 }
 
 /// `fmi2SetReal`
-pub unsafe fn set_real<M: Model>(
+pub unsafe extern "C" fn set_real<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
@@ -232,7 +234,7 @@ pub unsafe fn set_real<M: Model>(
 }
 
 /// `fmi2SetInteger`
-pub unsafe fn set_integer<M: Model>(
+pub unsafe extern "C" fn set_integer<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
@@ -247,7 +249,7 @@ pub unsafe fn set_integer<M: Model>(
 }
 
 /// `fmi2SetBoolean`
-pub unsafe fn set_boolean<M: Model>(
+pub unsafe extern "C" fn set_boolean<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
@@ -262,7 +264,7 @@ pub unsafe fn set_boolean<M: Model>(
 }
 
 /// `fmi2SetString`
-pub unsafe fn set_string<M: Model>(
+pub unsafe extern "C" fn set_string<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
@@ -279,7 +281,7 @@ pub unsafe fn set_string<M: Model>(
 }
 
 /// `fmi2GetFMUstate`: a new state, or an old one overwritten.
-pub unsafe fn get_fmu_state<M: Model>(instance: *mut c_void, state: *mut *mut c_void) -> Status {
+pub unsafe extern "C" fn get_fmu_state<M: Model>(instance: *mut c_void, state: *mut *mut c_void) -> Status {
     call::<M>(instance, "fmi2GetFMUstate", |component| {
         // SAFETY: NULL or the place of a state pointer.
         let place = unsafe { state.as_mut() }.ok_or(Refusal::Null("FMUstate"))?;
@@ -288,7 +290,7 @@ pub unsafe fn get_fmu_state<M: Model>(instance: *mut c_void, state: *mut *mut c_
 }
 
 /// `fmi2SetFMUstate`
-pub unsafe fn set_fmu_state<M: Model>(instance: *mut c_void, state: *mut c_void) -> Status {
+pub unsafe extern "C" fn set_fmu_state<M: Model>(instance: *mut c_void, state: *mut c_void) -> Status {
     call::<M>(instance, "fmi2SetFMUstate", |component| {
         component.slave.check(Function::State)?;
         let snapshot = component.state(state)?;
@@ -297,7 +299,7 @@ pub unsafe fn set_fmu_state<M: Model>(instance: *mut c_void, state: *mut c_void)
 }
 
 /// `fmi2FreeFMUstate`: NULL is fine, and it is NULL afterwards.
-pub unsafe fn free_fmu_state<M: Model>(instance: *mut c_void, state: *mut *mut c_void) -> Status {
+pub unsafe extern "C" fn free_fmu_state<M: Model>(instance: *mut c_void, state: *mut *mut c_void) -> Status {
     call::<M>(instance, "fmi2FreeFMUstate", |component| {
         component.slave.check(Function::State)?;
         // SAFETY: NULL or the place of a state pointer.
@@ -306,7 +308,7 @@ pub unsafe fn free_fmu_state<M: Model>(instance: *mut c_void, state: *mut *mut c
 }
 
 /// `fmi2SerializedFMUstateSize`
-pub unsafe fn serialized_fmu_state_size<M: Model>(
+pub unsafe extern "C" fn serialized_fmu_state_size<M: Model>(
     instance: *mut c_void,
     state: *mut c_void,
     size: *mut usize,
@@ -322,7 +324,7 @@ pub unsafe fn serialized_fmu_state_size<M: Model>(
 }
 
 /// `fmi2SerializeFMUstate`
-pub unsafe fn serialize_fmu_state<M: Model>(
+pub unsafe extern "C" fn serialize_fmu_state<M: Model>(
     instance: *mut c_void,
     state: *mut c_void,
     bytes: *mut u8,
@@ -336,7 +338,7 @@ pub unsafe fn serialize_fmu_state<M: Model>(
 }
 
 /// `fmi2DeSerializeFMUstate`
-pub unsafe fn deserialize_fmu_state<M: Model>(
+pub unsafe extern "C" fn deserialize_fmu_state<M: Model>(
     instance: *mut c_void,
     bytes: *const u8,
     size: usize,
@@ -351,7 +353,7 @@ pub unsafe fn deserialize_fmu_state<M: Model>(
 }
 
 /// `fmi2GetDirectionalDerivative`: not provided.
-pub unsafe fn get_directional_derivative<M: Model>(
+pub unsafe extern "C" fn get_directional_derivative<M: Model>(
     instance: *mut c_void,
     _unknowns: *const c_uint,
     _unknown_count: usize,
@@ -367,7 +369,7 @@ pub unsafe fn get_directional_derivative<M: Model>(
 }
 
 /// `fmi2SetRealInputDerivatives`
-pub unsafe fn set_real_input_derivatives<M: Model>(
+pub unsafe extern "C" fn set_real_input_derivatives<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
@@ -384,7 +386,7 @@ pub unsafe fn set_real_input_derivatives<M: Model>(
 }
 
 /// `fmi2GetRealOutputDerivatives`
-pub unsafe fn get_real_output_derivatives<M: Model>(
+pub unsafe extern "C" fn get_real_output_derivatives<M: Model>(
     instance: *mut c_void,
     references: *const c_uint,
     count: usize,
@@ -405,7 +407,7 @@ pub unsafe fn get_real_output_derivatives<M: Model>(
 }
 
 /// `fmi2DoStep`
-pub unsafe fn do_step<M: Model>(
+pub unsafe extern "C" fn do_step<M: Model>(
     instance: *mut c_void,
     current_communication_point: f64,
     communication_step_size: f64,
@@ -419,7 +421,7 @@ pub unsafe fn do_step<M: Model>(
 }
 
 /// `fmi2CancelStep`: a synchronous slave is never in the middle of a step.
-pub unsafe fn cancel_step<M: Model>(instance: *mut c_void) -> Status {
+pub unsafe extern "C" fn cancel_step<M: Model>(instance: *mut c_void) -> Status {
     call::<M>(instance, "fmi2CancelStep", |component| Ok(component.slave.check(Function::CancelStep)?))
 }
 
@@ -445,29 +447,45 @@ fn status<M: Model, T>(
 }
 
 /// `fmi2GetStatus`
-pub unsafe fn get_status<M: Model>(instance: *mut c_void, _kind: c_int, value: *mut c_int) -> Status {
+pub unsafe extern "C" fn get_status<M: Model>(
+    instance: *mut c_void,
+    _kind: c_int,
+    value: *mut c_int,
+) -> Status {
     status::<M, _>(instance, "fmi2GetStatus", value, |_| None)
 }
 
 /// `fmi2GetRealStatus`
-pub unsafe fn get_real_status<M: Model>(instance: *mut c_void, kind: c_int, value: *mut f64) -> Status {
+pub unsafe extern "C" fn get_real_status<M: Model>(
+    instance: *mut c_void,
+    kind: c_int,
+    value: *mut f64,
+) -> Status {
     status::<M, _>(instance, "fmi2GetRealStatus", value, |slave| {
         (kind == LAST_SUCCESSFUL_TIME).then(|| slave.time())
     })
 }
 
 /// `fmi2GetIntegerStatus`
-pub unsafe fn get_integer_status<M: Model>(instance: *mut c_void, _kind: c_int, value: *mut c_int) -> Status {
+pub unsafe extern "C" fn get_integer_status<M: Model>(
+    instance: *mut c_void,
+    _kind: c_int,
+    value: *mut c_int,
+) -> Status {
     status::<M, _>(instance, "fmi2GetIntegerStatus", value, |_| None)
 }
 
 /// `fmi2GetBooleanStatus`
-pub unsafe fn get_boolean_status<M: Model>(instance: *mut c_void, kind: c_int, value: *mut c_int) -> Status {
+pub unsafe extern "C" fn get_boolean_status<M: Model>(
+    instance: *mut c_void,
+    kind: c_int,
+    value: *mut c_int,
+) -> Status {
     status::<M, _>(instance, "fmi2GetBooleanStatus", value, |_| (kind == TERMINATED).then_some(0))
 }
 
 /// `fmi2GetStringStatus`
-pub unsafe fn get_string_status<M: Model>(
+pub unsafe extern "C" fn get_string_status<M: Model>(
     instance: *mut c_void,
     _kind: c_int,
     value: *mut *const c_char,

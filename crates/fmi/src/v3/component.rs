@@ -11,6 +11,7 @@
 
 #![allow(unsafe_code)] // the C boundary
 #![allow(clippy::missing_safety_doc)] // said once, above
+#![allow(clippy::extra_unused_type_parameters)] // so that all bodies have the model as their parameter
 #![allow(clippy::too_many_arguments)] // FMI's signatures
 
 use super::arrays::ArrayModel;
@@ -48,7 +49,7 @@ struct Instance<M: ArrayModel> {
 }
 
 /// `fmi3GetVersion`
-pub fn get_version() -> *const c_char {
+pub extern "C" fn get_version<M: ArrayModel>() -> *const c_char {
     c"3.0".as_ptr()
 }
 
@@ -68,7 +69,7 @@ fn call<M: ArrayModel>(
 }
 
 /// `fmi3InstantiateCoSimulation`: NULL, after a message, when the instance cannot be made.
-pub unsafe fn instantiate_co_simulation<M: ArrayModel>(
+pub unsafe extern "C" fn instantiate_co_simulation<M: ArrayModel>(
     instance_name: *const c_char,
     token: *const c_char,
     resource_path: *const c_char,
@@ -124,7 +125,7 @@ fn not_offered(name: &str, environment: *mut c_void, log_message: Option<Logger3
 }
 
 /// `fmi3InstantiateModelExchange`: not offered.
-pub unsafe fn instantiate_model_exchange<M: ArrayModel>(
+pub unsafe extern "C" fn instantiate_model_exchange<M: ArrayModel>(
     _instance_name: *const c_char,
     _token: *const c_char,
     _resource_path: *const c_char,
@@ -137,7 +138,7 @@ pub unsafe fn instantiate_model_exchange<M: ArrayModel>(
 }
 
 /// `fmi3InstantiateScheduledExecution`: not offered.
-pub unsafe fn instantiate_scheduled_execution<M: ArrayModel>(
+pub unsafe extern "C" fn instantiate_scheduled_execution<M: ArrayModel>(
     _instance_name: *const c_char,
     _token: *const c_char,
     _resource_path: *const c_char,
@@ -153,7 +154,7 @@ pub unsafe fn instantiate_scheduled_execution<M: ArrayModel>(
 }
 
 /// `fmi3FreeInstance`
-pub unsafe fn free_instance<M: ArrayModel>(instance: *mut c_void) {
+pub unsafe extern "C" fn free_instance<M: ArrayModel>(instance: *mut c_void) {
     if !instance.is_null() {
         // SAFETY: an instance that `fmi3InstantiateCoSimulation` boxed, given back once.
         let instance = unsafe { Box::from_raw(instance.cast::<Instance<M>>()) };
@@ -163,7 +164,7 @@ pub unsafe fn free_instance<M: ArrayModel>(instance: *mut c_void) {
 }
 
 /// `fmi3SetDebugLogging`
-pub unsafe fn set_debug_logging<M: ArrayModel>(
+pub unsafe extern "C" fn set_debug_logging<M: ArrayModel>(
     instance: *mut c_void,
     logging_on: bool,
     count: usize,
@@ -177,7 +178,7 @@ pub unsafe fn set_debug_logging<M: ArrayModel>(
 }
 
 /// `fmi3EnterInitializationMode`
-pub unsafe fn enter_initialization_mode<M: ArrayModel>(
+pub unsafe extern "C" fn enter_initialization_mode<M: ArrayModel>(
     instance: *mut c_void,
     tolerance_defined: bool,
     tolerance: f64,
@@ -193,7 +194,7 @@ pub unsafe fn enter_initialization_mode<M: ArrayModel>(
 }
 
 /// `fmi3ExitInitializationMode`
-pub unsafe fn exit_initialization_mode<M: ArrayModel>(instance: *mut c_void) -> Status {
+pub unsafe extern "C" fn exit_initialization_mode<M: ArrayModel>(instance: *mut c_void) -> Status {
     call::<M>(instance, "fmi3ExitInitializationMode", |component| {
         component.slave.end_initialization()?;
         component.tell_warnings();
@@ -202,29 +203,29 @@ pub unsafe fn exit_initialization_mode<M: ArrayModel>(instance: *mut c_void) -> 
 }
 
 /// `fmi3EnterConfigurationMode`
-pub unsafe fn enter_configuration_mode<M: ArrayModel>(instance: *mut c_void) -> Status {
+pub unsafe extern "C" fn enter_configuration_mode<M: ArrayModel>(instance: *mut c_void) -> Status {
     call::<M>(instance, "fmi3EnterConfigurationMode", |component| {
         Ok(component.slave.enter_configuration()?)
     })
 }
 
 /// `fmi3ExitConfigurationMode`
-pub unsafe fn exit_configuration_mode<M: ArrayModel>(instance: *mut c_void) -> Status {
+pub unsafe extern "C" fn exit_configuration_mode<M: ArrayModel>(instance: *mut c_void) -> Status {
     call::<M>(instance, "fmi3ExitConfigurationMode", |component| Ok(component.slave.exit_configuration()?))
 }
 
 /// `fmi3Terminate`
-pub unsafe fn terminate<M: ArrayModel>(instance: *mut c_void) -> Status {
+pub unsafe extern "C" fn terminate<M: ArrayModel>(instance: *mut c_void) -> Status {
     call::<M>(instance, "fmi3Terminate", |component| Ok(component.slave.terminate()?))
 }
 
 /// `fmi3Reset`
-pub unsafe fn reset<M: ArrayModel>(instance: *mut c_void) -> Status {
+pub unsafe extern "C" fn reset<M: ArrayModel>(instance: *mut c_void) -> Status {
     call::<M>(instance, "fmi3Reset", |component| Ok(component.slave.reset()?))
 }
 
 /// `fmi3GetFloat64`
-pub unsafe fn get_float64<M: ArrayModel>(
+pub unsafe extern "C" fn get_float64<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -241,7 +242,7 @@ pub unsafe fn get_float64<M: ArrayModel>(
 }
 
 /// `fmi3GetInt32`
-pub unsafe fn get_int32<M: ArrayModel>(
+pub unsafe extern "C" fn get_int32<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -258,7 +259,7 @@ pub unsafe fn get_int32<M: ArrayModel>(
 }
 
 /// `fmi3GetUInt64`
-pub unsafe fn get_uint64<M: ArrayModel>(
+pub unsafe extern "C" fn get_uint64<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -275,7 +276,7 @@ pub unsafe fn get_uint64<M: ArrayModel>(
 }
 
 /// `fmi3GetString`: the texts live until the next call of this function or the end of the instance.
-pub unsafe fn get_string<M: ArrayModel>(
+pub unsafe extern "C" fn get_string<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -294,7 +295,7 @@ pub unsafe fn get_string<M: ArrayModel>(
 }
 
 /// `fmi3SetFloat64`
-pub unsafe fn set_float64<M: ArrayModel>(
+pub unsafe extern "C" fn set_float64<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -310,7 +311,7 @@ pub unsafe fn set_float64<M: ArrayModel>(
 }
 
 /// `fmi3SetInt32`
-pub unsafe fn set_int32<M: ArrayModel>(
+pub unsafe extern "C" fn set_int32<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -326,7 +327,7 @@ pub unsafe fn set_int32<M: ArrayModel>(
 }
 
 /// `fmi3SetUInt64`
-pub unsafe fn set_uint64<M: ArrayModel>(
+pub unsafe extern "C" fn set_uint64<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -342,7 +343,7 @@ pub unsafe fn set_uint64<M: ArrayModel>(
 }
 
 /// `fmi3SetString`
-pub unsafe fn set_string<M: ArrayModel>(
+pub unsafe extern "C" fn set_string<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -360,7 +361,7 @@ pub unsafe fn set_string<M: ArrayModel>(
 }
 
 /// `fmi3GetBoolean`
-pub unsafe fn get_boolean<M: ArrayModel>(
+pub unsafe extern "C" fn get_boolean<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -377,7 +378,7 @@ pub unsafe fn get_boolean<M: ArrayModel>(
 }
 
 /// `fmi3SetBoolean`
-pub unsafe fn set_boolean<M: ArrayModel>(
+pub unsafe extern "C" fn set_boolean<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -417,7 +418,7 @@ macro_rules! without_variables {
     ($($body:ident($type:ty) = $name:literal, $kind:literal, $function:ident;)*) => {
         $(
             #[doc = concat!("`", $name, "`: no variable has this type.")]
-            pub unsafe fn $body<M: ArrayModel>(
+            pub unsafe extern "C" fn $body<M: ArrayModel>(
                 instance: *mut c_void,
                 references: *const u32,
                 count: usize,
@@ -448,7 +449,7 @@ without_variables! {
 }
 
 /// `fmi3GetClock`: no variable has this type.
-pub unsafe fn get_clock<M: ArrayModel>(
+pub unsafe extern "C" fn get_clock<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -458,7 +459,7 @@ pub unsafe fn get_clock<M: ArrayModel>(
 }
 
 /// `fmi3SetClock`: no variable has this type.
-pub unsafe fn set_clock<M: ArrayModel>(
+pub unsafe extern "C" fn set_clock<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -468,7 +469,7 @@ pub unsafe fn set_clock<M: ArrayModel>(
 }
 
 /// `fmi3GetBinary`: no variable has this type.
-pub unsafe fn get_binary<M: ArrayModel>(
+pub unsafe extern "C" fn get_binary<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -480,7 +481,7 @@ pub unsafe fn get_binary<M: ArrayModel>(
 }
 
 /// `fmi3SetBinary`: no variable has this type.
-pub unsafe fn set_binary<M: ArrayModel>(
+pub unsafe extern "C" fn set_binary<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -492,7 +493,7 @@ pub unsafe fn set_binary<M: ArrayModel>(
 }
 
 /// `fmi3GetNumberOfVariableDependencies`
-pub unsafe fn get_number_of_variable_dependencies<M: ArrayModel>(
+pub unsafe extern "C" fn get_number_of_variable_dependencies<M: ArrayModel>(
     instance: *mut c_void,
     reference: u32,
     count: *mut usize,
@@ -509,7 +510,7 @@ pub unsafe fn get_number_of_variable_dependencies<M: ArrayModel>(
 const DEPENDENT: i32 = 5;
 
 /// `fmi3GetVariableDependencies`
-pub unsafe fn get_variable_dependencies<M: ArrayModel>(
+pub unsafe extern "C" fn get_variable_dependencies<M: ArrayModel>(
     instance: *mut c_void,
     reference: u32,
     dependents: *mut usize,
@@ -542,7 +543,10 @@ pub unsafe fn get_variable_dependencies<M: ArrayModel>(
 }
 
 /// `fmi3GetFMUState`: a new state, or an old one overwritten.
-pub unsafe fn get_fmu_state<M: ArrayModel>(instance: *mut c_void, state: *mut *mut c_void) -> Status {
+pub unsafe extern "C" fn get_fmu_state<M: ArrayModel>(
+    instance: *mut c_void,
+    state: *mut *mut c_void,
+) -> Status {
     call::<M>(instance, "fmi3GetFMUState", |component| {
         // SAFETY: NULL or the place of a state pointer.
         let place = unsafe { state.as_mut() }.ok_or(Refusal::Null("FMUState"))?;
@@ -551,7 +555,7 @@ pub unsafe fn get_fmu_state<M: ArrayModel>(instance: *mut c_void, state: *mut *m
 }
 
 /// `fmi3SetFMUState`
-pub unsafe fn set_fmu_state<M: ArrayModel>(instance: *mut c_void, state: *mut c_void) -> Status {
+pub unsafe extern "C" fn set_fmu_state<M: ArrayModel>(instance: *mut c_void, state: *mut c_void) -> Status {
     call::<M>(instance, "fmi3SetFMUState", |component| {
         component.slave.check(Function::State)?;
         let snapshot = component.state(state)?;
@@ -560,7 +564,10 @@ pub unsafe fn set_fmu_state<M: ArrayModel>(instance: *mut c_void, state: *mut c_
 }
 
 /// `fmi3FreeFMUState`: NULL is fine, and it is NULL afterwards.
-pub unsafe fn free_fmu_state<M: ArrayModel>(instance: *mut c_void, state: *mut *mut c_void) -> Status {
+pub unsafe extern "C" fn free_fmu_state<M: ArrayModel>(
+    instance: *mut c_void,
+    state: *mut *mut c_void,
+) -> Status {
     call::<M>(instance, "fmi3FreeFMUState", |component| {
         component.slave.check(Function::State)?;
         // SAFETY: NULL or the place of a state pointer.
@@ -569,7 +576,7 @@ pub unsafe fn free_fmu_state<M: ArrayModel>(instance: *mut c_void, state: *mut *
 }
 
 /// `fmi3SerializedFMUStateSize`
-pub unsafe fn serialized_fmu_state_size<M: ArrayModel>(
+pub unsafe extern "C" fn serialized_fmu_state_size<M: ArrayModel>(
     instance: *mut c_void,
     state: *mut c_void,
     size: *mut usize,
@@ -585,7 +592,7 @@ pub unsafe fn serialized_fmu_state_size<M: ArrayModel>(
 }
 
 /// `fmi3SerializeFMUState`
-pub unsafe fn serialize_fmu_state<M: ArrayModel>(
+pub unsafe extern "C" fn serialize_fmu_state<M: ArrayModel>(
     instance: *mut c_void,
     state: *mut c_void,
     bytes: *mut u8,
@@ -599,7 +606,7 @@ pub unsafe fn serialize_fmu_state<M: ArrayModel>(
 }
 
 /// `fmi3DeserializeFMUState`
-pub unsafe fn deserialize_fmu_state<M: ArrayModel>(
+pub unsafe extern "C" fn deserialize_fmu_state<M: ArrayModel>(
     instance: *mut c_void,
     bytes: *const u8,
     size: usize,
@@ -627,7 +634,7 @@ fn unsupported<M: ArrayModel>(
 }
 
 /// `fmi3GetDirectionalDerivative`: not provided.
-pub unsafe fn get_directional_derivative<M: ArrayModel>(
+pub unsafe extern "C" fn get_directional_derivative<M: ArrayModel>(
     instance: *mut c_void,
     _unknowns: *const u32,
     _unknown_count: usize,
@@ -643,7 +650,7 @@ pub unsafe fn get_directional_derivative<M: ArrayModel>(
 }
 
 /// `fmi3GetAdjointDerivative`: not provided.
-pub unsafe fn get_adjoint_derivative<M: ArrayModel>(
+pub unsafe extern "C" fn get_adjoint_derivative<M: ArrayModel>(
     instance: *mut c_void,
     _unknowns: *const u32,
     _unknown_count: usize,
@@ -659,7 +666,7 @@ pub unsafe fn get_adjoint_derivative<M: ArrayModel>(
 }
 
 /// `fmi3GetOutputDerivatives`
-pub unsafe fn get_output_derivatives<M: ArrayModel>(
+pub unsafe extern "C" fn get_output_derivatives<M: ArrayModel>(
     instance: *mut c_void,
     references: *const u32,
     count: usize,
@@ -685,7 +692,7 @@ macro_rules! not_offered {
     ($($body:ident($($argument:ident: $type:ty),*) = $name:literal;)*) => {
         $(
             #[doc = concat!("`", $name, "`: this FMU is for co-simulation without events and clocks.")]
-            pub unsafe fn $body<M: ArrayModel>(instance: *mut c_void $(, $argument: $type)*) -> Status {
+            pub unsafe extern "C" fn $body<M: ArrayModel>(instance: *mut c_void $(, $argument: $type)*) -> Status {
                 $(let _ = $argument;)*
                 let why = "this FMU is for co-simulation without events and clocks";
                 unsupported::<M>(instance, $name, Function::Unsupported, why)
@@ -727,7 +734,7 @@ not_offered! {
 ///
 /// If the model wants values to be seen within the step, and the importer has given a callback for it, the step is done
 /// in parts. No borrow of the instance is held while the callback runs: it reads values by calls of its own.
-pub unsafe fn do_step<M: ArrayModel>(
+pub unsafe extern "C" fn do_step<M: ArrayModel>(
     instance: *mut c_void,
     current_communication_point: f64,
     communication_step_size: f64,

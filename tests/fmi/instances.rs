@@ -1,0 +1,169 @@
+//! Instances do not know of each other, nor of the thread that they are called on; threads of an instance give the same
+//! bits for any number.
+
+use crate::fmu::*;
+use std::fmt::Write as _;
+use std::sync::OnceLock;
+use std::thread;
+
+const STEPS: usize = 14;
+
+fn start(version: Version, force: f64) -> Crowd {
+    let crowd = Crowd::new(version);
+    crowd.must(crowd.set_all(&[("TimeStepMechanical", 2e-5), ("agent[0].Fp.x", force)]));
+    crowd.initialize();
+    crowd
+}
+
+fn alone(version: Version, force: f64) -> Bits {
+    let crowd = start(version, force);
+    crowd.steps(0, STEPS);
+    crowd.everything()
+}
+
+/// Also beside one in the error state.
+#[test]
+fn interleaved_instances_give_what_each_gives_alone() {
+    let (a, b, bad) = (start(V2, 700.0), start(V3, 900.0), Crowd::new(V2));
+    bad.must(bad.set_all(&[("agent[0].Mass", 1e-300), ("agent[0].Fp.x", 1e300)]));
+    bad.initialize();
+    for k in 0..STEPS {
+        a.steps(k, k + 1);
+        if k == STEPS / 2 {
+            bad.refused(bad.try_step(0.0, STEP));
+        }
+        b.steps(k, k + 1);
+    }
+    drop(bad);
+    assert_eq!((a.everything(), b.everything()), (alone(V2, 700.0), alone(V3, 900.0)));
+}
+
+#[test]
+fn sixty_four_instances_in_eight_threads_with_eight_trials() {
+    let resources = Resources::new();
+    for k in 1..8 {
+        resources.add(&format!("Trial_push_{k}"), &format!("0.27{k},0.030"));
+    }
+    let start = |thread: usize, k: usize| {
+        let crowd = Crowd::on(V2, &resources);
+        let name = if k == 0 { "Trial_push".to_owned() } else { format!("Trial_push_{k}") };
+        crowd.must(crowd.set_text("Trial", &name));
+        let force = 700.0 + 20.0 * thread as f64;
+        crowd.must(crowd.set_all(&[("TimeStepMechanical", 2e-5), ("agent[0].Fp.x", force)]));
+        crowd.initialize();
+        crowd
+    };
+    let run = |thread: usize| {
+        let crowds: Vec<Crowd> = (0..8).map(|k| start(thread, k)).collect();
+        for k in 0..STEPS {
+            crowds.iter().for_each(|crowd| crowd.steps(k, k + 1));
+        }
+        crowds.iter().map(Crowd::everything).collect::<Vec<Bits>>()
+    };
+    let run = &run;
+    let together: Vec<Vec<Bits>> = thread::scope(|scope| {
+        let threads: Vec<_> = (0..8).map(|thread| scope.spawn(move || run(thread))).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    let mut seen: Vec<&Bits> = Vec::new();
+    for (thread, found) in together.iter().enumerate() {
+        for (k, found) in found.iter().enumerate() {
+            let alone = start(thread, k);
+            alone.steps(0, STEPS);
+            assert_eq!(*found, alone.everything(), "instance {k} of thread {thread}");
+            assert!(!seen.contains(&found), "each differs from all others");
+            seen.push(found);
+        }
+    }
+}
+
+#[test]
+fn instances_move_between_threads() {
+    let mut crowd = thread::spawn(|| start(V2, 700.0)).join().unwrap();
+    for k in 0..STEPS {
+        let step = move || {
+            crowd.steps(k, k + 1);
+            crowd
+        };
+        crowd = thread::spawn(step).join().unwrap();
+    }
+    let found = crowd.everything();
+    thread::spawn(move || drop(crowd)).join().unwrap();
+    assert_eq!(found, alone(V2, 700.0));
+}
+
+/// People: of the blocks of 512 that are shared out, three.
+const PEOPLE: usize = 1100;
+
+/// The people of the paper's Trial again and again, in rows and nearer to each other than they are wide.
+pub fn large() -> (&'static Resources, &'static Model) {
+    static CROWD: OnceLock<(Resources, Model)> = OnceLock::new();
+    let (resources, model) = CROWD.get_or_init(|| {
+        let resources = Resources::new();
+        let path = resources.trial().join("static/Agents.xml");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let people: Vec<&str> =
+            text.split("<Agent ").skip(1).map(|agent| agent.split("</Agent>").next().unwrap()).collect();
+        let (mut agents, mut dynamics) = ("<Agents>".to_owned(), "<Agents>".to_owned());
+        for k in 0..PEOPLE {
+            let who = people[k % 5].replacen(&format!("Id=\"{}\"", k % 5), &format!("Id=\"{k}\""), 1);
+            write!(agents, "<Agent {who}</Agent>").unwrap();
+            let (x, y) = (0.265 * (k % 40) as f64, 0.52 * (k / 40) as f64 + 0.01 * (k % 3) as f64);
+            // They walk into each other.
+            let push = 600.0 * (k as f64).sin();
+            write!(
+                dynamics,
+                "<Agent Id=\"{k}\"><Kinematics Position=\"{x:.6},{y:.6}\" Velocity=\"0,0\" Theta=\"{:.6}\" \
+                 Omega=\"0\"/><Dynamics Fp=\"{push:.6},{:.6}\" Mp=\"0\"/></Agent>",
+                0.2 * (k as f64).cos(),
+                0.5 * push
+            )
+            .unwrap();
+        }
+        std::fs::write(path, agents + "</Agents>").unwrap();
+        std::fs::write(resources.trial().join("dynamic/AgentDynamics.xml"), dynamics + "</Agents>").unwrap();
+        let geometry = "<Geometry><Dimensions Lx=\"14\" Ly=\"16\"/><Wall Id=\"0\" MaterialId=\"concrete\">\
+            <Corner Coordinates=\"-0.2,-1\"/><Corner Coordinates=\"-0.2,15\"/></Wall></Geometry>";
+        std::fs::write(resources.trial().join("static/Geometry.xml"), geometry).unwrap();
+        let model = Model::of(&resources.trial(), V2);
+        (resources, model)
+    });
+    (resources, model)
+}
+
+pub fn start_large(fmu: &Fmu, threads: i32) -> Crowd {
+    let (resources, model) = large();
+    let location = V2.location(&resources.directory());
+    let mut crowd = instantiate(fmu, V2, &model.token, &location).unwrap_or_else(|log| panic!("{log:?}"));
+    crowd.model = model;
+    crowd.must(crowd.set("TimeStepMechanical", 5e-5));
+    crowd.must(crowd.try_integer("Threads", threads));
+    crowd.enter_initialization();
+    // Advice on people who overlap at the start.
+    assert_eq!(crowd.exit(), OK);
+    crowd.take_messages();
+    crowd
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let fmu = Fmu::get();
+    let [one, two, three, many, other] = [1, 2, 3, 64, 1].map(|threads| start_large(fmu, threads));
+    two.steps(0, 1);
+    // `Threads` is of the state, as every parameter is.
+    other.must(other.restore(&two.bytes()));
+    assert_eq!(other.integer("Threads"), 2);
+    two.steps(1, 3);
+    other.steps(1, 3);
+    for crowd in [&one, &three, &many] {
+        crowd.steps(0, 3);
+    }
+    assert!(one.integer("AgentContacts") > 500, "a crowd in which nobody touches shows nothing");
+    let expected = one.everything();
+    for (crowd, threads) in [(&two, 2), (&three, 3), (&many, 64), (&other, 2)] {
+        let (reals, integers) = crowd.everything();
+        let differ = integers.iter().zip(&expected.1).filter(|(a, b)| a != b);
+        assert_eq!(differ.collect::<Vec<_>>(), [(&threads, &1)], "the number of threads itself");
+        assert!(reals == expected.0, "{threads} threads");
+    }
+}

@@ -1,0 +1,92 @@
+//! What contacts do during a step, and who stands in one place.
+
+use crate::fmu::*;
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, f64::max)
+}
+
+/// The push, in communication steps of a duration: the greatest sample, peak, LargestOverlap, and what the contacts'
+/// impulse on agent 2 adds up to \[N.s\].
+fn push(step: f64) -> [f64; 4] {
+    let crowd = Crowd::pushed(V2);
+    let steps = (0.5 / step).round() as usize;
+    let (mut sample, mut peak, mut overlap, mut impulse) = (0.0f64, 0.0f64, 0.0f64, 0.0);
+    for k in 0..steps {
+        crowd.must(crowd.try_step(step * k as f64, step));
+        let [samples, peaks, means] =
+            ["NormalForce", "PeakNormalForce", "MeanNormalForce"].map(|name| crowd.of_agents(name));
+        for ((sample, peak), mean) in samples.iter().zip(&peaks).zip(&means) {
+            assert!(sample <= peak && mean <= peak && *mean >= 0.0, "{sample} {mean} {peak}");
+        }
+        let deepest = crowd.get("LargestOverlap");
+        assert_eq!(deepest, largest(&crowd.of_agents("PeakOverlap")));
+        (sample, peak) = (sample.max(largest(&samples)), peak.max(largest(&peaks)));
+        overlap = overlap.max(deepest);
+        impulse += means[2] * step;
+    }
+    [sample, peak, overlap, impulse]
+}
+
+/// The greatest squeeze of a run was what a communication point happened to meet: 2.6 kN or 18.8 kN of one push.
+#[test]
+fn peaks_and_impulses_do_not_depend_on_the_communication_step() {
+    let [sample, peak, overlap, impulse] = push(0.05);
+    assert!(sample < 0.7 * peak, "the sample misses the peak: {sample} {peak}");
+    for step in [0.01, 0.001] {
+        let found = push(step);
+        for (found, coarse) in found[1..].iter().zip([peak, overlap, impulse]) {
+            assert!((found / coarse - 1.0).abs() < 2e-3, "{step}: {found} {coarse}");
+        }
+    }
+}
+
+#[test]
+fn before_the_first_step_they_are_those_of_the_start() {
+    let crowd = Crowd::new(V2);
+    crowd.must(crowd.set("agent[1].Position.x", 0.2));
+    crowd.initialize();
+    let squeeze = crowd.of_agents("NormalForce");
+    assert!(squeeze[0] > 1e4 && squeeze[4] == 0.0);
+    assert_eq!(crowd.of_agents("MeanNormalForce"), squeeze);
+    assert_eq!(crowd.of_agents("PeakNormalForce"), squeeze);
+    let overlaps = crowd.of_agents("PeakOverlap");
+    assert!(overlaps[0] > 0.01 && overlaps[0] == overlaps[1] && overlaps[4] == 0.0, "{overlaps:?}");
+}
+
+/// One-disk agents whose centres coincide had no force for ever, and nobody said so.
+#[test]
+fn agents_at_one_place_are_counted_and_told() {
+    let resources = Resources::new();
+    let agent = |id: usize| {
+        format!(
+            r#"<Agent Type="pedestrian" Id="{id}" Mass="70" Height="1.7" MomentOfInertia="1" FloorDamping="4.5"
+            AngularDamping="4.5"><Shape Type="disk" Radius="0.1" MaterialId="human_naked" Position="0,0"/></Agent>"#
+        )
+    };
+    let agents: String = (0..5).map(agent).collect();
+    let file = resources.trial().join("static/Agents.xml");
+    std::fs::write(file, format!("<Agents>{agents}</Agents>")).unwrap();
+    let crowd = Crowd::on(V2, &resources);
+    // Agent 2 stands at (0.692, −0.067).
+    let beside = [("agent[3].Position.x", 0.692 + 4e-10), ("agent[3].Position.y", -0.067)];
+    crowd.must(crowd.set_all(&beside));
+    crowd.enter_initialization();
+    let told = |status: Status| -> Vec<String> {
+        assert_eq!(status, OK);
+        let texts = crowd.take_messages().into_iter().map(|message| message.text);
+        texts.filter(|text| text.contains("at one place")).collect()
+    };
+    let said = told(crowd.exit());
+    assert!(said.len() == 1 && said[0].contains(r#"agents "2" and "3""#), "{said:?}");
+    for k in 0..2 {
+        assert_eq!(told(crowd.try_step(0.05 * f64::from(k), 0.05)), [""; 0], "it is told once");
+        let counts = ["CoincidentContacts", "agent[2].AgentContacts", "agent[3].ContactingAgents"];
+        assert_eq!(counts.map(|name| crowd.integer(name)), [1; 3]);
+        assert_eq!(crowd.get("LargestOverlap"), 0.2);
+    }
+    // They part.
+    crowd.must(crowd.set("agent[3].Fp.x", 300.0));
+    crowd.must(crowd.try_step(0.1, 0.05));
+    assert_eq!(crowd.integer("CoincidentContacts"), 0);
+}

@@ -1,0 +1,124 @@
+//! The tolerance of an experiment chooses the mechanical step.
+
+use crate::fmu::*;
+
+const PARAMETER: &str = "TimeStepMechanical";
+/// \[s\] of the paper's Trial, and for a tolerance of 1e-4. The shortest period is 2π √(m*/k) = 10.9 ms: agent 1 on
+/// concrete. √(1e-4 m / 5 m) of it is 48.9 µs.
+const OWN: f64 = 2e-6;
+const CHOSEN: f64 = 4.8e-5;
+
+/// Leaves Initialization Mode, and returns what is said then.
+#[track_caller]
+fn exit(crowd: &Crowd) -> Vec<String> {
+    let status = crowd.exit();
+    let said: Vec<String> = crowd.take_messages().into_iter().map(|message| message.text).collect();
+    assert_eq!(status, OK, "{said:?}");
+    said
+}
+
+fn entered(version: Version, tolerance: f64) -> Crowd {
+    let crowd = Crowd::new(version);
+    crowd.must(crowd.enter(Some(tolerance), 0.0, None));
+    crowd
+}
+
+/// A hundred times the mass and the moment of inertia, ten times the period.
+fn make_heavy(crowd: &Crowd, agents: usize) {
+    for name in ["Mass", "MomentOfInertia"] {
+        for name in (0..agents).map(|i| format!("agent[{i}].{name}")) {
+            crowd.must(crowd.set(&name, 100.0 * crowd.get(&name)));
+        }
+    }
+}
+
+#[test]
+fn a_tolerance_chooses_the_step_but_a_step_that_is_set_wins() {
+    for version in BOTH {
+        let crowd = entered(version, 1e-4);
+        assert_eq!(crowd.get(PARAMETER), CHOSEN);
+        make_heavy(&crowd, AGENTS);
+        let heavy = crowd.get(PARAMETER);
+        assert!((4.8e-4..=5e-4).contains(&heavy), "{heavy}");
+        exit(&crowd);
+        assert_eq!(crowd.get(PARAMETER), heavy);
+
+        let crowd = Crowd::new(version);
+        crowd.must(crowd.set(PARAMETER, 1e-5));
+        crowd.must(crowd.enter(Some(1e-4), 0.0, None));
+        assert_eq!(crowd.get(PARAMETER), 1e-5);
+        crowd.must(crowd.set(PARAMETER, 3e-5));
+        exit(&crowd);
+        assert_eq!(crowd.get(PARAMETER), 3e-5);
+        // After a reset nothing of it is left; the last experiment counts.
+        crowd.reset();
+        crowd.must(crowd.set_up(Some(1e-4), 0.0, None));
+        crowd.initialize();
+        assert_eq!(crowd.get(PARAMETER), OWN);
+    }
+}
+
+#[test]
+fn motions_are_as_accurate_as_the_tolerance() {
+    let run = |crowd: &Crowd| {
+        crowd.must(crowd.set("agent[0].Fp.x", 700.0));
+        crowd.steps(0, 50);
+        crowd.of_agents("Position.x")
+    };
+    let exact = Crowd::new(V2);
+    exact.must(exact.set(PARAMETER, 1e-6));
+    exact.initialize();
+    let exact = run(&exact);
+    assert!(exact[2] - 0.56 > 0.01, "the third one is pushed: {exact:?}");
+    for tolerance in [1e-3, 1e-4, 1e-5] {
+        let crowd = entered(V2, tolerance);
+        assert_eq!(exit(&crowd), [""; 0]);
+        let apart = run(&crowd).iter().zip(&exact).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+        assert!(apart < tolerance && apart > 0.0, "{apart} {tolerance}");
+    }
+}
+
+#[test]
+fn a_tolerance_never_chooses_what_check_warns_of_or_what_takes_for_ever() {
+    // A twentieth of the period, 10.9 ms; and finer than anything that was compared.
+    for (tolerance, range, words) in
+        [(1e3, 5.0e-4..=5.6e-4, vec![]), (1e-30, 1e-7..=2e-7, vec!["is taken as 1e-9"])]
+    {
+        let crowd = entered(V2, tolerance);
+        let said = exit(&crowd);
+        let step = crowd.get(PARAMETER);
+        assert!(range.contains(&step), "{step}");
+        assert!(said.len() == words.len() && said.iter().zip(words).all(|(a, b)| a.contains(b)), "{said:?}");
+    }
+    // A TimeStep of 0.05 s has at most 500 steps.
+    let crowd = entered(V2, 1e-4);
+    crowd.must(crowd.set("MostMechanicalSteps", 500.0));
+    let said = exit(&crowd);
+    assert_eq!(crowd.get(PARAMETER), 1e-4);
+    let words = ["MostMechanicalSteps = 500", "accurate to about 4.2e-4 m"];
+    assert!(said.len() == 1 && words.iter().all(|word| said[0].contains(word)), "{said:?}");
+    crowd.must(crowd.try_step(0.0, 0.05));
+}
+
+#[test]
+fn a_state_carries_the_tolerance() {
+    for version in BOTH {
+        let crowd = entered(version, 1e-4);
+        let early = crowd.bytes();
+        exit(&crowd);
+        crowd.must(crowd.set("agent[0].Fp.x", 700.0));
+        crowd.steps(0, 10);
+        let bytes = crowd.bytes();
+        crowd.steps(10, 18);
+        let other = Crowd::new(version);
+        other.must(other.restore(&bytes));
+        assert_eq!(other.get(PARAMETER), CHOSEN);
+        other.steps(10, 18);
+        assert!(other.everything() == crowd.everything() && other.bytes() == crowd.bytes());
+        // Saved during initialization: parameters that are set later still count.
+        other.must(other.restore(&early));
+        make_heavy(&other, AGENTS);
+        exit(&other);
+        assert!(other.get(PARAMETER) > 4.8e-4);
+    }
+}
