@@ -3,7 +3,8 @@
 
 use lemons_columns::{Cell, Column, Kind, Writer};
 use lemons_files::Staged;
-use lemons_master::{ComponentRecord, CrowdRecord, Extent, Extremes, Greatest, Saved, Since};
+use lemons_master::{ComponentRecord, CrowdRecord, Saved};
+use lemons_sim::{ExposureSum, Extremes, Greatest};
 use std::error::Error;
 use std::fs::{self, File};
 use std::io::Write;
@@ -92,11 +93,8 @@ fn runs(directory: &Path) -> Done {
     };
     let squeeze = Greatest { force: 200.0, agent: 1, time: 0.1 };
     let crowd = CrowdRecord {
-        since: Since::default(),
+        since: ExposureSum::default(),
         component: "crowd".into(),
-        rows: 4,
-        last: Some(0.15),
-        digest: 0x0123_4567_89ab_cdef_0123_4567_89ab_cdef,
         extremes: Extremes { largest_overlap: 0.01, mean_squeeze: squeeze, peak_squeeze: squeeze },
     };
     let one = Saved {
@@ -113,13 +111,8 @@ fn runs(directory: &Path) -> Done {
         drive: "0".repeat(32),
         component: vec![component("crowd", 0, 5)],
         crowd: vec![crowd],
-        outputs: None,
     };
-    let two = Saved {
-        component: vec![component("crowd", 0, 5), component("other", 1, 0)],
-        outputs: Some(Extent { rows: 0, last: None, digest: 0 }),
-        ..one.clone()
-    };
+    let two = Saved { component: vec![component("crowd", 0, 5), component("other", 1, 0)], ..one.clone() };
     let mut twice = two.clone();
     twice.component[1] = ComponentRecord { name: "other".into(), ..component("", 0, 5) };
     let early = Saved { format: 1, ..one.clone() };

@@ -255,6 +255,11 @@ impl Saved {
                 return Err(("state", format!("{state:?}: is that of component {other:?} and of {name:?}")));
             }
         }
+        for CrowdRecord { component, extremes, since } in &self.crowd {
+            if !(extremes.are_possible() && since.is_possible()) {
+                return Err(("crowd", format!("{component:?}: has a number that is not possible")));
+            }
+        }
         Ok(())
     }
 

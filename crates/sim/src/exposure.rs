@@ -44,15 +44,20 @@ impl Extremes {
         }
     }
 
-    /// Returns whether all numbers are possible in a run of so many agents.
-    pub fn are_possible(&self, agents: usize) -> bool {
+    /// Returns whether all numbers are possible.
+    pub fn are_possible(&self) -> bool {
         let possible = |number: f64| number >= 0.0 && number.is_finite();
-        let of = |most: &Greatest| possible(most.force) && most.time.is_finite() && most.agent < agents;
+        let of = |most: &Greatest| possible(most.force) && most.time.is_finite();
         possible(self.largest_overlap) && [self.mean_squeeze, self.peak_squeeze].iter().all(of)
     }
 }
 
 impl Greatest {
+    /// Returns whether it is of one of so many agents.
+    pub fn is_among(&self, agents: usize) -> bool {
+        self.agent < agents
+    }
+
     fn see(&mut self, force: f64, agent: usize, time: f64) {
         if force > self.force {
             *self = Greatest { force, agent, time };
@@ -102,10 +107,14 @@ impl ExposureSum {
         }
     }
 
-    /// Returns whether all numbers are possible in a run of so many agents.
-    pub fn is_possible(&self, agents: usize) -> bool {
+    /// Returns for how many agents it has numbers.
+    pub fn agents(&self) -> usize {
+        self.agents.len()
+    }
+
+    /// Returns whether all numbers are possible.
+    pub fn is_possible(&self) -> bool {
         let mut all = self.agents.iter().flatten().chain([&self.duration]);
-        (self.is_empty() || self.agents.len() == agents)
-            && all.all(|number| *number >= 0.0 && number.is_finite())
+        all.all(|number| *number >= 0.0 && number.is_finite())
     }
 }

@@ -81,8 +81,10 @@ impl CrowdRecorder {
             }
             None => Default::default(),
         };
-        if !(extremes.are_possible(ids.len()) && exposure.is_possible(ids.len())) {
-            bail!("the saved run is damaged: the extremes of the crowd {component:?} are not possible");
+        let among =
+            [extremes.mean_squeeze, extremes.peak_squeeze].iter().all(|most| most.is_among(ids.len()));
+        if !among || !(exposure.is_empty() || exposure.agents() == ids.len()) {
+            bail!("the saved run is damaged: it contains other agents than component {component:?} has");
         }
         let rows = match to {
             Target::Table(place) => {
