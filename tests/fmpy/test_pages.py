@@ -34,7 +34,6 @@ NOT_RUN_ANYWHERE = {
 NOT_RUN = {
     ("README.md", "./check.sh"): "it runs this test",
     ("docs/guide/rust.md", "cargo run --release --example engine_direct"): "compiles; the fixture engine_direct runs it",
-    ("docs/guide/physics.md", "cargo run --release -p lemons-people"): "compiles; crates/people/tests/physics.rs does it",
     ("docs/lab.md", "lab/build.sh"): COMPILES,
     ("docs/lab.md", "packaging/release.sh"): "needs compilers for all platforms",
     ("docs/lab.md", "lemons lab"): "opens a browser; tests/lab does it",

@@ -121,12 +121,8 @@ impl Entry {
 }
 
 /// \[px\] Height of scale bar and colour bar, including the gap above them.
-pub(crate) fn footer_height(colour_bar: bool, scale_bar: bool) -> f64 {
-    match (colour_bar, scale_bar) {
-        (true, _) => BAND_GAP + 2.4 * CAP_HEIGHT + 2.0,
-        (false, true) => BAND_GAP + CAP_HEIGHT,
-        (false, false) => 0.0,
-    }
+pub(crate) fn footer_height(colour_bar: bool) -> f64 {
+    BAND_GAP + if colour_bar { 2.4 * CAP_HEIGHT + 2.0 } else { CAP_HEIGHT }
 }
 
 /// Draws a bar of a round length at the lower left; `scale` is in px/m.

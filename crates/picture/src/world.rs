@@ -8,7 +8,6 @@ use crate::ids;
 use crate::isobands::isobands;
 use crate::lettering::{self, Anchor, PEN, Place, Up};
 use crate::look::{Look, drawable_forces, measured};
-use crate::notes::notes;
 use crate::overlay::{forces, trails};
 use crate::page::{Frame, MARGIN};
 use crate::plane::near;
@@ -54,12 +53,7 @@ pub(crate) fn is_cut(scene: &Scene, style: &Style, frame: &Frame) -> bool {
         && (seen(scene, style, frame).iter().any(|(_, pose, body)| frame.cuts(pose.position, body.reach))
             || ridden(scene, style, frame).iter().any(|b| frame.cuts(b.pose.position, b.reach()))
             || walls_of(scene).iter().flatten().any(|c| frame.cuts(*c, 0.0))
-            || lines.any(|p| frame.cuts(p, 0.0))
-            || scene
-                .notes
-                .iter()
-                .filter(|note| note.drawable())
-                .any(|note| note.mark.reach().into_iter().any(|(p, r)| frame.cuts(p, r))))
+            || lines.any(|p| frame.cuts(p, 0.0)))
 }
 
 /// Draws the scene into the frame.
@@ -125,7 +119,6 @@ pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame,
         }
         *out += "</g>\n";
     }
-    notes(out, &scene.notes, palette, frame);
     *out += "</g>\n";
     if cut {
         *out += "</svg>\n";
