@@ -1,7 +1,7 @@
 //! Draws everything that is to scale, in metres.
 
 use crate::bicycle::{Bicycle, bicycles};
-use crate::body::{Body, point};
+use crate::body::{Body, point, polyline};
 use crate::colour::{Colour, Palette};
 use crate::colouring::Colouring;
 use crate::ids;
@@ -194,13 +194,9 @@ fn bodies(
 
 fn wall(out: &mut String, corners: &[Vec2]) {
     let [first, .., last] = corners else { return };
-    *out += "<path d=\"M";
+    *out += "<path d=\"";
     let closed = first == last && corners.len() > 3;
-    let drawn = if closed { &corners[..corners.len() - 1] } else { corners };
-    for (k, corner) in drawn.iter().enumerate() {
-        *out += if k == 0 { "" } else { "L" };
-        point(out, *corner);
-    }
+    polyline(out, if closed { &corners[..corners.len() - 1] } else { corners });
     *out += if closed { "Z\"/>\n" } else { "\"/>\n" };
 }
 
@@ -208,11 +204,8 @@ fn wall(out: &mut String, corners: &[Vec2]) {
 fn mark(out: &mut String, body: &Body, fill: Colour) {
     let at = |ahead: f64, aside: f64| body.middle + vec2(ahead, aside) * body.front;
     let colour = fill.mixed(fill.contrast(), 0.7);
-    let _ = write!(out, "<path fill=\"{colour}\" stroke=\"none\" d=\"M");
-    for (k, p) in [at(0.88, 0.0), at(0.58, 0.23), at(0.58, -0.23)].into_iter().enumerate() {
-        *out += if k == 0 { "" } else { "L" };
-        point(out, p);
-    }
+    let _ = write!(out, "<path fill=\"{colour}\" stroke=\"none\" d=\"");
+    polyline(out, &[at(0.88, 0.0), at(0.58, 0.23), at(0.58, -0.23)]);
     *out += "Z\"/>";
 }
 
