@@ -39,10 +39,10 @@ if wanted guide; then
     "$lemons" measure "$scratch/hall" --until left --line door=10,0.9,10,2.1 --window 2 --above 200 --over 1 --plot "$to/guide/flow.png" --force >/dev/null
 fi
 
-# guide/physics_body.svg, _contact, _law, _collision, _speed, _step, _shortlist.
+# guide/physics_collision.svg and _speed; the other drawings of that page are edited by hand.
 if wanted physics; then
     mkdir -p "$to/guide"
-    cargo run --release --quiet -p lemons-people --example physics -- "$to/guide" >/dev/null
+    PICTURES=$(realpath "$to/guide") cargo test --quiet -p lemons-people --test physics charts >/dev/null
 fi
 
 push=../shared/data/push_wed

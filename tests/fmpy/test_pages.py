@@ -34,7 +34,6 @@ NOT_RUN_ANYWHERE = {
 NOT_RUN = {
     ("README.md", "./check.sh"): "it runs this test",
     ("docs/guide/rust.md", "cargo run --release --example engine_direct"): "compiles; the fixture engine_direct runs it",
-    ("docs/guide/physics.md", "cargo run --release -p lemons-people"): "compiles; crates/people/tests/physics.rs does it",
     ("docs/lab.md", "lab/build.sh"): COMPILES,
     ("docs/lab.md", "packaging/release.sh"): "needs compilers for all platforms",
     ("docs/lab.md", "lemons lab"): "opens a browser; tests/lab does it",
@@ -44,6 +43,7 @@ NOT_RUN = {
     ("docs/walking.md", "python examples/door_width.py"): "takes minutes; test_pictures.py makes fewer rooms",
     ("docs/walking.md", "python examples/evacuations.py"): "takes minutes; test_leaving.py makes fewer rooms",
     ("docs/command.md", "cargo run -p lemons-cli --example reference"): "crates/cli/tests/cli/reference.rs does it",
+    ("docs/reference/trial.md", "cargo run -p lemons-cli --example reference"): "a test of crates/trial does it",
     ("examples/notebooks/README.md", "jupyter lab"): "opens a browser; test_notebooks.py runs the notebooks",
     ("examples/sweep_cluster.md", "dask"): "starts servers; test_sweep.py starts them so",
     ("examples/sweep_cluster.md", "python examples/sweep_push.py"): "needs these servers; test_sweep.py does it",

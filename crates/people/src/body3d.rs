@@ -24,8 +24,8 @@ mod template;
 
 pub use export::{write_geojson, write_obj, write_stl, write_wkt};
 pub use landmarks::TORSO_ALTITUDE;
-pub use mesh::{Mesh, MeshPart, crowd_parts};
-pub use sections::{CrowdSection, Placed, section, torso_altitudes};
+pub use mesh::{Mesh, MeshPart};
+pub use sections::{CrowdSection, Placed, section};
 pub use slices::Polygon;
 
 use crate::person::Person;

@@ -26,7 +26,7 @@ pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
 pub use bicycle::{BICYCLE_MEASURES, Bicycle, BicycleError, BicycleStatistics};
 pub use body3d::{
     BODY_DENSITY, Body3d, BodyError, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Placed, Polygon,
-    TORSO_ALTITUDE, crowd_parts, section, torso_altitudes, write_geojson, write_obj, write_stl, write_wkt,
+    TORSO_ALTITUDE, section, write_geojson, write_obj, write_stl, write_wkt,
 };
 pub use copula::{Correlations, CorrelationsError};
 pub use custom::{Custom, CustomError};
@@ -44,7 +44,7 @@ pub use population::{
 };
 pub use random::{Generator, generator};
 pub use shape::{Shape, ShapeError};
-pub use survey::{BadCell, BadCells, Survey, SurveyError};
+pub use survey::{Survey, SurveyError};
 pub use table::{CrowdStatistics, Kind, KindStatistics, Summary, crowd_csv};
 pub use trial::{
     Overwrite, TRIAL_FILES, TrialError, TrialSettings, crowd_trial, heading, may_write, paper_materials,

@@ -1,6 +1,6 @@
 //! A person, described by four measures.
 
-use lemons_plane::{Rotation, Vec2, shown_orientation};
+use lemons_plane::Vec2;
 use lemons_trial::Agent;
 use serde::Deserialize;
 use thiserror::Error;
@@ -104,14 +104,11 @@ impl Person {
     /// A person whose measures fit an agent of a Trial: its disks' extents are breadth and depth. The sex cannot be known:
     /// it is taken for a man.
     pub fn fitting(agent: &Agent) -> Person {
-        let ends = agent.shapes.first().zip(agent.shapes.last());
-        let turn = ends.map_or(0.0, |(first, last)| shown_orientation(first.position, last.position));
-        let back = Rotation::by(-turn);
+        let disks = agent.disks_facing_x();
         let extent = |along: fn(Vec2) -> f64| {
-            let places = agent.shapes.iter().map(|disk| (along(disk.position.rotated(back)), disk.radius));
             let none = (f64::INFINITY, f64::NEG_INFINITY);
-            let (low, high) = places.fold(none, |(low, high), (place, radius)| {
-                (f64::min(low, place - radius), f64::max(high, place + radius))
+            let (low, high) = disks.iter().fold(none, |(low, high), (place, radius)| {
+                (f64::min(low, along(*place) - radius), f64::max(high, along(*place) + radius))
             });
             high - low
         };

@@ -14,7 +14,7 @@ mod region;
 mod region_error;
 
 use crate::shape::Shape;
-use lemons_plane::{Disk, Pose, Rotation, Vec2};
+use lemons_plane::{Disk, Pose, Rotation};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -191,13 +191,13 @@ pub enum PlacingError {
     },
 }
 
-/// A circle in the plane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Circle {
-    /// \[m\] centre.
-    centre: Vec2,
-    /// \[m\] radius.
-    radius: f64,
+impl Packing {
+    /// Shapes at poses: complete if nothing overlaps.
+    fn of(poses: Vec<Pose>, measured: &Measure, ended: Ended, iterations: u64) -> Packing {
+        let Measure { density, clear_density, largest_overlap, .. } = *measured;
+        let complete = largest_overlap <= TOLERANCE;
+        Packing { poses, density, clear_density, largest_overlap, complete, ended, iterations }
+    }
 }
 
 /// Callback for progress. If it returns `Break`, the algorithm stops and returns what it has.
@@ -259,12 +259,9 @@ fn wrapped(angle: f64) -> f64 {
 }
 
 /// The disks of a shape at a pose.
-fn disks_at(shape: &Shape, pose: Pose) -> impl Iterator<Item = Circle> + '_ {
+fn disks_at(shape: &Shape, pose: Pose) -> impl Iterator<Item = Disk> + '_ {
     let turn = Rotation::by(pose.orientation);
-    shape
-        .disks
-        .iter()
-        .map(move |d| Circle { centre: pose.position + d.centre.rotated(turn), radius: d.radius })
+    shape.disks.iter().map(move |d| Disk { centre: pose.position + d.centre.rotated(turn), ..*d })
 }
 
 /// \[m\] Radius of the smallest circle about the origin that contains the shape.

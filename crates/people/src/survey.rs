@@ -6,8 +6,8 @@
 use crate::person::{Measure, Person, Sex};
 use csv::{ByteRecord, ReaderBuilder};
 use lemons_files::input;
+use lemons_trial::Problem;
 use std::borrow::Cow;
-use std::fmt;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -35,50 +35,6 @@ pub struct Survey {
     women: Vec<Person>,
 }
 
-/// A cell that is not a measure of a person.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BadCell {
-    /// The file, as it was given.
-    pub file: PathBuf,
-    /// Line number, from 1.
-    pub line: u64,
-    /// Name of the column in the header; empty if the whole line is wrong.
-    pub column: String,
-    /// Its text.
-    pub value: String,
-    /// What is wrong.
-    pub fault: String,
-}
-
-/// One line, such as `male.csv:12: chestdepth = "x": must be a decimal number`.
-impl fmt::Display for BadCell {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}: ", self.file.display(), self.line)?;
-        if !self.column.is_empty() {
-            // A cell may contain anything: show it on one line, and cut it to a readable length.
-            write!(f, "{} = {:.60}: ", self.column, format!("{:?}", self.value))?;
-        }
-        f.write_str(&self.fault)
-    }
-}
-
-/// All cells that were refused.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BadCells(pub Vec<BadCell>);
-
-impl fmt::Display for BadCells {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        const SHOWN: usize = 20;
-        for (place, cell) in self.0.iter().take(SHOWN).enumerate() {
-            write!(f, "{}{cell}", if place > 0 { "\n" } else { "" })?;
-        }
-        match self.0.len().saturating_sub(SHOWN) {
-            0 => Ok(()),
-            more => write!(f, "\nand {more} more"),
-        }
-    }
-}
-
 /// Why the file of a survey cannot be used.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // the messages say it
@@ -93,8 +49,19 @@ pub enum SurveyError {
     Twice { file: PathBuf, column: &'static str },
     #[error("{}: has no people", file.display())]
     Nobody { file: PathBuf },
-    #[error("{0}")]
-    Cells(BadCells),
+    /// Cells that are not measures of a person: a line for each of the first 20.
+    #[error("{}", first(.0))]
+    Cells(Vec<Problem>),
+}
+
+/// Such as `male.csv:12: chestdepth = "x": must be a decimal number`.
+fn first(cells: &[Problem]) -> String {
+    const SHOWN: usize = 20;
+    let mut lines: Vec<String> = cells.iter().take(SHOWN).map(Problem::to_string).collect();
+    if let Some(more @ 1..) = cells.len().checked_sub(SHOWN) {
+        lines.push(format!("and {more} more"));
+    }
+    lines.join("\n")
 }
 
 /// Decodes UTF-8, or else Latin-1 as in the public files: its bytes are Unicode's first 256 characters.
@@ -148,12 +115,10 @@ impl Survey {
                 (Some(_), Some(_)) => Err(SurveyError::Twice { file: file.to_owned(), column }),
             }
         };
-        let places = [
-            place(COLUMNS[0].name)?,
-            place(COLUMNS[1].name)?,
-            place(COLUMNS[2].name)?,
-            place(COLUMNS[3].name)?,
-        ];
+        let mut places = [0; 4];
+        for (found, column) in places.iter_mut().zip(&COLUMNS) {
+            *found = place(column.name)?;
+        }
         let gender = match place("gender") {
             Ok(place) => Some(place),
             Err(SurveyError::NoColumn { .. }) => None,
@@ -163,32 +128,32 @@ impl Survey {
         let mut record = ByteRecord::new();
         while reader.read_byte_record(&mut record).map_err(csv_error)? {
             let line = record.position().map_or(0, csv::Position::line);
-            let mut refuse = |column: &str, value: &str, fault: String| {
-                let (column, value) = (column.to_owned(), value.to_owned());
-                bad.push(BadCell { file: file.to_owned(), line, column, value, fault });
+            let mut refuse = |fault: String| {
+                let line = u32::try_from(line).unwrap_or(u32::MAX);
+                bad.push(Problem::of_file(file, Some(line), fault));
+            };
+            // A cell may contain anything: show it on one line, and cut it to a readable length.
+            let cell = |column: &str, value: &str, fault: &str| {
+                format!("{column} = {:.60}: {fault}", format!("{value:?}"))
             };
             if record.len() != header.len() {
-                let fault = format!("has {} cells, but the header has {}", record.len(), header.len());
-                refuse("", "", fault);
+                refuse(format!("has {} cells, but the header has {}", record.len(), header.len()));
                 continue;
             }
             if let Some(place) = gender {
                 let value = text(&record[place]);
                 if !value.eq_ignore_ascii_case(sex.name()) {
-                    refuse("gender", &value, format!("must be {:?} in this file", sex.name()));
+                    refuse(cell("gender", &value, &format!("must be {:?} in this file", sex.name())));
                 }
             }
             let mut measures = [f64::NAN; 4];
             for ((measure, place), column) in measures.iter_mut().zip(places).zip(&COLUMNS) {
                 let value = text(&record[place]);
                 match decimal(&value) {
-                    None => refuse(column.name, &value, "must be a decimal number".into()),
+                    None => refuse(cell(column.name, &value, "must be a decimal number")),
                     Some(number) if !(column.least..=column.most).contains(&number) => {
-                        refuse(
-                            column.name,
-                            &value,
-                            format!("must be within {}…{}", column.least, column.most),
-                        );
+                        let fault = format!("must be within {}…{}", column.least, column.most);
+                        refuse(cell(column.name, &value, &fault));
                     }
                     Some(number) => *measure = number / column.per_unit,
                 }
@@ -197,12 +162,12 @@ impl Survey {
             if person.depth > person.breadth {
                 let depth = &COLUMNS[1];
                 let fault = format!("must not exceed {}, {}", COLUMNS[0].name, person.breadth * 1000.0);
-                refuse(depth.name, &text(&record[places[1]]), fault);
+                refuse(cell(depth.name, &text(&record[places[1]]), &fault));
             }
             people.push(person);
         }
         if !bad.is_empty() {
-            return Err(SurveyError::Cells(BadCells(bad)));
+            return Err(SurveyError::Cells(bad));
         }
         if people.is_empty() {
             return Err(SurveyError::Nobody { file: file.to_owned() });

@@ -115,28 +115,6 @@ impl CrowdStatistics {
         }
         CrowdStatistics(kinds)
     }
-
-    /// Returns CSV, one line for each kind and measure.
-    pub fn csv(&self) -> String {
-        let header = ["kind", "count", "proportion", "measure", "unit", "mean", "sd", "min", "max"];
-        let mut rows = vec![header.map(String::from).to_vec()];
-        for KindStatistics { kind, count, proportion, measures } in &self.0 {
-            for Summary { measure, unit, mean, sd, min, max } in measures {
-                rows.push(vec![
-                    kind.name().into(),
-                    count.to_string(),
-                    number(*proportion),
-                    (*measure).into(),
-                    (*unit).into(),
-                    number(*mean),
-                    sd.map(number).unwrap_or_default(),
-                    number(*min),
-                    number(*max),
-                ]);
-            }
-        }
-        csv_text(&rows)
-    }
 }
 
 /// A readable table, in cm and kg.
@@ -257,11 +235,6 @@ mod tests {
         assert_eq!((men.measures[0].mean, men.measures[0].sd), (0.5, None));
         assert_eq!(women.measures[1].sd, Some(0.0));
         assert_eq!(bicycles.measures[1].mean, 1.42);
-        let csv = statistics.csv();
-        let line = csv.lines().nth(8).unwrap();
-        assert_eq!(line, format!("female,2,0.5,mass,kg,55.0,{:?},50.0,60.0", 50.0f64.sqrt()));
-        assert_eq!(csv.lines().nth(1), Some("male,1,0.25,bideltoid breadth,m,0.5,,0.5,0.5"));
-        assert_eq!(csv.lines().count(), 1 + 4 + 4 + 5);
         let shown = statistics.to_string();
         assert!(
             shown.contains("female: 2 (50.0 %)") && shown.contains("mass                 55.00 ±   7.07"),

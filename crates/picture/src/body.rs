@@ -46,10 +46,8 @@ struct Arc {
 
 impl Body {
     pub fn new(agent: &Agent) -> Body {
-        let back = Rotation::by(-own_orientation(agent));
-        let drawable =
-            agent.shapes.iter().filter(|s| near(s.position) && near(vec2(s.radius, 0.0)) && s.radius > 0.0);
-        let disks: Vec<_> = drawable.map(|s| (s.position.rotated(back), s.radius)).collect();
+        let drawable = |(c, r): &(Vec2, f64)| near(*c) && near(vec2(*r, 0.0)) && *r > 0.0;
+        let disks: Vec<_> = agent.disks_facing_x().into_iter().filter(drawable).collect();
 
         let inside = disks.iter().any(|(c, r)| c.norm() < *r);
         let largest = disks.iter().copied().fold((Vec2::ZERO, 0.0), |a, b| if b.1 > a.1 { b } else { a });
@@ -73,17 +71,6 @@ impl Body {
     pub fn disks_at(&self, pose: &Pose) -> impl Iterator<Item = (Vec2, f64)> {
         let (turn, at) = (Rotation::by(pose.orientation), pose.position);
         self.disks.iter().map(move |(c, r)| (at + c.rotated(turn), *r))
-    }
-}
-
-/// \[rad\] θ₀, the orientation in which the offsets are given: normal to the line of the shoulders.
-fn own_orientation(agent: &Agent) -> f64 {
-    match (agent.shapes.first(), agent.shapes.last()) {
-        (Some(left), Some(right)) if left.position != right.position => {
-            let d = right.position - left.position;
-            libm::atan2(d.x, -d.y)
-        }
-        _ => 0.0,
     }
 }
 
@@ -171,6 +158,14 @@ fn path(mut arcs: Vec<Arc>) -> String {
         d.push('Z');
     }
     d
+}
+
+/// Writes a line through points \[m\].
+pub(crate) fn polyline(d: &mut String, points: &[Vec2]) {
+    for (k, p) in points.iter().enumerate() {
+        d.push(if k == 0 { 'M' } else { 'L' });
+        point(d, *p);
+    }
 }
 
 /// Writes a point \[m\].

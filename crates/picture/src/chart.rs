@@ -9,7 +9,7 @@ use crate::curve::{Piece, apart, extremes, listed, shared, thinned};
 use crate::draw::begin;
 use crate::furniture::{Entry, Header, lettered, small};
 use crate::lettering::{self, Anchor, Place};
-use crate::look::{CASING, DASH, dashes};
+use crate::look::{CASING, dashes};
 use crate::page::{CAP_HEIGHT, MARGIN, NOMINAL_WIDTH, Page, page_width};
 use crate::range::Range;
 use crate::text::{PX, escaped, pair, text_of};
@@ -118,16 +118,8 @@ pub fn chart_svg(chart: &Chart, style: &ChartStyle) -> String {
         || chart.panels.iter().flat_map(|p| &p.lines).filter(|l| l.points.iter().any(|p| drawable(&p)));
     let mut legend = Vec::new();
     if lines().any(|l| l.dashed) && lines().any(|l| !l.dashed) {
-        let entry = |class, label: &str, dash| Entry {
-            class,
-            label: label.to_owned(),
-            colour: palette.ink,
-            width: STROKE * unit,
-            halo: None,
-            dash,
-        };
-        legend.push(entry("simulated", "simulated", None));
-        legend.push(entry("measured", "measured", Some((DASH.0 * unit, DASH.1 * unit))));
+        legend.push(Entry::of_line("simulated", &palette, STROKE * unit));
+        legend.push(Entry::of_line("measured", &palette, STROKE * unit).dashed(unit));
     }
     let header = Header::new(None, legend, unit, width);
 
@@ -347,17 +339,8 @@ fn named(lines: &[&Line], noun: &str, unit: f64, palette: &Palette) -> Vec<Strok
         of_group().find(|l| !l.dashed).or_else(|| of_group().next()).copied()
     };
     let stroke = |line: &&Line| Stroke {
-        class: if line.dashed { "measured" } else { "simulated" },
-        points: line.points.clone(),
-        pieces: Vec::new(),
-        colour: palette.series(line.group),
-        lettering: palette.series(line.group),
-        width: STROKE * unit,
-        aside: 0.0,
-        opacity: 1.0,
-        dashed: line.dashed,
         name: speaker(line).is_some_and(|s| std::ptr::eq(s, *line)).then(|| called(noun, &[&line.name])),
-        title: called(noun, &[&line.name]),
+        ..Stroke::of(line, noun, palette.series(line.group), STROKE * unit)
     };
     lines.iter().map(stroke).collect()
 }
@@ -372,19 +355,7 @@ fn crowd(
     palette: &Palette,
 ) -> Vec<Stroke> {
     let opacity = (14.0 / lines.len() as f64).clamp(0.1, 0.5);
-    let pale = |line: &&Line| Stroke {
-        class: if line.dashed { "measured" } else { "simulated" },
-        points: line.points.clone(),
-        pieces: Vec::new(),
-        colour: palette.ink,
-        lettering: palette.ink,
-        width: THIN * unit,
-        aside: 0.0,
-        opacity,
-        dashed: line.dashed,
-        name: None,
-        title: called(noun, &[&line.name]),
-    };
+    let pale = |line: &&Line| Stroke { opacity, ..Stroke::of(line, noun, palette.ink, THIN * unit) };
     let mut strokes: Vec<Stroke> = lines.iter().map(pale).collect();
     let solid: Vec<&&Line> = if lines.iter().any(|l| !l.dashed) {
         lines.iter().filter(|l| !l.dashed).collect()
@@ -392,24 +363,16 @@ fn crowd(
         lines.iter().collect()
     };
     let top = |line: &Line| line.points.iter().filter(drawable).fold(f64::NEG_INFINITY, |h, p| h.max(p.1));
-    let strong = |class, points, colour, name: String| Stroke {
+    let strong = |class, points, place, name: String| Stroke {
         class,
-        points,
-        pieces: Vec::new(),
-        colour,
-        lettering: colour,
-        width: STROKE * unit,
-        aside: 0.0,
-        opacity: 1.0,
-        dashed: false,
-        title: name.clone(),
-        name: Some(name),
+        name: Some(name.clone()),
+        ..Stroke::new(points, palette.series(place), STROKE * unit, name)
     };
     // The first of several with the same maximum.
     let highest = solid.iter().copied().reduce(|a, b| if top(b) > top(a) { b } else { a });
     if let Some(line) = highest {
         let name = format!("{} (max)", called(noun, &[&line.name]));
-        strokes.push(strong("highest", line.points.clone(), palette.series(1), name));
+        strokes.push(strong("highest", line.points.clone(), 1, name));
     }
     let mut each: Vec<_> = solid.iter().map(|l| Reader { points: &l.points, next: 0 }).collect();
     let median = (0..=SAMPLES).map(|k| {
@@ -425,7 +388,7 @@ fn crowd(
         (at, value)
     });
     let median: Vec<_> = median.collect();
-    strokes.push(strong("median", median, palette.series(0), "median".to_owned()));
+    strokes.push(strong("median", median, 0, "median".to_owned()));
     strokes
 }
 
@@ -451,6 +414,19 @@ impl Reader<'_> {
 }
 
 impl Stroke {
+    /// A solid line without a name.
+    fn new(points: Vec<(f64, f64)>, colour: Colour, width: f64, title: String) -> Stroke {
+        let (class, pieces, lettering) = ("simulated", Vec::new(), colour);
+        let (aside, opacity, dashed, name) = (0.0, 1.0, false, None);
+        Stroke { class, points, pieces, colour, lettering, width, aside, opacity, dashed, name, title }
+    }
+
+    fn of(line: &Line, noun: &str, colour: Colour, width: f64) -> Stroke {
+        let class = if line.dashed { "measured" } else { "simulated" };
+        let stroke = Stroke::new(line.points.clone(), colour, width, called(noun, &[&line.name]));
+        Stroke { class, dashed: line.dashed, ..stroke }
+    }
+
     fn draw(
         &self,
         out: &mut String,

@@ -15,13 +15,13 @@ use crate::world::world;
 ///
 /// Groups, from the lowest: `density`, `walls`, `bodies` (one group for each agent, in their order, with the agent's Id
 /// as title), `bicycles`, `trails` (paths of class `simulated` and `measured`; below the bodies if none is measured),
-/// `forces`, `ids`, `notes`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
+/// `forces`, `ids`. Outside the scene, in pixels: `time`, `legend`, `scale-bar`, `colour-bar`.
 pub fn svg(scene: &Scene, style: &Style) -> String {
     let width = page_width(style.width);
     let unit = width / NOMINAL_WIDTH;
     let margin = MARGIN * unit;
     let colouring = Colouring::new(scene, &style.fill, style.theme);
-    let bar = colouring.scale.as_ref().filter(|_| style.colour_bar.shown());
+    let bar = colouring.scale.as_ref();
     let time = style.time.filter(|t| t.is_finite()).map(|t| stamp(t, style.time_decimals));
 
     let mut frame = Frame::fit(view_of(scene), unit, margin, width - 2.0 * margin, margin);
@@ -30,7 +30,7 @@ pub fn svg(scene: &Scene, style: &Style) -> String {
     let alone = legend.is_empty();
     let header = Header::new(time.as_deref(), legend, unit, width);
     frame.top += header.height;
-    let footer = footer_height(bar.is_some(), style.scale_bar.shown()) * unit;
+    let footer = footer_height(bar.is_some()) * unit;
     let height = (frame.top + frame.drawn.y + footer + margin - 1e-6).ceil();
     let page = Page { unit, width, height };
 
@@ -43,9 +43,7 @@ pub fn svg(scene: &Scene, style: &Style) -> String {
         lettered(&mut out, "time", text, place, look.palette.ink);
     }
     header.draw(&mut out, &page, &look.palette, margin);
-    if style.scale_bar.shown() {
-        scale_bar(&mut out, &page, &look.palette, frame.scale, 0.27 * (width - 2.0 * margin));
-    }
+    scale_bar(&mut out, &page, &look.palette, frame.scale, 0.27 * (width - 2.0 * margin));
     if let Some(scale) = bar {
         colour_bar(&mut out, &page, &look.palette, scale);
     }

@@ -3,6 +3,7 @@
 use crate::colour::{Colour, Palette};
 use crate::colouring::Scale;
 use crate::lettering::{self, Anchor, PEN, Place, Up};
+use crate::look::DASH;
 use crate::page::{BAND_GAP, CAP_HEIGHT, MARGIN, Page};
 use crate::text::{PX, escaped, round_below, short, text_of};
 
@@ -91,6 +92,15 @@ impl Header {
 }
 
 impl Entry {
+    /// A solid line in the colour of text, named after its class.
+    pub fn of_line(class: &'static str, palette: &Palette, width: f64) -> Entry {
+        Entry { class, label: class.to_owned(), colour: palette.ink, width, halo: None, dash: None }
+    }
+
+    pub fn dashed(self, unit: f64) -> Entry {
+        Entry { dash: Some((DASH.0 * unit, DASH.1 * unit)), ..self }
+    }
+
     /// Draws the entry and returns the x of its end.
     fn draw(&self, out: &mut String, page: &Page, palette: &Palette, x: f64, base: f64) -> f64 {
         let (unit, cap) = (page.unit, CAP_HEIGHT * page.unit);
@@ -121,12 +131,8 @@ impl Entry {
 }
 
 /// \[px\] Height of scale bar and colour bar, including the gap above them.
-pub(crate) fn footer_height(colour_bar: bool, scale_bar: bool) -> f64 {
-    match (colour_bar, scale_bar) {
-        (true, _) => BAND_GAP + 2.4 * CAP_HEIGHT + 2.0,
-        (false, true) => BAND_GAP + CAP_HEIGHT,
-        (false, false) => 0.0,
-    }
+pub(crate) fn footer_height(colour_bar: bool) -> f64 {
+    BAND_GAP + if colour_bar { 2.4 * CAP_HEIGHT + 2.0 } else { CAP_HEIGHT }
 }
 
 /// Draws a bar of a round length at the lower left; `scale` is in px/m.

@@ -80,19 +80,12 @@ impl Look<'_> {
             });
         }
         if measured(scenes) {
-            let entry = |class, label: &str, dash| Entry {
-                class,
-                label: label.to_owned(),
-                colour: self.palette.ink,
-                width: TRAIL_STROKE * unit,
-                halo: None,
-                dash,
-            };
+            let width = TRAIL_STROKE * unit;
             let trails = || scenes.iter().flat_map(|s| &s.trails);
             if trails().any(|t| t.kind == TrailKind::Simulated) {
-                legend.push(entry("simulated", "simulated", None));
+                legend.push(Entry::of_line("simulated", &self.palette, width));
             }
-            legend.push(entry("measured", "measured", Some((DASH.0 * unit, DASH.1 * unit))));
+            legend.push(Entry::of_line("measured", &self.palette, width).dashed(unit));
         }
         if scenes.iter().any(|scene| scene.drawn_bicycles().next().is_some()) {
             legend.push(Entry {

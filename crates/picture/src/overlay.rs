@@ -1,6 +1,6 @@
 //! Lines below or over the bodies: their trails, and the forces between them.
 
-use crate::body::point;
+use crate::body::polyline;
 use crate::colour::{Colour, Palette};
 use crate::look::{CASING, FORCE_HALO, Look, TRAIL_STROKE, dashes, drawable_forces, measured};
 use crate::page::Frame;
@@ -34,13 +34,6 @@ fn pieces(points: &[Vec2], step: f64) -> Vec<Vec<Vec2>> {
         }
     }
     all
-}
-
-fn polyline(d: &mut String, points: &[Vec2]) {
-    for (k, p) in points.iter().enumerate() {
-        d.push(if k == 0 { 'M' } else { 'L' });
-        point(d, *p);
-    }
 }
 
 pub(crate) fn trails(out: &mut String, scene: &Scene, palette: &Palette, frame: &Frame) {

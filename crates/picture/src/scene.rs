@@ -3,7 +3,6 @@
 use crate::bicycle::Bicycle;
 use crate::body::Body;
 use crate::density::DensityMap;
-use crate::note::Note;
 use crate::plane::{View, drawable, near};
 use lemons_plane::{Pose, Vec2, vec2};
 use lemons_trial::Trial;
@@ -48,7 +47,7 @@ pub struct Scene<'a> {
     pub trial: &'a Trial,
     /// One pose for each agent, in their order. An agent without a finite pose is not drawn.
     pub poses: Vec<Pose>,
-    /// The visible part of the plane; `None`: all walls, bodies, bicycles, trails and notes (of words, their points).
+    /// The visible part of the plane; `None`: all walls, bodies, bicycles and trails.
     pub view: Option<View>,
     /// Forces between bodies, drawn on top of them.
     pub forces: Vec<Force>,
@@ -58,8 +57,6 @@ pub struct Scene<'a> {
     pub density: Option<DensityMap>,
     /// Bicycles, which a Trial cannot contain.
     pub bicycles: Vec<Bicycle>,
-    /// Marks and words that explain the scene, drawn on top of everything else.
-    pub notes: Vec<Note>,
     pub(crate) bodies: Vec<Body>,
 }
 
@@ -75,7 +72,6 @@ impl<'a> Scene<'a> {
             trails: Vec::new(),
             density: None,
             bicycles: Vec::new(),
-            notes: Vec::new(),
             bodies,
         }
     }
@@ -87,8 +83,8 @@ impl<'a> Scene<'a> {
         Scene::new(trial, poses)
     }
 
-    /// Returns the smallest rectangle around all walls, bodies, bicycles, trails and notes; a metre about the origin if
-    /// there are none.
+    /// Returns the smallest rectangle around all walls, bodies, bicycles and trails; a metre about the origin if there
+    /// are none.
     pub fn extent(&self) -> View {
         let mut low = vec2(f64::INFINITY, f64::INFINITY);
         let mut high = -low;
@@ -107,9 +103,6 @@ impl<'a> Scene<'a> {
         }
         for bicycle in self.drawn_bicycles() {
             bicycle.corners().for_each(|corner| include(corner, 0.0));
-        }
-        for note in self.notes.iter().filter(|note| note.drawable()) {
-            note.mark.reach().into_iter().for_each(|(p, r)| include(p, r));
         }
         if !(low.is_finite() && high.is_finite()) {
             return View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };

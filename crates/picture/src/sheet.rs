@@ -8,7 +8,7 @@ use crate::look::Look;
 use crate::page::{BAND_GAP, CAP_HEIGHT, Frame, MARGIN, NOMINAL_WIDTH, Page, page_width, view_of};
 use crate::plane::View;
 use crate::scene::Scene;
-use crate::style::{Fill, Style, Visibility};
+use crate::style::{Fill, Style};
 use crate::world::{CUT_BORDER, is_cut, world};
 use lemons_plane::vec2;
 
@@ -28,28 +28,12 @@ pub struct Panel<'a> {
     pub fill: Option<Fill>,
 }
 
-/// Settings of a sheet.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SheetStyle {
-    /// Style of the whole sheet, whose width is `width`. The times are those of the panels, not the style's.
-    pub style: Style,
-    /// Letters (a), (b), … beside the times.
-    pub letters: Visibility,
-}
-
-impl Default for SheetStyle {
-    fn default() -> SheetStyle {
-        SheetStyle { style: Style::default(), letters: Visibility::Shown }
-    }
-}
-
 /// Returns several scenes as one SVG, row by row in `columns` columns. All share one scale, view, colour bar, scale bar
-/// and width of forces. The view is the smallest that contains those of all scenes. A colour scale without a given
+/// and width of forces; the style's time is not used. Letters (a), (b), … are beside the times. The view is the smallest that contains those of all scenes. A colour scale without a given
 /// range covers the values of all panels.
 ///
 /// Each scene is a group `panel` that contains the groups of [`svg`](crate::svg).
-pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
-    let SheetStyle { style, letters } = style;
+pub fn sheet(panels: &[Panel], columns: usize, style: &Style) -> String {
     let columns = columns.clamp(1, panels.len().max(1));
     let rows = panels.len().div_ceil(columns);
     let scenes: Vec<&Scene> = panels.iter().map(|p| p.scene).collect();
@@ -59,13 +43,13 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
         .map(|p| Colouring::new(p.scene, p.fill.as_ref().unwrap_or(&style.fill), style.theme))
         .collect();
     let scale = shared(&mut colourings);
-    let bar = scale.as_ref().filter(|_| style.colour_bar.shown());
+    let bar = scale.as_ref();
 
     let headings: Vec<String> = panels
         .iter()
         .enumerate()
         .map(|(k, panel)| {
-            let letter = if letters.shown() && panels.len() > 1 { lettered_place(k) } else { String::new() };
+            let letter = if panels.len() > 1 { lettered_place(k) } else { String::new() };
             let time = panel
                 .time
                 .filter(|t| t.is_finite())
@@ -99,7 +83,7 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
     let gap = (1.3 * BAND_GAP + more) * unit;
     let pitch = heading + frame.drawn.y + gap;
     let top = margin + header.height;
-    let footer = footer_height(bar.is_some(), style.scale_bar.shown()) * unit;
+    let footer = footer_height(bar.is_some()) * unit;
     let gaps = if rows > 0 { gap } else { 0.0 };
     let height = (top + rows as f64 * pitch - gaps + footer + margin - 1e-6).ceil();
     let page = Page { unit, width, height };
@@ -124,9 +108,7 @@ pub fn sheet(panels: &[Panel], columns: usize, style: &SheetStyle) -> String {
         out += "</g>\n";
     }
     header.draw(&mut out, &page, &look.palette, margin);
-    if style.scale_bar.shown() {
-        scale_bar(&mut out, &page, &look.palette, frame.scale, (100.0 * unit).min(cell));
-    }
+    scale_bar(&mut out, &page, &look.palette, frame.scale, (100.0 * unit).min(cell));
     if let Some(scale) = bar {
         colour_bar(&mut out, &page, &look.palette, scale);
     }

@@ -15,10 +15,6 @@ pub struct Style {
     pub ids: Visibility,
     /// A mark that shows where each body faces.
     pub orientation: Visibility,
-    /// A bar of a round length.
-    pub scale_bar: Visibility,
-    /// The colour bar, if colours have a meaning.
-    pub colour_bar: Visibility,
     /// \[s\] Time, written above the scene.
     pub time: Option<f64>,
     /// Number of decimals of times.
@@ -38,8 +34,6 @@ impl Default for Style {
             theme: Theme::Light,
             ids: Visibility::Hidden,
             orientation: Visibility::Shown,
-            scale_bar: Visibility::Shown,
-            colour_bar: Visibility::Shown,
             time: None,
             time_decimals: 2,
             bodies: Visibility::Shown,

@@ -1,14 +1,13 @@
 //! Draws everything that is to scale, in metres.
 
 use crate::bicycle::{Bicycle, bicycles};
-use crate::body::{Body, point};
+use crate::body::{Body, point, polyline};
 use crate::colour::{Colour, Palette};
 use crate::colouring::Colouring;
 use crate::ids;
 use crate::isobands::isobands;
 use crate::lettering::{self, Anchor, PEN, Place, Up};
 use crate::look::{Look, drawable_forces, measured};
-use crate::notes::notes;
 use crate::overlay::{forces, trails};
 use crate::page::{Frame, MARGIN};
 use crate::plane::near;
@@ -54,12 +53,7 @@ pub(crate) fn is_cut(scene: &Scene, style: &Style, frame: &Frame) -> bool {
         && (seen(scene, style, frame).iter().any(|(_, pose, body)| frame.cuts(pose.position, body.reach))
             || ridden(scene, style, frame).iter().any(|b| frame.cuts(b.pose.position, b.reach()))
             || walls_of(scene).iter().flatten().any(|c| frame.cuts(*c, 0.0))
-            || lines.any(|p| frame.cuts(p, 0.0))
-            || scene
-                .notes
-                .iter()
-                .filter(|note| note.drawable())
-                .any(|note| note.mark.reach().into_iter().any(|(p, r)| frame.cuts(p, r))))
+            || lines.any(|p| frame.cuts(p, 0.0)))
 }
 
 /// Draws the scene into the frame.
@@ -125,7 +119,6 @@ pub(crate) fn world(out: &mut String, scene: &Scene, look: &Look, frame: &Frame,
         }
         *out += "</g>\n";
     }
-    notes(out, &scene.notes, palette, frame);
     *out += "</g>\n";
     if cut {
         *out += "</svg>\n";
@@ -201,13 +194,9 @@ fn bodies(
 
 fn wall(out: &mut String, corners: &[Vec2]) {
     let [first, .., last] = corners else { return };
-    *out += "<path d=\"M";
+    *out += "<path d=\"";
     let closed = first == last && corners.len() > 3;
-    let drawn = if closed { &corners[..corners.len() - 1] } else { corners };
-    for (k, corner) in drawn.iter().enumerate() {
-        *out += if k == 0 { "" } else { "L" };
-        point(out, *corner);
-    }
+    polyline(out, if closed { &corners[..corners.len() - 1] } else { corners });
     *out += if closed { "Z\"/>\n" } else { "\"/>\n" };
 }
 
@@ -215,11 +204,8 @@ fn wall(out: &mut String, corners: &[Vec2]) {
 fn mark(out: &mut String, body: &Body, fill: Colour) {
     let at = |ahead: f64, aside: f64| body.middle + vec2(ahead, aside) * body.front;
     let colour = fill.mixed(fill.contrast(), 0.7);
-    let _ = write!(out, "<path fill=\"{colour}\" stroke=\"none\" d=\"M");
-    for (k, p) in [at(0.88, 0.0), at(0.58, 0.23), at(0.58, -0.23)].into_iter().enumerate() {
-        *out += if k == 0 { "" } else { "L" };
-        point(out, p);
-    }
+    let _ = write!(out, "<path fill=\"{colour}\" stroke=\"none\" d=\"");
+    polyline(out, &[at(0.88, 0.0), at(0.58, 0.23), at(0.58, -0.23)]);
     *out += "Z\"/>";
 }
 

@@ -1,16 +1,45 @@
 //! `Agents.xml`.
 
-use crate::problem::Problems;
-use crate::xml::{Bound, Element, Ids, Kind, document, vector};
+use crate::schema::{Attribute, Range, Schema, Value, attribute};
+use crate::xml::{Element, Ids, document, empty, vector};
 use lemons_plane::{Rotation, Vec2, shown_orientation};
 use lemons_xml::{Problem, number, quoted};
 
-pub(crate) static AGENTS: Kind = Kind { name: "Agents", attributes: &[], children: &[&AGENT] };
-static AGENT: Kind = Kind {
+pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], children: &[&AGENT] };
+static AGENT: Schema = Schema {
     name: "Agent",
-    attributes: &["Type", "Id", "Mass", "Height", "MomentOfInertia", "FloorDamping", "AngularDamping"],
+    attributes: &[
+        attribute("Type", Value::Word("pedestrian"), "", PEDESTRIAN).or("`pedestrian`"),
+        attribute("Id", Value::Id, "", "the name of the agent, in all tables and files"),
+        positive("Mass", "kg", "m"),
+        positive("Height", "m", "the stature. The mechanics does not use it").or("not known"),
+        positive("MomentOfInertia", "kg m²", "I, about the centre of mass (paper, App. A.2)"),
+        rate("FloorDamping", "1/t_transl, the rate at which the floor brakes the motion (paper, App. A.3)"),
+        rate("AngularDamping", "1/t_rot, the rate at which the floor brakes the rotation"),
+    ],
     children: &[&SHAPE],
 };
+static SHAPE: Schema = Schema {
+    name: "Shape",
+    attributes: &[
+        attribute("Type", Value::Word("disk"), "", "the kind of shape"),
+        positive("Radius", "m", "the radius of the disk"),
+        attribute("MaterialId", Value::IdOf("material"), "", "what this part of the body is made of"),
+        attribute("Position", Value::Point, "m", POSITION),
+    ],
+    children: &[],
+};
+const PEDESTRIAN: &str = "what the agent is. The mechanics takes pedestrians only";
+const POSITION: &str =
+    "the centre of the disk, from the centre of mass. Theta of Kinematics turns the whole shape";
+
+const fn positive(name: &'static str, unit: &'static str, meaning: &'static str) -> Attribute {
+    attribute(name, Value::Number(Range::Positive), unit, meaning)
+}
+
+const fn rate(name: &'static str, meaning: &'static str) -> Attribute {
+    attribute(name, Value::Number(Range::NotNegative), "1/s", meaning)
+}
 
 /// `<Agent>` of `Agents.xml`.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,56 +82,50 @@ pub struct Shape {
     /// \[m\] offset from the centre of mass, at the orientation that the shapes themselves define.
     pub position: Vec2,
 }
-static SHAPE: Kind =
-    Kind { name: "Shape", attributes: &["Type", "Radius", "MaterialId", "Position"], children: &[] };
 
 /// The agents and their Ids; `materials` is `None` where they could not be read.
-pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>, problems: &mut Problems) -> (Vec<Agent>, Ids) {
+pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Vec<Agent>, Ids) {
     let (mut agents, mut ids) = (Vec::new(), Ids::default());
     for element in root.children("Agent") {
-        let id = ids.take(element, problems);
+        let id = ids.take(element);
         let kind = element.optional_text("Type").map(str::to_owned);
         if kind.as_deref().is_some_and(|kind| kind != "pedestrian") {
             let message = format!("agent {}: the mechanics takes pedestrians only", quoted(&id));
-            problems.push(element.wrong("Type", &message));
+            element.wrong("Type", &message);
             // Its other attributes are another kind's, but the other files name it.
             element.leave();
             agents.push(unread(id));
             continue;
         }
-        let mut number = |attribute, bound| element.number(attribute, bound, problems);
         let agent = Agent {
             kind,
             id,
-            mass: number("Mass", Bound::Positive),
-            height: element.has("Height").then(|| number("Height", Bound::Positive)),
-            moment_of_inertia: number("MomentOfInertia", Bound::Positive),
-            floor_damping: number("FloorDamping", Bound::NotNegative),
-            angular_damping: number("AngularDamping", Bound::NotNegative),
-            shapes: element.children("Shape").map(|shape| read_shape(shape, materials, problems)).collect(),
+            mass: element.number("Mass"),
+            height: element.has("Height").then(|| element.number("Height")),
+            moment_of_inertia: element.number("MomentOfInertia"),
+            floor_damping: element.number("FloorDamping"),
+            angular_damping: element.number("AngularDamping"),
+            shapes: element.children("Shape").map(|shape| read_shape(shape, materials)).collect(),
         };
         if agent.shapes.is_empty() {
             let problem = element.has_no("Shape");
             let message = format!("agent {} {}", quoted(&agent.id), problem.message);
-            problems.push(Problem { message, ..problem });
+            element.report(Problem { message, ..problem });
         }
         agents.push(agent);
     }
     if agents.is_empty() {
-        problems.push(root.has_no("Agent"));
+        root.report(root.has_no("Agent"));
     }
     (agents, ids)
 }
 
-fn read_shape(element: Element<'_>, materials: Option<&Ids>, problems: &mut Problems) -> Shape {
-    let kind = element.text("Type", problems);
-    if kind != "disk" && !kind.trim().is_empty() {
-        problems.push(element.wrong("Type", "must be \"disk\""));
-    }
+fn read_shape(element: Element<'_>, materials: Option<&Ids>) -> Shape {
+    element.text("Type");
     Shape {
-        radius: element.number("Radius", Bound::Positive, problems),
-        material_id: element.reference("MaterialId", materials, "material", problems).0,
-        position: element.point("Position", problems),
+        radius: element.number("Radius"),
+        material_id: element.reference("MaterialId", materials).0,
+        position: element.vector("Position"),
     }
 }
 
@@ -115,29 +138,13 @@ fn unread(id: String) -> Agent {
 pub(crate) fn xml(agents: &[Agent]) -> String {
     document("Agents", |out| {
         for agent in agents {
-            let [mass, inertia] = [agent.mass, agent.moment_of_inertia].map(number);
-            let [floor, angular] = [agent.floor_damping, agent.angular_damping].map(number);
-            let height = agent.height.map(number);
-            let mut attributes: Vec<(&str, &str)> = Vec::new();
-            attributes.extend(agent.kind.as_deref().map(|kind| ("Type", kind)));
-            attributes.extend([("Id", agent.id.as_str()), ("Mass", &mass)]);
-            attributes.extend(height.as_deref().map(|height| ("Height", height)));
-            attributes.extend([
-                ("MomentOfInertia", inertia.as_str()),
-                ("FloorDamping", &floor),
-                ("AngularDamping", &angular),
-            ]);
-            out.element("Agent", &attributes, |out| {
-                for shape in &agent.shapes {
-                    out.empty(
-                        "Shape",
-                        &[
-                            ("Type", "disk"),
-                            ("Radius", &number(shape.radius)),
-                            ("MaterialId", &shape.material_id),
-                            ("Position", &vector(shape.position)),
-                        ],
-                    );
+            let numbers = [agent.moment_of_inertia, agent.floor_damping, agent.angular_damping];
+            let [inertia, floor, angular] = numbers.map(|value| Some(number(value)));
+            let (id, mass, height) = (agent.id.clone(), number(agent.mass), agent.height.map(number));
+            let values = [agent.kind.clone(), Some(id), Some(mass), height, inertia, floor, angular];
+            out.element("Agent", &AGENT.values(&values.each_ref().map(Option::as_deref)), |out| {
+                for Shape { radius, material_id, position } in &agent.shapes {
+                    empty(out, &SHAPE, &["disk", &number(*radius), material_id, &vector(*position)]);
                 }
             });
         }

@@ -1,8 +1,8 @@
 //! `AgentDynamics.xml`.
 
 use crate::agents::Agent;
-use crate::problem::Problems;
-use crate::xml::{Bound, Element, Ids, Kind, document, vector};
+use crate::schema::{Range, Schema, Value, attribute};
+use crate::xml::{Element, Ids, document, empty, vector};
 use lemons_plane::{Motion, Pose, Twist, Vec2, vec2};
 use lemons_xml::{number, quoted};
 
@@ -23,32 +23,48 @@ pub struct AgentDynamics {
     pub mp: f64,
 }
 
-pub(crate) static AGENTS: Kind = Kind { name: "Agents", attributes: &[], children: &[&AGENT] };
-static AGENT: Kind = Kind { name: "Agent", attributes: &["Id"], children: &[&KINEMATICS, &DYNAMICS] };
-static KINEMATICS: Kind =
-    Kind { name: "Kinematics", attributes: &["Position", "Velocity", "Theta", "Omega"], children: &[] };
-static DYNAMICS: Kind = Kind { name: "Dynamics", attributes: &["Fp", "Mp"], children: &[] };
+pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], children: &[&AGENT] };
+static AGENT: Schema = Schema {
+    name: "Agent",
+    attributes: &[attribute("Id", Value::IdOf("agent"), "", "whose motion it is")],
+    children: &[&KINEMATICS, &DYNAMICS],
+};
+static KINEMATICS: Schema = Schema {
+    name: "Kinematics",
+    attributes: &[
+        attribute("Position", Value::Point, "m", "r, the centre of mass"),
+        attribute("Velocity", Value::Vector, "m/s", "v"),
+        attribute("Theta", Value::Number(Range::Any), "rad", THETA),
+        attribute("Omega", Value::Number(Range::Any), "rad/s", "ω, the angular velocity"),
+    ],
+    children: &[],
+};
+static DYNAMICS: Schema = Schema {
+    name: "Dynamics",
+    attributes: &[
+        attribute("Fp", Value::Vector, "N", "F_p, the propulsion force"),
+        attribute("Mp", Value::Number(Range::Any), "N m", "τ_p, the propulsion torque"),
+    ],
+    children: &[],
+};
+const THETA: &str = "θ, the orientation: the angle from the x axis to the gaze";
 
 /// In the order of `agents`, which is `None`, with `ids`, where they could not be read.
-pub(crate) fn read(
-    root: Element<'_>,
-    agents: Option<(&[Agent], &Ids)>,
-    problems: &mut Problems,
-) -> Vec<AgentDynamics> {
+pub(crate) fn read(root: Element<'_>, agents: Option<(&[Agent], &Ids)>) -> Vec<AgentDynamics> {
     // Line and dynamics of each agent of Agents.xml.
     let mut found: Vec<Option<(u32, AgentDynamics)>> =
         vec![None; agents.map_or(0, |(agents, _)| agents.len())];
     let ids = agents.map(|(_, ids)| ids);
     for element in root.children("Agent") {
-        let (_, place) = element.reference("Id", ids, "agent", problems);
-        let dynamics = read_agent(element, problems);
+        let (_, place) = element.reference("Id", ids);
+        let dynamics = read_agent(element);
         let Some(slot) = place.and_then(|place| found.get_mut(place)) else {
             continue;
         };
         match slot {
             Some((line, _)) => {
                 let message = format!("duplicate agent, first given at line {line}");
-                problems.push(element.wrong("Id", &message));
+                element.wrong("Id", &message);
             }
             None => *slot = Some((element.line(), dynamics)),
         }
@@ -59,13 +75,13 @@ pub(crate) fn read(
             && !agent.id.trim().is_empty()
             && ids.and_then(|ids| ids.place(&agent.id)).is_some()
         {
-            problems.push(root.problem(format!("has no <Agent> of Id {}", quoted(&agent.id))));
+            root.report(root.problem(format!("has no <Agent> of Id {}", quoted(&agent.id))));
         }
     }
     found.into_iter().flatten().map(|(_, dynamics)| dynamics).collect()
 }
 
-fn read_agent(element: Element<'_>, problems: &mut Problems) -> AgentDynamics {
+fn read_agent(element: Element<'_>) -> AgentDynamics {
     let nowhere = vec2(f64::NAN, f64::NAN);
     let mut agent = AgentDynamics {
         position: nowhere,
@@ -75,15 +91,15 @@ fn read_agent(element: Element<'_>, problems: &mut Problems) -> AgentDynamics {
         fp: Vec2::ZERO,
         mp: 0.0,
     };
-    if let Some(kinematics) = element.only("Kinematics", problems) {
-        agent.position = kinematics.point("Position", problems);
-        agent.velocity = kinematics.vector("Velocity", problems);
-        agent.theta = kinematics.number("Theta", Bound::None, problems);
-        agent.omega = kinematics.number("Omega", Bound::None, problems);
+    if let Some(kinematics) = element.only("Kinematics") {
+        agent.position = kinematics.vector("Position");
+        agent.velocity = kinematics.vector("Velocity");
+        agent.theta = kinematics.number("Theta");
+        agent.omega = kinematics.number("Omega");
     }
-    if let Some(drive) = element.at_most_one("Dynamics", problems) {
-        agent.fp = drive.vector("Fp", problems);
-        agent.mp = drive.number("Mp", Bound::None, problems);
+    if let Some(drive) = element.at_most_one("Dynamics") {
+        agent.fp = drive.vector("Fp");
+        agent.mp = drive.number("Mp");
     }
     agent
 }
@@ -125,17 +141,11 @@ pub fn dynamics_xml(agents: &[Agent], dynamics: &[AgentDynamics], element: Dynam
     document("Agents", |out| {
         for (agent, state) in agents.iter().zip(dynamics) {
             out.element("Agent", &[("Id", &agent.id)], |out| {
-                out.empty(
-                    "Kinematics",
-                    &[
-                        ("Position", &vector(state.position)),
-                        ("Velocity", &vector(state.velocity)),
-                        ("Theta", &number(state.theta)),
-                        ("Omega", &number(state.omega)),
-                    ],
-                );
+                let [position, velocity, fp] = [state.position, state.velocity, state.fp].map(vector);
+                let [theta, omega, mp] = [state.theta, state.omega, state.mp].map(number);
+                empty(out, &KINEMATICS, &[&position, &velocity, &theta, &omega]);
                 if element == DynamicsElement::Written {
-                    out.empty("Dynamics", &[("Fp", &vector(state.fp)), ("Mp", &number(state.mp))]);
+                    empty(out, &DYNAMICS, &[&fp, &mp]);
                 }
             });
         }

@@ -1,10 +1,11 @@
 //! `Geometry.xml`.
 
 use crate::problem::Problems;
-use crate::xml::{Bound, Element, Ids, Kind, document, read_file, vector};
+use crate::schema::{Range, Schema, Value, attribute};
+use crate::xml::{Element, Ids, checked, document, empty, read_file, vector};
 use lemons_files::source::{Disk, Source};
 use lemons_plane::{Vec2, vec2};
-use lemons_xml::{Problem, Severity, number, quoted};
+use lemons_xml::{number, quoted};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
@@ -32,13 +33,7 @@ impl Geometry {
     /// # Errors
     /// As [`Geometry::read`].
     pub fn read_from(files: &dyn Source, path: &Path) -> Result<(Geometry, Problems), Problems> {
-        let mut problems = Problems::default();
-        let read =
-            read_file(files, path, &GEOMETRY, &mut problems, |root, problems| read(root, None, problems).0);
-        match read {
-            Some(geometry) if !problems.has_errors() => Ok((geometry, problems)),
-            _ => Err(problems),
-        }
+        checked(|problems| read_file(files, path, &GEOMETRY, problems, |root| read(root, None).0))
     }
 }
 
@@ -53,39 +48,56 @@ pub struct Wall {
     pub corners: Vec<Vec2>,
 }
 
-pub(crate) static GEOMETRY: Kind =
-    Kind { name: "Geometry", attributes: &[], children: &[&DIMENSIONS, &WALL] };
-static DIMENSIONS: Kind = Kind { name: "Dimensions", attributes: &["Lx", "Ly"], children: &[] };
-static WALL: Kind = Kind { name: "Wall", attributes: &["Id", "MaterialId"], children: &[&CORNER] };
-static CORNER: Kind = Kind { name: "Corner", attributes: &["Coordinates"], children: &[] };
+pub(crate) static GEOMETRY: Schema =
+    Schema { name: "Geometry", attributes: &[], children: &[&DIMENSIONS, &WALL] };
+static DIMENSIONS: Schema = Schema {
+    name: "Dimensions",
+    attributes: &[
+        attribute("Lx", Value::Number(Range::Any), "m", "the length along x of the area that is drawn"),
+        attribute("Ly", Value::Number(Range::Any), "m", "the length along y"),
+    ],
+    children: &[],
+};
+static WALL: Schema = Schema {
+    name: "Wall",
+    attributes: &[
+        attribute("Id", Value::Id, "", "the name of the wall"),
+        attribute("MaterialId", Value::IdOf("material"), "", "what the wall is made of"),
+    ],
+    children: &[&CORNER],
+};
+static CORNER: Schema = Schema {
+    name: "Corner",
+    attributes: &[attribute("Coordinates", Value::Point, "m", "the place of the corner")],
+    children: &[],
+};
 
 /// The geometry and the walls' Ids; `materials` is `None` where they could not be read.
-pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>, problems: &mut Problems) -> (Geometry, Ids) {
-    let dimensions = root.at_most_one("Dimensions", problems).map(|element| {
-        vec2(element.number("Lx", Bound::None, problems), element.number("Ly", Bound::None, problems))
-    });
+pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Geometry, Ids) {
+    let dimensions =
+        root.at_most_one("Dimensions").map(|element| vec2(element.number("Lx"), element.number("Ly")));
     let (mut walls, mut ids) = (Vec::new(), Ids::default());
     for element in root.children("Wall") {
-        let id = ids.take(element, problems);
-        let (material_id, _) = element.reference("MaterialId", materials, "material", problems);
-        let corners = read_corners(element, &id, problems);
+        let id = ids.take(element);
+        let (material_id, _) = element.reference("MaterialId", materials);
+        let corners = read_corners(element, &id);
         walls.push(Wall { id, material_id, corners });
     }
     (Geometry { dimensions, walls }, ids)
 }
 
-fn read_corners(wall: Element<'_>, id: &str, problems: &mut Problems) -> Vec<Vec2> {
+fn read_corners(wall: Element<'_>, id: &str) -> Vec<Vec2> {
     let mut corners: Vec<Vec2> = Vec::new();
     // Where each face was drawn first, whichever its direction.
     let mut faces: HashMap<[[u64; 2]; 2], usize> = HashMap::new();
     for element in wall.children("Corner") {
-        let corner = element.point("Coordinates", problems);
+        let corner = element.vector("Coordinates");
         let place = corners.len();
         if let Some(&before) = corners.last() {
             if (corner - before).norm() == 0.0 {
                 let message =
                     format!("corner {place} of wall {} is where corner {} is", quoted(id), place - 1);
-                problems.push(element.wrong("Coordinates", &message));
+                element.wrong("Coordinates", &message);
             } else if (corner - before).is_finite() {
                 let mut face = [bits(before), bits(corner)];
                 face.sort_unstable();
@@ -97,8 +109,7 @@ fn read_corners(wall: Element<'_>, id: &str, problems: &mut Problems) -> Vec<Vec
                             first.get(),
                             place - 1
                         );
-                        let problem = element.wrong("Coordinates", &message);
-                        problems.push(Problem { severity: Severity::Warning, ..problem });
+                        element.doubtful("Coordinates", &message);
                     }
                     Entry::Vacant(free) => {
                         free.insert(place - 1);
@@ -109,11 +120,8 @@ fn read_corners(wall: Element<'_>, id: &str, problems: &mut Problems) -> Vec<Vec
         corners.push(corner);
     }
     if corners.len() < 2 {
-        problems.push(wall.problem(format!(
-            "wall {} has {} corners: it needs two",
-            quoted(id),
-            corners.len()
-        )));
+        let message = format!("wall {} has {} corners: it needs two", quoted(id), corners.len());
+        wall.report(wall.problem(message));
     }
     corners
 }
@@ -126,12 +134,12 @@ fn bits(point: Vec2) -> [u64; 2] {
 pub(crate) fn xml(geometry: &Geometry) -> String {
     document("Geometry", |out| {
         if let Some(size) = geometry.dimensions {
-            out.empty("Dimensions", &[("Lx", &number(size.x)), ("Ly", &number(size.y))]);
+            empty(out, &DIMENSIONS, &[&number(size.x), &number(size.y)]);
         }
         for wall in &geometry.walls {
             out.element("Wall", &[("Id", &wall.id), ("MaterialId", &wall.material_id)], |out| {
                 for &corner in &wall.corners {
-                    out.empty("Corner", &[("Coordinates", &vector(corner))]);
+                    empty(out, &CORNER, &[&vector(corner)]);
                 }
             });
         }

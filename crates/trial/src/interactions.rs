@@ -2,26 +2,58 @@
 
 use crate::agents::Agent;
 use crate::geometry::Geometry;
-use crate::problem::Problems;
-use crate::xml::{Element, Ids, Kind, document, vector};
+use crate::schema::{Attribute, Schema, Value, attribute};
+use crate::xml::{Element, Ids, document, empty, vector};
 use lemons_plane::Vec2;
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 use std::hash::Hash;
 
-pub(crate) static INTERACTIONS: Kind = Kind { name: "Interactions", attributes: &[], children: &[&PARENT] };
-static PARENT: Kind = Kind { name: "Agent", attributes: &["Id"], children: &[&CHILD, &WALL] };
-static CHILD: Kind = Kind { name: "Agent", attributes: &["Id"], children: &[&INTERACTION] };
-static INTERACTION: Kind = Kind {
+pub(crate) static INTERACTIONS: Schema =
+    Schema { name: "Interactions", attributes: &[], children: &[&PARENT] };
+static PARENT: Schema = Schema {
+    name: "Agent",
+    attributes: &[attribute("Id", Value::IdOf("agent"), "", "the agent that receives the forces")],
+    children: &[&CHILD, &WALL],
+};
+static CHILD: Schema = Schema {
+    name: "Agent",
+    attributes: &[attribute("Id", Value::IdOf("agent"), "", "the other agent")],
+    children: &[&INTERACTION],
+};
+static INTERACTION: Schema = Schema {
     name: "Interaction",
-    attributes: &["ParentShape", "ChildShape", "TangentialRelativeDisplacement", "Fn", "Ft"],
+    attributes: &[
+        attribute("ParentShape", Value::Place, "", PARENT_SHAPE),
+        attribute("ChildShape", Value::Place, "", "the disk of the other agent"),
+        ELONGATION,
+        NORMAL,
+        TANGENTIAL,
+    ],
     children: &[],
 };
-static WALL: Kind = Kind {
+static WALL: Schema = Schema {
     name: "Wall",
-    attributes: &["ShapeId", "WallId", "CornerId", "TangentialRelativeDisplacement", "Fn", "Ft"],
+    attributes: &[
+        attribute("ShapeId", Value::Place, "", "the disk of the agent"),
+        attribute("WallId", Value::IdOf("wall"), "", "the wall"),
+        attribute("CornerId", Value::Place, "", CORNER),
+        ELONGATION,
+        NORMAL,
+        TANGENTIAL,
+    ],
     children: &[],
 };
+const PARENT_SHAPE: &str = "the disk of the agent that receives the force, in the order of Agents.xml";
+const CORNER: &str = "the corner at which the touched piece of the wall begins";
+const ELONGATION: Attribute = attribute(
+    "TangentialRelativeDisplacement",
+    Value::Vector,
+    "m",
+    "s, the elongation of the tangential spring",
+);
+const NORMAL: Attribute = attribute("Fn", Value::Vector, "N", "the normal force");
+const TANGENTIAL: Attribute = attribute("Ft", Value::Vector, "N", "the tangential force");
 
 /// `AgentInteractions.xml`: the contacts at one time, each pair once.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -78,48 +110,45 @@ pub(crate) fn read(
     root: Element<'_>,
     (agents, agent_ids): (&[Agent], &Ids),
     (geometry, wall_ids): (&Geometry, &Ids),
-    problems: &mut Problems,
 ) -> Interactions {
     let mut interactions = Interactions::default();
     let (mut agent_lines, mut wall_lines) = (HashMap::new(), HashMap::new());
     let disks = |agent: usize| agents.get(agent).map_or(0, |agent| agent.shapes.len());
     for parent_element in root.children("Agent") {
-        let (_, parent) = parent_element.reference("Id", Some(agent_ids), "agent", problems);
+        let (_, parent) = parent_element.reference("Id", Some(agent_ids));
         for child_element in parent_element.children("Agent") {
-            let (_, child) = child_element.reference("Id", Some(agent_ids), "agent", problems);
+            let (_, child) = child_element.reference("Id", Some(agent_ids));
             if parent.is_some() && parent == child {
-                problems.push(child_element.wrong("Id", "an agent does not touch itself"));
+                child_element.wrong("Id", "an agent does not touch itself");
             }
             for element in child_element.children("Interaction") {
-                let force = read_force(element, problems);
+                let force = read_force(element);
                 let (Some(parent), Some(child)) = (parent, child) else {
                     continue;
                 };
-                let parent_shape = element.place("ParentShape", disks(parent), "parent's shapes", problems);
-                let child_shape = element.place("ChildShape", disks(child), "child's shapes", problems);
+                let parent_shape = element.place("ParentShape", disks(parent), "parent's shapes");
+                let child_shape = element.place("ChildShape", disks(child), "child's shapes");
                 let (Some(parent_shape), Some(child_shape)) = (parent_shape, child_shape) else {
                     continue;
                 };
                 let contact = AgentInteraction { parent, child, parent_shape, child_shape, force }.ordered();
-                if once(&mut agent_lines, agent_key(&contact), element, problems) {
+                if once(&mut agent_lines, agent_key(&contact), element) {
                     interactions.agents.push(contact);
                 }
             }
         }
         for element in parent_element.children("Wall") {
-            let (_, wall) = element.reference("WallId", Some(wall_ids), "wall", problems);
+            let (_, wall) = element.reference("WallId", Some(wall_ids));
             let corners = wall.and_then(|wall| geometry.walls.get(wall)).map(|wall| wall.corners.len());
             // No face begins at the last corner.
-            let corner =
-                corners.and_then(|n| element.place("CornerId", n.saturating_sub(1), "faces", problems));
-            let shape =
-                parent.and_then(|agent| element.place("ShapeId", disks(agent), "agent's shapes", problems));
-            let force = read_force(element, problems);
+            let corner = corners.and_then(|n| element.place("CornerId", n.saturating_sub(1), "faces"));
+            let shape = parent.and_then(|agent| element.place("ShapeId", disks(agent), "agent's shapes"));
+            let force = read_force(element);
             let (Some(agent), Some(shape), Some(wall), Some(corner)) = (parent, shape, wall, corner) else {
                 continue;
             };
             let contact = WallInteraction { agent, shape, wall, corner, force };
-            if once(&mut wall_lines, wall_key(&contact), element, problems) {
+            if once(&mut wall_lines, wall_key(&contact), element) {
                 interactions.walls.push(contact);
             }
         }
@@ -140,15 +169,11 @@ fn wall_key(contact: &WallInteraction) -> Key {
 }
 
 /// Whether the contact is new; reports one that is not.
-fn once<K: Eq + Hash>(
-    lines: &mut HashMap<K, u32>,
-    key: K,
-    element: Element<'_>,
-    problems: &mut Problems,
-) -> bool {
+fn once<K: Eq + Hash>(lines: &mut HashMap<K, u32>, key: K, element: Element<'_>) -> bool {
     match lines.entry(key) {
         Entry::Occupied(line) => {
-            problems.push(element.problem(format!("duplicate contact, first given at line {}", line.get())));
+            let message = format!("duplicate contact, first given at line {}", line.get());
+            element.report(element.problem(message));
             false
         }
         Entry::Vacant(free) => {
@@ -158,11 +183,11 @@ fn once<K: Eq + Hash>(
     }
 }
 
-fn read_force(element: Element<'_>, problems: &mut Problems) -> ContactForce {
+fn read_force(element: Element<'_>) -> ContactForce {
     ContactForce {
-        elongation: element.vector("TangentialRelativeDisplacement", problems),
-        normal: element.vector("Fn", problems),
-        tangential: element.vector("Ft", problems),
+        elongation: element.vector("TangentialRelativeDisplacement"),
+        normal: element.vector("Fn"),
+        tangential: element.vector("Ft"),
     }
 }
 
@@ -202,32 +227,17 @@ pub fn interactions_xml(agents: &[Agent], geometry: &Geometry, interactions: &In
                     out.element("Agent", &[("Id", agent_id(child))], |out| {
                         for contact in contacts {
                             let [elongation, normal, tangential] = forces(&contact.force);
-                            out.empty(
-                                "Interaction",
-                                &[
-                                    ("ParentShape", &contact.parent_shape.to_string()),
-                                    ("ChildShape", &contact.child_shape.to_string()),
-                                    ("TangentialRelativeDisplacement", &elongation),
-                                    ("Fn", &normal),
-                                    ("Ft", &tangential),
-                                ],
-                            );
+                            let [parent, child] =
+                                [contact.parent_shape, contact.child_shape].map(|k| k.to_string());
+                            empty(out, &INTERACTION, &[&parent, &child, &elongation, &normal, &tangential]);
                         }
                     });
                 }
                 for contact in walls {
                     let [elongation, normal, tangential] = forces(&contact.force);
-                    out.empty(
-                        "Wall",
-                        &[
-                            ("ShapeId", &contact.shape.to_string()),
-                            ("WallId", wall_id(contact.wall)),
-                            ("CornerId", &contact.corner.to_string()),
-                            ("TangentialRelativeDisplacement", &elongation),
-                            ("Fn", &normal),
-                            ("Ft", &tangential),
-                        ],
-                    );
+                    let (shape, corner) = (contact.shape.to_string(), contact.corner.to_string());
+                    let wall = wall_id(contact.wall);
+                    empty(out, &WALL, &[&shape, wall, &corner, &elongation, &normal, &tangential]);
                 }
             });
         }

@@ -12,8 +12,7 @@ mod materials;
 mod parameters;
 mod problem;
 mod pulse;
-#[cfg(test)]
-mod reference;
+mod schema;
 mod trial;
 mod xml;
 
@@ -27,5 +26,6 @@ pub use materials::{Contact, Material, Materials, stiffness};
 pub use parameters::Parameters;
 pub use problem::Problems;
 pub use pulse::{Pulse, drive_of_pulses};
+pub use schema::reference_page;
 pub use trial::{FileNames, INTERACTIONS, Places, Trial, output_names};
 pub use xml::FARTHEST;

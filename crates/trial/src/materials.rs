@@ -3,23 +3,41 @@
 use crate::agents::Agent;
 use crate::geometry::Geometry;
 use crate::problem::Problems;
-use crate::xml::{Bound, Element, Ids, Kind, document};
+use crate::schema::{Attribute, Range, Schema, Value, attribute};
+use crate::xml::{Element, Ids, document, empty};
 use lemons_xml::{Problem, number, quoted};
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
-pub(crate) static MATERIALS: Kind =
-    Kind { name: "Materials", attributes: &[], children: &[&INTRINSIC, &BINARY] };
-static INTRINSIC: Kind = Kind { name: "Intrinsic", attributes: &[], children: &[&MATERIAL] };
-static MATERIAL: Kind =
-    Kind { name: "Material", attributes: &["Id", "YoungModulus", "ShearModulus"], children: &[] };
-static BINARY: Kind = Kind { name: "Binary", attributes: &[], children: &[&CONTACT] };
-static CONTACT: Kind = Kind {
-    name: "Contact",
-    attributes: &["Id1", "Id2", "GammaNormal", "GammaTangential", "KineticFriction"],
+pub(crate) static MATERIALS: Schema =
+    Schema { name: "Materials", attributes: &[], children: &[&INTRINSIC, &BINARY] };
+static INTRINSIC: Schema = Schema { name: "Intrinsic", attributes: &[], children: &[&MATERIAL] };
+static MATERIAL: Schema = Schema {
+    name: "Material",
+    attributes: &[
+        attribute("Id", Value::Id, "", "the name of the material"),
+        number_of("YoungModulus", Range::Positive, "N/m", "E, the Young modulus of a 2D material"),
+        number_of("ShearModulus", Range::Positive, "N/m", "G, the shear modulus of a 2D material"),
+    ],
     children: &[],
 };
+static BINARY: Schema = Schema { name: "Binary", attributes: &[], children: &[&CONTACT] };
+static CONTACT: Schema = Schema {
+    name: "Contact",
+    attributes: &[
+        attribute("Id1", Value::IdOf("material"), "", "the one material"),
+        attribute("Id2", Value::IdOf("material"), "", "the other one, or the same"),
+        number_of("GammaNormal", Range::NotNegative, "kg/s", "γ⊥, damping along the normal"),
+        number_of("GammaTangential", Range::NotNegative, "kg/s", "γ∥, damping along the tangent"),
+        number_of("KineticFriction", Range::NotNegative, "1", "μ_dyn, the coefficient of Coulomb friction"),
+    ],
+    children: &[],
+};
+
+const fn number_of(name: &'static str, range: Range, unit: &'static str, meaning: &'static str) -> Attribute {
+    attribute(name, Value::Number(range), unit, meaning)
+}
 
 /// `Materials.xml`.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,28 +98,27 @@ pub(crate) struct Read {
     binary_line: Option<u32>,
 }
 
-pub(crate) fn read(root: Element<'_>, problems: &mut Problems) -> Read {
+pub(crate) fn read(root: Element<'_>) -> Read {
     let (mut intrinsic, mut binary) = (Vec::new(), Vec::new());
     let (mut ids, mut lines, mut pairs) = (Ids::default(), Vec::new(), HashMap::new());
-    for element in root.only("Intrinsic", problems).iter().flat_map(|list| list.children("Material")) {
+    for element in root.only("Intrinsic").iter().flat_map(|list| list.children("Material")) {
         lines.push(element.line());
         intrinsic.push(Material {
-            id: ids.take(element, problems),
-            young_modulus: element.number("YoungModulus", Bound::Positive, problems),
-            shear_modulus: element.number("ShearModulus", Bound::Positive, problems),
+            id: ids.take(element),
+            young_modulus: element.number("YoungModulus"),
+            shear_modulus: element.number("ShearModulus"),
         });
     }
-    let list = root.only("Binary", problems);
+    let list = root.only("Binary");
     for element in list.iter().flat_map(|list| list.children("Contact")) {
-        let (id1, first) = element.reference("Id1", Some(&ids), "material", problems);
-        let (id2, second) = element.reference("Id2", Some(&ids), "material", problems);
+        let (id1, first) = element.reference("Id1", Some(&ids));
+        let (id2, second) = element.reference("Id2", Some(&ids));
         if let (Some(first), Some(second)) = (first, second) {
             match pairs.entry((first.min(second), first.max(second))) {
                 Entry::Occupied(line) => {
                     let pair = format!("{} and {}", quoted(&id1), quoted(&id2));
-                    problems.push(
-                        element.problem(format!("duplicate pair {pair}, first given at line {}", line.get())),
-                    );
+                    let message = format!("duplicate pair {pair}, first given at line {}", line.get());
+                    element.report(element.problem(message));
                 }
                 Entry::Vacant(free) => {
                     free.insert(element.line());
@@ -111,9 +128,9 @@ pub(crate) fn read(root: Element<'_>, problems: &mut Problems) -> Read {
         binary.push(Contact {
             id1,
             id2,
-            gamma_normal: element.number("GammaNormal", Bound::NotNegative, problems),
-            gamma_tangential: element.number("GammaTangential", Bound::NotNegative, problems),
-            kinetic_friction: element.number("KineticFriction", Bound::NotNegative, problems),
+            gamma_normal: element.number("GammaNormal"),
+            gamma_tangential: element.number("GammaTangential"),
+            kinetic_friction: element.number("KineticFriction"),
         });
     }
     Read {
@@ -240,28 +257,15 @@ pub(crate) fn xml(materials: &Materials) -> String {
     document("Materials", |out| {
         out.element("Intrinsic", &[], |out| {
             for material in &materials.intrinsic {
-                out.empty(
-                    "Material",
-                    &[
-                        ("Id", &material.id),
-                        ("YoungModulus", &number(material.young_modulus)),
-                        ("ShearModulus", &number(material.shear_modulus)),
-                    ],
-                );
+                let [young, shear] = [material.young_modulus, material.shear_modulus].map(number);
+                empty(out, &MATERIAL, &[&material.id, &young, &shear]);
             }
         });
         out.element("Binary", &[], |out| {
             for contact in &materials.binary {
-                out.empty(
-                    "Contact",
-                    &[
-                        ("Id1", &contact.id1),
-                        ("Id2", &contact.id2),
-                        ("GammaNormal", &number(contact.gamma_normal)),
-                        ("GammaTangential", &number(contact.gamma_tangential)),
-                        ("KineticFriction", &number(contact.kinetic_friction)),
-                    ],
-                );
+                let numbers = [contact.gamma_normal, contact.gamma_tangential, contact.kinetic_friction];
+                let [normal, tangential, friction] = numbers.map(number);
+                empty(out, &CONTACT, &[&contact.id1, &contact.id2, &normal, &tangential, &friction]);
             }
         });
     })

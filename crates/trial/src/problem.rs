@@ -13,6 +13,11 @@ impl Problems {
         self.0.push(problem);
     }
 
+    /// Adds others after them.
+    pub(crate) fn append(&mut self, others: Problems) {
+        self.0.extend(others.0);
+    }
+
     /// The value, or `None` after the problem is added.
     pub(crate) fn or_push<T>(&mut self, read: lemons_xml::Result<T>) -> Option<T> {
         read.map_err(|problem| self.push(*problem)).ok()

@@ -7,7 +7,8 @@ use crate::interactions::{self, Interactions, interactions_xml};
 use crate::materials::{self, Materials};
 use crate::parameters::{self, Parameters};
 use crate::problem::Problems;
-use crate::xml;
+use crate::schema::Schema;
+use crate::xml::{self, Element, checked};
 use lemons_files::source::{Disk, Source};
 use lemons_files::{WriteError, remove_file, write_atomically};
 use std::io::ErrorKind;
@@ -86,6 +87,16 @@ impl FileNames {
     }
 }
 
+/// The roots of the files, in the order of docs/reference/trial.md.
+pub(crate) const SCHEMAS: [&Schema; 6] = [
+    &parameters::PARAMETERS,
+    &materials::MATERIALS,
+    &geometry::GEOMETRY,
+    &agents::AGENTS,
+    &dynamics::AGENTS,
+    &interactions::INTERACTIONS,
+];
+
 /// The contacts' file in the Dynamic directory; there only if there are contacts.
 pub const INTERACTIONS: &str = "AgentInteractions.xml";
 
@@ -134,11 +145,7 @@ impl Trial {
         directory: &Path,
         names: &FileNames,
     ) -> Result<(Trial, Problems), Problems> {
-        let mut problems = Problems::default();
-        match Trial::read_checked(files, directory, names, &mut problems) {
-            Some(trial) if !problems.has_errors() => Ok((trial, problems)),
-            _ => Err(problems),
-        }
+        checked(|problems| Trial::read_checked(files, directory, names, problems))
     }
 
     /// Where its files are, as messages name them.
@@ -173,57 +180,25 @@ impl Trial {
         let fixed = place(&parameters.static_directory);
         let moving = place(&parameters.dynamic_directory);
 
-        let materials = fixed.as_ref().and_then(|fixed| {
-            xml::read_file(
-                files,
-                &fixed.join(&names.materials),
-                &materials::MATERIALS,
-                problems,
-                materials::read,
-            )
-        });
+        let mut reader = Reader { files, problems };
+        let materials = reader.read(&fixed, &names.materials, &materials::MATERIALS, materials::read);
         let material_ids = materials.as_ref().map(|read| &read.ids);
-        let geometry = fixed.as_ref().and_then(|fixed| {
-            xml::read_file(
-                files,
-                &fixed.join(&names.geometry),
-                &geometry::GEOMETRY,
-                problems,
-                |root, problems| geometry::read(root, material_ids, problems),
-            )
-        });
-        let agents = fixed.as_ref().and_then(|fixed| {
-            xml::read_file(files, &fixed.join(&names.agents), &agents::AGENTS, problems, |root, problems| {
-                agents::read(root, material_ids, problems)
-            })
-        });
+        let geometry = reader
+            .read(&fixed, &names.geometry, &geometry::GEOMETRY, |root| geometry::read(root, material_ids));
+        let agents =
+            reader.read(&fixed, &names.agents, &agents::AGENTS, |root| agents::read(root, material_ids));
         if let (Some(materials), Some((agents, _))) = (&materials, &agents) {
-            materials::check_pairs(
-                materials,
-                geometry.as_ref().map(|(geometry, _)| geometry),
-                agents,
-                problems,
-            );
+            let geometry = geometry.as_ref().map(|(geometry, _)| geometry);
+            materials::check_pairs(materials, geometry, agents, reader.problems);
         }
-        let dynamics = moving.as_ref().and_then(|moving| {
-            xml::read_file(
-                files,
-                &moving.join(&names.dynamics),
-                &dynamics::AGENTS,
-                problems,
-                |root, problems| {
-                    dynamics::read(
-                        root,
-                        agents.as_ref().map(|(agents, ids)| (agents.as_slice(), ids)),
-                        problems,
-                    )
-                },
-            )
-        });
-        let interactions = match (moving.map(|moving| moving.join(INTERACTIONS)), &agents, &geometry) {
-            (Some(path), Some((agents, agent_ids)), Some((geometry, wall_ids))) if !files.lacks(&path) => {
-                xml::read_file(files, &path, &interactions::INTERACTIONS, problems, |root, problems| {
-                    interactions::read(root, (agents, agent_ids), (geometry, wall_ids), problems)
+        let known = agents.as_ref().map(|(agents, ids)| (agents.as_slice(), ids));
+        let dynamics =
+            reader.read(&moving, &names.dynamics, &dynamics::AGENTS, |root| dynamics::read(root, known));
+        let path = moving.as_ref().map(|moving| moving.join(INTERACTIONS));
+        let interactions = match (path, known, &geometry) {
+            (Some(path), Some(agents), Some((geometry, wall_ids))) if !files.lacks(&path) => {
+                reader.read(&moving, Path::new(INTERACTIONS), &interactions::INTERACTIONS, |root| {
+                    interactions::read(root, agents, (geometry, wall_ids))
                 })?
             }
             _ => Interactions::default(),
@@ -246,11 +221,9 @@ impl Trial {
     /// All errors in its files.
     pub fn read_dynamics(&self, path: &Path) -> Result<Vec<AgentDynamics>, Problems> {
         let ids = self.agent_ids();
-        checked(|problems| {
-            xml::read_file(&Disk, path, &dynamics::AGENTS, problems, |root, problems| {
-                dynamics::read(root, Some((&self.agents, &ids)), problems)
-            })
-        })
+        let read = |root: Element<'_>| dynamics::read(root, Some((&self.agents, &ids)));
+        let read = checked(|problems| xml::read_file(&Disk, path, &dynamics::AGENTS, problems, read));
+        read.map(|(dynamics, _)| dynamics)
     }
 
     /// Reads an `AgentInteractions.xml` of this Trial's agents and walls.
@@ -260,11 +233,11 @@ impl Trial {
     pub fn read_interactions(&self, path: &Path) -> Result<Interactions, Problems> {
         let agents = self.agent_ids();
         let walls = xml::Ids::of(self.geometry.walls.iter().map(|wall| wall.id.as_str()));
-        checked(|problems| {
-            xml::read_file(&Disk, path, &interactions::INTERACTIONS, problems, |root, problems| {
-                interactions::read(root, (&self.agents, &agents), (&self.geometry, &walls), problems)
-            })
-        })
+        let (agents, walls) = ((&self.agents[..], &agents), (&self.geometry, &walls));
+        let read = |root: Element<'_>| interactions::read(root, agents, walls);
+        let schema = &interactions::INTERACTIONS;
+        let read = checked(|problems| xml::read_file(&Disk, path, schema, problems, read));
+        read.map(|(interactions, _)| interactions)
     }
 
     fn agent_ids(&self) -> xml::Ids {
@@ -356,11 +329,22 @@ impl Trial {
     }
 }
 
-fn checked<T>(read: impl FnOnce(&mut Problems) -> Option<T>) -> Result<T, Problems> {
-    let mut problems = Problems::default();
-    match read(&mut problems) {
-        Some(read) if !problems.has_errors() => Ok(read),
-        _ => Err(problems),
+/// Reads files of a Trial; where one cannot be read, the problem is told and the others are read nevertheless.
+struct Reader<'a> {
+    files: &'a dyn Source,
+    problems: &'a mut Problems,
+}
+
+impl Reader<'_> {
+    /// `None` also if the directory is not known, which was told already.
+    fn read<T>(
+        &mut self,
+        directory: &Option<PathBuf>,
+        name: &Path,
+        root: &'static Schema,
+        then: impl FnOnce(Element<'_>) -> T,
+    ) -> Option<T> {
+        xml::read_file(self.files, &directory.as_ref()?.join(name), root, self.problems, then)
     }
 }
 

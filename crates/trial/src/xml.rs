@@ -4,6 +4,7 @@
 //! all errors. A Trial with an error is never returned, so no placeholder is either.
 
 use crate::problem::Problems;
+use crate::schema::{Range, Schema, Value};
 use lemons_files::source::Source;
 use lemons_files::{input, words};
 use lemons_plane::{Vec2, vec2};
@@ -11,24 +12,13 @@ use lemons_xml::{Attribute, Document, Layout, Out, Problem, Severity, decimal, q
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
+use std::iter::repeat;
 use std::path::Path;
-
-/// An element of a file: its name, the attributes that are read of it, and the elements that are read in it.
-pub(crate) struct Kind {
-    pub(crate) name: &'static str,
-    pub(crate) attributes: &'static [&'static str],
-    pub(crate) children: &'static [&'static Kind],
-}
-
-impl Kind {
-    fn child(&self, name: &str) -> Option<&'static Kind> {
-        self.children.iter().find(|child| child.name == name).copied()
-    }
-}
 
 /// What is remembered of a file while it is read.
 #[derive(Default)]
 struct Notes {
+    problems: RefCell<Problems>,
     /// Names that were told as those that may have been meant, with their element's.
     told: RefCell<HashSet<(&'static str, String)>>,
     /// Where elements begin of which nobody knows what is in them.
@@ -39,9 +29,9 @@ struct Notes {
 pub(crate) fn read_file<T>(
     files: &dyn Source,
     path: &Path,
-    root: &'static Kind,
+    root: &'static Schema,
     problems: &mut Problems,
-    then: impl FnOnce(Element<'_>, &mut Problems) -> T,
+    then: impl FnOnce(Element<'_>) -> T,
 ) -> Option<T> {
     match files.read(path, input::LARGEST_TRIAL_FILE) {
         Ok(bytes) => read_bytes(path, &bytes, root, problems, then),
@@ -52,19 +42,30 @@ pub(crate) fn read_file<T>(
     }
 }
 
+/// What was read without errors, with the warnings; or all errors.
+pub(crate) fn checked<T>(read: impl FnOnce(&mut Problems) -> Option<T>) -> Result<(T, Problems), Problems> {
+    let mut problems = Problems::default();
+    match read(&mut problems) {
+        Some(read) if !problems.has_errors() => Ok((read, problems)),
+        _ => Err(problems),
+    }
+}
+
 /// As [`read_file`], of the file's content.
 pub(crate) fn read_bytes<T>(
     path: &Path,
     bytes: &[u8],
-    root: &'static Kind,
+    root: &'static Schema,
     problems: &mut Problems,
-    then: impl FnOnce(Element<'_>, &mut Problems) -> T,
+    then: impl FnOnce(Element<'_>) -> T,
 ) -> Option<T> {
     let document = problems.or_push(Document::parse(path, bytes, u32::MAX))?;
     let inner = problems.or_push(document.root(root.name))?;
-    let element = Element { inner, notes: &Notes::default(), kind: root };
-    let read = then(element, problems);
-    element.warn_of_unread(problems);
+    let notes = Notes::default();
+    let element = Element { inner, notes: &notes, schema: root };
+    let read = then(element);
+    element.warn_of_unread();
+    problems.append(notes.problems.into_inner());
     Some(read)
 }
 
@@ -74,14 +75,6 @@ const LONGEST_NAME: usize = 80;
 /// \[m\] Places further from the origin along x or y are refused: up to there a micrometre is exact, and no square of a
 /// distance overflows.
 pub const FARTHEST: f64 = 1e9;
-
-/// What a number may be, apart from finite.
-#[derive(Clone, Copy)]
-pub(crate) enum Bound {
-    None,
-    Positive,
-    NotNegative,
-}
 
 fn parse_vector(text: &str) -> Option<Vec2> {
     let (x, y) = text.split_once(',')?;
@@ -93,7 +86,7 @@ fn parse_vector(text: &str) -> Option<Vec2> {
 pub(crate) struct Element<'a> {
     inner: lemons_xml::Element<'a>,
     notes: &'a Notes,
-    kind: &'static Kind,
+    schema: &'static Schema,
 }
 
 /// What nobody reads.
@@ -107,7 +100,7 @@ enum Unread {
 /// What nobody reads of elements of one kind, where it was first seen, and how often.
 struct Seen<'a> {
     what: Unread,
-    kind: &'static Kind,
+    schema: &'static Schema,
     /// Of the attribute or element; empty of a text.
     name: &'a str,
     value: Option<&'a str>,
@@ -125,10 +118,11 @@ impl<'a> Element<'a> {
     }
 
     pub(crate) fn children(self, name: &'static str) -> impl Iterator<Item = Element<'a>> {
-        let kind = self.kind.child(name);
-        debug_assert!(kind.is_some(), "<{}> is said to hold no <{name}>", self.kind.name);
-        let children = kind.map(|kind| self.inner.children(name).map(move |inner| (inner, kind)));
-        children.into_iter().flatten().map(move |(inner, kind)| Element { inner, kind, ..self })
+        let schema = self.schema.child(name);
+        debug_assert!(schema.is_some(), "<{}> is said to hold no <{name}>", self.schema.name);
+        let children =
+            schema.into_iter().flat_map(move |schema| self.inner.children(name).zip(repeat(schema)));
+        children.map(move |(inner, schema)| Element { inner, schema, ..self })
     }
 
     /// What is in it is another reader's.
@@ -139,7 +133,7 @@ impl<'a> Element<'a> {
     /// Attributes of this file's own words that are not read.
     fn unread_attributes(self) -> impl Iterator<Item = Attribute<'a>> {
         let own = self.inner.attributes().filter(|attribute| attribute.namespace().is_none());
-        own.filter(move |attribute| !self.kind.attributes.contains(&attribute.name()))
+        own.filter(move |attribute| self.schema.attribute(attribute.name()).is_none())
     }
 
     /// Elements in it that are not read; those of another namespace are for others.
@@ -148,14 +142,14 @@ impl<'a> Element<'a> {
             let space = inner.namespace();
             space.is_none() || space == self.inner.namespace()
         });
-        own.filter(move |inner| self.kind.child(inner.name()).is_none())
+        own.filter(move |inner| self.schema.child(inner.name()).is_none())
     }
 
     /// Warns of what is in the file and is not read, each name once.
-    fn warn_of_unread(self, problems: &mut Problems) {
+    fn warn_of_unread(self) {
         /// So many names say enough.
         const REPORTED: usize = 20;
-        let mut places: HashMap<(*const Kind, Unread, &str), usize> = HashMap::new();
+        let mut places: HashMap<(*const Schema, Unread, &str), usize> = HashMap::new();
         let mut unread: Vec<Seen<'a>> = Vec::new();
         let mut more = false;
         let mut left = vec![self];
@@ -163,7 +157,7 @@ impl<'a> Element<'a> {
             if self.notes.foreign.borrow().contains(&element.inner.offset()) {
                 continue;
             }
-            let kind = element.kind;
+            let schema = element.schema;
             let attributes = element.unread_attributes().map(|attribute| {
                 (Unread::Attribute, attribute.name(), Some(attribute.value()), attribute.offset())
             });
@@ -174,52 +168,51 @@ impl<'a> Element<'a> {
                 (!text.is_empty()).then_some((Unread::Text, "", Some(text), offset))
             });
             for (what, name, value, offset) in attributes.chain(elements).chain(texts) {
-                match places.get(&(std::ptr::from_ref(kind), what, name)) {
+                match places.get(&(std::ptr::from_ref(schema), what, name)) {
                     Some(&place) => unread[place].count += 1,
                     None if unread.len() == REPORTED => more = true,
                     None => {
-                        places.insert((kind, what, name), unread.len());
+                        places.insert((schema, what, name), unread.len());
                         let line = self.inner.document().line(offset);
-                        unread.push(Seen { what, kind, name, value, line, count: 1 });
+                        unread.push(Seen { what, schema, name, value, line, count: 1 });
                     }
                 }
             }
             // In the order of the file: the first of a name is the one that is told.
             let before = left.len();
             left.extend(element.inner.elements().filter_map(|inner| {
-                let kind = kind.child(inner.name())?;
-                Some(Element { inner, kind, ..self })
+                let schema = schema.child(inner.name())?;
+                Some(Element { inner, schema, ..self })
             }));
             left[before..].reverse();
         }
         let told = self.notes.told.borrow();
-        let untold = unread.iter().filter(|seen| !told.contains(&(seen.kind.name, seen.name.to_owned())));
-        untold.for_each(|seen| problems.push(seen.warning(self.path())));
+        let untold = unread.iter().filter(|seen| !told.contains(&(seen.schema.name, seen.name.to_owned())));
+        untold.for_each(|seen| self.report(seen.warning(self.path())));
         if more {
             let message = format!("more than {REPORTED} names of attributes and elements are not read");
             let warning = Problem::of_file(self.path(), None, message);
-            problems.push(Problem { severity: Severity::Warning, ..warning });
+            self.report(Problem { severity: Severity::Warning, ..warning });
         }
     }
 
     /// The only child of the name, `None` if there is none; a second one is an error.
-    pub(crate) fn at_most_one(self, name: &'static str, problems: &mut Problems) -> Option<Element<'a>> {
+    pub(crate) fn at_most_one(self, name: &'static str) -> Option<Element<'a>> {
         let mut children = self.children(name);
         let first = children.next()?;
         for again in children {
-            problems.push(again.problem(format!(
-                "duplicate element, first used at line {}; it may appear only once",
-                first.line()
-            )));
+            let message =
+                format!("duplicate element, first used at line {}; it may appear only once", first.line());
+            again.report(again.problem(message));
         }
         Some(first)
     }
 
     /// The only child of the name; none or a second one is an error.
-    pub(crate) fn only(self, name: &'static str, problems: &mut Problems) -> Option<Element<'a>> {
-        let child = self.at_most_one(name, problems);
+    pub(crate) fn only(self, name: &'static str) -> Option<Element<'a>> {
+        let child = self.at_most_one(name);
         if child.is_none() {
-            problems.push(self.has_no(name));
+            self.report(self.has_no(name));
         }
         child
     }
@@ -228,7 +221,7 @@ impl<'a> Element<'a> {
     pub(crate) fn has_no(self, name: &'static str) -> Problem {
         let meant = words::meant(name, self.unread_elements().map(|inner| inner.name()));
         let meant = meant.map_or(String::new(), |there| {
-            self.notes.told.borrow_mut().insert((self.kind.name, there.to_owned()));
+            self.notes.told.borrow_mut().insert((self.schema.name, there.to_owned()));
             format!("; there is <{there}>: is it misspelt?")
         });
         self.problem(format!("has no <{name}>{meant}"))
@@ -242,92 +235,90 @@ impl<'a> Element<'a> {
         self.inner.optional(attribute)
     }
 
-    fn required(self, attribute: &str, problems: &mut Problems) -> Option<&'a str> {
-        debug_assert!(self.kind.attributes.contains(&attribute), "{attribute} is not said to be read");
+    fn value(self, attribute: &str) -> Option<Value> {
+        let value = self.schema.attribute(attribute).map(|attribute| attribute.value);
+        debug_assert!(value.is_some(), "{attribute} is not said to be read");
+        value
+    }
+
+    fn required(self, attribute: &str) -> Option<&'a str> {
         let text = self.inner.optional(attribute);
         if text.is_none() {
             let there = self.unread_attributes().map(|attribute| attribute.name());
             let meant = words::meant(attribute, there).map_or(String::new(), |there| {
-                self.notes.told.borrow_mut().insert((self.kind.name, there.to_owned()));
+                self.notes.told.borrow_mut().insert((self.schema.name, there.to_owned()));
                 format!("; there is {there:?}: is it misspelt?")
             });
-            problems.push(self.wrong(attribute, &format!("is missing{meant}")));
+            self.wrong(attribute, &format!("is missing{meant}"));
         }
         text
     }
 
-    /// A text that is not blank.
-    pub(crate) fn text(self, attribute: &str, problems: &mut Problems) -> String {
-        let text = self.required(attribute, problems).unwrap_or_default();
+    /// A text that is not blank; if there is only one possible text, this one.
+    pub(crate) fn text(self, attribute: &str) -> String {
+        let text = self.required(attribute).unwrap_or_default();
         if text.trim().is_empty() && self.has(attribute) {
-            problems.push(self.wrong(attribute, "must not be empty"));
+            self.wrong(attribute, "must not be empty");
+        } else if let Some(Value::Word(word)) = self.value(attribute)
+            && text != word
+            && self.has(attribute)
+        {
+            self.wrong(attribute, &format!("must be {word:?}"));
         }
         text.to_owned()
     }
 
-    pub(crate) fn number(self, attribute: &str, bound: Bound, problems: &mut Problems) -> f64 {
-        let Some(text) = self.required(attribute, problems) else {
+    pub(crate) fn number(self, attribute: &str) -> f64 {
+        let value = self.value(attribute);
+        let Some(text) = self.required(attribute) else {
             return f64::NAN;
         };
-        let fault = match (decimal(text), bound) {
+        let fault = match (decimal(text), value) {
             (None, _) => "must be a finite decimal number",
-            (Some(value), Bound::Positive) if value <= 0.0 => "must be positive",
-            (Some(value), Bound::NotNegative) if value < 0.0 => "must not be negative",
-            (Some(value), _) => return value,
+            (Some(number), Some(Value::Number(Range::Positive | Range::UpTo(_)))) if number <= 0.0 => {
+                "must be positive"
+            }
+            (Some(number), Some(Value::Number(Range::NotNegative))) if number < 0.0 => "must not be negative",
+            (Some(number), _) => return number,
         };
-        problems.push(self.wrong(attribute, fault));
+        self.wrong(attribute, fault);
         f64::NAN
     }
 
-    pub(crate) fn vector(self, attribute: &str, problems: &mut Problems) -> Vec2 {
-        let vector = self.required(attribute, problems).map(parse_vector);
+    /// Two numbers; of a point of the plane \[m\], not too far from the origin.
+    pub(crate) fn vector(self, attribute: &str) -> Vec2 {
+        let vector = self.required(attribute).map(parse_vector);
         if vector == Some(None) {
-            problems.push(self.wrong(attribute, "must be two finite decimal numbers, \"x,y\""));
+            self.wrong(attribute, "must be two finite decimal numbers, \"x,y\"");
         }
-        vector.flatten().unwrap_or(vec2(f64::NAN, f64::NAN))
-    }
-
-    /// A point of the plane \[m\].
-    pub(crate) fn point(self, attribute: &str, problems: &mut Problems) -> Vec2 {
-        let point = self.vector(attribute, problems);
-        if point.x.abs() > FARTHEST || point.y.abs() > FARTHEST {
-            problems.push(
-                self.wrong(attribute, &format!("x and y must be from -{FARTHEST:e} to {FARTHEST:e} m")),
-            );
+        let vector = vector.flatten().unwrap_or(vec2(f64::NAN, f64::NAN));
+        let far = vector.x.abs() > FARTHEST || vector.y.abs() > FARTHEST;
+        if far && matches!(self.value(attribute), Some(Value::Point)) {
+            self.wrong(attribute, &format!("x and y must be from -{FARTHEST:e} to {FARTHEST:e} m"));
         }
-        point
+        vector
     }
 
     /// A place, counted from 0, among `count` things.
-    pub(crate) fn place(
-        self,
-        attribute: &str,
-        count: usize,
-        of: &str,
-        problems: &mut Problems,
-    ) -> Option<usize> {
-        let text = self.required(attribute, problems)?;
+    pub(crate) fn place(self, attribute: &str, count: usize, of: &str) -> Option<usize> {
+        let text = self.required(attribute)?;
         let place = text.trim().parse().ok().filter(|&place| place < count);
         if place.is_none() {
-            problems.push(
-                self.wrong(attribute, &format!("must be the place of one of the {count} {of}, from 0")),
-            );
+            self.wrong(attribute, &format!("must be the place of one of the {count} {of}, from 0"));
         }
         place
     }
 
     /// An Id that stands in `ids`, with its place there; any Id where `ids` could not be read.
-    pub(crate) fn reference(
-        self,
-        attribute: &str,
-        ids: Option<&Ids>,
-        what: &str,
-        problems: &mut Problems,
-    ) -> (String, Option<usize>) {
-        let id = self.text(attribute, problems);
+    pub(crate) fn reference(self, attribute: &str, ids: Option<&Ids>) -> (String, Option<usize>) {
+        let id = self.text(attribute);
         let place = ids.and_then(|ids| ids.place(&id));
-        if ids.is_some() && place.is_none() && !id.trim().is_empty() {
-            problems.push(self.wrong(attribute, &format!("there is no such {what}")));
+        if let Some(Value::IdOf(what)) = self.value(attribute)
+            && ids.is_some()
+            && place.is_none()
+            && !id.trim().is_empty()
+        {
+            self.wrong(attribute, &format!("there is no such {what}"));
         }
         (id, place)
     }
@@ -337,31 +328,41 @@ impl<'a> Element<'a> {
         self.inner.problem(message)
     }
 
-    /// An error about an attribute, there or missing.
-    pub(crate) fn wrong(self, attribute: &str, message: &str) -> Problem {
-        self.inner.wrong(attribute, message)
+    /// Adds a problem to those of the file.
+    pub(crate) fn report(self, problem: Problem) {
+        self.notes.problems.borrow_mut().push(problem);
+    }
+
+    /// Reports an error about an attribute, there or missing.
+    pub(crate) fn wrong(self, attribute: &str, message: &str) {
+        self.report(self.inner.wrong(attribute, message));
+    }
+
+    /// Reports a warning about an attribute.
+    pub(crate) fn doubtful(self, attribute: &str, message: &str) {
+        self.report(Problem { severity: Severity::Warning, ..self.inner.wrong(attribute, message) });
     }
 }
 
 impl Seen<'_> {
     fn warning(&self, path: &Path) -> Problem {
-        let Seen { what, kind, name, value, line, count } = *self;
+        let Seen { what, schema, name, value, line, count } = *self;
         let times = if count > 1 { format!(" ({count} times)") } else { String::new() };
         let short = |name: &str| name.chars().take(LONGEST_NAME).collect::<String>();
         let (element, attribute, message) = match what {
             Unread::Attribute => {
-                let meant = words::meant(name, kind.attributes.iter().copied());
+                let meant = words::meant(name, schema.attributes.iter().map(|attribute| attribute.name));
                 let meant = meant.map_or(String::new(), |word| format!("; is {word} meant?"));
-                (kind.name, Some(short(name)), format!("is not read{times}{meant}"))
+                (schema.name, Some(short(name)), format!("is not read{times}{meant}"))
             }
             Unread::Element => {
-                let meant = words::meant(name, kind.children.iter().map(|child| child.name));
+                let meant = words::meant(name, schema.children.iter().map(|child| child.name));
                 let meant = meant.map_or(String::new(), |word| format!("; is <{word}> meant?"));
-                (name, None, format!("is not read in <{}>{times}{meant}", kind.name))
+                (name, None, format!("is not read in <{}>{times}{meant}", schema.name))
             }
             Unread::Text => {
                 let text = quoted(value.unwrap_or_default());
-                (kind.name, None, format!("the text in it is not read{times}: {text}"))
+                (schema.name, None, format!("the text in it is not read{times}: {text}"))
             }
         };
         Problem {
@@ -389,17 +390,16 @@ impl Ids {
     }
 
     /// Reads the Id of the next element of the kind.
-    pub(crate) fn take(&mut self, element: Element<'_>, problems: &mut Problems) -> String {
-        let id = element.text("Id", problems);
+    pub(crate) fn take(&mut self, element: Element<'_>) -> String {
+        let id = element.text("Id");
         // Tables and drive.csv are read without it.
         if id.trim() != id && !id.trim().is_empty() {
-            problems.push(element.wrong("Id", "must not begin or end with white space"));
+            element.wrong("Id", "must not begin or end with white space");
         }
         if !id.trim().is_empty() {
             match self.places.entry(id.clone()) {
                 Entry::Occupied(first) => {
-                    let message = format!("duplicate Id, first used at line {}", first.get().1);
-                    problems.push(element.wrong("Id", &message));
+                    element.wrong("Id", &format!("duplicate Id, first used at line {}", first.get().1));
                 }
                 Entry::Vacant(free) => {
                     free.insert((self.count, element.line()));
@@ -420,6 +420,12 @@ pub(crate) fn document(root: &str, content: impl FnOnce(&mut Out)) -> String {
     Out::document(Layout::PAPER, root, &[], content)
 }
 
+/// Writes an element without children: the values of its attributes, in the order of its table.
+pub(crate) fn empty(out: &mut Out, schema: &Schema, values: &[&str]) {
+    let values: Vec<Option<&str>> = values.iter().copied().map(Some).collect();
+    out.empty(schema.name, &schema.values(&values));
+}
+
 pub(crate) fn vector(value: Vec2) -> String {
     format!("{:?},{:?}", value.x, value.y)
 }
@@ -427,6 +433,7 @@ pub(crate) fn vector(value: Vec2) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::schema::{Attribute, attribute};
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
@@ -438,19 +445,24 @@ mod tests {
         }
     }
 
-    static B: Kind = Kind { name: "B", attributes: &["X", "Y", "Z"], children: &[] };
-    static A: Kind = Kind { name: "A", attributes: &[], children: &[&B] };
+    const fn number(name: &'static str) -> Attribute {
+        attribute(name, Value::Number(Range::Positive), "", "")
+    }
+
+    static B: Schema =
+        Schema { name: "B", attributes: &[number("X"), number("Y"), number("Z")], children: &[] };
+    static A: Schema = Schema { name: "A", attributes: &[], children: &[&B] };
 
     #[test]
     fn an_attribute_has_its_own_line() {
         let text = b"<A>\n <B\n  X='1'\n  Y='no'/>\n</A>";
         let mut problems = Problems::default();
-        read_bytes(Path::new("f.xml"), text, &A, &mut problems, |root, problems| {
-            let element = root.only("B", problems).unwrap();
+        read_bytes(Path::new("f.xml"), text, &A, &mut problems, |root| {
+            let element = root.only("B").unwrap();
             assert_eq!(element.line(), 2);
-            element.number("X", Bound::Positive, problems);
-            element.number("Y", Bound::Positive, problems);
-            element.number("Z", Bound::Positive, problems);
+            element.number("X");
+            element.number("Y");
+            element.number("Z");
         });
         let expected = "f.xml:4: <B> Y=\"no\": must be a finite decimal number\nf.xml:2: <B> Z: is missing";
         assert_eq!(problems.to_string(), expected);
@@ -463,7 +475,7 @@ mod tests {
         fn any_bytes_are_read_without_a_panic(bytes: Vec<u8>, text in "[<>/=\"'&;#x! a\\n\\[\\]-]{0,60}") {
             let mut problems = Problems::default();
             for content in [&bytes[..], text.as_bytes()] {
-                read_bytes(Path::new("f"), content, &A, &mut problems, |_, _| ());
+                read_bytes(Path::new("f"), content, &A, &mut problems, |_| ());
             }
         }
     }

@@ -1,7 +1,7 @@
 //! `lemons crowd`: people drawn, placed and written.
 
 use super::crowd_files::{Bodies, light};
-use super::crowd_outputs::{Outputs, say};
+use super::crowd_outputs::{Outputs, PICTURE, say};
 use super::leave::LeaveArguments;
 use super::placing::PlacingArguments;
 use super::regions::REGION_HELP;
@@ -11,7 +11,6 @@ use crate::binary::CROWD;
 use crate::error::{Misused, TrialHasErrors, and_then};
 use crate::files;
 use crate::interrupt::Interrupt;
-use crate::output::Output;
 use crate::pack::{Fmi, FmuArguments, write_fmu};
 use crate::tell;
 use anyhow::{Context, Result, anyhow};
@@ -257,10 +256,8 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     writeln!(out, "{}", line("density", packing.density, &share))?;
     writeln!(out, "{}", line("largest overlap", 1e3 * packing.largest_overlap, "mm"))?;
 
-    if let Some(output) = &mut outputs.population {
-        output.fill(|file| file.write_all(crowd_csv(&agents).as_bytes()))?;
-    }
-    if let Some(output) = &mut outputs.light_xml {
+    outputs.fill("--population", |file| file.write_all(crowd_csv(&agents).as_bytes()))?;
+    if let Some(output) = outputs.of("--light-xml") {
         let text = light_xml(&light(&agents, &shapes, &packing.poses))?;
         output.fill(|file| file.write_all(text.as_bytes()))?;
     }
@@ -292,7 +289,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         }
         let beside: Vec<(&str, &str)> = wishes.iter().map(|text| (WISHES_FILE, &text[..])).collect();
         done = trial.write(&made, &beside, binaries, &interrupt, &mut out)?;
-    } else if others.has_pictures() {
+    } else if outputs.has_pictures() {
         outputs.draw_mixed(&agents, &shapes, &packing.poses, place.geometry, &settings)?;
     }
     if !trial.wanted() && outputs.is_empty() {
@@ -485,7 +482,6 @@ impl Arguments {
         let OtherArguments { population, light_xml, sections_geojson, sections_wkt, .. } = &self.others;
         let OtherArguments { obj, stl, svg, pdf, png, .. } = &self.others;
         let TrialArguments { output, zip, fmu, .. } = &self.trial;
-        let open = |path: &Option<PathBuf>| path.as_deref().map(Output::open).transpose();
         // Whether they can be written is better known before a long packing.
         for path in [zip, fmu].into_iter().flatten() {
             files::claim_and_try(path)?;
@@ -495,16 +491,16 @@ impl Arguments {
             let wishes = self.leaving.wanted().then_some(&WISHES_FILE);
             TRIAL_FILES.iter().chain(wishes).try_for_each(|file| files::claim(&directory.join(file)))?;
         }
-        Ok(Outputs {
-            population: open(population)?,
-            light_xml: open(light_xml)?,
-            sections: open(sections_geojson)?,
-            sections_wkt: open(sections_wkt)?,
-            obj: open(obj)?,
-            stl: open(stl)?,
-            svg: open(svg)?,
-            pdf: open(pdf)?,
-            png: open(png)?,
-        })
+        Outputs::open(&[
+            ("--population", "population", population),
+            ("--light-xml", "light XML", light_xml),
+            ("--sections-geojson", "sections", sections_geojson),
+            ("--sections-wkt", "sections", sections_wkt),
+            ("--obj", "bodies", obj),
+            ("--stl", "bodies", stl),
+            ("--svg", PICTURE, svg),
+            ("--pdf", PICTURE, pdf),
+            ("--png", PICTURE, png),
+        ])
     }
 }

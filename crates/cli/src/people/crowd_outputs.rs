@@ -5,30 +5,49 @@ use crate::error::and_then;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::Result;
+use lemons_files::Staged;
 use lemons_people::{Agent, Shape, TrialSettings, crowd_trial, write_geojson, write_wkt};
 use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, pdf, png, svg};
 use lemons_plane::Pose;
 use lemons_trial::Geometry;
-use std::io::{self, Write};
-use std::path::Path;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
 
+/// What pictures are called in the summary.
+pub const PICTURE: &str = "picture";
 /// \[px\]
 const PICTURE_WIDTH: u32 = 1200;
 
 /// Files that appear when all is done.
-pub struct Outputs {
-    pub population: Option<Output>,
-    pub light_xml: Option<Output>,
-    pub sections: Option<Output>,
-    pub sections_wkt: Option<Output>,
-    pub obj: Option<Output>,
-    pub stl: Option<Output>,
-    pub svg: Option<Output>,
-    pub pdf: Option<Output>,
-    pub png: Option<Output>,
+pub struct Outputs(Vec<File>);
+
+struct File {
+    option: &'static str,
+    /// As the summary calls it.
+    what: &'static str,
+    output: Output,
 }
 
 impl Outputs {
+    /// Opens the files that are wanted: options, what is written, paths.
+    pub fn open(all: &[(&'static str, &'static str, &Option<PathBuf>)]) -> Result<Outputs> {
+        let wanted = all.iter().filter_map(|&(option, what, path)| Some((option, what, path.as_deref()?)));
+        let open = wanted.map(|(option, what, path)| Ok(File { option, what, output: Output::open(path)? }));
+        Ok(Outputs(open.collect::<Result<_>>()?))
+    }
+
+    pub fn of(&mut self, option: &str) -> Option<&mut Output> {
+        self.0.iter_mut().find(|file| file.option == option).map(|file| &mut file.output)
+    }
+
+    /// Writes the file of an option, if it is wanted.
+    pub fn fill<F>(&mut self, option: &str, write: F) -> Result<()>
+    where
+        F: FnOnce(&mut BufWriter<Staged>) -> io::Result<()>,
+    {
+        self.of(option).map_or(Ok(()), |output| output.fill(write))
+    }
+
     /// Writes sections at altitudes \[m\], and meshes. `covered` and `ground` \[m²\] are for the table of sections.
     pub fn write_bodies(
         &mut self,
@@ -40,30 +59,19 @@ impl Outputs {
         if let Some(altitudes) = altitudes {
             let sections = bodies.sections(altitudes)?;
             bodies.table(out, &sections, covered, ground)?;
-            if let Some(output) = &mut self.sections {
-                output.fill(|file| write_geojson(&sections, file))?;
-            }
-            if let Some(output) = &mut self.sections_wkt {
-                output.fill(|file| write_wkt(&sections, file))?;
-            }
+            self.fill("--sections-geojson", |file| write_geojson(&sections, file))?;
+            self.fill("--sections-wkt", |file| write_wkt(&sections, file))?;
         }
-        if let Some(output) = &mut self.obj {
-            bodies.obj(output)?;
-        }
-        if let Some(output) = &mut self.stl {
-            bodies.stl(output)?;
-        }
-        Ok(())
+        self.of("--obj").map_or(Ok(()), |output| bodies.obj(output))?;
+        self.of("--stl").map_or(Ok(()), |output| bodies.stl(output))
     }
 
     pub fn is_empty(&self) -> bool {
-        let Outputs { population, light_xml, sections, sections_wkt, obj, stl, .. } = self;
-        let others = [population, light_xml, sections, sections_wkt, obj, stl];
-        others.iter().all(|file| file.is_none()) && !self.has_pictures()
+        self.0.is_empty()
     }
 
-    fn has_pictures(&self) -> bool {
-        [&self.svg, &self.pdf, &self.png].iter().any(|file| file.is_some())
+    pub fn has_pictures(&self) -> bool {
+        self.0.iter().any(|file| file.what == PICTURE)
     }
 
     /// Pedestrians as a Trial has them, bicycles beside them; all under their places in the crowd.
@@ -101,14 +109,12 @@ impl Outputs {
             return Ok(());
         }
         let text = svg(scene, &Style { width: PICTURE_WIDTH.into(), fill, ..Style::default() });
-        if let Some(output) = &mut self.svg {
-            output.fill(|file| file.write_all(text.as_bytes()))?;
-        }
-        if let Some(output) = &mut self.pdf {
+        self.fill("--svg", |file| file.write_all(text.as_bytes()))?;
+        if let Some(output) = self.of("--pdf") {
             let picture = pdf(&text)?;
             output.fill(|file| file.write_all(&picture))?;
         }
-        if let Some(output) = &mut self.png {
+        if let Some(output) = self.of("--png") {
             let picture = png(&text, PICTURE_WIDTH)?;
             output.fill(|file| file.write_all(&picture))?;
         }
@@ -118,19 +124,7 @@ impl Outputs {
     /// Puts each in its place, also when that of another cannot be taken.
     pub fn persist(self, interrupt: &Interrupt, out: &mut impl Write) -> Result<()> {
         let mut done = Ok(());
-        let all = [
-            ("population", self.population),
-            ("light XML", self.light_xml),
-            ("sections", self.sections),
-            ("sections", self.sections_wkt),
-            ("bodies", self.obj),
-            ("bodies", self.stl),
-            ("picture", self.svg),
-            ("picture", self.pdf),
-            ("picture", self.png),
-        ];
-        for (what, output) in all {
-            let Some(output) = output else { continue };
+        for File { what, output, .. } in self.0 {
             interrupt.check()?;
             let path = output.path().to_owned();
             let placed = output.persist().and_then(|()| Ok(say(out, what, &path)?));

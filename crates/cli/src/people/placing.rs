@@ -133,8 +133,8 @@ const CLOSE: &str = "close one (repeat its first corner at the end), and ";
 /// \[m\] About how broad people are across the shoulders.
 const NARROW: f64 = 0.5;
 
-/// More are a mistake.
-const MOST: f64 = 1e6;
+const MISSING: &str =
+    "the number of people is missing: give --number N, or --density D with --box or --geometry";
 
 impl PlacingArguments {
     pub fn place(&self) -> Result<Place> {
@@ -248,52 +248,27 @@ impl PlacingArguments {
 
     /// From --number and --density.
     pub fn wanted(&self, place: &Place, number: Option<u32>, density: Option<f64>) -> Result<Wanted> {
-        if !self.regions.is_empty() {
-            return Ok(Wanted { numbers: numbers(&place.grounds, number, density)?, density: None });
+        if place.is_plane() && self.regions.is_empty() {
+            return self.in_the_open(number, density);
         }
-        let all = |number: usize, density| Wanted { numbers: vec![number], density };
-        match (number, density) {
-            (Some(number), density) if place.is_plane() => {
-                if let Some(density) = density
-                    && self.packing != PackingArgument::Dense
-                {
-                    let option = self.option();
-                    let message =
-                        format!("--density {density} in the open is for --packing dense, not {option}");
-                    return Err(Misused(message).into());
-                }
-                Ok(all(number as usize, density))
+        if self.is_whole() && number.is_none() && density.is_none() {
+            return Err(Misused(MISSING.into()).into());
+        }
+        Ok(Wanted { numbers: numbers(&place.grounds, number, density)?, density: None })
+    }
+
+    fn in_the_open(&self, number: Option<u32>, density: Option<f64>) -> Result<Wanted> {
+        let misused = match (number, density) {
+            (Some(_), Some(density)) if self.packing != PackingArgument::Dense => {
+                format!("--density {density} in the open is for --packing dense, not {}", self.option())
             }
-            (Some(number), None) => Ok(all(number as usize, None)),
-            (Some(_), Some(_)) => Err(Misused(format!(
-                "--number and --density: one of them follows from the other in {}",
-                place.name
-            ))
-            .into()),
-            (None, None) => Err(Misused(
-                "the number of people is missing: give --number N, or --density D with --box or --geometry"
-                    .into(),
-            )
-            .into()),
-            (None, Some(density)) if place.is_plane() => Err(Misused(format!(
-                "--density {density} in the open needs --number, or --box or --geometry"
-            ))
-            .into()),
+            (Some(number), density) => return Ok(Wanted { numbers: vec![number as usize], density }),
             (None, Some(density)) => {
-                let area = place.area();
-                let number = (density * area).round();
-                if number < 1.0 {
-                    bail!("--density {density}: nobody on the {area:.3} m² of {}", place.name);
-                }
-                if number > MOST {
-                    bail!(
-                        "--density {density}: {number} people on the {area:.3} m² of {}, at most {MOST} are placed",
-                        place.name
-                    );
-                }
-                Ok(all(number as usize, None))
+                format!("--density {density} in the open needs --number, or --box or --geometry")
             }
-        }
+            (None, None) => MISSING.into(),
+        };
+        Err(Misused(misused).into())
     }
 
     pub fn direction(&self) -> f64 {

@@ -13,8 +13,7 @@ use crate::run::{Until, until};
 use anyhow::{Result, bail};
 use lemons_measure::within;
 use lemons_picture::{
-    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, SheetStyle, Style, Visibility, chart_svg, pdf, png,
-    sheet, svg,
+    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, Style, Visibility, chart_svg, pdf, png, sheet, svg,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -148,8 +147,7 @@ fn scenes(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     let view = scenes[0].view.unwrap_or_else(|| scenes[0].extent());
     let size = view.high - view.low;
     let columns = arguments.columns.map_or_else(|| columns(panels.len(), size.x / size.y), |n| n as usize);
-    let style = SheetStyle { style: looks.style(&moments[0]), ..SheetStyle::default() };
-    Ok(sheet(&panels, columns, &style))
+    Ok(sheet(&panels, columns, &looks.style(&moments[0])))
 }
 
 /// Said of forces.

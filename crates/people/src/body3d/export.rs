@@ -5,8 +5,7 @@ use lemons_plane::Vec2;
 use std::borrow::Borrow;
 use std::io::{self, Error, ErrorKind, Write};
 
-/// Writes surfaces as Wavefront OBJ, one group for each part: those of a [`Mesh`](super::Mesh), or of
-/// [`crowd_parts`](super::crowd_parts).
+/// Writes surfaces as Wavefront OBJ, one group for each part.
 ///
 /// # Errors
 /// The writer fails, or a vertex is not finite.

@@ -2,7 +2,7 @@
 
 use super::outline::POINTS;
 use super::skin::Ring;
-use super::{Body3d, Placed, Tube};
+use super::{Body3d, Tube};
 use lemons_plane::{Pose, Rotation, Vec2};
 
 /// A closed surface of one part of a body.
@@ -148,15 +148,6 @@ impl Mesh {
         }
         self
     }
-}
-
-/// Returns the surfaces of a crowd, one body at a time. Names begin with `agent_` and the index in the list. Collect
-/// them into [`Mesh::parts`], or write them one by one: a body has about 30 000 triangles.
-pub fn crowd_parts(crowd: &[Placed<'_>]) -> impl Iterator<Item = MeshPart> + Clone {
-    crowd.iter().enumerate().flat_map(|(k, placed)| {
-        let parts = placed.body.mesh().at(&placed.pose).parts;
-        parts.into_iter().map(move |part| MeshPart { name: format!("agent_{k}_{}", part.name), ..part })
-    })
 }
 
 impl Body3d {

@@ -37,14 +37,9 @@ pub fn section(crowd: &[Placed<'_>], altitude: f64) -> CrowdSection {
 }
 
 impl CrowdSection {
-    /// Returns the area of each body \[m²\].
-    pub fn areas(&self) -> Vec<f64> {
-        self.bodies.iter().map(|body| body.iter().map(Polygon::area).sum()).collect()
-    }
-
     /// Returns the sum of the areas \[m²\]. Overlaps count several times, as in the paper's figure.
     pub fn area(&self) -> f64 {
-        self.areas().iter().sum()
+        self.bodies.iter().flatten().map(Polygon::area).sum()
     }
 
     /// Returns the area of ground under the union of all outlines \[m²\]: overlaps of bodies count once. It is NaN if a
@@ -84,17 +79,4 @@ impl CrowdSection {
     pub fn cut(&self) -> usize {
         self.bodies.iter().filter(|body| !body.is_empty()).count()
     }
-
-    /// Returns the number of cut bodies per ground area \[1/m²\], for a ground of this area \[m²\].
-    pub fn density(&self, ground: f64) -> f64 {
-        self.cut() as f64 / ground
-    }
-}
-
-/// Returns the altitudes of the paper's figure \[m\]: the torso of the shortest body, the mean of all, and the tallest.
-/// Returns `None` for an empty crowd.
-pub fn torso_altitudes(crowd: &[Placed<'_>]) -> Option<[f64; 3]> {
-    let all = || crowd.iter().map(|placed| placed.body.torso_altitude());
-    let (least, most) = (all().reduce(f64::min)?, all().reduce(f64::max)?);
-    Some([least, all().sum::<f64>() / crowd.len() as f64, most])
 }

@@ -94,11 +94,6 @@ impl Body3d {
         slices.collect()
     }
 
-    /// Returns the area at an altitude \[m²\]. The parts do not overlap.
-    pub fn area_at(&self, z: f64) -> f64 {
-        self.slice_at(z).iter().map(Polygon::area).sum()
-    }
-
     /// Returns the volume \[m³\]: the exact integral of the area over the altitude.
     pub fn volume(&self) -> f64 {
         self.tubes.iter().map(|tube| volume(&tube.rings)).sum()

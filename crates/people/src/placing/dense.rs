@@ -134,15 +134,8 @@ pub fn dense(
             Err(cancelled) => ended = cancelled,
         }
     }
-    Ok(Packing {
-        poses,
-        density: measured.density,
-        clear_density,
-        largest_overlap: measured.largest_overlap,
-        complete: enough && measured.largest_overlap <= TOLERANCE,
-        ended,
-        iterations: packer.iteration,
-    })
+    let packing = Packing::of(poses, &measured, ended, packer.iteration);
+    Ok(Packing { clear_density, complete: enough && packing.complete, ..packing })
 }
 
 /// How a slide ended.

@@ -87,15 +87,7 @@ pub fn grid(shapes: &[Shape], region: &Region, settings: &Grid) -> Result<Packin
         let (along, across, overlap) = (spacing.x, spacing.y, measured.largest_overlap);
         return Err(PlacingError::TooNarrow { along, across, overlap });
     }
-    Ok(Packing {
-        poses,
-        density: measured.density,
-        clear_density: measured.clear_density,
-        largest_overlap: measured.largest_overlap,
-        complete: true,
-        ended: Ended::Done,
-        iterations: 0,
-    })
+    Ok(Packing::of(poses, &measured, Ended::Done, 0))
 }
 
 fn direction(orientation: Orientation) -> f64 {
@@ -164,16 +156,12 @@ fn in_region(region: &Region, spacing: Vec2, turn: Rotation, extents: &[Extent],
         let shift = vec2(spare.x * part(lay / LAYS), spare.y * ((0.5 + part(lay % LAYS)) % 1.0));
         let first = vec2(high.x - half.x - shift.x, low.y + half.y + shift.y);
         let mut places = Vec::new();
-        for row in 0..=rows as u64 {
-            for column in 0..=columns as u64 {
-                let place = first + vec2(-(row as f64) * spacing.x, column as f64 * spacing.y);
-                looked_at += 1;
-                if fits(place) {
-                    places.push(place);
-                }
-                if places.len() >= wanted || looked_at >= MOST_PLACES {
-                    break;
-                }
+        let all = (0..=rows as u64).flat_map(|row| (0..=columns as u64).map(move |column| (row, column)));
+        for (row, column) in all {
+            let place = first + vec2(-(row as f64) * spacing.x, column as f64 * spacing.y);
+            looked_at += 1;
+            if fits(place) {
+                places.push(place);
             }
             if places.len() >= wanted || looked_at >= MOST_PLACES {
                 break;

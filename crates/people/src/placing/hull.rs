@@ -1,11 +1,10 @@
 //! The convex hull of disks: the area of a crowd in the open plane.
 
-use super::Circle;
-use lemons_plane::{Rotation, Vec2, vec2};
+use lemons_plane::{Disk, Rotation, Vec2, vec2};
 use std::f64::consts::{PI, TAU};
 
 /// \[m²\] Exact area of the convex hull of disks: its boundary consists of arcs and common tangents.
-pub(super) fn hull_area(circles: &[Circle]) -> f64 {
+pub(super) fn hull_area(circles: &[Disk]) -> f64 {
     let circles = on_the_rim(circles);
     let Some(mut at) = (0..circles.len()).max_by(|&a, &b| {
         let right = |k: usize| circles[k].centre.x + circles[k].radius;
@@ -40,7 +39,7 @@ pub(super) fn hull_area(circles: &[Circle]) -> f64 {
 }
 
 /// The next disk that reaches further than this one when the direction turns on from an angle, and that turn.
-fn overtaking(circles: &[Circle], at: usize, angle: f64) -> (f64, usize) {
+fn overtaking(circles: &[Disk], at: usize, angle: f64) -> (f64, usize) {
     let mut first = (f64::INFINITY, at);
     for (k, other) in circles.iter().enumerate() {
         let to = other.centre - circles[at].centre;
@@ -62,18 +61,18 @@ fn overtaking(circles: &[Circle], at: usize, angle: f64) -> (f64, usize) {
 }
 
 /// Removes disks inside a polygon of points of other disks: they cannot reach the hull.
-fn on_the_rim(circles: &[Circle]) -> Vec<Circle> {
+fn on_the_rim(circles: &[Disk]) -> Vec<Disk> {
     const DIRECTIONS: usize = 64;
     let mut corners: Vec<Vec2> = Vec::new();
     for k in 0..DIRECTIONS {
         let n = vec2(1.0, 0.0).rotated(Rotation::by(2.0 * PI * k as f64 / DIRECTIONS as f64));
-        let reach = |c: &Circle| c.centre.dot(n) + c.radius;
+        let reach = |c: &Disk| c.centre.dot(n) + c.radius;
         if let Some(furthest) = circles.iter().max_by(|a, b| reach(a).total_cmp(&reach(b))) {
             corners.push(furthest.centre + n * furthest.radius);
         }
     }
     corners.dedup();
-    let inside = |circle: &Circle| {
+    let inside = |circle: &Disk| {
         (0..corners.len()).all(|k| {
             let (from, to) = (corners[k], corners[(k + 1) % corners.len()]);
             let along = to - from;
@@ -88,13 +87,13 @@ mod tests {
     use super::super::random::Random;
     use super::*;
 
-    fn circle(x: f64, y: f64, radius: f64) -> Circle {
-        Circle { centre: vec2(x, y), radius }
+    fn circle(x: f64, y: f64, radius: f64) -> Disk {
+        Disk { centre: vec2(x, y), radius }
     }
 
     #[test]
     fn closed_forms() {
-        let close = |circles: &[Circle], area: f64| {
+        let close = |circles: &[Disk], area: f64| {
             let found = hull_area(circles);
             assert!((found - area).abs() < 1e-12 * area.max(1.0), "{found} {area}");
         };
@@ -120,7 +119,7 @@ mod tests {
     fn hull_of_many_points() {
         let mut random = Random::new(5);
         for _ in 0..20 {
-            let circles: Vec<Circle> = (0..40)
+            let circles: Vec<Disk> = (0..40)
                 .map(|_| circle(random.within(3.0), random.within(2.0), 0.02 + 0.5 * random.unit()))
                 .collect();
             let mut points: Vec<(f64, f64)> = circles

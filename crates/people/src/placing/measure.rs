@@ -2,9 +2,9 @@
 
 use super::hull::hull_area;
 use super::neighbours::CellGrid;
-use super::{Circle, Region, TOLERANCE, disks_at, reach};
+use super::{Region, TOLERANCE, disks_at, reach};
 use crate::shape::Shape;
-use lemons_plane::{Pose, Vec2};
+use lemons_plane::{Disk, Pose, Vec2};
 use std::collections::BinaryHeap;
 
 /// The quality of a placing.
@@ -25,7 +25,7 @@ pub struct Measure {
 
 /// Measures shapes at poses: one finite pose for each shape.
 pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
-    let disks: Vec<Vec<Circle>> = shapes.iter().zip(poses).map(|(s, p)| disks_at(s, *p).collect()).collect();
+    let disks: Vec<Vec<Disk>> = shapes.iter().zip(poses).map(|(s, p)| disks_at(s, *p).collect()).collect();
     let boundary: Vec<f64> = disks.iter().map(|d| through_boundary(region, d)).collect();
     let pairs = overlapping_pairs(shapes, poses, &disks);
     let largest = pairs.iter().map(|p| p.2).chain(boundary.iter().copied()).fold(0.0, f64::max);
@@ -61,23 +61,19 @@ pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
             }
         }
     }
-    let clear: Vec<Vec<Circle>> =
+    let clear: Vec<Vec<Disk>> =
         disks.iter().zip(&left).filter(|(_, l)| **l).map(|(d, _)| d.clone()).collect();
     Measure {
         largest_overlap: largest,
         overlapping_pairs,
         through_boundary: boundary.iter().filter(|h| **h > TOLERANCE).count(),
         density: density(region, &disks),
-        clear_density: if clear.len() == disks.len() {
-            density(region, &disks)
-        } else {
-            density(region, &clear)
-        },
+        clear_density: density(region, &clear),
     }
 }
 
 /// \[m\] Largest distance by which a disk reaches through the boundary.
-pub(super) fn through_boundary(region: &Region, disks: &[Circle]) -> f64 {
+pub(super) fn through_boundary(region: &Region, disks: &[Disk]) -> f64 {
     if region.is_plane() {
         return 0.0;
     }
@@ -85,12 +81,12 @@ pub(super) fn through_boundary(region: &Region, disks: &[Circle]) -> f64 {
 }
 
 /// \[m\] Largest overlap of a disk of one shape with a disk of another; negative if the shapes are apart.
-pub(super) fn overlap(a: &[Circle], b: &[Circle]) -> f64 {
-    let of = |p: &Circle, q: &Circle| p.radius + q.radius - (p.centre - q.centre).norm();
+pub(super) fn overlap(a: &[Disk], b: &[Disk]) -> f64 {
+    let of = |p: &Disk, q: &Disk| p.radius + q.radius - (p.centre - q.centre).norm();
     a.iter().flat_map(|p| b.iter().map(move |q| of(p, q))).fold(f64::NEG_INFINITY, f64::max)
 }
 
-fn overlapping_pairs(shapes: &[Shape], poses: &[Pose], disks: &[Vec<Circle>]) -> Vec<(usize, usize, f64)> {
+fn overlapping_pairs(shapes: &[Shape], poses: &[Pose], disks: &[Vec<Disk>]) -> Vec<(usize, usize, f64)> {
     let centres: Vec<Vec2> = poses.iter().map(|p| p.position).collect();
     let reaches: Vec<f64> = shapes.iter().map(reach).collect();
     let grid = CellGrid::new(&centres, 2.0 * reaches.iter().copied().fold(0.0, f64::max));
@@ -109,7 +105,7 @@ fn overlapping_pairs(shapes: &[Shape], poses: &[Pose], disks: &[Vec<Circle>]) ->
     found
 }
 
-fn density(region: &Region, disks: &[Vec<Circle>]) -> f64 {
+fn density(region: &Region, disks: &[Vec<Disk>]) -> f64 {
     if disks.is_empty() {
         return 0.0;
     }

@@ -3,11 +3,11 @@
 use super::measure::{overlap, through_boundary};
 use super::random::Random;
 use super::{
-    Circle, Ended, Orientation, Packing, PlacingError, Progress, Region, Stage, TOLERANCE, Watch, check,
+    Ended, Orientation, Packing, PlacingError, Progress, Region, Stage, TOLERANCE, Watch, check,
     check_orientation, check_shapes, disks_at, measure, reach,
 };
 use crate::shape::Shape;
-use lemons_plane::{Pose, Rotation, Vec2, vec2};
+use lemons_plane::{Disk, Pose, Rotation, Vec2, vec2};
 use std::f64::consts::PI;
 
 /// Settings of [`paper()`]. The paper names them but does not give their values.
@@ -104,17 +104,10 @@ pub fn paper(
     }
     let poses = crowd.poses;
     let measured = measure(shapes, region, &poses);
-    let complete = measured.largest_overlap <= TOLERANCE;
-    Ok(Packing {
-        poses,
-        density: measured.density,
-        clear_density: measured.clear_density,
-        largest_overlap: measured.largest_overlap,
-        complete,
-        // Perhaps the last iteration removed the last overlap.
-        ended: if complete && ended == Ended::Exhausted { Ended::Done } else { ended },
-        iterations,
-    })
+    let packing = Packing::of(poses, &measured, ended, iterations);
+    // Perhaps the last iteration removed the last overlap.
+    let done = packing.complete && ended == Ended::Exhausted;
+    Ok(Packing { ended: if done { Ended::Done } else { ended }, ..packing })
 }
 
 struct Crowd<'a> {
@@ -123,7 +116,7 @@ struct Crowd<'a> {
     settings: &'a Paper,
     random: Random,
     poses: Vec<Pose>,
-    disks: Vec<Vec<Circle>>,
+    disks: Vec<Vec<Disk>>,
     reaches: Vec<f64>,
     cells: Cells,
     /// \[m\] Repulsion is negligible beyond this distance.
@@ -289,7 +282,6 @@ impl Cells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_plane::Disk;
 
     fn disks(count: usize) -> Vec<Shape> {
         vec![Shape { disks: vec![Disk { radius: 0.2, centre: Vec2::ZERO }] }; count]

@@ -4,9 +4,9 @@
 
 use super::neighbours::CellGrid;
 use super::region::Edge;
-use super::{Circle, Orientation, Region};
+use super::{Orientation, Region};
 use crate::shape::Shape;
-use lemons_plane::{Bounds, Pose, Rotation, Vec2, segments_cross, vec2};
+use lemons_plane::{Bounds, Disk, Pose, Rotation, Vec2, segments_cross, vec2};
 
 /// \[m\] The list of near pairs is made again when something has moved by half of this. Results do not depend on it.
 const SKIN: f64 = 0.08;
@@ -79,9 +79,9 @@ pub struct Pile<'a> {
     /// \[m\] Distance that shapes keep.
     pad: f64,
     /// Offsets and radii, at full size.
-    disks: Vec<Circle>,
+    disks: Vec<Disk>,
     /// Present offsets from the bodies, and radii.
-    placed: Vec<Circle>,
+    placed: Vec<Disk>,
     /// −∂E along the coordinates of each body.
     pub force: Vec<Coordinates>,
     pairs: Vec<(u32, u32)>,
@@ -101,7 +101,7 @@ impl<'a> Pile<'a> {
         let mut disks = Vec::new();
         for shape in shapes {
             let first = disks.len();
-            disks.extend(shape.disks.iter().map(|d| Circle { centre: d.centre, radius: d.radius }));
+            disks.extend(&shape.disks);
             let square = shape.disks.iter().map(|d| d.centre.norm_squared() + 0.5 * d.radius * d.radius);
             let lever = (square.sum::<f64>() / shape.disks.len() as f64).sqrt();
             let (position, reach) = (Vec2::ZERO, super::reach(shape));
@@ -136,11 +136,11 @@ impl<'a> Pile<'a> {
     }
 
     /// All disks at their present places and size.
-    pub fn circles(&self) -> Vec<Circle> {
+    pub fn circles(&self) -> Vec<Disk> {
         let mut circles = Vec::with_capacity(self.disks.len());
         for body in &self.bodies {
             let turn = Rotation::by(body.angle);
-            circles.extend(self.disks[body.first..body.last].iter().map(|d| Circle {
+            circles.extend(self.disks[body.first..body.last].iter().map(|d| Disk {
                 centre: body.position + d.centre.rotated(turn) * self.scale,
                 radius: d.radius * self.scale,
             }));
@@ -234,7 +234,7 @@ impl<'a> Pile<'a> {
         let (body, turn) = (&self.bodies[who], Rotation::by(angle));
         let mut energy = 0.0;
         let pad = 0.5 * self.pad;
-        let own = self.disks[body.first..body.last].iter().map(|d| Circle {
+        let own = self.disks[body.first..body.last].iter().map(|d| Disk {
             centre: position + d.centre.rotated(turn) * self.scale,
             radius: d.radius * self.scale + pad,
         });
@@ -552,7 +552,6 @@ impl EdgeGrid {
 mod tests {
     use super::super::random::Random;
     use super::*;
-    use lemons_plane::Disk;
 
     /// Forces are −∂E: by central differences, in a polygon with a hole, and in a circle; some stand outside.
     #[test]

@@ -204,11 +204,6 @@ impl Region {
         if self.contains(point) { distance } else { -distance }
     }
 
-    /// Returns whether a whole disk \[m\] lies inside.
-    pub fn contains_disk(&self, centre: Vec2, radius: f64) -> bool {
-        self.depth(centre) >= radius
-    }
-
     pub(super) fn edges(&self) -> &[Edge] {
         &self.edges
     }

@@ -423,10 +423,9 @@ fn regions_know_their_inside() {
         assert!((region.depth(vec2(x, y)) - depth).abs() < 1e-12, "({x}, {y}) {}", region.depth(vec2(x, y)));
         assert_eq!(region.contains(vec2(x, y)), depth > 0.0);
     }
-    assert!(region.contains_disk(vec2(4.0, 1.0), 0.99) && !region.contains_disk(vec2(4.0, 1.0), 1.01));
     assert_eq!(region.bounds(), Some(Bounds { low: vec2(0.0, 0.0), high: vec2(5.0, 4.0) }));
     let plane = Region::plane();
-    assert!(plane.is_plane() && plane.area() == f64::INFINITY && plane.contains_disk(vec2(1e9, 0.0), 1e6));
+    assert!(plane.is_plane() && plane.area() == f64::INFINITY && plane.depth(vec2(1e9, 0.0)) > 1e6);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Trials made for the tests.
 
+use lemons_picture::Values;
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::*;
 use std::path::PathBuf;
@@ -66,10 +67,7 @@ pub fn trial(agents: Vec<(Agent, Vec2, f64)>, walls: Vec<Vec<Vec2>>) -> Trial {
     }
 }
 
-/// A Trial of the shared data; `None`, and a message, if they are not there.
-#[allow(dead_code)]
-pub fn shared(name: &str) -> Option<Trial> {
-    let (trial, _) =
-        Trial::read(&lemons_testing::shared(name)?).unwrap_or_else(|problems| panic!("{problems}"));
-    Some(Trial { name: name.into(), ..trial })
+/// Values of bodies, with their name, unit and range of colours.
+pub fn values(values: Vec<f64>, label: &str, unit: &str, range: Option<(f64, f64)>) -> Values {
+    Values { values, label: label.into(), unit: unit.into(), range, ..Values::default() }
 }

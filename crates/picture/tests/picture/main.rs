@@ -5,8 +5,6 @@
 mod animation;
 mod charts;
 mod common;
-mod gallery;
-mod notes;
 mod pdf;
 mod picture;
 mod scenes;

@@ -1,18 +1,16 @@
 //! What is in the pictures.
 
-use crate::common::{agent, pedestrian, trial};
+use crate::common::{agent, pedestrian, trial, values};
 use lemons_picture::{
-    Colour, Fill, Pose, Scene, Style, Theme, Values, View, Visibility, body_area, png, svg, viridis,
+    Colour, Fill, Pose, Scene, Style, Theme, View, Visibility, body_area, png, svg, viridis,
 };
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::{Shape, Trial};
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::time::Instant;
 
-/// Only bodies and walls: the page is then the view and its margin.
+/// Bodies without a mark of their direction.
 fn plain() -> Style {
-    let hidden = Visibility::Hidden;
-    Style { orientation: hidden, scale_bar: hidden, colour_bar: hidden, ..Style::default() }
+    Style { orientation: Visibility::Hidden, ..Style::default() }
 }
 
 struct Pixels {
@@ -82,14 +80,15 @@ fn size_and_colours() {
     let t = trial(vec![(pedestrian("0"), vec2(1.0, 1.0), 0.0)], vec![box_of(-2.0, 2.0)]);
     let style = Style { width: 428.0, fill: Fill::Single(red), ..plain() };
     let light = Pixels::of(&svg(&Scene::at_start(&t), &style), 428);
-    assert_eq!((light.width, light.height), (428, 428));
+    // Below the view are a gap and the scale bar: 19.5 px of a page of 400.
+    assert_eq!((light.width, light.height), (428, 449));
     assert_eq!(on_page(&light, vec2(1.0, 1.0)), red);
     assert_eq!(on_page(&light, vec2(1.0, -1.0)), Colour(255, 255, 255));
     assert_eq!(on_page(&light, vec2(-2.0, 0.0)), Colour(0x2a, 0x30, 0x3a));
     let dark = Pixels::of(&svg(&Scene::at_start(&t), &Style { theme: Theme::Dark, ..style }), 428);
     assert_eq!(on_page(&dark, vec2(1.0, -1.0)), night);
     let wide = Pixels::of(&svg(&Scene::at_start(&t), &plain()), 1000);
-    assert_eq!((wide.width, wide.height), (1000, 1000));
+    assert_eq!((wide.width, wide.height), (1000, 1050));
     assert!(png("<svg", 10).is_err() && png(&svg(&Scene::at_start(&t), &plain()), 0).is_err());
     assert!(png(&svg(&Scene::at_start(&t), &plain()), 60_000).is_err());
 }
@@ -119,13 +118,7 @@ fn theta_turns_the_shoulders() {
 fn values_and_their_colours() {
     let at = |x: f64| (pedestrian("0"), vec2(x, 0.0), 0.0);
     let t = trial(vec![at(-1.5), at(-0.5), at(0.5), at(1.5)], vec![box_of(-2.0, 2.0)]);
-    let values = Values {
-        values: vec![0.0, f64::NAN, 10.0],
-        label: "speed".into(),
-        unit: "m/s".into(),
-        range: Some((0.0, 10.0)),
-        ..Values::default()
-    };
+    let values = values(vec![0.0, f64::NAN, 10.0], "speed", "m/s", Some((0.0, 10.0)));
     let picture = Pixels::of(
         &svg(&Scene::at_start(&t), &Style { width: 428.0, fill: Fill::Values(values), ..plain() }),
         428,
@@ -163,13 +156,7 @@ fn nothing_panics() {
         );
         render(&t, vec![], &full, Some(View { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }));
         for range in [None, Some((v, 1.0)), Some((-1e308, 1e308)), Some((2.0, 1.0))] {
-            let values = Values {
-                values: vec![v, 1.0],
-                label: "é\u{0}".into(),
-                unit: "<".into(),
-                range,
-                ..Values::default()
-            };
+            let values = values(vec![v, 1.0], "é\u{0}", "<", range);
             let scene = Scene::at_start(&t);
             png(&svg(&scene, &Style { fill: Fill::Values(values), ..full.clone() }), 64).unwrap();
         }
@@ -208,15 +195,12 @@ fn ten_thousand_agents() {
         )
     };
     let t = trial((0..10_000).map(at).collect(), vec![box_of(-1.0, 52.0)]);
-    let start = Instant::now();
     let text = svg(
         &Scene::at_start(&t),
         &Style { ids: Visibility::Shown, fill: Fill::BodyArea, ..Style::default() },
     );
-    eprintln!("{} bytes in {:?}", text.len(), start.elapsed());
     assert!(text.len() < 8_000_000, "{}", text.len());
     png(&text, 800).unwrap();
-    eprintln!("png {:?}", start.elapsed());
 }
 
 #[test]

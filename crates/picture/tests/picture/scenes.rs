@@ -1,6 +1,6 @@
 //! Forces, trails, density and sheets in the SVG.
 
-use crate::common::{pedestrian, trial};
+use crate::common::{pedestrian, trial, values};
 use lemons_picture::*;
 use lemons_plane::{Vec2, vec2};
 use lemons_trial::Trial;
@@ -73,13 +73,7 @@ fn forces_are_seen_on_every_fill() {
     let t = row(2);
     for theme in [Theme::Light, Theme::Dark] {
         for end in [0.0, 1.0] {
-            let values = Values {
-                values: vec![end; 2],
-                label: String::new(),
-                unit: String::new(),
-                range: Some((0.0, 1.0)),
-                ..Values::default()
-            };
+            let values = values(vec![end; 2], "", "", Some((0.0, 1.0)));
             let mut scene = Scene::at_start(&t);
             scene.forces = vec![force(0.0, 1.0, 100.0)];
             scene.view = Some(View { low: vec2(-0.5, -0.5), high: vec2(1.5, 0.5) });
@@ -299,18 +293,11 @@ fn a_sheet_has_one_of_everything() {
         .iter()
         .enumerate()
         .map(|(k, scene)| {
-            let values = vec![k as f64, 1.0, 2.0];
-            let fill = Values {
-                values,
-                label: "speed".into(),
-                unit: "m/s".into(),
-                range: None,
-                ..Values::default()
-            };
+            let fill = values(vec![k as f64, 1.0, 2.0], "speed", "m/s", None);
             Panel { scene, time: Some(0.5 * k as f64), fill: Some(Fill::Values(fill)) }
         })
         .collect();
-    let text = sheet(&panels, 2, &SheetStyle::default());
+    let text = sheet(&panels, 2, &Style::default());
     let document = Document::parse(&text).unwrap();
     assert_eq!(class(&document, "panel").len(), 5);
     for once in ["colour-bar", "scale-bar", "legend"] {
@@ -331,10 +318,9 @@ fn a_sheet_has_one_of_everything() {
         .collect();
     assert_eq!(widths.len(), 4);
     assert!((widths[3] / widths[0] - 4.0).abs() < 1e-3);
-    let bare = SheetStyle { letters: Visibility::Hidden, ..SheetStyle::default() };
-    let bare = sheet(&panels[1..2], 7, &bare);
-    assert_eq!(labels(&Document::parse(&bare).unwrap(), "time"), ["t = 0.50 s"]);
-    png(&sheet(&[], 0, &SheetStyle::default()), 100).unwrap();
+    let alone = sheet(&panels[1..2], 7, &Style::default());
+    assert_eq!(labels(&Document::parse(&alone).unwrap(), "time"), ["t = 0.50 s"]);
+    png(&sheet(&[], 0, &Style::default()), 100).unwrap();
 }
 
 /// Contours between the centres of cells on both sides of a wall went through it by up to a cell.
@@ -373,8 +359,7 @@ fn cut_panels_stand_apart() {
     scene.view = Some(view);
     let scenes = vec![scene; 4];
     let panels: Vec<Panel> = scenes.iter().map(|scene| Panel { scene, time: None, fill: None }).collect();
-    let style = SheetStyle { letters: Visibility::Hidden, ..SheetStyle::default() };
-    let text = sheet(&panels, 2, &style);
+    let text = sheet(&panels, 2, &Style::default());
     let document = Document::parse(&text).unwrap();
     // Where each panel's clip is on the page.
     let clips: Vec<[f64; 4]> = document
@@ -415,9 +400,9 @@ fn ids_are_of_one_size() {
 fn nothing_is_pale_and_a_clipped_scale_says_so() {
     let t = row(3);
     let scene = Scene::at_start(&t);
-    let of = |values: Vec<f64>, range, quantile, theme| {
-        let (label, unit, map) = ("mean squeeze".to_owned(), "N".to_owned(), ColourMap::FromPaper);
-        let fill = Fill::Values(Values { values, label, unit, range, quantile, map, beyond: false });
+    let of = |of: Vec<f64>, range, quantile, theme| {
+        let map = ColourMap::FromPaper;
+        let fill = Fill::Values(Values { quantile, map, ..values(of, "mean squeeze", "N", range) });
         svg(&scene, &Style { fill, theme, ..Style::default() })
     };
     let ends = |text: &str| {
@@ -444,9 +429,8 @@ fn nothing_is_pale_and_a_clipped_scale_says_so() {
 fn words_stand_where_a_colour_bar_would_have_nothing_to_show() {
     let t = row(3);
     let scene = Scene::at_start(&t);
-    let fill = |values: Vec<f64>, unit: &str, range, map| {
-        let (label, unit) = ("mean squeeze".to_owned(), unit.to_owned());
-        Fill::Values(Values { values, label, unit, range, map, ..Values::default() })
+    let fill = |of: Vec<f64>, unit: &str, range, map| {
+        Fill::Values(Values { map, ..values(of, "mean squeeze", unit, range) })
     };
     let shown = |text: &str| {
         let document = Document::parse(text).unwrap();
@@ -469,7 +453,7 @@ fn words_stand_where_a_colour_bar_would_have_nothing_to_show() {
             time: None,
             fill: Some(fill(vec![value; 3], "N", None, ColourMap::FromPaper)),
         };
-        shown(&sheet(&values.map(panel), 2, &SheetStyle::default()))
+        shown(&sheet(&values.map(panel), 2, &Style::default()))
     };
     assert_eq!(panels([0.0, 0.25]), (1, "0|0.25|mean squeeze (N)".into()));
     assert_eq!(panels([0.0, 0.0]), (0, "||mean squeeze: 0 N everywhere".into()));
@@ -513,7 +497,6 @@ fn densities(t: &Trial, v: f64) {
         scene.density = Some(map);
         let panel = |time| Panel { scene: &scene, time, fill: None };
         let style = Style { width: v, ..Style::default() };
-        let style = SheetStyle { style, ..SheetStyle::default() };
         let text = sheet(&[panel(Some(v)), panel(None)], usize::MAX, &style);
         Document::parse(&text).unwrap();
         png(&text, 64).unwrap();
