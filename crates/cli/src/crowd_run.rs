@@ -2,13 +2,13 @@
 
 use crate::compared::{Follower, Seen};
 use crate::recording::Recording;
-use crate::results::{self, Column, Content, FrameWriter, Kind, Place, Started, told};
+use crate::results::{self, Column, Content, FrameWriter, Kind, Place, told};
 use anyhow::{Context, Result, bail};
 use lemons_files::Staged;
 use lemons_master::{Component, CrowdRecord, Extremes, Greatest, Selection, Since, System};
 use lemons_plane::{Motion, Pose, Twist, Vec2, vec2};
 use lemons_record::columns::{self, Groups};
-use lemons_record::{Extent, Frame, Observed, OfStep, Recorder, Run, Totals, Wanted};
+use lemons_record::{Frame, Observed, OfStep, Recorder, Run, Totals, Wanted};
 use lemons_ssp::{Interface, Kind as Causality, Type};
 use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,6 @@ enum Rows {
 struct Table {
     writer: FrameWriter<Staged>,
     path: PathBuf,
-    started: Started,
 }
 
 /// What became of the records.
@@ -211,10 +210,9 @@ impl Crowd {
         }
         let trajectories = match to {
             Target::Table(place) => {
-                let before = before.map(|before| before.extent());
-                let (table, started) = results::begin(&place, &content, before)?;
+                let table = results::begin(&place, &content, recording.before.is_some())?;
                 let writer = FrameWriter::new(table, ids.clone(), groups)?;
-                Rows::Table(Box::new(Table { writer, path: place.path, started }))
+                Rows::Table(Box::new(Table { writer, path: place.path }))
             }
             Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),
         };
@@ -320,18 +318,7 @@ impl Crowd {
 
     /// What a saved run keeps of it.
     pub fn record(&self, component: &str) -> CrowdRecord {
-        let Extent { rows, last, digest } = match &self.trajectories {
-            Rows::Table(table) => table.writer.extent(),
-            Rows::Memory(_) => Extent::default(),
-        };
-        CrowdRecord {
-            component: component.to_owned(),
-            rows,
-            last,
-            digest,
-            extremes: self.extremes,
-            since: self.since.clone(),
-        }
+        CrowdRecord { component: component.to_owned(), extremes: self.extremes, since: self.since.clone() }
     }
 
     /// Among the components.
@@ -371,8 +358,8 @@ impl Crowd {
         }
         match self.trajectories {
             Rows::Table(table) => {
-                let Table { writer, path, started } = *table;
-                let line = format!("trajectories       {}", started.said(&path));
+                let Table { writer, path } = *table;
+                let line = format!("trajectories       {}", path.display());
                 let placed = results::place(writer.finish(), &path);
                 lines.extend(placed.is_ok().then_some(line));
                 Recorded { lines, run: None, poses, placed }

@@ -1,7 +1,7 @@
 //! The outputs of components that are not a crowd: one table, with a column for each output.
 
 use crate::recording::Recording;
-use crate::results::{self, Cell, Column, Content, Extent, Kind, Place, Started, TableWriter, told};
+use crate::results::{self, Cell, Column, Content, Kind, Place, TableWriter, told};
 use anyhow::Result;
 use lemons_files::Staged;
 use lemons_master::{Selection, System};
@@ -13,7 +13,6 @@ const MOST_WARNINGS: usize = 20;
 pub struct Outputs {
     components: Vec<Columns>,
     table: TableWriter<Staged>,
-    started: Started,
     /// After the time.
     count: usize,
     /// Of the columns after the time; `None` once a value was seen that is no finite number.
@@ -90,8 +89,8 @@ impl Outputs {
         }
         let names = header.iter().skip(1).map(|column| Some(column.name.clone())).collect();
         let content = Content { columns: header, about: recording.about.clone() };
-        let (table, started) = results::begin(to, &content, recording.before_of_outputs())?;
-        Ok(Some(Outputs { components: all, table, started, count, names, odd: Vec::new() }))
+        let table = results::begin(to, &content, recording.before.is_some())?;
+        Ok(Some(Outputs { components: all, table, count, names, odd: Vec::new() }))
     }
 
     /// Reads the outputs at a communication point and writes the row.
@@ -128,12 +127,6 @@ impl Outputs {
         self.table.row(system.time(), row).map_err(told)
     }
 
-    /// What was written.
-    pub fn extent(&self) -> Extent {
-        let lemons_record::Extent { rows, last, digest } = self.table.extent();
-        Extent { rows, last, digest }
-    }
-
     /// Puts the table in its place; returns the line of the summary.
     pub fn finish(self) -> Result<String> {
         self.odd.iter().take(MOST_WARNINGS).for_each(|warning| note!("{warning}"));
@@ -142,7 +135,7 @@ impl Outputs {
         }
         let path = self.table.path().to_owned();
         results::place(self.table.finish(), &path)?;
-        Ok(format!("outputs            {}   ({} columns)", self.started.said(&path), self.count + 1))
+        Ok(format!("outputs            {}   ({} columns)", path.display(), self.count + 1))
     }
 }
 

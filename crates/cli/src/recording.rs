@@ -1,7 +1,6 @@
 //! How a run is recorded.
 
 use crate::compared::Poses;
-use crate::results::Extent;
 use anyhow::{Context, Result};
 use lemons_master::{CrowdRecord, Saved};
 
@@ -22,10 +21,5 @@ impl<'a> Recording<'a> {
         let record = saved.crowd.iter().find(|record| record.component == component);
         let missing = || format!("the saved run is damaged: it has no entry for the crowd {component:?}");
         record.map(Some).with_context(missing)
-    }
-
-    /// What the previous run has recorded of components that are not a crowd.
-    pub fn before_of_outputs(&self) -> Option<Extent> {
-        self.before.map(|saved| saved.outputs.unwrap_or_default())
     }
 }

@@ -1,10 +1,9 @@
 //! The tables of a run: where they go, how that is said.
 
 use crate::files;
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use clap::ValueEnum;
 use lemons_files::{Staged, WriteError};
-pub use lemons_master::Extent;
 use lemons_record::RecordError;
 pub use lemons_record::columns::Column;
 pub use lemons_record::{Cell, Content, Format, FrameWriter, Kind, TableWriter};
@@ -35,50 +34,12 @@ pub struct Place {
     pub format: Format,
 }
 
-/// Whether the rows of a run before are in a table.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Started {
-    /// There was none.
-    Anew,
-    Continued,
-    /// They are elsewhere.
-    Later,
-}
-
-impl Started {
-    /// The file of the table, for a summary.
-    pub fn said(self, path: &Path) -> String {
-        let path = path.display();
-        match self {
-            Started::Anew => path.to_string(),
-            Started::Continued => format!("{path}   (continued)"),
-            Started::Later => format!("{path}   (what came after the saved run)"),
-        }
-    }
-}
-
-/// Begins a table, which appears under its name only when it is complete. If a run before has written some rows of it,
-/// and they are there, they are kept.
-pub fn begin(
-    place: &Place,
-    content: &Content,
-    before: Option<Extent>,
-) -> Result<(TableWriter<Staged>, Started)> {
+/// Begins a table, which appears under its name only when it is complete. That of a run which goes on replaces none:
+/// it may be that of the run before.
+pub fn begin(place: &Place, content: &Content, goes_on: bool) -> Result<TableWriter<Staged>> {
     let Place { path, format } = place;
-    let there = path.is_file() && !files::is_standard_output(path);
-    let started = match before {
-        None => Started::Anew,
-        Some(before) if before.rows > 0 && there => Started::Continued,
-        Some(_) => Started::Later,
-    };
-    let made = match before.filter(|_| started == Started::Continued) {
-        Some(Extent { rows, last, digest }) => {
-            let kept = lemons_record::Extent { rows, last, digest };
-            TableWriter::resume(files::stage_to_go_on(path)?, path, *format, content, kept)
-        }
-        None => TableWriter::create(files::stage(path)?, path, *format, content),
-    };
-    Ok((made.map_err(told)?, started))
+    let file = if goes_on { files::stage_new(path) } else { files::stage(path) };
+    TableWriter::create(file?, path, *format, content).map_err(told)
 }
 
 /// Puts a complete table in its place.
@@ -93,11 +54,6 @@ pub fn told(error: RecordError) -> anyhow::Error {
         RecordError::Write(WriteError { path, error }) => {
             anyhow::Error::new(error).context(format!("cannot write {}", path.display()))
         }
-        RecordError::NotContinued { path, message } => anyhow!(
-            "{}: is not what the saved run has written, it cannot go on there: choose another file, which gets what \
-             follows only: {message}",
-            path.display()
-        ),
         error => error.into(),
     }
 }

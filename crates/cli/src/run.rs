@@ -16,7 +16,7 @@ use crate::recording::Recording;
 use crate::results::{Format, FormatName, Place};
 use crate::tell::{Interim, nobody_listens};
 use crate::version::BUILD;
-use crate::watch::{Places, Recorded, Records, Watch};
+use crate::watch::{Places, Recorded, Watch};
 use crate::words::{refused, warned};
 use anyhow::{Context, Error, Result, bail, ensure};
 use clap::ValueEnum;
@@ -24,8 +24,8 @@ use halved::{Chosen, run_for, steps_of};
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_files::Staged;
 use lemons_master::{
-    Algorithm, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings, System,
-    plan_in, writers,
+    Algorithm, CrowdRecord, Kept, Observer, PATIENCE, Prepared, Progress, Pushes, Reached, Saved, Settings,
+    System, plan_in, writers,
 };
 use lemons_measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_record::Run;
@@ -104,7 +104,8 @@ pub struct Arguments {
     /// Save the state of the run when it ends or is stopped by Ctrl-C; --resume continues it
     #[arg(long, value_name = "FILE.run")]
     state: Option<PathBuf>,
-    /// Continue a saved run of the same Trial, FMU or SSP, and add to the results it has written (-o)
+    /// Continue a saved run of the same Trial, FMU or SSP. What follows goes into tables of its own (-o), which
+    /// lemons measure, plot, movie and export read together with those of the saved run
     #[arg(long, value_name = "FILE.run")]
     resume: Option<PathBuf>,
     #[command(flatten)]
@@ -661,15 +662,15 @@ impl Stepping<'_> {
     }
 
     /// Writes the state at the end of the run, and returns a line about it.
-    fn save(&self, system: &System, file: Staged, path: &Path, records: Records) -> Result<String> {
+    fn save(&self, system: &System, file: Staged, path: &Path, records: Vec<CrowdRecord>) -> Result<String> {
         let kept = self.kept.as_ref().context("the run failed between two states");
         let at_hand = kept.and_then(|kept| self.at_hand(system, kept, records));
         at_hand.with_context(|| path.display().to_string())?.write(file, path)
     }
 
-    fn at_hand(&self, system: &System, kept: &Kept, (crowd, outputs): Records) -> Result<AtHand> {
+    fn at_hand(&self, system: &System, kept: &Kept, crowd: Vec<CrowdRecord>) -> Result<AtHand> {
         let (saved, states) = kept.saved(system, &self.progress, self.pushes, self.by)?;
-        let saved = Saved { crowd, outputs, ..saved };
+        let saved = Saved { crowd, ..saved };
         Ok(AtHand { saved, states })
     }
 }

@@ -7,16 +7,13 @@ use crate::error::and_then;
 use crate::files;
 use crate::outputs::Outputs;
 use crate::recording::Recording;
-use crate::results::{Extent, Place};
+use crate::results::Place;
 use anyhow::{Result, bail};
 use lemons_master::{CrowdRecord, System};
 use lemons_plane::Vec2;
 use lemons_record::Wanted;
 use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
-
-/// What has been written of crowds and of the others.
-pub type Records = (Vec<CrowdRecord>, Option<Extent>);
 
 /// Where the records of a run go.
 pub enum Places {
@@ -114,13 +111,13 @@ impl Watch {
         self.crowds.iter().any(|(_, crowd)| crowd.moves())
     }
 
-    /// What a saved run keeps: of each crowd, and of the outputs of the others.
-    pub fn records(&self, system: &System) -> Records {
+    /// What a saved run keeps of each crowd.
+    pub fn records(&self, system: &System) -> Vec<CrowdRecord> {
         let crowds = self.crowds.iter().map(|(_, crowd)| {
             let name = &system.components()[crowd.place()].name;
             crowd.record(name)
         });
-        (crowds.collect(), self.outputs.as_ref().map(Outputs::extent))
+        crowds.collect()
     }
 
     /// Puts each file in its place, also when that of another cannot be taken.

@@ -111,11 +111,6 @@ fn table_csv() {
 }
 
 #[test]
-fn table_parquet() {
-    replay("table_parquet");
-}
-
-#[test]
 fn sweep_toml() {
     replay("sweep_toml");
 }

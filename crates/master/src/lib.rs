@@ -47,7 +47,7 @@ pub use prepared::Prepared;
 pub use progress::{Kept, Progress};
 pub use pushes::{Inputs, Pushes};
 pub use refusal::{PrepareError, Warning};
-pub use saved::{ComponentRecord, CrowdRecord, Extent, Saved, wiring_of, writers};
+pub use saved::{ComponentRecord, CrowdRecord, Saved, wiring_of, writers};
 pub use selection::Selection;
 pub use settings::Settings;
 pub use simulate::{Observer, Reached, Stepped, simulate};

@@ -72,7 +72,6 @@ impl Kept {
             drive: pushes.fingerprint().to_owned(),
             component: Saved::components(system, &states),
             crowd: Vec::new(),
-            outputs: None,
         };
         Ok((saved, states))
     }

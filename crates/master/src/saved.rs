@@ -19,7 +19,7 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 const RUN: &str = "run.toml";
 /// Of `run.toml`; raised when its meaning changes.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 /// \[byte\] of `run.toml`: thousands of components.
 const LARGEST_RUN: u64 = 4_000_000;
 
@@ -54,8 +54,6 @@ pub struct Saved {
     pub component: Vec<ComponentRecord>,
     /// Of the components that are crowds.
     pub crowd: Vec<CrowdRecord>,
-    /// Of the table of outputs, if there is one.
-    pub outputs: Option<Extent>,
 }
 
 /// An FMU of a run.
@@ -77,61 +75,17 @@ pub struct ComponentRecord {
     pub bytes: u64,
 }
 
-/// What was written of a table.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Extent {
-    /// Their number.
-    pub rows: u64,
-    /// \[s\] of the last row
-    pub last: Option<f64>,
-    /// Of its content: see `lemons_record::Extent`.
-    #[serde(with = "hexadecimal")]
-    pub digest: u128,
-}
-
-/// TOML has no integers of 128 bits.
-mod hexadecimal {
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    pub fn serialize<S: Serializer>(value: &u128, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(&format!("{value:032x}"))
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<u128, D::Error> {
-        let text = String::deserialize(from)?;
-        let digits = text.len() == 32 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
-        let value = digits.then(|| u128::from_str_radix(&text, 16).ok()).flatten();
-        value.ok_or_else(|| D::Error::custom(format!("{text:?}: must have 32 hexadecimal digits")))
-    }
-}
-
 /// What was recorded of a crowd.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CrowdRecord {
     /// Its name.
     pub component: String,
-    /// Of its table.
-    pub rows: u64,
-    /// \[s\] of the last row
-    pub last: Option<f64>,
-    /// Of its content: see `lemons_record::Extent`.
-    #[serde(with = "hexadecimal")]
-    pub digest: u128,
     /// So far.
     pub extremes: Extremes,
     /// Since the last rows, where not every communication point has rows.
     #[serde(default, skip_serializing_if = "Since::is_empty")]
     pub since: Since,
-}
-
-impl CrowdRecord {
-    /// Of its table.
-    pub fn extent(&self) -> Extent {
-        Extent { rows: self.rows, last: self.last, digest: self.digest }
-    }
 }
 
 /// Of the connections between components.
@@ -299,17 +253,6 @@ impl Saved {
             }
             if let Some(other) = of.insert(state, name) {
                 return Err(("state", format!("{state:?}: is that of component {other:?} and of {name:?}")));
-            }
-        }
-        let extents = self.crowd.iter().map(CrowdRecord::extent).chain(self.outputs);
-        for Extent { rows, last, .. } in extents {
-            match last {
-                Some(last) if !(start..=time).contains(&last) => {
-                    return wrong("last", last, &format!("from {start:?} to {time:?}"));
-                }
-                Some(_) if rows == 0 => return Err(("rows", "0: but there is a last one".into())),
-                None if rows > 0 => return Err(("rows", format!("{rows}: but there is no last one"))),
-                _ => {}
             }
         }
         for CrowdRecord { extremes, since, .. } in &self.crowd {

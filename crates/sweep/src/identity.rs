@@ -3,7 +3,7 @@
 use crate::error::{Place, Result};
 use crate::models::Models;
 use crate::points::hex;
-use crate::spec::{End, Spec};
+use crate::spec::Spec;
 use crate::subject::Subject;
 use lemons_files::input;
 use lemons_master::Part;
@@ -21,7 +21,7 @@ pub fn of_subject(spec: &Spec, subject: &Subject) -> Result<Map<String, Value>> 
     if model.plan().is_some() {
         all.insert("algorithm".into(), spec.algorithm.to_string().into());
     }
-    all.insert("drive".into(), of_drive(subject));
+    all.insert("drive".into(), subject.drive.fingerprint().into());
     all.insert("step".into(), json!(subject.clock.step));
     Ok(all)
 }
@@ -42,25 +42,13 @@ pub fn digest(map: &Map<String, Value>) -> Result<String> {
 }
 
 /// Of what is done with it.
-pub fn of_spec(spec: &Spec) -> Result<Map<String, Value>> {
+pub fn of_spec(spec: &Spec) -> Map<String, Value> {
     let names: Vec<&str> = spec.points.columns.iter().map(|(name, _)| name.as_str()).collect();
-    let measures =
-        spec.measures.iter().map(|(name, measure)| Ok((name.clone(), serde_json::to_value(measure)?)));
-    let until = match spec.until {
-        End::At(time) => json!(time),
-        End::Left => json!("left"),
-    };
     let points = json!({ "parameters": names, "count": spec.points.count, "sha256": spec.points.sha256() });
-    let mut all = Map::from_iter([
-        ("points".to_owned(), points),
-        ("measure".to_owned(), Value::Object(measures.collect::<Result<_>>()?)),
-        ("until".to_owned(), until),
-    ]);
-    all.extend(spec.places.identity());
-    if let Some(stop) = &spec.stop {
-        all.insert("stop".into(), serde_json::to_value(stop)?);
-    }
-    Ok(all)
+    let mut all = spec.identity.clone();
+    all.insert("points".into(), points);
+    all.extend(spec.places.walkable_digest().map(|digest| ("walkable".into(), digest.into())));
+    all
 }
 
 fn of_fmu(part: &Part) -> Result<Value> {
@@ -71,24 +59,4 @@ fn of_fmu(part: &Part) -> Result<Value> {
         "guid": description.guid,
         "sha256": hex(&Sha256::digest(bytes)),
     }))
-}
-
-/// As in the Python package: by the values, independent of how the file is written.
-fn of_drive(subject: &Subject) -> Value {
-    let mut digest = Sha256::new();
-    let mut driven = false;
-    for (place, agent) in subject.trial.agents.iter().enumerate() {
-        let Some(rows) = subject.drive.rows(&agent.id) else { continue };
-        driven = true;
-        [place, rows.len()].iter().for_each(|number| digest.update((*number as u64).to_le_bytes()));
-        for (time, push) in rows {
-            std::iter::once(time).chain(push).for_each(|value| digest.update(value.to_le_bytes()));
-        }
-    }
-    match driven {
-        true => {
-            json!({ "kind": "table", "at": "start", "per_mass": false, "sha256": hex(&digest.finalize()) })
-        }
-        false => json!({ "kind": "none" }),
-    }
 }

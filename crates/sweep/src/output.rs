@@ -1,70 +1,34 @@
 //! Which outputs of a run are looked at.
 
 use lemons_master::Model;
+use lemons_record::Kind;
 use lemons_record::columns;
 use lemons_ssp::Type;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-/// What is looked at.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Of {
-    /// Of each agent of the crowd.
-    Agent(Quantity),
-    /// The name of a variable, with its component if that is not the crowd: `decision.Arrived`. With `agent[*]` it is one of
-    /// each agent.
-    Variable(String),
-}
+/// What is looked at: a quantity of each agent of the crowd, one of [`QUANTITIES`], or the name of a variable, with its
+/// component if that is not the crowd: `decision.Arrived`. With `agent[*]` it is one of each agent.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(transparent)]
+pub struct Of(String);
 
-/// An output of each agent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// \[m\] x of the centre of mass.
-    X,
-    /// \[m\] y of the centre of mass.
-    Y,
-    /// \[rad\] orientation.
-    Theta,
-    /// \[m/s\] speed.
-    Speed,
-    /// \[rad/s\] angular velocity.
-    Omega,
-    /// \[N\] sum of |F_n| over its contacts at a communication point. It may miss a short collision.
-    Squeeze,
-    /// \[N\] time average of the squeeze over a communication step.
-    MeanSqueeze,
-    /// \[N\] largest squeeze within a communication step.
-    PeakSqueeze,
-    /// \[m\] deepest overlap of its contacts within a communication step.
-    PeakOverlap,
-    /// Number of contacts with disks of other agents.
-    AgentContacts,
-    /// Number of contacts with walls.
-    WallContacts,
-    /// Number of other agents that touch it.
-    ContactingAgents,
-}
-
-impl Quantity {
-    /// Names of the Real outputs it is computed from, and of the Integer ones.
-    fn outputs(self) -> (&'static [&'static str], &'static [&'static str]) {
-        match self {
-            Quantity::X => (&[columns::X.variable], &[]),
-            Quantity::Y => (&[columns::Y.variable], &[]),
-            Quantity::Theta => (&[columns::THETA.variable], &[]),
-            Quantity::Speed => (&[columns::VX.variable, columns::VY.variable], &[]),
-            Quantity::Omega => (&[columns::OMEGA.variable], &[]),
-            Quantity::Squeeze => (&[columns::SQUEEZE.variable], &[]),
-            Quantity::MeanSqueeze => (&[columns::MEAN_SQUEEZE.variable], &[]),
-            Quantity::PeakSqueeze => (&[columns::PEAK_SQUEEZE.variable], &[]),
-            Quantity::PeakOverlap => (&[columns::PEAK_OVERLAP.variable], &[]),
-            Quantity::AgentContacts => (&[], &[columns::AGENT_CONTACTS.variable]),
-            Quantity::WallContacts => (&[], &[columns::WALL_CONTACTS.variable]),
-            Quantity::ContactingAgents => (&[], &[columns::CONTACTING_AGENTS.variable]),
-        }
-    }
-}
+/// The quantities of agents, each with the columns of a run that it is computed from: of several, it is the length of
+/// the vector.
+const QUANTITIES: [(&str, &[&str]); 12] = [
+    ("x", &["x"]),
+    ("y", &["y"]),
+    ("theta", &["theta"]),
+    ("speed", &["vx", "vy"]),
+    ("omega", &["omega"]),
+    // At a communication point: it may miss a short collision.
+    ("squeeze", &["normal_force"]),
+    ("mean_squeeze", &["mean_normal_force"]),
+    ("peak_squeeze", &["peak_normal_force"]),
+    ("peak_overlap", &["peak_overlap"]),
+    ("agent_contacts", &["agent_contacts"]),
+    ("wall_contacts", &["wall_contacts"]),
+    ("contacting_agents", &["contacting_agents"]),
+];
 
 /// Stands for each agent in the name of a variable.
 const EACH_AGENT: &str = "agent[*].";
@@ -98,26 +62,30 @@ impl Names {
 }
 
 impl Of {
+    /// The columns of a quantity of agents.
+    fn columns(&self) -> Option<impl Iterator<Item = &'static columns::Quantity>> {
+        let (_, names) = QUANTITIES.iter().find(|(name, _)| *name == self.0)?;
+        Some(names.iter().filter_map(|name| columns::named(name)))
+    }
+
     /// Checks that it can be the name of a variable.
     ///
     /// # Errors
     /// A sentence with the value.
     pub fn check(&self) -> Result<(), String> {
-        match self {
-            // The names above are the only ones without a capital letter or a component.
-            Of::Variable(name) if !name.contains(|c: char| c == '.' || c.is_uppercase()) => Err(format!(
-                "of = {name:?}: neither a quantity (lemons sweep --help) nor the name of a variable (lemons info)"
-            )),
-            Of::Agent(_) | Of::Variable(_) => Ok(()),
+        let name = &self.0;
+        // Quantities are the only names without a capital letter or a component.
+        if self.columns().is_some() || name.contains(|c: char| c == '.' || c.is_uppercase()) {
+            return Ok(());
         }
+        Err(format!(
+            "of = {name:?}: neither a quantity (lemons sweep --help) nor the name of a variable (lemons info)"
+        ))
     }
 
     /// Whether there is a value for each agent.
     pub fn is_of_agents(&self) -> bool {
-        match self {
-            Of::Agent(_) => true,
-            Of::Variable(name) => name.contains(EACH_AGENT),
-        }
+        self.columns().is_some() || self.0.contains(EACH_AGENT)
     }
 
     /// The variables of a model that it is read from, for agents at these places.
@@ -125,24 +93,20 @@ impl Of {
     /// # Errors
     /// A sentence with the name that the model does not have.
     pub(crate) fn names(&self, model: &Model, agents: &[usize]) -> Result<Names, String> {
-        let of_each = |names: &[&str]| -> Vec<String> {
-            agents.iter().flat_map(|i| names.iter().map(move |name| format!("agent[{i}].{name}"))).collect()
-        };
-        let name = match self {
-            Of::Agent(quantity) => {
-                let (reals, integers) = quantity.outputs();
-                let width = reals.len().max(integers.len());
-                let (place, booleans) = (model.parts().len() - 1, Vec::new());
-                return Ok(Names {
-                    place,
-                    reals: of_each(reals),
-                    integers: of_each(integers),
-                    booleans,
-                    width,
-                });
+        let mut found = Names { place: model.parts().len() - 1, width: 1, ..Names::default() };
+        if let Some(columns) = self.columns() {
+            let columns: Vec<&columns::Quantity> = columns.collect();
+            found.width = columns.len();
+            for (agent, column) in agents.iter().flat_map(|agent| columns.iter().map(move |c| (agent, c))) {
+                let name = format!("agent[{agent}].{}", column.variable);
+                match column.kind() {
+                    Kind::Integer => found.integers.push(name),
+                    _ => found.reals.push(name),
+                }
             }
-            Of::Variable(name) => name,
-        };
+            return Ok(found);
+        }
+        let name = &self.0;
         let (place, variable) = model.find(name);
         let names = match variable.split_once(EACH_AGENT) {
             Some((before, after)) => {
@@ -151,7 +115,7 @@ impl Of {
             None => vec![variable.to_owned()],
         };
         let fmu = &model.parts()[place].fmu;
-        let mut found = Names { place, width: 1, ..Names::default() };
+        found.place = place;
         for single in names {
             let unknown = || {
                 let meant = model.meant(name).map(|meant| format!("; did you mean {meant:?}?"));

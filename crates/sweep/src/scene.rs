@@ -3,13 +3,8 @@
 use crate::error::{Error, Result};
 use lemons_master::{Fmu, Instance, Selection, System};
 use lemons_plane::{Motion, Pose, Twist, Vec2, vec2};
-use lemons_record::{Frame, Observed, OfStep, columns};
-
-/// Outputs of each agent that say where it is, and how it moves.
-const MOTION: [&str; 4] =
-    [columns::X.variable, columns::Y.variable, columns::VX.variable, columns::VY.variable];
-/// Outputs of each agent that say how hard it was squeezed within the step.
-const SQUEEZE: [&str; 2] = [columns::MEAN_SQUEEZE.variable, columns::PEAK_SQUEEZE.variable];
+use lemons_record::columns::{MOTION, OF_STEP, Quantity};
+use lemons_record::{Frame, Observed, OfStep};
 
 /// What is wanted of a crowd.
 #[derive(Debug, Clone, Copy, Default)]
@@ -35,8 +30,12 @@ fn of_each(people: usize, names: &[&str]) -> Vec<String> {
 
 impl Wanted {
     fn names(self, people: usize) -> [Vec<String>; 2] {
-        let all = |wanted: bool, names: &[&str]| if wanted { of_each(people, names) } else { Vec::new() };
-        [all(self.motions, &MOTION), all(self.squeezes, &SQUEEZE)]
+        let all = |wanted: bool, columns: &[Quantity]| {
+            let names: Vec<&str> = columns.iter().map(|column| column.variable).collect();
+            if wanted { of_each(people, &names) } else { Vec::new() }
+        };
+        // Place and velocity; mean and peak of the squeeze.
+        [all(self.motions, &MOTION[..4]), all(self.squeezes, &OF_STEP[..2])]
     }
 
     /// Checks that a crowd's FMU has all of it.

@@ -119,7 +119,6 @@ fn no_package_is_in_a_circle_but_by_its_tests() {
 const LOW: [(&str, &[&str]); 12] = [
     ("lemons-plane", &[]),
     ("lemons-files", &[]),
-    ("lemons-columns", &[]),
     ("lemons-xml", &[]),
     // Serves any model.
     ("lemons-fmi", &["lemons-files", "lemons-xml"]),
@@ -129,7 +128,7 @@ const LOW: [(&str, &[&str]); 12] = [
     ("lemons-trial", &["lemons-files", "lemons-plane", "lemons-xml"]),
     ("lemons-ssp", &["lemons-files", "lemons-xml"]),
     ("lemons-picture", &["lemons-plane", "lemons-trial"]),
-    ("lemons-record", &["lemons-columns", "lemons-files", "lemons-plane", "lemons-trial"]),
+    ("lemons-record", &["lemons-files", "lemons-plane", "lemons-trial"]),
     ("lemons-measure", &["lemons-plane", "lemons-record"]),
     // What an importer loads.
     (ROOT, &["lemons-files", "lemons-fmi", "lemons-plane", "lemons-trial", "lemons-xml"]),
