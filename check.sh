@@ -63,25 +63,26 @@ lab() {
     fi
     stage lab/build.sh
     # Which takes the page in.
-    stage cargo build --release
+    stage cargo build --release "${formats[@]}"
     stage python_environment
     stage .venv/bin/python -m pytest tests/lab -q
 }
 
+formats=(--features lemons-cli/parquet,lemons-cli/sqlite)
 stages=(format clippy test doc release pytest lab)
 
 run() {
     case $1 in
         format) stage cargo fmt --all --check ;;
         clippy)
-            stage cargo clippy --locked --workspace --all-targets -- -D warnings
-            # Without C.
-            stage cargo clippy --locked -p lemons-record --no-default-features -- -D warnings
+            stage cargo clippy --locked --workspace --all-targets --all-features -- -D warnings
+            # Without C, as the first command of README.md builds it.
+            stage cargo clippy --locked -p lemons-cli -- -D warnings
             ;;
-        test) stage "${signals[@]}" cargo test --workspace ;;
-        doc) stage env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps ;;
-        # As the first command of README.md builds it.
-        release) stage cargo build --release ;;
+        test) stage "${signals[@]}" cargo test --workspace --all-features ;;
+        doc) stage env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps ;;
+        # With Parquet and SQLite, like wheels.
+        release) stage cargo build --release "${formats[@]}" ;;
         pytest)
             stage python_environment
             # Two processes; the tests of a file share what they build.

@@ -62,13 +62,13 @@ def main() -> None:
                 subprocess.run(crowd, check=True, capture_output=True)
     text = SWEEP.format(widths=given.widths, seeds=given.seeds, people=given.people, model=given.model)
     (given.target / "sweep.toml").write_text(text)
-    sweep = [LEMONS, "sweep", "sweep.toml", "-o", "results", "--threads", given.threads]
+    sweep = [LEMONS, "sweep", "sweep.toml", "-o", "results.csv", "--threads", given.threads]
     subprocess.run(sweep, check=True, cwd=given.target)
     draw(given)
 
 
 def draw(given: argparse.Namespace) -> None:
-    table = pd.read_parquet(given.target / "results" / "table.parquet")
+    table = pd.read_csv(given.target / "results.csv", comment="#")
     wanted = [
         ("last", "everybody is out after [s]"),
         ("flow", "specific flow [1/(m s)]"),

@@ -70,9 +70,9 @@ def main() -> None:
                     make(trial, room, model, seed)
     names = {"rooms": given.rooms, "models": given.models, "seeds": given.seeds}
     (given.target / "sweep.toml").write_text(SWEEP.format(**names))
-    sweep = [LEMONS, "sweep", "sweep.toml", "-o", "results", "--threads", given.threads]
+    sweep = [LEMONS, "sweep", "sweep.toml", "-o", "results.csv", "--threads", given.threads]
     subprocess.run(sweep, check=True, cwd=given.target)
-    table = pd.read_parquet(given.target / "results" / "table.parquet")
+    table = pd.read_csv(given.target / "results.csv", comment="#")
     tell(table)
     if not table["ended"].notna().all():
         sys.exit("in some runs somebody has not left (no number in the column ended)")

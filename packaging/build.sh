@@ -11,7 +11,7 @@ lab/build.sh
 for platform; do
     packages=(-p crowd-mechanics -p lemons-decision-fmu)
     program=$(program "$platform")
-    [[ -z $program ]] || packages+=(-p lemons-cli)
+    [[ -z $program ]] || packages+=(-p lemons-cli --features lemons-cli/parquet,lemons-cli/sqlite)
     read -ra of_platform <<<"$(targets "$platform")"
     for target in "${of_platform[@]}"; do
         note "$platform: $target, with $("$RUSTC" --version)"

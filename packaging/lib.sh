@@ -151,10 +151,10 @@ compile() {
         PATH=$directory/tools/bin:$PATH nice "${cargo[@]}" "${arguments[@]}" --target "$target"
 }
 
-# Builds for a page: `compile_wasm ARGUMENTS…`, with cargo's arguments. Without default features: SQLite and zstd are C.
+# Builds for a page: `compile_wasm ARGUMENTS…`, with cargo's arguments.
 compile_wasm() {
     local target=wasm32-unknown-unknown flags
-    local arguments=(build --locked --target "$target" --lib --no-default-features "$@")
+    local arguments=(build --locked --target "$target" --lib "$@")
     choose_compiler "$target"
     without_places "${CARGO_TARGET_DIR:-$root/target}/wasm"
     if [[ $with == debian ]]; then

@@ -92,7 +92,7 @@ def lemons():
     """Path of the command: the environment's LEMONS, else the release build's."""
     path = Path(os.environ.get("LEMONS") or TARGET / "release" / "lemons").resolve()
     if not path.is_file():
-        pytest.exit(f"{path} is missing: cargo build --release", returncode=1)
+        pytest.exit(f"{path} is missing: ./check.sh release", returncode=1)
     return path
 
 

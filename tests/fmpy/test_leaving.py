@@ -94,7 +94,7 @@ def test_everybody_gets_out(lemons, tmp_path):
     done = limited.run(command, LIMIT, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert done.returncode == 0, done.stderr
     assert "everybody got out in 18 of 18 runs" in (done.stdout if isinstance(done.stdout, str) else done.stdout.decode())
-    table = pd.read_parquet(tmp_path / "few/results/table.parquet")
+    table = pd.read_csv(tmp_path / "few/results.csv", comment="#")
     assert len(table) == 18 and (table["ended"] < 120).all() and table["squeeze"].nunique() > 12
 
 

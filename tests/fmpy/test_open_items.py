@@ -99,8 +99,8 @@ def test_a_sweep_is_summed_up_over_seeds(lemons):
         called(lemons, "crowd", *words, "-o", f"crowd_{seed}")
     text = 'trial = "crowd_{seed}"\nuntil = "left"\n[parameters]\nseed = { from = 1, to = 6 }\n"agent[*].FloorDamping" = [3.0, 4.5]\n'
     Path("sweep.toml").write_text(text + '[measures]\nfelt = { squeeze = "largest_mean", over = 1, across = "quantile_90" }\n')
-    called(lemons, "sweep", "sweep.toml", "--csv", "table.csv", "--summary", "summary.csv", "--over", "seed")
-    table, summary = pd.read_csv("table.csv"), pd.read_csv("summary.csv")
+    called(lemons, "sweep", "sweep.toml", "-o", "table.csv", "--summary", "summary.csv", "--over", "seed")
+    table, summary = pd.read_csv("table.csv", comment="#"), pd.read_csv("summary.csv")
     cases = table.groupby("agent[*].FloorDamping")["felt"]
     assert list(summary["runs"]) == [6, 6] and (summary["stuck"] == table.groupby("agent[*].FloorDamping")["ended"].apply(lambda x: x.isna().sum()).to_numpy()).all()
     assert summary["felt_mean"].to_numpy() == pytest.approx(cases.mean().to_numpy())

@@ -129,8 +129,9 @@ def test_the_people_of_a_crowd(lemons, tmp_path):
 def test_the_results_of_a_sweep(lemons, tmp_path):
     text = f"trial = {str(TRIAL_PUSH)!r}\nuntil = 0.05\nstop = {{ of = 'x', at_least = 1e6 }}\nmeasures = {{ far = {{ of = 'x', take = 'max' }} }}\n"
     (tmp_path / "one.toml").write_text(text + "parameters = { TimeStepMechanical = [1e-4, -1.0] }\n")
-    call(lemons, tmp_path, "sweep", "one.toml", "--csv", "one.csv")
+    call(lemons, tmp_path, "sweep", "one.toml")
     with (tmp_path / "one.csv").open(newline="") as file:
+        assert file.readline().startswith("# lemons sweep {")
         rows = list(csv.DictReader(file))
     shown = first("Points and results of a sweep")
     own = {"a parameter's name": "TimeStepMechanical", "a measure's name": "far"}

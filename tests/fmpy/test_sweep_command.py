@@ -1,6 +1,5 @@
 """`lemons sweep` beside the package's sweep: the same points, the same numbers, the same table."""
 
-import json
 import subprocess
 
 import pandas as pd
@@ -41,9 +40,8 @@ def test_both_give_one_table(lemons, tmp_path, choice, drive):
     grid = {"contact.human_naked.human_naked.KineticFriction": [0.0, 0.4], "agent[*].Mass": [60.0, 90.0]}
     with local_cluster(1, threads=1, processes=False) as cluster, Client(cluster) as client:
         there = sweep(fmu, grid, drive, measure, until=0.7, client=client, out=tmp_path / "there", progress=False)
-    here = pd.read_parquet(tmp_path / "push" / "table.parquet")
-    pd.testing.assert_frame_equal(here, there, check_exact=True)
+    here = pd.read_csv(tmp_path / "push.csv", comment="#", float_precision="round_trip")
+    numbers = [name for name in there if name not in ("status", "error")]
+    pd.testing.assert_frame_equal(here[numbers], there[numbers], check_exact=True)
+    assert list(here) == list(there) and set(here["status"]) == {"ok"}
     assert (here["peak"].max() > 100.0) == (drive is not False)
-    ours, theirs = (json.loads((tmp_path / name / "sweep.json").read_text()) for name in ("push", "there"))
-    assert ours.pop("measure") != theirs.pop("measure")
-    assert ours == theirs  # the FMU, the points, the drive: the hashes are of the same bytes

@@ -40,10 +40,10 @@ lemons run resources/Trial_push
 lemons run Trial_box --until 2 --accuracy 1e-4
 lemons run push.fmu --until 2 --set TimeStepMechanical=1e-5 -o push.csv
 lemons run Trial_box --until 600 --format parquet --state box.run
-lemons run Trial_box --until 900 --format parquet --resume box.run
+lemons run Trial_box --until 900 -o rest.parquet --resume box.run
 lemons run coupled.ssp --until 10 --algorithm gauss-seidel",
     ),
-    ("sweep", "lemons sweep sweep.toml --csv table.csv"),
+    ("sweep", "lemons sweep sweep.toml -o table.csv"),
     (
         "plot",
         "\

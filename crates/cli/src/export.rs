@@ -10,8 +10,8 @@ use lemons_decision::{Person, WISHES_FILE, Wishes};
 use lemons_files::input;
 use lemons_master::{Fmu, Given, Kind, plan_of};
 use lemons_record::{
-    Area, Positions, Record, chaos, chaos_files, given_area, jupedsim, pedpy_into, series, series_files,
-    trial_at_end, walkable_area,
+    Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy_into, series, series_files, trial_at_end,
+    walkable_area,
 };
 use lemons_trial::Trial;
 use std::io::Write;
@@ -37,6 +37,9 @@ pub struct Arguments {
     /// POLYGON ((x y, …), (hole), …) in metres (well-known text)
     #[arg(long, value_name = "FILE.wkt")]
     area: Option<PathBuf>,
+    /// Tables of the runs that went on from a table (lemons run --resume), in the order of time
+    #[arg(long, value_name = "TABLE")]
+    more: Vec<PathBuf>,
     /// Write only every N-th frame, beginning with the first
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
@@ -89,7 +92,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     let run = if source.is_dir() {
         Record::series(source, need()?)?
     } else {
-        let run = Record::table(source)?;
+        let run = Record::tables(&[std::slice::from_ref(source), &arguments.more[..]].concat())?;
         match &trial {
             Some(trial) => run.of_trial(trial)?,
             None => run,
@@ -116,7 +119,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
         }
         Format::Trial => {
             let before = need()?;
-            let trial = trial_at_end(&run.read(|k| k == last)?, before)?;
+            let trial = trial_at_end(&run, before)?;
             agents = trial.agents.len();
             if agents == 0 {
                 let end = run.times().nth(last).unwrap_or_default();
@@ -158,6 +161,10 @@ impl Arguments {
             bail!("--every is not for --to trial, which takes the last frame");
         }
         expect_table(&self.source)?;
+        self.more.iter().try_for_each(|path| expect_table(path))?;
+        if !self.more.is_empty() && self.source.is_dir() {
+            bail!(Misused("--more is for tables, not for an OutputDirectory".into()));
+        }
         if self.to != Format::Jupedsim && self.area.is_some() {
             bail!("--area is for --to jupedsim: the other formats have no walkable area");
         }
@@ -243,22 +250,14 @@ const LARGEST_AREA: u64 = 16 << 20;
 /// The walkable area: given by an option, or from the walls.
 pub fn area(run: &Record, given: (&str, Option<&Path>), trial: Option<&Trial>) -> Result<Area> {
     let positions = run.positions()?;
-    let area = area_of(&positions, given, trial)?;
-    positions.check().with_context(|| "positions in a temporary file")?;
-    Ok(area)
-}
-
-fn area_of(
-    positions: &Positions,
-    (option, given): (&str, Option<&Path>),
-    trial: Option<&Trial>,
-) -> Result<Area> {
+    let positions = positions.iter().copied();
+    let (option, given) = given;
     if let Some(path) = given {
         let named = || format!("{option} {}", path.display());
         let text = input::read_given_text(path, LARGEST_AREA).with_context(named)?;
-        return given_area(&text, positions.iter()).map_err(|wrong| anyhow!("{}: {wrong}", named()));
+        return given_area(&text, positions).map_err(|wrong| anyhow!("{}: {wrong}", named()));
     }
-    Ok(walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions.iter()))
+    Ok(walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions))
 }
 
 /// Before one of them is written.

@@ -228,15 +228,7 @@ pub fn reads(path: &Path, who: &str) {
 /// # Errors
 /// It is read, another result goes there, or what is there is not to be replaced.
 pub fn claim(path: &Path) -> Result<()> {
-    with(|files| files.claim(path, false))
-}
-
-/// As [`claim`], for a file whose content is kept and continued, or that is put together from what it holds.
-///
-/// # Errors
-/// It is read, or another result goes there.
-pub fn claim_to_go_on(path: &Path) -> Result<()> {
-    with(|files| files.claim(path, true))
+    with(|files| files.claim(path))
 }
 
 /// A file that appears under its name only when it is complete.
@@ -248,13 +240,21 @@ pub fn stage(path: &Path) -> Result<Staged> {
     open(path)
 }
 
-/// As [`stage`] after [`claim_to_go_on`].
+/// As [`stage`], where nothing is there yet.
 ///
 /// # Errors
-/// As those.
-pub fn stage_to_go_on(path: &Path) -> Result<Staged> {
-    claim_to_go_on(path)?;
-    open(path)
+/// As [`stage`], or a file is there, and `--force` is not given.
+pub fn stage_new(path: &Path) -> Result<Staged> {
+    let there =
+        !is_standard_output(path) && path.metadata().is_ok_and(|there| there.is_file() && there.len() > 0);
+    if there && !with(|files| files.force) {
+        bail!(
+            "{}: it is there, and may hold what the saved run has written: give the rows that follow a file of their \
+             own (-o FILE); --force replaces it",
+            path.display()
+        );
+    }
+    stage(path)
 }
 
 /// Opens what was claimed.
@@ -347,7 +347,7 @@ pub fn remember() {
 }
 
 impl Files {
-    fn claim(&mut self, path: &Path, goes_on: bool) -> Result<()> {
+    fn claim(&mut self, path: &Path) -> Result<()> {
         if is_standard_output(path) {
             return Ok(());
         }
@@ -361,7 +361,7 @@ impl Files {
         self.take(path)?;
         let place = only_path(path).with_context(cannot)?;
         let own = identities(path).is_ok_and(|all| all.iter().any(|one| self.goes_on.contains(one)));
-        if let Some(there) = there.as_ref().filter(|_| !goes_on && !own && !self.force)
+        if let Some(there) = there.as_ref().filter(|_| !own && !self.force)
             && let Some(why) = self.why_keep(&place, there.len(), Stamp::of(there))
         {
             bail!("{}: {why}; --force replaces it", cannot());

@@ -34,10 +34,12 @@ pub struct Place {
     pub format: Format,
 }
 
-/// Begins a table, which appears under its name only when it is complete.
-pub fn begin(place: &Place, content: &Content) -> Result<TableWriter<Staged>> {
+/// Begins a table, which appears under its name only when it is complete. That of a run which goes on replaces none:
+/// it may be that of the run before.
+pub fn begin(place: &Place, content: &Content, goes_on: bool) -> Result<TableWriter<Staged>> {
     let Place { path, format } = place;
-    TableWriter::create(files::stage(path)?, path, *format, content).map_err(told)
+    let file = if goes_on { files::stage_new(path) } else { files::stage(path) };
+    TableWriter::create(file?, path, *format, content).map_err(told)
 }
 
 /// Puts a complete table in its place.

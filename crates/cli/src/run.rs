@@ -98,8 +98,8 @@ pub struct Arguments {
     /// Save the state of the run when it ends or is stopped by Ctrl-C; --resume continues it
     #[arg(long, value_name = "FILE.run")]
     state: Option<PathBuf>,
-    /// Continue a saved run of the same Trial, FMU or SSP. Its results go to a table of their own (-o), which begins
-    /// after the last row of the table before; other commands take both
+    /// Continue a saved run of the same Trial, FMU or SSP. What follows goes into tables of its own (-o), which
+    /// lemons measure, plot, movie and export read together with those of the saved run
     #[arg(long, value_name = "FILE.run")]
     resume: Option<PathBuf>,
     #[command(flatten)]
@@ -282,35 +282,44 @@ fn interrupted(why: String) -> Error {
 }
 
 /// Prepares a run of a Trial, an FMU or an SSP.
-fn prepare(settings: &Settings, outputs: Option<&Place>, about: &About) -> Result<Prepared> {
+fn prepare(settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
     let runs = [Kind::Trial, Kind::Fmu, Kind::Ssp, Kind::Archive];
     Kind::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
     match Given::find(&settings.input)? {
-        Some(given) => trial::prepare(&given, settings, outputs, about),
+        Some(given) => trial::prepare(&given, settings, outputs),
         None => fmus::prepare(settings, |system, others, clock, every| match outputs {
-            Some(place) => outputs::Outputs::create(system, others, place, &about.of(clock, every)),
+            Some(place) => outputs::Outputs::create(
+                system,
+                others,
+                place,
+                &About::of(clock, every, settings.resume.is_some()),
+            ),
             None => Ok(None),
         }),
     }
 }
 
-/// What a table says of the program that wrote it.
-struct About(String);
+/// What tables say of a run.
+struct About {
+    lines: Vec<(&'static str, String)>,
+    /// Whether a saved run goes on: then no table is replaced, which may be one of the run before.
+    goes_on: bool,
+}
 
 impl About {
-    fn of(&self, clock: &Clock, every: u64) -> Vec<(&'static str, String)> {
-        vec![
-            ("lemons_version", self.0.clone()),
+    fn of(clock: &Clock, every: u64, goes_on: bool) -> About {
+        let lines = vec![
+            ("lemons_version", BUILD.whole()),
             ("communication_step", format!("{:?}", clock.step)),
             ("every", every.to_string()),
-        ]
+        ];
+        About { lines, goes_on }
     }
 }
 
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
 pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let Job { settings, rows, outputs, state, ends, mut poses } = job;
-    let about = About(BUILD.whole());
     let Prepared {
         mut subject,
         crowds,
@@ -324,7 +333,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         drive_end,
         identity,
         before,
-    } = prepare(&settings, outputs.as_ref(), &about)?;
+    } = prepare(&settings, outputs.as_ref())?;
     subject.take_warnings().iter().for_each(|warning| note!("{warning}"));
     coupling.push(format!("communication step {:>10} s", clock.step));
     if matches!(poses, Poses::Keep | Poses::Compare(..)) && mechanical_steps.is_empty() {
@@ -335,10 +344,10 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     if before.is_none() {
         output_directories.iter().try_for_each(|path| claim_series(path))?;
     }
+    let about = About::of(&clock, every, before.is_some());
     let mut recorders = Vec::with_capacity(crowds.len());
     for crowd in &crowds {
         let to = if crowds.len() > 1 { rows.named(&crowd.component)? } else { rows.clone() };
-        let about = about.of(&clock, every);
         recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), &mut poses)?);
     }
     let stop = match ends {
@@ -373,7 +382,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
             let Identity { algorithm, wiring, drive } = identity;
             let saved = Saved {
                 format: Saved::FORMAT,
-                lemons: writers(before.as_ref().map_or("", |before| &before.lemons), &about.0),
+                lemons: writers(before.as_ref().map_or("", |before| &before.lemons), &BUILD.whole()),
                 start: clock.start,
                 step: clock.step,
                 until: clock.until,

@@ -1,6 +1,5 @@
 //! `lemons sweep`: many runs with other parameters.
 
-use crate::error::Misused;
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::tell::Interim;
@@ -8,7 +7,7 @@ use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_sweep::{Directory, Finished, How, Progress, Spec, Swept, sweep as run};
+use lemons_sweep::{Finished, How, Progress, Spec, Swept, sweep as run};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -19,9 +18,9 @@ pub struct Arguments {
     /// The sweep: what is simulated, with which parameters, and what is measured
     #[arg(value_name = "FILE.toml")]
     spec: PathBuf,
-    /// Directory for the results. If it already holds a part of this sweep, the sweep continues.
-    /// Default: the name of FILE.toml without its extension
-    #[arg(short, long, value_name = "DIRECTORY")]
+    /// Table of the results. If it already holds a part of this sweep, the sweep continues.
+    /// Default: the name of FILE.toml with the extension .csv
+    #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
     /// Number of points that are simulated at the same time. Default: one for each processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
@@ -29,9 +28,6 @@ pub struct Arguments {
     /// Simulate failed points again
     #[arg(long)]
     retry_failed: bool,
-    /// Write the table of results as CSV, too
-    #[arg(long, value_name = "FILE.csv")]
-    csv: Option<PathBuf>,
     #[command(flatten)]
     _force: Force,
 }
@@ -115,16 +111,13 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let spec = Spec::read(&arguments.spec)?;
     let output = match &arguments.output {
         Some(output) => output.clone(),
-        None => arguments.spec.with_extension(""),
+        None => arguments.spec.with_extension("csv"),
     };
-    if output == arguments.spec {
-        bail!(Misused(format!("{}: give a directory: -o", output.display())));
-    }
     let who = arguments.spec.display().to_string();
     spec.inputs.iter().for_each(|path| files::reads(path, &who));
+    // What is there is gone on with, or refused.
     files::claim_directory(&output)?;
     claim_series(&spec)?;
-    arguments.csv.as_deref().map(files::claim_and_try).transpose()?;
     let threads = match arguments.threads {
         Some(threads) => usize::from(threads),
         None => std::thread::available_parallelism().map_or(1, usize::from),
@@ -156,7 +149,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let may_end = spec.may_end();
     let done = run(spec, &output, how, interrupt.flag(), tell);
     bar.finish_and_clear();
-    let Swept { directory: kept, progress: at, warnings } = match (done, newest.get()) {
+    let Swept { rows, progress: at, warnings } = match (done, newest.get()) {
         (Ok(done), _) => done,
         (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
         (Err(lemons_sweep::Error::Master(error)), None) => return Err(trial_told(error.into())),
@@ -169,14 +162,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     for warning in &warnings {
         note!("note: {warning} (drive = false: only these)");
     }
-    // Written before anything is said: who closes the pipe early has the file nevertheless.
-    if let (Some(path), true) = (&arguments.csv, at.done == at.total) {
-        let written = files::open(path).and_then(|file| Ok(kept.write_csv(file)?));
-        written.with_context(|| {
-            format!("cannot write {}; all points are kept in {}", path.display(), output.display())
-        })?;
-    }
-    let told = summary(&kept, at, wall, threads, may_end);
+    let told = summary(&rows, at, wall, threads, may_end);
     if at.done < at.total {
         let go_on =
             format!("{} of {} points are finished and kept; go on with the same command", at.done, at.total);
@@ -187,10 +173,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         bail!("none of the {} points succeeded: {again}", at.total);
     }
     told?;
-    if let Some(path) = &arguments.csv {
-        say!("table as CSV       {}", path.display())?;
-    }
-    Ok(())
+    Ok(say!("table              {}", output.display())?)
 }
 
 /// Claims the directories where points write files themselves.
@@ -211,7 +194,7 @@ fn numbers(at: Progress) -> String {
     )
 }
 
-fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {
+fn summary(rows: &[Finished], at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {
     let new = at.done - at.before;
     say!("points             {:>10}     ({new} now, {} before)", at.total, at.before)?;
     say!("succeeded          {:>10}", at.done - at.failed)?;
@@ -219,7 +202,6 @@ fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize, may_end: b
     if at.done < at.total {
         say!("not simulated      {:>10}", at.total - at.done)?;
     }
-    let rows = kept.read()?;
     // When a point ended by itself comes after its measures.
     let on = |row: &&Finished| matches!(row.outcome.as_ref().map(|values| values.last()), Ok(Some(None)));
     match rows.iter().filter(on).count() {
@@ -232,7 +214,7 @@ fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize, may_end: b
     if new > 0 {
         say!("points per second  {:>10.2}", new as f64 / wall)?;
     }
-    let failed: Vec<Finished> = rows.into_iter().filter(|row| row.outcome.is_err()).collect();
+    let failed: Vec<&Finished> = rows.iter().filter(|row| row.outcome.is_err()).collect();
     for Finished { point, outcome } in failed.iter().take(SHOWN) {
         if let Err(message) = outcome {
             say!("point {point:<6}       {}", message.lines().next().unwrap_or_default())?;
@@ -240,9 +222,6 @@ fn summary(kept: &Directory, at: Progress, wall: f64, threads: usize, may_end: b
     }
     if failed.len() > SHOWN {
         say!("                   … and {} more, see the column error", failed.len() - SHOWN)?;
-    }
-    if at.done == at.total {
-        say!("table              {}", kept.table().display())?;
     }
     Ok(())
 }

@@ -1,12 +1,11 @@
-//! Writes the seeds that no editor writes: tables in Parquet and saved runs, into the directory of the corpora:
+//! Writes the seeds that no editor writes: saved runs, into the directory of the corpora:
 //! `cargo run -p lemons-fuzz-targets --example seeds -- fuzz/corpus`.
 
-use lemons_columns::{Cell, Column, Kind, Writer};
 use lemons_files::Staged;
 use lemons_master::{ComponentRecord, CrowdRecord, Saved};
 use lemons_sim::{ExposureSum, Extremes, Greatest};
 use std::error::Error;
-use std::fs::{self, File};
+use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use zip::CompressionMethod::Stored;
@@ -17,67 +16,7 @@ type Done = Result<(), Box<dyn Error>>;
 
 fn main() -> Done {
     let corpora = PathBuf::from(std::env::args_os().nth(1).ok_or("which directory has the corpora?")?);
-    tables(&corpora.join("table_parquet"))?;
     runs(&corpora.join("run_file"))
-}
-
-const NUMBERS: [(&str, &str); 7] =
-    [("t", "s"), ("x", "m"), ("y", "m"), ("vx", "m/s"), ("vy", "m/s"), ("theta", "rad"), ("omega", "rad/s")];
-const COUNTS: [&str; 3] = ["agent_contacts", "wall_contacts", "contacting_agents"];
-const SQUEEZE: [(&str, &str); 4] =
-    [("normal_force", "N"), ("mean_normal_force", "N"), ("peak_normal_force", "N"), ("peak_overlap", "m")];
-
-fn tables(directory: &Path) -> Done {
-    fs::create_dir_all(directory)?;
-    let column = |name: &str, kind, unit: Option<&str>| Column {
-        name: name.to_owned(),
-        kind,
-        optional: false,
-        repeats: kind == Kind::Text,
-        about: unit.map(|unit| ("unit", unit.to_owned())).into_iter().collect(),
-    };
-    let numbers = |kind| NUMBERS.map(|(name, unit)| column(name, kind, Some(unit)));
-    let row = |k: usize| NUMBERS.map(|(name, _)| Cell::Real(if name == "t" { (k / 2) as f64 } else { 0.5 }));
-    let table = |name: &str, columns: &[Column], rows: &[Vec<Cell<'_>>]| -> Done {
-        let file = File::create(directory.join(name))?;
-        let mut out = Writer::create(file, columns, &[("program", "seeds".into())])?;
-        for row in rows {
-            out.row(row.iter().copied())?;
-        }
-        out.finish()?;
-        Ok(())
-    };
-
-    let text = column("id", Kind::Text, None);
-    let of_text = [std::slice::from_ref(&text), &numbers(Kind::Real)[..]].concat();
-    let ids = ["a", "b"];
-    let rows: Vec<Vec<Cell<'_>>> =
-        (0..4).map(|k| [&[Cell::Text(ids[k % 2])], &row(k)[..]].concat()).collect();
-    table("plain", &of_text, &rows)?;
-    table("empty", &of_text, &[])?;
-    table("one_is_missing", &of_text, &rows[..3])?;
-    table("no_omega", &of_text[..7], &rows.iter().map(|row| row[..7].to_vec()).collect::<Vec<_>>())?;
-
-    let mut columns = of_text.clone();
-    columns.extend(COUNTS.map(|name| column(name, Kind::Integer, None)));
-    columns.extend(SQUEEZE.map(|(name, unit)| column(name, Kind::Real, Some(unit))));
-    let more = [[Cell::Integer(1); 3].as_slice(), &[Cell::Real(2.5); 4]].concat();
-    let seen: Vec<Vec<Cell<'_>>> = rows.iter().map(|row| [&row[..], &more].concat()).collect();
-    table("of_step", &columns, &seen)?;
-    table("observed", &columns[..12], &seen.iter().map(|row| row[..12].to_vec()).collect::<Vec<_>>())?;
-
-    let whole = [&[column("id", Kind::Long, None)], &numbers(Kind::Integer)[..]].concat();
-    let rows: Vec<Vec<Cell<'_>>> =
-        (0..3).map(|k| [&[Cell::Long(7)], &NUMBERS.map(|_| Cell::Integer(k))[..]].concat()).collect();
-    table("whole_numbers", &whole, &rows)?;
-
-    let mut optional = of_text;
-    optional.iter_mut().for_each(|column| column.optional = true);
-    optional.push(column("further", Kind::Boolean, None));
-    let rows = [[&[Cell::Text("a")], &row(0)[..], &[Cell::Boolean(true)]].concat()];
-    table("optional", &optional, &rows)?;
-    let gap = [[&[Cell::Text("a")], &row(0)[..6], &[Cell::Missing, Cell::Boolean(true)]].concat()];
-    table("no_value", &optional, &gap)
 }
 
 /// The first byte says what the target makes of the others: 0 an archive, 1 its `run.toml`.

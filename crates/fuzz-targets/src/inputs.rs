@@ -14,7 +14,7 @@ use lemons_record::{
     chaos_files, pedpy,
 };
 use lemons_sim::Clock;
-use lemons_sweep::{Directory, Finished, Points, Spec, Values};
+use lemons_sweep::{Finished, Points, Spec, Table, Values};
 use lemons_trial::{DriveChoice, DriveTable};
 use std::collections::HashSet;
 use std::fs::File;
@@ -102,29 +102,10 @@ fn drives(drive: &DriveTable, agent: &str) {
     }
 }
 
-/// A table as text.
+/// A table as text. Parquet is read by a crate of its own.
 pub fn table_csv(data: &[u8]) {
     if !data.starts_with(b"PAR1") {
         table(data);
-    }
-}
-
-/// A table in Parquet, whether it begins like one or not.
-pub fn table_parquet(data: &[u8]) {
-    static ONCE: std::sync::Once = std::sync::Once::new();
-    // The reader catches the panics of the crate that it uses; the fuzzer's hook would abort before. A panic that
-    // nobody catches still ends the fuzzer.
-    ONCE.call_once(|| {
-        std::panic::set_hook(Box::new(|panic| {
-            if panic.location().is_none_or(|place| !place.file().contains("/parquet-")) {
-                eprintln!("{panic}");
-            }
-        }));
-    });
-    if data.starts_with(b"PAR1") {
-        table(data);
-    } else {
-        table(&[b"PAR1", data].concat());
     }
 }
 
@@ -157,10 +138,7 @@ fn table(data: &[u8]) {
             "{row:?}"
         );
     }
-    // Text has no blanks around an Id.
-    let trimmed = run.ids.iter().all(|id| id.trim() == id);
-    let ways: &[fn(&Run, &Path) -> bool] =
-        if trimmed { &[as_csv, as_csv_with_units, as_parquet] } else { &[as_parquet] };
+    let ways: [fn(&Run, &Path) -> bool; 3] = [as_csv, as_csv_with_units, as_parquet];
     for write in ways {
         let again = directory.path().join("again");
         if !write(&run, &again) {
@@ -394,35 +372,27 @@ fn as_points(points: &Points, path: &Path) {
     out.flush().expect("a file");
 }
 
-/// What such a sweep measures stays in its directory: in parts, in one table, and when it is opened again.
+/// What such a sweep measures stays in its table, and when it is opened again.
 fn kept(points: &Points, measures: &[String], path: &Path) {
     let outcome = |point: usize| match point % 3 {
-        2 => Err("it \"fell\",\nbadly".to_owned()),
+        2 => Err("it \"fell\", badly".to_owned()),
         way => Ok((0..measures.len()).map(|k| (k % 2 == way).then_some(point as f64 / 3.0)).collect()),
     };
     let rows: Vec<Finished> =
         (0..points.count).map(|point| Finished { point, outcome: outcome(point) }).collect();
     let open = || {
-        let directory = Directory::open(path, Default::default(), points, measures, "a fuzzer");
-        directory.unwrap_or_else(|error| panic!("{error:?}"))
+        let table = Table::open(path, &Default::default(), points, measures);
+        table.unwrap_or_else(|error| panic!("{error:?}"))
     };
-    let directory = open();
+    let mut table = open();
     let (before, after) = rows.split_at(rows.len() / 2);
     for part in [after, before] {
-        directory.add(part).unwrap_or_else(|error| panic!("{error:?}"));
+        table.add(part).unwrap_or_else(|error| panic!("{error:?}"));
     }
-    let read = |directory: &Directory| directory.read().unwrap_or_else(|error| panic!("{error:?}"));
-    assert_eq!(read(&directory), rows);
-    directory.finish(&rows).unwrap_or_else(|error| panic!("{error:?}"));
-    assert_eq!(read(&directory), rows);
-    drop(directory);
-    let directory = open();
-    assert_eq!(read(&directory), rows);
-    let text = path.with_extension("csv");
-    directory.write_csv(Staged::beside(&text).expect("a file")).unwrap_or_else(|error| panic!("{error:?}"));
-    let lines = csv::Reader::from_path(&text).expect("a file").into_records();
-    let width = 1 + points.columns.len() + measures.len() + 2;
-    assert_eq!(lines.map(|row| row.expect("a row").len()).collect::<Vec<_>>(), vec![width; rows.len()]);
+    drop(table);
+    assert!(open().rows().eq(&rows));
+    assert_eq!(open().finish().unwrap_or_else(|error| panic!("{error:?}")), rows);
+    assert!(open().rows().eq(&rows));
 }
 
 /// A `.run` file: the bytes themselves, or, after an odd byte, an archive in which they are `run.toml` and that has the

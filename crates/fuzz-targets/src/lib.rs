@@ -10,7 +10,7 @@
 //! - `ssp_archive`: any bytes as an `.ssp`, as its structure, or as an FMU's interface
 //! - `decision_toml`: any text as wishes or as a plan
 //! - `drive_csv`: any bytes as a drive file
-//! - `table_csv`, `table_parquet`: any bytes as the table of a run
+//! - `table_csv`: any bytes as the table of a run
 //! - `sweep_toml`: any text as a `sweep.toml`, any bytes as the table of points that it names
 //! - `run_file`: any bytes as a saved run, or as its `run.toml`
 //! - `light_xml`: any text as a light XML file
@@ -24,7 +24,7 @@ mod models;
 
 use calls::{calls, states};
 use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
-use inputs::{drive_csv, light_xml, run_file, sweep_toml, table_csv, table_parquet};
+use inputs::{drive_csv, light_xml, run_file, sweep_toml, table_csv};
 use lemons_testing::Version;
 use models::Subject;
 
@@ -32,7 +32,7 @@ use models::Subject;
 pub type Target = fn(&[u8]);
 
 /// The targets, by the names of their fuzzers and of the directories of their inputs.
-pub const TARGETS: [(&str, Target); 16] = [
+pub const TARGETS: [(&str, Target); 15] = [
     ("fmi_calls", |data| calls(Subject::Crowd, Version::V2, data)),
     ("decision_calls", |data| calls(Subject::Decision, Version::V2, data)),
     ("states", |data| states(Version::V2, data)),
@@ -45,7 +45,6 @@ pub const TARGETS: [(&str, Target); 16] = [
     ("decision_toml", decision_toml),
     ("drive_csv", drive_csv),
     ("table_csv", table_csv),
-    ("table_parquet", table_parquet),
     ("sweep_toml", sweep_toml),
     ("run_file", run_file),
     ("light_xml", light_xml),

@@ -87,6 +87,6 @@ fn states() {
 fn files() {
     let others = TARGETS.iter().map(|(name, _)| *name).filter(|name| !name.contains("calls"));
     let others: Vec<&str> = others.filter(|name| !name.starts_with("states")).collect();
-    assert_eq!(others.len(), 10);
+    assert_eq!(others.len(), 9);
     replay(&others);
 }

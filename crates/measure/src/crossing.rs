@@ -2,6 +2,7 @@
 
 use crate::density::FARTHEST;
 use lemons_plane::{Vec2, segments_touch, turn, vec2};
+use serde::Deserialize;
 
 /// A straight line across which people are counted; it has two ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,7 +14,8 @@ pub struct Line {
 }
 
 /// A direction across a line, as somebody sees it who stands at the line's beginning and looks at its end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Way {
     /// From the left to the right.
     Right,

@@ -4,6 +4,7 @@ use crate::present;
 use crate::voronoi::{Room, Shape, area, contour, intersection};
 use lemons_plane::{Bounds, Ring, Vec2, vec2};
 use lemons_record::Frame;
+use serde::Serialize;
 
 /// \[m\] From the origin. Further away, cells and their parts have rounding errors that are not seen.
 pub(crate) const FARTHEST: f64 = 1e6;
@@ -18,18 +19,19 @@ pub struct MeasuringArea {
     bounds: Bounds,
 }
 
-/// A crowd in an area at one time.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A crowd in an area at one time. The names of the fields are those of the numbers in files.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Density {
     /// \[s\]
+    #[serde(skip)]
     pub time: f64,
     /// People whose centre of mass is in the area.
     pub people: usize,
     /// \[1/m²\] Their number over the area.
-    pub classic: f64,
+    pub density: f64,
     /// \[1/m²\] Of each person the part of the Voronoi cell that is in the area; the sum over the area. `None` without a
     /// room.
-    pub voronoi: Option<f64>,
+    pub voronoi_density: Option<f64>,
     /// \[m/s\] Mean speed of those in the area; `None` without any.
     pub speed: Option<f64>,
 }
@@ -72,7 +74,7 @@ impl MeasuringArea {
         let inside = there.iter().filter(|motion| self.ring.contains(motion.pose.position));
         let speeds: Vec<f64> = inside.map(|motion| motion.twist.velocity.norm()).collect();
         let people: Vec<Vec2> = there.iter().map(|motion| motion.pose.position).collect();
-        let voronoi = room.map(|room| {
+        let voronoi_density = room.map(|room| {
             let cells = room.cells(&people, self.bounds).into_iter().flatten();
             // A cell without area is that of somebody outside of the room, or squeezed into a corner of the polygon.
             let parts = cells.filter(|cell| cell.area > 0.0).map(|cell| {
@@ -86,8 +88,8 @@ impl MeasuringArea {
         Density {
             time: frame.time,
             people: count,
-            classic: count as f64 / self.area(),
-            voronoi,
+            density: count as f64 / self.area(),
+            voronoi_density,
             speed: (count > 0).then(|| speeds.iter().sum::<f64>() / count as f64),
         }
     }
@@ -119,17 +121,17 @@ mod tests {
         // Its rim cuts cells, which the classic density cannot see.
         let area = MeasuringArea::inside(square(1.1, 3.7)).unwrap();
         let seen = area.measure(&frame(&places), Some(&room));
-        assert!((seen.voronoi.unwrap() - 4.0).abs() < 1e-6, "{seen:?}");
-        assert_eq!((seen.people, seen.classic), (25, 25.0 / area.area()));
+        assert!((seen.voronoi_density.unwrap() - 4.0).abs() < 1e-6, "{seen:?}");
+        assert_eq!((seen.people, seen.density), (25, 25.0 / area.area()));
         // |v| = x / 2, of x = 1.25, 1.75, …, 3.25.
         assert!((seen.speed.unwrap() - 1.125).abs() < 1e-12);
         let nobody = area.measure(&frame(&[]), Some(&room));
-        assert_eq!((nobody.people, nobody.voronoi, nobody.speed), (0, Some(0.0), None));
+        assert_eq!((nobody.people, nobody.voronoi_density, nobody.speed), (0, Some(0.0), None));
         // Printed, it was -0.0; also where people are, but not in the area.
         let elsewhere = MeasuringArea::inside(square(0.0, 1.0)).unwrap();
         let elsewhere = elsewhere.measure(&frame(&[(4.5, 4.5), (0.5, 3.5), (3.5, 0.5)]), Some(&room));
-        assert!(elsewhere.people == 0 && elsewhere.voronoi.unwrap() > 0.0, "{elsewhere:?}");
-        assert!(nobody.voronoi.unwrap().is_sign_positive());
+        assert!(elsewhere.people == 0 && elsewhere.voronoi_density.unwrap() > 0.0, "{elsewhere:?}");
+        assert!(nobody.voronoi_density.unwrap().is_sign_positive());
     }
 
     #[test]
@@ -138,12 +140,12 @@ mod tests {
         let area = MeasuringArea::inside(square(0.0, 5.0)).unwrap();
         let seen = area.measure(&frame(&[(1.0, 1.0), (f64::NAN, f64::NAN)]), Some(&room));
         assert!(
-            (seen.people, seen.classic) == (1, 0.04) && (seen.voronoi.unwrap() - 0.04).abs() < 1e-9,
+            (seen.people, seen.density) == (1, 0.04) && (seen.voronoi_density.unwrap() - 0.04).abs() < 1e-9,
             "{seen:?}"
         );
         // Two at one place are two.
         let seen = area.measure(&frame(&[(1.0, 1.0), (1.0, 1.0)]), Some(&room));
-        assert!((seen.voronoi.unwrap() - 0.08).abs() < 1e-9, "{seen:?}");
+        assert!((seen.voronoi_density.unwrap() - 0.08).abs() < 1e-9, "{seen:?}");
     }
 
     #[test]

@@ -5,8 +5,9 @@ use crate::flow::Flow;
 use crate::passages::Passages;
 use serde::Serialize;
 
-/// Who crossed a line in a direction. What is not known is `None`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Who crossed a line in a direction. What is not known is `None`. The names of the fields are those of the numbers in
+/// files.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Crossings {
     /// Its name.
     pub direction: &'static str,
@@ -60,7 +61,7 @@ impl Crossings {
 }
 
 /// Mean and greatest of values over time.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct MeanMax {
     /// All values count the same.
     pub mean: f64,

@@ -1,15 +1,13 @@
 //! The one table of what is recorded of a crowd. Tables, exports, sweeps and pictures take names, units and words from
 //! it; `tests/columns.csv` is the same for programs in other languages.
 
-pub use lemons_columns::Kind;
-
-/// Every quantity of the table of a run.
-pub(crate) fn all() -> impl Iterator<Item = &'static Quantity> {
-    MOTION.iter().chain(&CONTACTS).chain([&SQUEEZE]).chain(&OF_STEP).chain([&ACTIVE]).chain(&TOTALS)
-}
+use crate::cell::Cell;
+pub use crate::cell::Kind;
+use crate::run::{Observed, OfStep, Totals};
+use lemons_plane::Motion;
 
 /// A column of the table of a run, which is an output of the FMU.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Quantity {
     /// Name of the column, for example `normal_force`.
     pub name: &'static str,
@@ -19,6 +17,8 @@ pub struct Quantity {
     pub unit: Option<&'static str>,
     /// What it is, in a few words.
     pub description: &'static str,
+    /// Its value in a row.
+    pub(crate) field: fn(&mut AgentRow) -> Field<'_>,
 }
 
 impl Quantity {
@@ -28,13 +28,69 @@ impl Quantity {
     }
 }
 
+/// One agent at one time: a row of the table. What is not recorded has its default.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct AgentRow {
+    pub motion: Motion,
+    pub observed: Observed,
+    pub of_step: OfStep,
+    pub active: bool,
+    pub totals: Totals,
+}
+
+/// A value in a row. Its type says which numbers it can be.
+pub(crate) enum Field<'a> {
+    /// Finite.
+    Real(&'a mut f64),
+    /// Finite, not negative.
+    Size(&'a mut f64),
+    Count(&'a mut u32),
+    /// 1 or 0.
+    Flag(&'a mut bool),
+}
+
+impl Field<'_> {
+    /// Sets the value.
+    ///
+    /// # Errors
+    /// What the number must be.
+    pub fn set(self, number: f64) -> Result<(), &'static str> {
+        match self {
+            Field::Real(value) if number.is_finite() => *value = number,
+            Field::Size(value) if number.is_finite() && number >= 0.0 => *value = number,
+            Field::Count(value) if number == f64::from(number as u32) => *value = number as u32,
+            Field::Flag(value) if number == 0.0 || number == 1.0 => *value = number == 1.0,
+            Field::Real(_) => return Err("a finite number"),
+            Field::Size(_) => return Err("a finite number from 0 on"),
+            Field::Count(_) => return Err("a valid number of contacts"),
+            Field::Flag(_) => return Err("1 (there) or 0 (left)"),
+        }
+        Ok(())
+    }
+
+    /// Returns the value as a cell.
+    ///
+    /// # Errors
+    /// A count that is larger than the integers of tables.
+    pub fn cell<'a>(self) -> Result<Cell<'a>, String> {
+        match self {
+            Field::Real(value) | Field::Size(value) => Ok(Cell::Real(*value)),
+            Field::Count(value) => i32::try_from(*value)
+                .map(Cell::Integer)
+                .map_err(|_| format!("has {value} contacts, which is too many")),
+            Field::Flag(value) => Ok(Cell::Integer((*value).into())),
+        }
+    }
+}
+
 const fn quantity(
     name: &'static str,
     variable: &'static str,
     unit: Option<&'static str>,
     description: &'static str,
+    field: fn(&mut AgentRow) -> Field<'_>,
 ) -> Quantity {
-    Quantity { name, variable, unit, description }
+    Quantity { name, variable, unit, description, field }
 }
 
 /// \[s\] Column of the time of the communication point. Every table begins with it.
@@ -42,71 +98,117 @@ pub const TIME: &str = "t";
 /// Column of the agent's Id.
 pub const ID: &str = "id";
 
-/// \[m\] x of the centre of mass.
-pub const X: Quantity = quantity("x", "Position.x", Some("m"), "x of the centre of mass");
-/// \[m\] y of the centre of mass.
-pub const Y: Quantity = quantity("y", "Position.y", Some("m"), "y of the centre of mass");
-/// \[m/s\] Velocity of the centre of mass along x.
-pub const VX: Quantity = quantity("vx", "Velocity.x", Some("m/s"), "velocity along x");
-/// \[m/s\] Velocity of the centre of mass along y.
-pub const VY: Quantity = quantity("vy", "Velocity.y", Some("m/s"), "velocity along y");
-/// \[rad\] Angle from the x axis to the gaze, counter-clockwise.
-pub const THETA: Quantity =
-    quantity("theta", "Theta", Some("rad"), "orientation: angle from the x axis to the gaze");
-/// \[rad/s\] Angular velocity.
-pub const OMEGA: Quantity = quantity("omega", "Omega", Some("rad/s"), "angular velocity");
-/// Number of contacts of the agent's disks with disks of other agents.
-pub const AGENT_CONTACTS: Quantity =
-    quantity("agent_contacts", "AgentContacts", None, "contacts of the agent's disks with disks of others");
-/// Number of contacts of the agent's disks with faces of walls.
-pub const WALL_CONTACTS: Quantity =
-    quantity("wall_contacts", "WallContacts", None, "contacts of the agent's disks with faces of walls");
-/// Number of other agents that touch the agent.
-pub const CONTACTING_AGENTS: Quantity =
-    quantity("contacting_agents", "ContactingAgents", None, "how many other agents touch the agent");
+/// Pose and velocity of an agent.
+pub const MOTION: [Quantity; 6] = [
+    quantity("x", "Position.x", Some("m"), "x of the centre of mass", |row| {
+        Field::Real(&mut row.motion.pose.position.x)
+    }),
+    quantity("y", "Position.y", Some("m"), "y of the centre of mass", |row| {
+        Field::Real(&mut row.motion.pose.position.y)
+    }),
+    quantity("vx", "Velocity.x", Some("m/s"), "velocity along x", |row| {
+        Field::Real(&mut row.motion.twist.velocity.x)
+    }),
+    quantity("vy", "Velocity.y", Some("m/s"), "velocity along y", |row| {
+        Field::Real(&mut row.motion.twist.velocity.y)
+    }),
+    quantity("theta", "Theta", Some("rad"), "orientation: angle from the x axis to the gaze", |row| {
+        Field::Real(&mut row.motion.pose.orientation)
+    }),
+    quantity("omega", "Omega", Some("rad/s"), "angular velocity", |row| {
+        Field::Real(&mut row.motion.twist.angular_velocity)
+    }),
+];
+
+/// What an agent touches at the time.
+pub const CONTACTS: [Quantity; 3] = [
+    quantity(
+        "agent_contacts",
+        "AgentContacts",
+        None,
+        "contacts of the agent's disks with disks of others",
+        |row| Field::Count(&mut row.observed.agent_contacts),
+    ),
+    quantity(
+        "wall_contacts",
+        "WallContacts",
+        None,
+        "contacts of the agent's disks with faces of walls",
+        |row| Field::Count(&mut row.observed.wall_contacts),
+    ),
+    quantity("contacting_agents", "ContactingAgents", None, "how many other agents touch the agent", |row| {
+        Field::Count(&mut row.observed.contacting_agents)
+    }),
+];
+
 /// \[N\] Squeeze at the time: sum of |F_n| over the agent's contacts.
 pub const SQUEEZE: Quantity = quantity(
     "normal_force",
     "NormalForce",
     Some("N"),
     "squeeze at this time: sum of the normal forces |F_n| of the agent's contacts",
-);
-/// \[N\] Time average of the squeeze since the row before: over one communication step, or over N (`--every N`).
-pub const MEAN_SQUEEZE: Quantity =
-    quantity("mean_normal_force", "MeanNormalForce", Some("N"), "mean squeeze since the row before");
-/// \[N\] Largest squeeze since the row before.
-pub const PEAK_SQUEEZE: Quantity =
-    quantity("peak_normal_force", "PeakNormalForce", Some("N"), "largest squeeze since the row before");
-/// \[m\] Deepest overlap since the row before.
-pub const PEAK_OVERLAP: Quantity =
-    quantity("peak_overlap", "PeakOverlap", Some("m"), "deepest overlap of a contact since the row before");
-/// 1 if the agent is there, 0 if not: it touches nothing and stands where it was last.
-pub const ACTIVE: Quantity =
-    quantity("active", "Active", None, "1 if the agent is there, 0 if it has left and touches nothing");
-/// Number of contacts between disks of the crowd, each pair once.
-pub const TOTAL_AGENT_CONTACTS: Quantity = quantity(
-    "total_agent_contacts",
-    "AgentContacts",
-    None,
-    "contacts between disks of the crowd, each pair once",
-);
-/// Number of contacts between disks of the crowd and faces of walls.
-pub const TOTAL_WALL_CONTACTS: Quantity = quantity(
-    "total_wall_contacts",
-    "WallContacts",
-    None,
-    "contacts between disks of the crowd and faces of walls",
+    |row| Field::Size(&mut row.observed.normal_force),
 );
 
-/// Pose and velocity of an agent.
-pub const MOTION: [Quantity; 6] = [X, Y, VX, VY, THETA, OMEGA];
-/// What an agent touches at the time.
-pub const CONTACTS: [Quantity; 3] = [AGENT_CONTACTS, WALL_CONTACTS, CONTACTING_AGENTS];
-/// What an agent's contacts did since the row before. FMUs of the first versions have
-/// none of these outputs.
-pub const OF_STEP: [Quantity; 3] = [MEAN_SQUEEZE, PEAK_SQUEEZE, PEAK_OVERLAP];
+/// What an agent's contacts did since the row before: over one communication step, or over N (`--every N`). FMUs of the
+/// first versions have none of these outputs.
+pub const OF_STEP: [Quantity; 3] = [
+    quantity("mean_normal_force", "MeanNormalForce", Some("N"), "mean squeeze since the row before", |row| {
+        Field::Size(&mut row.of_step.mean_normal_force)
+    }),
+    quantity(
+        "peak_normal_force",
+        "PeakNormalForce",
+        Some("N"),
+        "largest squeeze since the row before",
+        |row| Field::Size(&mut row.of_step.peak_normal_force),
+    ),
+    quantity(
+        "peak_overlap",
+        "PeakOverlap",
+        Some("m"),
+        "deepest overlap of a contact since the row before",
+        |row| Field::Size(&mut row.of_step.peak_overlap),
+    ),
+];
+
+/// \[N\] Time average of the squeeze since the row before.
+pub const MEAN_SQUEEZE: Quantity = OF_STEP[0];
+
+/// 1 if the agent is there, 0 if not: it touches nothing and stands where it was last.
+pub const ACTIVE: Quantity = quantity(
+    "active",
+    "Active",
+    None,
+    "1 if the agent is there, 0 if it has left and touches nothing",
+    |row| Field::Flag(&mut row.active),
+);
+
 /// Of the whole crowd at the time; the same in each row of it.
-pub const TOTALS: [Quantity; 2] = [TOTAL_AGENT_CONTACTS, TOTAL_WALL_CONTACTS];
+pub const TOTALS: [Quantity; 2] = [
+    quantity(
+        "total_agent_contacts",
+        "AgentContacts",
+        None,
+        "contacts between disks of the crowd, each pair once",
+        |row| Field::Count(&mut row.totals.agent_contacts),
+    ),
+    quantity(
+        "total_wall_contacts",
+        "WallContacts",
+        None,
+        "contacts between disks of the crowd and faces of walls",
+        |row| Field::Count(&mut row.totals.wall_contacts),
+    ),
+];
+
+/// Every quantity of the table of a run.
+const ALL: Groups = Groups { contacts: true, of_step: true, active: true, totals: true };
+
+/// Returns the quantity with this name.
+pub fn named(name: &str) -> Option<&'static Quantity> {
+    ALL.quantities().find(|quantity| quantity.name == name)
+}
 
 /// Which columns the table of a crowd has besides time, Id and motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -130,7 +232,7 @@ impl Groups {
     }
 
     /// The quantities of an agent, in the order of the columns.
-    pub fn of_agent(self) -> impl Iterator<Item = &'static Quantity> {
+    fn of_agent(self) -> impl Iterator<Item = &'static Quantity> {
         let contacts = CONTACTS.iter().chain([&SQUEEZE]).filter(move |_| self.contacts);
         let of_step = OF_STEP.iter().filter(move |_| self.contacts && self.of_step);
         let active = [&ACTIVE].into_iter().filter(move |_| self.active);
@@ -138,8 +240,13 @@ impl Groups {
     }
 
     /// The quantities of the whole crowd, which come last.
-    pub fn of_crowd(self) -> impl Iterator<Item = &'static Quantity> {
+    fn of_crowd(self) -> impl Iterator<Item = &'static Quantity> {
         TOTALS.iter().filter(move |_| self.totals)
+    }
+
+    /// All columns after time and Id, in their order.
+    pub(crate) fn quantities(self) -> impl Iterator<Item = &'static Quantity> {
+        self.of_agent().chain(self.of_crowd())
     }
 
     /// All columns of the table.

@@ -14,8 +14,6 @@ pub enum RecordError {
     Read { path: PathBuf, error: io::Error },
     #[error("{}: {message}", path.display())]
     Wrong { path: PathBuf, message: String },
-    #[error("{}: is not the table that is to be continued: {message}", path.display())]
-    NotContinued { path: PathBuf, message: String },
     #[error(transparent)]
     Xml(#[from] Problems),
     #[error(transparent)]

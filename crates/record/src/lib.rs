@@ -7,10 +7,11 @@
 //! frames in memory. Both kinds are exported by [`chaos`], [`pedpy`], [`series`] and `jupedsim`; [`trial_at_end`] is the
 //! Trial that continues where a run ended.
 //!
-//! Features, all on by default: `parquet` (tables in Parquet; builds zstd, which is C) and `sqlite` (`jupedsim`; builds
-//! SQLite, which is C). Without them nothing of C is built.
+//! Features, off by default: `parquet` (tables in Parquet; builds zstd, which is C) and `sqlite` (`jupedsim`; builds
+//! SQLite, which is C). Without them, both say so where they are asked for.
 
 mod area;
+mod cell;
 pub mod columns;
 mod error;
 #[cfg(feature = "sqlite")]
@@ -24,13 +25,22 @@ mod table;
 mod text;
 
 pub use area::{Area, MARGIN, THICKNESS, given_area, walkable_area};
+pub use cell::{Cell, Kind};
 pub use error::RecordError;
 #[cfg(feature = "sqlite")]
 pub use jupedsim::jupedsim;
-pub use lemons_columns::{Cell, Kind};
-pub use record::{Positions, Record};
+pub use record::Record;
 pub use recorder::{Recorder, Wanted};
 pub use run::{Frame, Names, Observed, OfStep, Run, Totals};
 pub use series::{series, series_files, series_in, series_time, trial_at_end};
-pub use table::{Content, Extent, Format, FrameWriter, TableWriter};
+pub use table::{Content, Format, FrameWriter, TableWriter};
 pub use text::{chaos, chaos_files, pedpy, pedpy_into};
+
+/// As with the feature `sqlite`, without which there is no SQLite.
+///
+/// # Errors
+/// Always.
+#[cfg(not(feature = "sqlite"))]
+pub fn jupedsim(_: &Record, _: &Area, path: &std::path::Path) -> Result<(), RecordError> {
+    Err(RecordError::wrong(path, "this build has no SQLite: build with --features sqlite"))
+}

@@ -2,11 +2,8 @@
 
 use crate::error::RecordError;
 use crate::run::{Frame, Names, Run, names_of, order_of};
-use lemons_plane::{Motion, Vec2, vec2};
+use lemons_plane::{Motion, Vec2};
 use lemons_trial::Trial;
-use std::cell::Cell;
-use std::fs::File;
-use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -218,31 +215,17 @@ impl Record {
         Ok(rate)
     }
 
-    /// Positions of all agents at all times.
+    /// \[m\] Positions of everybody who is there, in the order of time and of agents.
     ///
     /// # Errors
-    /// As [`Record::each`], or there is no room for a temporary file of 16 bytes for each position.
-    pub fn positions(&self) -> Result<Positions, RecordError> {
-        let cannot = |error: io::Error| {
-            RecordError::wrong(
-                &self.source,
-                format!("positions cannot be put into a temporary file: {error}"),
-            )
-        };
-        let mut file = BufWriter::new(lemons_files::unnamed().map_err(cannot)?);
+    /// As [`Record::each`].
+    pub fn positions(&self) -> Result<Vec<Vec2>, RecordError> {
+        let mut all = Vec::new();
         self.each(|_, frame| {
-            for (place, agent) in frame.agents.iter().enumerate() {
-                // Who has left is nowhere.
-                let position =
-                    if frame.is_there(place) { agent.pose.position } else { vec2(f64::NAN, f64::NAN) };
-                let written = file.write_all(&position.x.to_le_bytes());
-                written.and_then(|()| file.write_all(&position.y.to_le_bytes())).map_err(cannot)?;
-            }
+            all.extend(frame.present().map(|(_, agent)| agent.pose.position));
             Ok(())
         })?;
-        let file = file.into_inner().map_err(|error| cannot(error.into_error()))?;
-        let count = self.frames() as u64 * self.ids.len() as u64;
-        Ok(Positions { file, agents: self.ids.len(), count, failed: Cell::new(None) })
+        Ok(all)
     }
 }
 
@@ -264,56 +247,5 @@ impl From<Run> for Record {
                 Ok(ids.clone())
             }),
         }
-    }
-}
-
-/// Positions of all agents at all times, no numbers for those who have left, in a temporary file: for several passes, or for one agent after the other.
-pub struct Positions {
-    file: File,
-    agents: usize,
-    /// Of all agents at all times.
-    count: u64,
-    failed: Cell<Option<io::ErrorKind>>,
-}
-
-/// \[byte\]
-const POSITION: u64 = 16;
-/// Positions that are read together.
-const CHUNK: u64 = 4096;
-
-impl Positions {
-    /// \[m\] Positions of those who are there, in the order of time and of agents. If the temporary file cannot be read, they end early; see
-    /// [`Positions::check`].
-    pub fn iter(&self) -> impl Iterator<Item = Vec2> + Clone {
-        let chunks = (0..self.count.div_ceil(CHUNK)).map(|chunk| chunk * CHUNK);
-        let all = chunks.flat_map(|first| self.read(first, CHUNK.min(self.count - first)));
-        all.filter(|position| position.is_finite())
-    }
-
-    /// \[m\] of some agents at each time; no numbers for those who have left.
-    pub(crate) fn of(&self, agents: std::ops::Range<usize>) -> impl Iterator<Item = Vec<Vec2>> {
-        let (first, count) = (agents.start as u64, agents.len() as u64);
-        (0..self.count / self.agents as u64).map(move |k| self.read(k * self.agents as u64 + first, count))
-    }
-
-    /// Whether all positions could be read so far.
-    ///
-    /// # Errors
-    /// The temporary file could not be read.
-    pub fn check(&self) -> io::Result<()> {
-        self.failed.get().map_or(Ok(()), |kind| Err(kind.into()))
-    }
-
-    fn read(&self, first: u64, count: u64) -> Vec<Vec2> {
-        let mut bytes = vec![0; (count * POSITION) as usize];
-        let mut file = &self.file;
-        let sought = file.seek(SeekFrom::Start(first * POSITION));
-        if let Err(error) = sought.and_then(|_| file.read_exact(&mut bytes)) {
-            self.failed.set(Some(error.kind()));
-            return Vec::new();
-        }
-        let (numbers, _) = bytes.as_chunks::<8>();
-        let (pairs, _) = numbers.as_chunks::<2>();
-        pairs.iter().map(|[x, y]| vec2(f64::from_le_bytes(*x), f64::from_le_bytes(*y))).collect()
     }
 }

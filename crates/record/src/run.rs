@@ -1,5 +1,6 @@
 //! What was recorded of a crowd.
 
+use crate::columns::{AgentRow, Groups};
 use crate::error::RecordError;
 use lemons_plane::Motion;
 use lemons_trial::{Interactions, Trial};
@@ -85,22 +86,6 @@ impl Run {
     pub fn times(&self) -> (f64, f64) {
         (self.frames[0].time, self.frames[self.frames.len() - 1].time)
     }
-
-    /// Puts the agents in the order of a Trial.
-    ///
-    /// # Errors
-    /// The agents are not those of the Trial.
-    pub fn of_trial(self, trial: &Trial) -> Result<Run, RecordError> {
-        let order = order_of(&self.ids, trial, &self.source)?;
-        if order.iter().copied().eq(0..order.len()) {
-            return Ok(self);
-        }
-        Ok(Run {
-            ids: order.iter().map(|&place| self.ids[place].clone()).collect(),
-            frames: self.frames.into_iter().map(|frame| frame.sorted(&order)).collect(),
-            source: self.source,
-        })
-    }
 }
 
 impl Frame {
@@ -112,6 +97,33 @@ impl Frame {
     /// Those who are there, with their places.
     pub fn present(&self) -> impl Iterator<Item = (usize, &Motion)> + Clone {
         self.agents.iter().enumerate().filter(|(place, _)| self.is_there(*place))
+    }
+
+    /// Makes a frame of the rows of all agents, with these groups of columns.
+    pub(crate) fn of_rows(time: f64, rows: &[AgentRow], groups: Groups) -> Frame {
+        let observed =
+            |row: &AgentRow| Observed { of_step: groups.of_step.then_some(row.of_step), ..row.observed };
+        let totals = rows.first().map(|row| row.totals);
+        Frame {
+            time,
+            agents: rows.iter().map(|row| row.motion).collect(),
+            observed: groups.contacts.then(|| rows.iter().map(observed).collect()),
+            active: groups.active.then(|| rows.iter().map(|row| row.active).collect()),
+            totals: totals.filter(|_| groups.totals),
+            ..Frame::default()
+        }
+    }
+
+    /// The row of an agent.
+    pub(crate) fn row(&self, place: usize) -> AgentRow {
+        let observed = self.observed.as_ref().map(|all| all[place]).unwrap_or_default();
+        AgentRow {
+            motion: self.agents[place],
+            observed,
+            of_step: observed.of_step.unwrap_or_default(),
+            active: self.is_there(place),
+            totals: self.totals.unwrap_or_default(),
+        }
     }
 
     /// With the agents of these places.

@@ -26,12 +26,7 @@ impl Run {
     /// # Errors
     /// As [`Record::series`].
     pub fn read_series(directory: &Path, trial: &Trial) -> Result<Run, RecordError> {
-        let mut frames = Vec::new();
-        let ids = Series::open(directory, trial)?.pass(&mut |frame| {
-            frames.push(frame);
-            Ok(())
-        })?;
-        Ok(Run { source: directory.to_owned(), ids, frames })
+        Record::series(directory, trial)?.read(|_| true)
     }
 }
 
@@ -192,11 +187,11 @@ pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), Re
 ///
 /// # Errors
 /// The agents are not those of the Trial.
-pub fn trial_at_end(run: &Run, trial: &Trial) -> Result<Trial, RecordError> {
-    let last = run.frames.last().cloned().into_iter().collect();
-    let run = Run { frames: last, ids: run.ids.clone(), source: run.source.clone() }.of_trial(trial)?;
+pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<Trial, RecordError> {
+    let record = record.clone().of_trial(trial)?;
+    let last = record.read(|k| k + 1 == record.frames())?.frames.pop();
     let mut trial = trial.clone();
-    if let Some(last) = run.frames.into_iter().next() {
+    if let Some(last) = last {
         let moved = last.agents.iter().map(AgentDynamics::of).zip(&trial.dynamics);
         trial.dynamics = moved
             .map(|(now, was)| AgentDynamics {

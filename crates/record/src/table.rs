@@ -1,17 +1,13 @@
 //! The table of a run: rows of agents at communication points, in CSV or Parquet, read and written.
 
-mod content;
 mod csv;
-mod digest;
 mod format;
-mod lent;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod rows;
 mod write;
 
-pub use content::{Content, Extent};
-pub use format::Format;
+pub use format::{Content, Format};
 pub use write::{FrameWriter, TableWriter};
 
 use crate::error::RecordError;
@@ -26,36 +22,72 @@ use std::path::{Path, PathBuf};
 /// What a file of Parquet begins with.
 const PARQUET: &[u8; 4] = b"PAR1";
 
+/// What a build without the feature says.
+#[cfg(not(feature = "parquet"))]
+const NO_PARQUET: &str = "this build has no Parquet: build with --features parquet";
+
 impl Run {
     /// Reads a whole table into memory; see [`Record::table`].
     ///
     /// # Errors
     /// As [`Record::table`].
     pub fn read_table(path: &Path) -> Result<Run, RecordError> {
-        let mut frames = Vec::new();
-        let ids = Table::open(path)?.pass(&mut |frame| {
-            frames.push(frame);
-            Ok(())
-        })?;
-        Ok(Run { source: path.to_owned(), ids, frames })
+        Record::table(path)?.read(|_| true)
     }
 }
 
 impl Record {
-    /// Opens the table of a run: CSV, or Parquet if the file begins as such, whatever its name is. All rows are read
-    /// once.
+    /// Opens the table of a run: CSV, or Parquet if the file begins as such, whatever its name is. All
+    /// rows are read once.
     ///
-    /// The table must have the columns [`TIME`](crate::columns::TIME), [`ID`](crate::columns::ID) and those of
-    /// [`MOTION`](crate::columns::MOTION), in any order. In CSV a header may have the unit (`x [m]`), in Parquet the
-    /// metadata has it. Other columns of [`crate::columns`] are read if their whole group exists; further columns are
-    /// ignored. Rows are in the order of time, and every agent has one row at each time.
+    /// The table must have the columns [`TIME`](crate::columns::TIME), [`ID`](crate::columns::ID) and
+    /// those of [`MOTION`](crate::columns::MOTION), in any order. In CSV a header may have the unit
+    /// (`x [m]`), in Parquet the metadata has it. Other columns of [`crate::columns`] are read if their
+    /// whole group exists; further columns are ignored. Rows are in the order of time, and every agent
+    /// has one row at each time.
     ///
     /// # Errors
-    /// The file cannot be read, or something in it is wrong; the message names the line (CSV) or row (Parquet) and the
-    /// column.
+    /// The file cannot be read, or something in it is wrong; the message names the line (CSV) or row
+    /// (Parquet) and the column.
     pub fn table(path: &Path) -> Result<Record, RecordError> {
-        let table = Table::open(path)?;
-        Record::new(path, move |each| table.pass(each))
+        Record::tables(&[path.to_owned()])
+    }
+
+    /// Opens several tables of one run, in the order of time: each but the first is that of a run which
+    /// went on from the one before. If it begins with the frame at which the one before ends, this frame
+    /// counts once.
+    ///
+    /// # Errors
+    /// As [`Record::table`], a table has other agents than the first, or it begins before the end of the
+    /// one before.
+    pub fn tables(paths: &[PathBuf]) -> Result<Record, RecordError> {
+        let tables = paths.iter().map(|path| Table::open(path)).collect::<Result<Vec<Table>, _>>()?;
+        let source = paths.first().cloned().unwrap_or_default();
+        Record::new(&source, move |each| {
+            let mut ids: Option<Vec<String>> = None;
+            let mut end = f64::NEG_INFINITY;
+            for table in &tables {
+                let (before, mut first) = (end, true);
+                let own = table.pass(&mut |frame| {
+                    let time = frame.time;
+                    if std::mem::take(&mut first) && time < before {
+                        let message = format!(
+                            "begins at t = {time:?} s, before the end of the table before it, t = {before:?} s"
+                        );
+                        return Err(RecordError::wrong(&table.path, message));
+                    }
+                    end = time;
+                    if time > before { each(frame) } else { Ok(()) }
+                })?;
+                if ids.get_or_insert_with(|| own.clone()) != &own {
+                    return Err(RecordError::wrong(
+                        &table.path,
+                        "its agents are not those of the first table",
+                    ));
+                }
+            }
+            Ok(ids.unwrap_or_default())
+        })
     }
 }
 
@@ -102,5 +134,5 @@ use parquet::read as read_parquet;
 
 #[cfg(not(feature = "parquet"))]
 fn read_parquet(_: File, _: &mut Each<'_>) -> Result<Vec<String>, Stop> {
-    Err(Stop::Wrong("is Parquet, which this build does not read: only CSV".into()))
+    Err(Stop::Wrong(NO_PARQUET.into()))
 }

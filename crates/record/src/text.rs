@@ -4,7 +4,7 @@ use crate::error::RecordError;
 use crate::record::Record;
 use lemons_files::{Staged, WriteError};
 use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Writes a text file that `pedpy.load_trajectory` reads: the frame rate, then lines `id frame x y z`, with x, y, z in m.
 ///
@@ -35,9 +35,6 @@ pub fn pedpy_into(record: &Record, file: Staged, path: &Path) -> Result<(), Reco
     ended(out, path)
 }
 
-/// Files that are written at once.
-const TOGETHER: usize = 64;
-
 /// Names of the files that [`chaos`] writes.
 pub fn chaos_files(record: &Record) -> Vec<String> {
     (0..record.ids().len()).map(|place| format!("traj{place:03}.csv")).collect()
@@ -51,23 +48,22 @@ pub fn chaos_files(record: &Record) -> Vec<String> {
 pub fn chaos(record: &Record, directory: &Path) -> Result<(), RecordError> {
     let names = chaos_files(record);
     own(directory, &names, |name| name.starts_with("traj") && name.ends_with(".csv"))?;
-    let paths: Vec<PathBuf> = names.iter().map(|name| directory.join(name)).collect();
-    let positions = record.positions()?;
-    for (group, paths) in paths.chunks(TOGETHER).enumerate() {
-        let first = group * TOGETHER;
-        let files = paths.iter().map(|path| Ok((begun(path)?, path)));
-        let mut files = files.collect::<Result<Vec<_>, RecordError>>()?;
-        for (time, positions) in record.times().zip(positions.of(first..first + paths.len())) {
-            for ((out, path), position) in files.iter_mut().zip(positions) {
-                if !position.is_finite() {
-                    continue;
-                }
+    let mut frames = Vec::new();
+    record.each(|_, frame| {
+        let there = (0..names.len()).map(|k| frame.is_there(k).then(|| frame.agents[k].pose.position));
+        frames.push((frame.time, there.collect::<Vec<_>>()));
+        Ok(())
+    })?;
+    for (k, name) in names.iter().enumerate() {
+        let path = directory.join(name);
+        let mut out = BufWriter::new(Staged::beside(&path).map_err(WriteError::at(&path))?);
+        for (time, positions) in &frames {
+            if let Some(position) = positions[k] {
                 let written = writeln!(out, "{time:?},{:?},{:?},0.0", position.x, position.y);
-                written.map_err(WriteError::at(path))?;
+                written.map_err(WriteError::at(&path))?;
             }
         }
-        positions.check().map_err(WriteError::at(directory))?;
-        files.into_iter().try_for_each(|(out, path)| ended(out, path))?;
+        ended(out, &path)?;
     }
     Ok(())
 }
@@ -108,10 +104,6 @@ pub(crate) fn only_own(
     }
     own.sort();
     Ok(own)
-}
-
-fn begun(path: &Path) -> Result<BufWriter<Staged>, RecordError> {
-    Ok(BufWriter::new(Staged::beside(path).map_err(WriteError::at(path))?))
 }
 
 fn ended(out: BufWriter<Staged>, path: &Path) -> Result<(), RecordError> {

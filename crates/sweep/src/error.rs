@@ -32,10 +32,7 @@ pub enum Error {
     /// A table in CSV cannot be read or written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
-    /// A table in Parquet cannot be read or written.
-    #[error(transparent)]
-    Table(#[from] lemons_columns::TableError),
-    /// A manifest is not JSON.
+    /// What identifies a sweep cannot be written as JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
     /// A Trial, its drive or its plan cannot be used.
@@ -44,32 +41,25 @@ pub enum Error {
     /// A point cannot be simulated.
     #[error(transparent)]
     Simulation(#[from] lemons_sim::SimError),
-    /// Another process writes into the directory.
+    /// Another process writes the table.
     #[error("{}: another process writes its results here", .0.display())]
     Busy(PathBuf),
-    /// The directory is not one of a sweep.
-    #[error("{} contains tables, but no {manifest}", directory.display())]
-    NoManifest {
-        /// The directory.
-        directory: PathBuf,
-        /// The name of the file that is missing.
-        manifest: &'static str,
-    },
-    /// The directory is that of another sweep.
+    /// The file is not the table of a sweep.
+    #[error("{} is there, and is not the table of a sweep; give another file: -o", .0.display())]
+    NoSweep(PathBuf),
+    /// The table is that of another sweep.
     #[error(
-        "{} contains another sweep: its {manifest} differs in {}; give another directory, or remove this one",
-        directory.display(),
+        "{} is the table of another sweep: it differs in {}; give another file, or remove this one",
+        table.display(),
         keys.join(", ")
     )]
     OtherSweep {
-        /// The directory.
-        directory: PathBuf,
-        /// What differs, by its keys in the manifest.
+        /// The file.
+        table: PathBuf,
+        /// What differs.
         keys: Vec<String>,
-        /// The manifest's name.
-        manifest: &'static str,
     },
-    /// A table of the directory is damaged, or of other points.
+    /// The table is damaged, or of other points.
     #[error("{0}")]
     Damaged(String),
     /// A fault in this program.

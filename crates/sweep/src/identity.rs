@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::models::Models;
 use crate::points::hex;
-use crate::spec::{End, Spec};
+use crate::spec::Spec;
 use crate::subject::Subject;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
@@ -40,23 +40,11 @@ pub fn digest(map: &Map<String, Value>) -> Result<String> {
 }
 
 /// Of what is done with it.
-pub fn of_spec(spec: &Spec) -> Result<Map<String, Value>> {
+pub fn of_spec(spec: &Spec) -> Map<String, Value> {
     let names: Vec<&str> = spec.points.columns.iter().map(|(name, _)| name.as_str()).collect();
-    let measures =
-        spec.measures.iter().map(|(name, measure)| Ok((name.clone(), serde_json::to_value(measure)?)));
-    let until = match spec.until {
-        End::At(time) => json!(time),
-        End::Left => json!("left"),
-    };
     let points = json!({ "parameters": names, "count": spec.points.count, "sha256": spec.points.sha256() });
-    let mut all = Map::from_iter([
-        ("points".to_owned(), points),
-        ("measure".to_owned(), Value::Object(measures.collect::<Result<_>>()?)),
-        ("until".to_owned(), until),
-    ]);
-    all.extend(spec.places.identity());
-    if let Some(stop) = &spec.stop {
-        all.insert("stop".into(), serde_json::to_value(stop)?);
-    }
-    Ok(all)
+    let mut all = spec.identity.clone();
+    all.insert("points".into(), points);
+    all.extend(spec.places.walkable_digest().map(|digest| ("walkable".into(), digest.into())));
+    all
 }

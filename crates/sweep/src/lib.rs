@@ -2,12 +2,11 @@
 //! by which its people walk, or of several Trials.
 //!
 //! A [`Spec`] (`sweep.toml`) gives the model, the values of the parameters and the measures. [`sweep`] simulates the
-//! points that are not yet in a [`Directory`] and writes their results as they finish; a sweep that was killed
-//! continues there. The directory has the format of the Python package `lemons_fmu`; its README describes it exactly.
+//! points that are not yet in its [`Table`] and appends their results as they finish; a sweep that was killed goes on
+//! there.
 
 mod axes;
 mod courses;
-mod directory;
 mod error;
 mod identity;
 mod measure;
@@ -20,14 +19,14 @@ mod spec;
 mod stop;
 mod subject;
 mod sweep;
+mod table;
 mod template;
 
-pub use directory::{Directory, Finished};
 pub use error::{Error, Result};
 pub use measure::Measure;
 pub use measure::across::Across;
-pub use measure::area::{InArea, MeanOrMax, OfDensity};
-pub use measure::line::{Direction, OfCrossings, OverLine, Width};
+pub use measure::area::InArea;
+pub use measure::line::{OverLine, Width};
 pub use measure::output::{OfOutput, Take};
 pub use measure::squeeze::{Exposed, OfSqueeze};
 pub use models::Plan;
@@ -37,4 +36,5 @@ pub use points::{Points, Values};
 pub use spec::{End, Spec};
 pub use stop::Stop;
 pub use sweep::{How, Progress, Swept, sweep};
+pub use table::{Finished, Table};
 pub use template::Template;

@@ -3,6 +3,7 @@
 pub(crate) mod across;
 pub(crate) mod area;
 pub(crate) mod line;
+mod number;
 pub(crate) mod output;
 mod span;
 pub(crate) mod squeeze;
@@ -13,12 +14,10 @@ use crate::points::Points;
 use area::InArea;
 use line::OverLine;
 use output::OfOutput;
-use serde::Serialize;
 use squeeze::OfSqueeze;
 
 /// A measure. docs/measure.md defines those of lines, areas and squeeze.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Measure {
     /// `of`: of the values of an output.
     Output(OfOutput),

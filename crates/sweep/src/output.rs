@@ -3,11 +3,11 @@
 use lemons_record::Frame;
 use lemons_sim::settings::Selection;
 use lemons_sim::{SimError, Simulation};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// What is looked at: a quantity of each agent of the crowd, one of [`QUANTITIES`], or the name of a variable, with its
 /// component if that is not the crowd: `decision.Arrived`. With `agent[*]` it is one of each agent.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(transparent)]
 pub struct Of(String);
 

@@ -6,7 +6,6 @@ use lemons_measure::{Line, MeasuringArea, Room};
 use lemons_plane::{Vec2, polygon_from_wkt};
 use lemons_record::{given_area, walkable_area};
 use lemons_trial::Wall;
-use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
@@ -15,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub struct Places {
     /// With their names.
     lines: Vec<(String, Line)>,
-    areas: Vec<(String, Vec<f64>, MeasuringArea)>,
+    areas: Vec<(String, MeasuringArea)>,
     walkable: Option<Walkable>,
 }
 
@@ -44,14 +43,13 @@ impl Places {
             Ok((name, line?))
         });
         let areas = areas.into_iter().map(|(name, value)| {
-            let corners = numbers(value);
-            let area = MeasuringArea::of_numbers(&corners).ok_or_else(|| {
+            let area = MeasuringArea::of_numbers(&numbers(value)).ok_or_else(|| {
                 Error::Spec(format!(
                     "areas: {name}: must be the lower left and the upper right corner [m], as in [3, 1, 5, 4], or at \
                      least three corners of a polygon that does not cross itself; all within 1e6 m"
                 ))
             });
-            Ok((name, corners, area?))
+            Ok((name, area?))
         });
         let walkable = walkable.map(|path| {
             let wkt = input::read_given_text(&path, LARGEST_WALKABLE);
@@ -93,8 +91,8 @@ impl Places {
     /// # Errors
     /// A sentence: there is none.
     pub(crate) fn area(&self, name: &str) -> Result<&MeasuringArea, String> {
-        let found = self.areas.iter().find(|(known, _, _)| known == name).map(|(_, _, area)| area);
-        found.ok_or_else(|| missing("area", "areas", name, self.areas.iter().map(|(name, _, _)| name)))
+        let found = self.areas.iter().find(|(known, _)| known == name).map(|(_, area)| area);
+        found.ok_or_else(|| missing("area", "areas", name, self.areas.iter().map(|(name, _)| name)))
     }
 
     /// Whether a user says where people can be.
@@ -123,22 +121,9 @@ impl Places {
         Room::of(&rings).ok_or_else(|| "the walkable area has no ring".into())
     }
 
-    /// What must be equal to continue a sweep: nothing of a sweep without lines and areas.
-    pub(crate) fn identity(&self) -> Map<String, Value> {
-        let mut all = Map::new();
-        if !self.lines.is_empty() {
-            let of = |Line { from, to }: &Line| json!([from.x, from.y, to.x, to.y]);
-            let lines = self.lines.iter().map(|(name, line)| (name.clone(), of(line)));
-            all.insert("lines".into(), Value::Object(lines.collect()));
-        }
-        if !self.areas.is_empty() {
-            let areas = self.areas.iter().map(|(name, corners, _)| (name.clone(), json!(corners)));
-            all.insert("areas".into(), Value::Object(areas.collect()));
-        }
-        if let Some(Walkable { wkt, .. }) = &self.walkable {
-            all.insert("walkable".into(), crate::points::hex(&Sha256::digest(wkt)).into());
-        }
-        all
+    /// The SHA-256 of the walkable area, if one is given.
+    pub(crate) fn walkable_digest(&self) -> Option<String> {
+        self.walkable.as_ref().map(|walkable| crate::points::hex(&Sha256::digest(&walkable.wkt)))
     }
 }
 

@@ -36,7 +36,7 @@ impl Job {
     pub fn open(spec: Spec) -> Result<(Job, Map<String, Value>, Vec<String>)> {
         let models = spec.models()?;
         let (mut subjects, mut warnings) = (Vec::new(), Vec::new());
-        let (mut identity, mut only) = (identity::of_spec(&spec)?, None);
+        let (mut identity, mut only) = (identity::of_spec(&spec), None);
         for simulated in &models.all {
             let subject = Subject::open(&spec, simulated);
             // With several, a sentence about a parameter does not say of which one.

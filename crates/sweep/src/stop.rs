@@ -1,22 +1,20 @@
 //! When a point ends before its time.
 
 use crate::output::Of;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// A condition that ends a point at the first communication point where it holds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stop {
     /// The output.
     pub of: Of,
     /// The value is this or more.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_least: Option<f64>,
     /// The value is this or less.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_most: Option<f64>,
     /// Ids of agents in Agents.xml, for all of which it must hold; empty: all agents.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub agents: Vec<String>,
 }
 

@@ -1,9 +1,9 @@
-//! Runs a sweep: threads simulate points, and their results are written to the directory.
+//! Runs a sweep: threads simulate points, and their results are appended to the table.
 
-use crate::directory::{Directory, Finished};
 use crate::error::{Error, Place, Result};
 use crate::simulate::{Job, Worker};
 use crate::spec::{ENDED, Spec};
+use crate::table::{Finished, Table};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -31,61 +31,60 @@ pub struct How<'a> {
     pub threads: usize,
     /// Whether failed points are simulated again.
     pub retry: bool,
-    /// The program that runs the sweep; tables contain its name.
+    /// The program that runs the sweep, with its version: another one does not go on with the table.
     pub by: &'a str,
 }
 
 /// A sweep that has ended.
 pub struct Swept {
-    /// With the results.
-    pub directory: Directory,
+    /// All finished points, in order.
+    pub rows: Vec<Finished>,
     /// How far it is.
     pub progress: Progress,
     /// What is probably not meant.
     pub warnings: Vec<String>,
 }
 
-/// Simulates the points that a sweep's directory does not contain yet.
+/// Simulates the points that a sweep's table does not contain yet.
 ///
 /// `tell` is called when points are finished. When `stop` is set, points in progress are given up at their next
 /// communication point. Failed points are kept with their message.
 ///
 /// # Errors
-/// A Trial, an FMU, a plan or the drive cannot be used, the directory belongs to another sweep, or it cannot be written.
+/// A Trial, an FMU, a plan or the drive cannot be used, the table belongs to another sweep, or it cannot be written.
 pub fn sweep(
     spec: Spec,
-    directory: &Path,
+    table: &Path,
     How { threads, retry, by }: How<'_>,
     stop: &AtomicBool,
     mut tell: impl FnMut(Progress),
 ) -> Result<Swept> {
-    let (job, identity, warnings) = Job::open(spec)?;
+    let (job, mut identity, warnings) = Job::open(spec)?;
+    identity.insert("program".into(), by.into());
     let Spec { points, measures, .. } = &job.spec;
     let ended = job.spec.may_end().then(|| ENDED.to_owned());
     let measures: Vec<String> = measures.iter().map(|(name, _)| name.clone()).chain(ended).collect();
-    let kept = Directory::open(directory, identity, points, &measures, by)?;
-    let before = kept.read()?;
+    let mut table = Table::open(table, &identity, points, &measures)?;
     let mut left = vec![true; points.count];
-    before.iter().filter(|row| row.outcome.is_ok() || !retry).for_each(|row| left[row.point] = false);
+    table.rows().filter(|row| row.outcome.is_ok() || !retry).for_each(|row| left[row.point] = false);
     let left: Vec<usize> = (0..left.len()).filter(|&point| left[point]).collect();
     let done = points.count - left.len();
-    let failed = before.iter().filter(|row| row.outcome.is_err()).count();
+    let failed = table.rows().filter(|row| row.outcome.is_err()).count();
     let mut progress =
         Progress { done, failed: if retry { 0 } else { failed }, total: points.count, before: done };
     tell(progress);
     let (next, over) = (AtomicUsize::new(0), AtomicBool::new(false));
     let queue = Arc::new(Queue { job, points: left, next, over });
     simulate(&queue, threads, stop, |rows| {
-        kept.add(rows)?;
+        table.add(rows)?;
         progress.done += rows.len();
         progress.failed += rows.iter().filter(|row| row.outcome.is_err()).count();
         tell(progress);
         Ok(())
     })?;
-    if progress.done == progress.total {
-        kept.finish(&kept.read()?)?;
-    }
-    Ok(Swept { directory: kept, progress, warnings })
+    let whole = progress.done == progress.total;
+    let rows = if whole { table.finish()? } else { table.rows().cloned().collect() };
+    Ok(Swept { rows, progress, warnings })
 }
 
 /// Data shared by the threads of a sweep.
@@ -114,8 +113,7 @@ impl Queue {
 /// Time between two checks of `stop`.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Gives points to threads. Finished points are written every second, or every hundredth of the elapsed time, so that
-/// the number of parts stays small.
+/// Gives points to threads. Finished points are written every second, or every hundredth of the elapsed time.
 fn simulate(
     queue: &Arc<Queue>,
     threads: usize,
@@ -149,8 +147,6 @@ fn simulate(
                 return Err(error);
             }
             pending.clear();
-        }
-        if last.elapsed() >= between {
             last = Instant::now();
         }
         if over {

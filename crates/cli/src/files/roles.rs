@@ -81,11 +81,12 @@ pub const ROLES: [(&str, &[Argument]); 16] = [
             ("state", "--state", Writes),
         ],
     ),
-    ("sweep", &[("spec", "", Reads), ("output", "--output", WritesInto), ("csv", "--csv", Shows)]),
+    ("sweep", &[("spec", "", Reads), ("output", "--output", Writes)]),
     (
         "plot",
         &[
             ("path", "", Reads),
+            ("more", "", Reads),
             ("trial", "--trial", Reads),
             ("drive", "--drive", Reads),
             ("plan", "--plan", Reads),
@@ -97,6 +98,7 @@ pub const ROLES: [(&str, &[Argument]); 16] = [
         "movie",
         &[
             ("path", "", Reads),
+            ("more", "", Reads),
             ("trial", "--trial", Reads),
             ("drive", "--drive", Reads),
             ("plan", "--plan", Reads),
@@ -108,6 +110,7 @@ pub const ROLES: [(&str, &[Argument]); 16] = [
         "measure",
         &[
             ("path", "", Reads),
+            ("more", "", Reads),
             ("trial", "--trial", Reads),
             ("drive", "--drive", Reads),
             ("plan", "--plan", Reads),
@@ -119,7 +122,13 @@ pub const ROLES: [(&str, &[Argument]); 16] = [
     ),
     (
         "export",
-        &[("source", "", Reads), ("trial", "--trial", Reads), ("area", "--area", Reads), ("out", "", Shows)],
+        &[
+            ("source", "", Reads),
+            ("more", "--more", Reads),
+            ("trial", "--trial", Reads),
+            ("area", "--area", Reads),
+            ("out", "", Shows),
+        ],
     ),
     ("info", &[("fmu", "", Reads)]),
     ("check", &[("trials", "", Reads)]),

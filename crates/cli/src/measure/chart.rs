@@ -61,7 +61,7 @@ pub fn svg(arguments: &Arguments, passed: &Passed) -> String {
         });
         lines.collect()
     };
-    let densities = over(|seen| seen.voronoi, &mut colours);
+    let densities = over(|seen| seen.voronoi_density, &mut colours);
     let speeds = over(|seen| seen.speed, &mut colours);
     let squeezes = QUANTILES.iter().enumerate().map(|(k, part)| {
         let name = match part {

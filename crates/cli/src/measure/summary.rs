@@ -153,8 +153,8 @@ impl OfArea {
             name: area.called(k),
             area: area.what.area(),
             people: of(|seen| seen.people as f64),
-            density: of(|seen| seen.classic),
-            voronoi_density: of(|seen| seen.voronoi.unwrap_or(f64::NAN)),
+            density: of(|seen| seen.density),
+            voronoi_density: of(|seen| seen.voronoi_density.unwrap_or(f64::NAN)),
             speed: MeanMax::of(seen.iter().filter_map(|seen| seen.speed)),
         }
     }

@@ -113,8 +113,8 @@ fn density(arguments: &Arguments, passed: &Passed) -> Rows {
                 area.called(k),
                 cell(Some(seen.time)),
                 seen.people.to_string(),
-                cell(Some(seen.classic)),
-                cell(seen.voronoi),
+                cell(Some(seen.density)),
+                cell(seen.voronoi_density),
                 cell(seen.speed),
             ]);
         }

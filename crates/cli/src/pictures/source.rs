@@ -23,6 +23,9 @@ pub struct Source {
     /// its table, or an OutputDirectory of XML files
     #[arg(value_name = "TRIAL, FILE.fmu, TABLE or SERIES")]
     pub path: PathBuf,
+    /// Tables of the runs that went on from there (lemons run --resume), in the order of time
+    #[arg(value_name = "MORE TABLES")]
+    more: Vec<PathBuf>,
     /// The Trial or FMU of an earlier run, for shapes and walls. Scenes of a table need it. Default for an
     /// OutputDirectory: the Trial that contains it
     #[arg(long, value_name = "TRIAL or FILE.fmu")]
@@ -129,8 +132,13 @@ impl Source {
                 self.path.display()
             );
         }
+        if !self.more.is_empty() && (runs || self.path.is_dir()) {
+            let path = self.path.display();
+            return Err(Misused(format!("{path}: is no table: only tables of one run can be several")).into());
+        }
         if !runs {
             expect_table(&self.path)?;
+            self.more.iter().try_for_each(|path| expect_table(path))?;
         }
         let given = if runs { Some(self.path.as_path()) } else { self.trial.as_deref() };
         let mut trial = trial_of(&self.path, given)?;
@@ -160,7 +168,7 @@ impl Source {
             (true, None, Some(trial)) => Found::Made(still(&self.path, trial)),
             (_, _, Some(trial)) if self.path.is_dir() => Found::Recorded(Record::series(&self.path, trial)?),
             (_, _, Some(trial)) => {
-                let record = Record::table(&self.path)?.of_trial(trial)?;
+                let record = self.tables()?.of_trial(trial)?;
                 tell_other(&record, trial);
                 Found::Recorded(record)
             }
@@ -168,9 +176,15 @@ impl Source {
                 "{}: is not a Trial (it has no Parameters.xml); for an OutputDirectory, give the Trial or FMU of the run with --trial",
                 self.path.display()
             ),
-            (_, _, None) => Found::Recorded(Record::table(&self.path)?),
+            (_, _, None) => Found::Recorded(self.tables()?),
         };
         Ok((trial, found))
+    }
+
+    /// The tables of one run.
+    fn tables(&self) -> Result<Record> {
+        let all: Vec<PathBuf> = std::iter::once(&self.path).chain(&self.more).cloned().collect();
+        Ok(Record::tables(&all)?)
     }
 
     /// The end of a run that is made now; `None` for earlier results, which have one.

@@ -1,5 +1,6 @@
 //! The outputs of what is not a crowd: one table, with a column for each output.
 
+use super::About;
 use crate::results::{self, Cell, Column, Content, Kind, Place, TableWriter, told};
 use anyhow::Result;
 use lemons_files::Staged;
@@ -20,10 +21,10 @@ pub struct OutputTable {
 
 impl OutputTable {
     /// With these columns after the time.
-    pub fn create(columns: Vec<Column>, to: &Place, about: &[(&'static str, String)]) -> Result<OutputTable> {
+    pub fn create(columns: Vec<Column>, to: &Place, about: &About) -> Result<OutputTable> {
         let names = columns.iter().map(|column| Some(column.name.clone())).collect();
         let columns = std::iter::once(Column::time()).chain(columns).collect();
-        let table = results::begin(to, &Content { columns, about: about.to_vec() })?;
+        let table = results::begin(to, &Content { columns, about: about.lines.clone() }, about.goes_on)?;
         Ok(OutputTable { table, names, odd: Vec::new() })
     }
 
@@ -78,12 +79,7 @@ struct Selected {
 
 impl Outputs {
     /// Of the components at these places; `None` if they have no outputs.
-    pub fn create(
-        system: &System,
-        places: Vec<usize>,
-        to: &Place,
-        about: &[(&'static str, String)],
-    ) -> Result<Option<Outputs>> {
+    pub fn create(system: &System, places: Vec<usize>, to: &Place, about: &About) -> Result<Option<Outputs>> {
         let mut header = Vec::new();
         let mut all = Vec::new();
         for place in places {

@@ -1,5 +1,6 @@
 //! What a run records of a crowd: its table or frames in memory, its extremes.
 
+use super::About;
 use super::subject::CrowdInfo;
 use crate::compared::{Follower, Poses, Seen};
 use crate::results::{self, Content, Format, FrameWriter, Place, told};
@@ -68,7 +69,7 @@ impl CrowdRecorder {
     pub fn create(
         crowd: &CrowdInfo,
         to: Target,
-        about: &[(&'static str, String)],
+        about: &About,
         before: Option<&Saved>,
         poses: &mut Poses,
     ) -> Result<CrowdRecorder> {
@@ -88,9 +89,13 @@ impl CrowdRecorder {
         }
         let rows = match to {
             Target::Table(place) => {
-                let about = about.iter().chain(&crowd.about).cloned().collect();
-                let content = Content { columns: crowd.columns.clone(), about };
-                let writer = FrameWriter::new(results::begin(&place, &content)?, ids.clone(), crowd.groups)?;
+                let lines = about.lines.iter().chain(&crowd.about).cloned().collect();
+                let content = Content { columns: crowd.columns.clone(), about: lines };
+                let writer = FrameWriter::new(
+                    results::begin(&place, &content, about.goes_on)?,
+                    ids.clone(),
+                    crowd.groups,
+                )?;
                 Rows::Table(Box::new(writer), place.path)
             }
             Target::Memory(wanted) => Rows::Memory(Recorder::new(wanted)),

@@ -39,11 +39,7 @@ struct DecisionOutputs {
 }
 
 impl DecisionOutputs {
-    fn create(
-        simulation: &Simulation,
-        to: &Place,
-        about: &[(&'static str, String)],
-    ) -> Result<Option<DecisionOutputs>> {
+    fn create(simulation: &Simulation, to: &Place, about: &About) -> Result<Option<DecisionOutputs>> {
         let variables = simulation.decision_outputs();
         if variables.is_empty() {
             return Ok(None);
@@ -126,12 +122,7 @@ impl Subject for TrialRun {
 }
 
 /// Prepares a run of a Trial; outputs of Decision go to a table, if they are wanted. Warnings are printed.
-pub fn prepare(
-    given: &Given,
-    settings: &Settings,
-    outputs: Option<&Place>,
-    about: &About,
-) -> Result<Prepared> {
+pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
     settings.check().map_err(refused)?;
     let saved = settings.resume.as_deref().map(read_saved).transpose().map_err(refused)?;
     let (documents, problems, plan) = documents(given, settings)?;
@@ -181,7 +172,8 @@ pub fn prepare(
         }
         _ => {}
     }
-    let outputs = outputs.map(|to| DecisionOutputs::create(&simulation, to, &about.of(&clock, every)));
+    let outputs = outputs
+        .map(|to| DecisionOutputs::create(&simulation, to, &About::of(&clock, every, before.is_some())));
     let outputs = outputs.transpose()?.flatten();
     let frame = simulation.frame();
     let groups = Groups { contacts: true, of_step: true, active: frame.active.is_some(), totals: true };

@@ -87,7 +87,7 @@ fn a_zip_of_a_trial_serves_wherever_a_trial_does() {
              [measures]\nreach = {{ of = \"x\", take = \"reach\", agents = [\"4\"] }}\n"
         );
         fs::write(at.join(format!("{to}.toml")), sweep).unwrap();
-        done(at, &["sweep", &format!("{to}.toml"), "--csv", &format!("{to}_swept.csv")]);
+        done(at, &["sweep", &format!("{to}.toml"), "-o", &format!("{to}_swept.csv")]);
         let (table, base) = (format!("{to}.csv"), format!("{to}.sqlite"));
         done(at, &["export", &table, &base, "--to", "jupedsim", "--trial", from]);
     }
@@ -380,7 +380,7 @@ fn pipes_and_devices_in_the_place_of_files_are_refused() {
     zero(&at.join("zero"));
     copy_trial(&at.join("T"));
     for (call, words) in [
-        (vec!["sweep", "sweep.toml", "-o", "out"], ["sweep.toml", "larger than 64 MB"]),
+        (vec!["sweep", "sweep.toml", "-o", "out.csv"], ["sweep.toml", "larger than 64 MB"]),
         (vec!["crowd", "--custom", "zero", "--population", "x.csv"], ["zero", "larger than 64 MB"]),
         (vec!["run", "T", "--until", "0.1", "--drive", "zero"], ["zero", "larger than 500 MB"]),
         (vec!["run", "x.fmu", "--until", "0.1"], ["x.fmu", "it is a pipe, not a regular file"]),

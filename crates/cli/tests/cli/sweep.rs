@@ -36,7 +36,7 @@ fn write_spec(at: &Path, until: f64, parameters: &str) {
 
 /// Rows by their column.
 fn read_csv(path: &Path) -> Vec<HashMap<String, String>> {
-    let mut reader = csv::Reader::from_path(path).unwrap();
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).unwrap();
     reader.deserialize().map(|row| row.unwrap()).collect()
 }
 
@@ -45,13 +45,13 @@ fn a_point_is_what_a_run_with_its_parameters_is() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     write_spec(at, 0.9, PARAMETERS);
-    let said = out(&done(at, &["sweep", "push.toml", "--csv", "table.csv"]));
+    let said = out(&done(at, &["sweep", "push.toml"]));
     assert!(said.contains("points                      4     (4 now, 0 before)"), "{said}");
     assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
-    let table = lemons_columns::Reader::open(fs::File::open(at.join("push/table.parquet")).unwrap()).unwrap();
-    let by = table.about("lemons_version").unwrap();
-    assert!(by.starts_with(env!("CARGO_PKG_VERSION")), "{by}");
-    let rows = read_csv(&at.join("table.csv"));
+    let table = fs::read_to_string(at.join("push.csv")).unwrap();
+    let by = format!("\"program\":\"{}", env!("CARGO_PKG_VERSION"));
+    assert!(table.lines().next().unwrap().contains(&by), "{table}");
+    let rows = read_csv(&at.join("push.csv"));
     assert_eq!(rows.len(), 4);
     for (k, row) in rows.iter().enumerate() {
         assert_eq!((row["point"].as_str(), row["status"].as_str()), (k.to_string().as_str(), "ok"));
@@ -101,21 +101,20 @@ fn a_killed_sweep_goes_on_to_the_same_table() {
         1.0,
         "\"contact.human_naked.human_naked.KineticFriction\" = { from = 0, to = 1, count = 200 }",
     );
-    done(at, &["sweep", "push.toml", "-o", "whole", "--threads", "2"]);
-    let mut running = command(at, &["sweep", "push.toml", "-o", "killed", "--threads", "1"]);
+    done(at, &["sweep", "push.toml", "-o", "whole.csv", "--threads", "2"]);
+    let mut running = command(at, &["sweep", "push.toml", "-o", "killed.csv", "--threads", "1"]);
     let mut running = running.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    let part = at.join("killed/part-000001.parquet");
-    while !part.exists() && running.try_wait().unwrap().is_none() {
+    // The comment, the names, and some points.
+    let lines = || fs::read_to_string(at.join("killed.csv")).map_or(0, |text| text.lines().count());
+    while lines() < 3 && running.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_millis(5));
     }
     running.kill().unwrap();
     running.wait().unwrap();
-    assert!(part.exists() && !at.join("killed/table.parquet").exists(), "it was killed in the middle");
-    let said = out(&done(at, &["sweep", "push.toml", "-o", "killed"]));
+    assert!((3..202).contains(&lines()), "it was killed in the middle");
+    let said = out(&done(at, &["sweep", "push.toml", "-o", "killed.csv"]));
     assert!(!said.contains("(200 now, 0 before)") && !said.contains("(0 now"), "{said}");
-    let table = |name: &str| fs::read(at.join(name).join("table.parquet")).unwrap();
-    assert!(table("whole") == table("killed"));
-    assert!(!part.exists());
+    assert!(fs::read(at.join("whole.csv")).unwrap() == fs::read(at.join("killed.csv")).unwrap());
 }
 
 #[test]
@@ -123,9 +122,9 @@ fn failed_points_are_rows_with_their_message() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     write_spec(at, 0.1, "\"agent[2].Mass\" = [70, -70, 80]");
-    let said = out(&done(at, &["sweep", "push.toml", "--csv", "table.csv"]));
+    let said = out(&done(at, &["sweep", "push.toml"]));
     assert!(said.contains("failed                      1") && said.contains("agent[2].Mass"), "{said}");
-    let rows = read_csv(&at.join("table.csv"));
+    let rows = read_csv(&at.join("push.csv"));
     let status: Vec<&str> = rows.iter().map(|row| row["status"].as_str()).collect();
     assert_eq!(status, ["ok", "failed", "ok"]);
     assert!(rows[1]["error"].contains("must be positive"), "{:?}", rows[1]);
@@ -164,7 +163,7 @@ fn a_sweep_of_long_steps_can_be_interrupted() {
     fs::write(at.join("push.toml"), spec.replace("until =", "step = 1500\nuntil =")).unwrap();
     let mut running = command(at, &["sweep", "push.toml", "--threads", "2"]);
     let mut running = running.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    while !at.join("push/sweep.json").exists() {
+    while !at.join("push.csv").exists() {
         assert!(running.try_wait().unwrap().is_none(), "it ended by itself");
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -177,7 +176,7 @@ fn a_sweep_of_long_steps_can_be_interrupted() {
     assert!(out(&output).contains("not simulated               3"), "{}", out(&output));
     let endless = spec.replace("until = 1500", "until = 1e300");
     fs::write(at.join("push.toml"), endless).unwrap();
-    let output = lemons(at, &["sweep", "push.toml", "-o", "endless"]);
+    let output = lemons(at, &["sweep", "push.toml", "-o", "endless.csv"]);
     assert_code(&output, 1);
     let said = err(&output);
     assert!(said.contains("until: from 0.0 to 1e300 s there are 2.0000e301 communication steps"), "{said}");
@@ -189,13 +188,13 @@ fn each_point_has_an_output_directory_of_its_own() {
     let at = directory.path();
     let sweep = |output: &str, parameters: &str| {
         write_spec(at, 0.1, &format!("{parameters}\nTimeStepMechanical = [1e-4]"));
-        lemons(at, &["sweep", "push.toml", "-o", output])
+        lemons(at, &["sweep", "push.toml", "-o", &format!("{output}.csv")])
     };
     let shared = "\"agent[*].Mass\" = [70, 80]\nOutputDirectory = [\"a\"]";
     let output = sweep("swept", shared);
     assert_code(&output, 1);
     assert!(err(&output).contains("OutputDirectory = \"a\": two points have it"), "{}", err(&output));
-    assert!(!at.join("a").exists() && !at.join("swept").exists());
+    assert!(!at.join("a").exists() && !at.join("swept.csv").exists());
     let own = "OutputDirectory = [\"a\", \"b\"]";
     assert_code(&sweep("swept", own), 0);
     let written = fs::read(at.join("b/AgentDynamics output t=0.1.xml")).unwrap();
@@ -218,16 +217,11 @@ fn mistakes_have_clear_messages() {
     write_spec(at, 0.1, PARAMETERS);
     done(at, &["sweep", "push.toml"]);
     let good = fs::read_to_string(at.join("push.toml")).unwrap();
-    let table = fs::read(at.join("push/table.parquet")).unwrap();
-    for (from, to, directory, expected) in [
-        (
-            "until = 0.1",
-            "until = 0.2",
-            "push",
-            "push contains another sweep: its sweep.json differs in until",
-        ),
-        ("[0, 0.4]", "[0, 0.5]", "push", "its sweep.json differs in points"),
-        ("take = \"max\"", "take = \"min\"", "push", "its sweep.json differs in measure"),
+    let table = fs::read(at.join("push.csv")).unwrap();
+    for (from, to, name, expected) in [
+        ("until = 0.1", "until = 0.2", "push", "push.csv is the table of another sweep: it differs in until"),
+        ("[0, 0.4]", "[0, 0.5]", "push", "it differs in points"),
+        ("take = \"max\"", "take = \"min\"", "push", "it differs in measure"),
         ("agent[*].Mass", "agent[9].Mass", "new", "the FMU has no variable \"agent[9].Mass\""),
         ("agents = [\"4\"]", "agents = [\"7\"]", "new", "measures: moved: there is no agent \"7\""),
         ("agents = [\"4\"]", "", "new", "measures: moved"),
@@ -235,18 +229,22 @@ fn mistakes_have_clear_messages() {
     ] {
         assert!(good.contains(from), "{from}");
         fs::write(at.join("push.toml"), good.replacen(from, to, 1)).unwrap();
-        let output = lemons(at, &["sweep", "push.toml", "-o", directory]);
+        let output = lemons(at, &["sweep", "push.toml", "-o", &format!("{name}.csv")]);
         assert_code(&output, 1);
         assert!(err(&output).contains(expected), "{to}: {}", err(&output));
     }
-    assert!(fs::read(at.join("push/table.parquet")).unwrap() == table);
     fs::write(at.join("push.toml"), good).unwrap();
-    for (content, expected) in
-        [(&b"PAR1"[..], "cannot be used"), (&table[..table.len() / 2], "cannot be used")]
-    {
-        fs::write(at.join("push/table.parquet"), content).unwrap();
-        let output = lemons(at, &["sweep", "push.toml"]);
+    assert!(fs::read(at.join("push.csv")).unwrap() == table);
+    // What is read, or is something else, is not written.
+    fs::write(at.join("notes.csv"), "my notes").unwrap();
+    for (to, expected) in [
+        ("notes.csv", "notes.csv is there, and is not the table of a sweep"),
+        ("push.toml", "lemons sweep reads it (push.toml)"),
+    ] {
+        let before = fs::read(at.join(to)).unwrap();
+        let output = lemons(at, &["sweep", "push.toml", "-o", to, "--force"]);
         assert_code(&output, 1);
         assert!(err(&output).contains(expected), "{}", err(&output));
+        assert!(fs::read(at.join(to)).unwrap() == before);
     }
 }

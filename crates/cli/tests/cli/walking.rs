@@ -1,6 +1,6 @@
 //! Runs of a Trial whose people walk by its `decision.toml`.
 
-use crate::common::{assert_code, command, decision_library, done, err, lemons, out, root, waits};
+use crate::common::{assert_code, command, decision_library, done, err, joined, lemons, out, root, waits};
 use crate::walked_sweep::{number, read_csv};
 use crowd_mechanics::setup;
 use lemons_record::Run;
@@ -98,7 +98,7 @@ fn a_walk_is_saved_and_goes_on() {
     let wishes = fs::read_to_string(at.join("T/decision.toml")).unwrap();
     fs::write(at.join("T/decision.toml"), wishes.replace("x = 30.0", "x = -30.0")).unwrap();
     let rest =
-        ["run", "T", "-o", "poses.csv", "--outputs", "drives.csv", "--resume", "half.run", "--until", "2"];
+        ["run", "T", "-o", "rest.csv", "--outputs", "drives_2.csv", "--resume", "half.run", "--until", "2"];
     let other = lemons(at, &rest);
     assert_code(&other, 1);
     assert!(err(&other).contains("another plan"), "{}", err(&other));
@@ -112,19 +112,19 @@ fn a_walk_is_saved_and_goes_on() {
         err(&other)
     );
     done(at, &rest);
-    let now = ["poses.csv", "drives.csv"].map(|name| fs::read(at.join(name)).unwrap());
+    let now = [["poses.csv", "rest.csv"], ["drives.csv", "drives_2.csv"]].map(|parts| joined(at, &parts));
     assert!(now == whole);
     // A run in which nobody walked goes on so.
     let still = ["run", "T", "--set", "agent[2].Fp.x=90", "--no-plan", "--until", "0.4", "-o", "whole.csv"];
     done(at, &still);
     done(at, &[&still[..5], &["--until", "0.2", "-o", "still.csv", "--state", "still.run"]].concat());
-    let rest = ["run", "T", "--resume", "still.run", "--until", "0.4", "-o", "still.csv"];
+    let rest = ["run", "T", "--resume", "still.run", "--until", "0.4", "-o", "still_2.csv"];
     let other = lemons(at, &rest);
     assert_code(&other, 1);
     let said = "now people would walk (T/decision.toml): give --no-plan to go on as before";
     assert!(err(&other).contains(said), "{}", err(&other));
     done(at, &[&rest[..], &["--no-plan"]].concat());
-    assert!(fs::read(at.join("still.csv")).unwrap() == fs::read(at.join("whole.csv")).unwrap());
+    assert!(joined(at, &["still.csv", "still_2.csv"]) == fs::read(at.join("whole.csv")).unwrap());
 }
 
 /// The finer of both runs, with its step, is the run of the coupled FMUs with this step.
@@ -244,7 +244,7 @@ fn a_name_without_a_component_sets_what_both_have() {
     let spec = "trial = \"T\"\nuntil = 9\n[parameters]\n\"agent[*].Mass\" = [40]\n\"agent[*].FloorDamping\" = [1]\n\
                 \"agent[0].AngularDamping\" = [1]\n[measures]\nx = { of = \"x\", take = \"last\", across = \"max\" }\n";
     fs::write(at.join("sweep.toml"), spec).unwrap();
-    done(at, &["sweep", "sweep.toml", "--csv", "table.csv"]);
+    done(at, &["sweep", "sweep.toml", "-o", "table.csv"]);
     assert_eq!(number(&read_csv(&at.join("table.csv"))[0], "x"), number(last, "x"));
     // Who names a component means it, and is told.
     done(at, &["decide", "T", "-o", "decision.fmu", "--force"]);
@@ -357,16 +357,19 @@ fn a_drive_is_added_to_how_people_walk() {
     for algorithm in ["jacobi", "gauss-seidel"] {
         near(run(&["--drive", "push.csv", "--algorithm", algorithm]), way(120.0));
     }
-    let whole = fs::read(at.join("x.parquet")).unwrap();
-    let options = ["--drive", "push.csv", "--algorithm", "gauss-seidel", "--force"];
-    for part in [["--until", "1", "--state", "a.run"], ["--until", "2", "--resume", "a.run"]] {
-        done(at, &[&["run", "T", "-o", "x.parquet"], &part[..], &options].concat());
+    let options = ["--drive", "push.csv", "--algorithm", "gauss-seidel"];
+    for part in [
+        ["-o", "whole.csv", "--until", "2", "--state", "b.run"],
+        ["-o", "1.csv", "--until", "1", "--state", "a.run"],
+        ["-o", "2.csv", "--until", "2", "--resume", "a.run"],
+    ] {
+        done(at, &[&["run", "T"], &part[..], &options].concat());
     }
-    assert!(fs::read(at.join("x.parquet")).unwrap() == whole);
+    assert!(joined(at, &["1.csv", "2.csv"]) == fs::read(at.join("whole.csv")).unwrap());
     let sweep = "trial = \"T\"\nuntil = 2\ndrive = \"push.csv\"\n[parameters]\n\"agent[0].Theta\" = [0.0, 0.0]\n\
                  [measures]\nx = { of = \"x\", take = \"last\", across = \"max\" }\n";
     fs::write(at.join("sweep.toml"), sweep).unwrap();
-    done(at, &["sweep", "sweep.toml", "-o", "swept", "--csv", "swept.csv"]);
+    done(at, &["sweep", "sweep.toml", "-o", "swept.csv"]);
     let rows = read_csv(&at.join("swept.csv"));
     assert_eq!(rows.len(), 2);
     rows.iter().for_each(|row| near(number(row, "x"), way(120.0)));

@@ -1,38 +1,43 @@
-//! Formats of tables.
+//! Formats of tables, and what a table holds.
 
+use crate::columns::Column;
 use std::path::Path;
 
 /// Format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum Format {
     /// Text with a header. Numbers are written so that they read back to the same doubles.
     Csv,
-    /// Compressed columns; units, variables and descriptions are in the metadata.
-    #[cfg(feature = "parquet")]
+    /// Compressed columns; units, variables and descriptions are in the metadata. Needs the feature
+    /// `parquet`.
     Parquet,
 }
 
 impl Format {
-    /// All formats of this build.
-    pub const ALL: &[Format] = &[
-        Format::Csv,
-        #[cfg(feature = "parquet")]
-        Format::Parquet,
-    ];
+    /// All formats.
+    pub const ALL: [Format; 2] = [Format::Csv, Format::Parquet];
 
     /// The format that the extension of a file means; capitals do not matter.
     pub fn of(path: &Path) -> Option<Format> {
         let end = path.extension()?;
-        Format::ALL.iter().copied().find(|format| end.eq_ignore_ascii_case(format.extension()))
+        Format::ALL.into_iter().find(|format| end.eq_ignore_ascii_case(format.extension()))
     }
 
     /// Extension of its files, without a dot.
     pub const fn extension(self) -> &'static str {
         match self {
             Format::Csv => "csv",
-            #[cfg(feature = "parquet")]
             Format::Parquet => "parquet",
         }
     }
+}
+
+/// What a table holds besides its rows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Content {
+    /// The first one is the time ([`Column::time`]).
+    pub columns: Vec<Column>,
+    /// Keys and values about the whole table. Parquet has them in its metadata, CSV has no place for
+    /// them.
+    pub about: Vec<(&'static str, String)>,
 }

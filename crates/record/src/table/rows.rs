@@ -1,96 +1,85 @@
 //! The rows of the table of a crowd, in whatever format.
 
-use crate::columns::{Groups, ID, MOTION, TIME, TOTALS};
+use crate::columns::{AgentRow, Groups, ID, MOTION, Quantity, TIME, TOTALS};
 use crate::error::RecordError;
-use crate::run::{Frame, Observed, OfStep, Totals};
-use lemons_plane::{Motion, Pose, Twist, vec2};
+use crate::run::{Frame, Totals};
 use std::borrow::Cow;
 use std::collections::HashMap;
+
+/// The columns that are read of a table.
+pub(super) struct Wanted {
+    groups: Groups,
+    quantities: Vec<&'static Quantity>,
+}
 
 /// Name and unit of a column.
 pub(super) type Head = (&'static str, Option<&'static str>);
 
-/// The columns that are read of a table in which these names exist, in the order that [`read`] expects.
-pub(super) fn heads(exists: impl Fn(&str) -> bool) -> (Groups, Vec<Head>) {
-    let groups = Groups::among(exists);
-    let quantities = groups.of_agent().chain(groups.of_crowd());
-    let heads = [(TIME, Some("s")), (ID, None)].into_iter();
-    (groups, heads.chain(quantities.map(|quantity| (quantity.name, quantity.unit))).collect())
-}
+impl Wanted {
+    /// Of a table in which these names exist.
+    pub fn among(exists: impl Fn(&str) -> bool) -> Wanted {
+        let groups = Groups::among(exists);
+        Wanted { groups, quantities: groups.quantities().collect() }
+    }
 
-/// What a table must have.
-pub(super) fn missing(name: &str) -> String {
-    let needed = [TIME, ID].into_iter().chain(MOTION.iter().map(|quantity| quantity.name));
-    let needed = needed.collect::<Vec<_>>().join(", ");
-    format!("there is no column {name:?} (lemons run writes {needed})")
-}
+    /// The columns: time, Id, quantities.
+    pub fn heads(&self) -> impl Iterator<Item = Head> {
+        let quantities = self.quantities.iter().map(|quantity| (quantity.name, quantity.unit));
+        [(TIME, Some("s")), (ID, None)].into_iter().chain(quantities)
+    }
 
-/// A column without unit is in ours.
-pub(super) fn check_unit(name: &str, there: Option<&str>, ours: Option<&str>) -> Result<(), String> {
-    match there {
-        Some(there) if Some(there) != ours => {
-            let ours = ours.map_or("without unit".into(), |unit| format!("in {unit:?}"));
-            Err(format!("column {name}: is in {there:?}, it must be {ours}"))
+    /// Reads the time \[s\] and the quantities of a row; `place` says where it is in the file.
+    fn read(&self, row: &impl Row, place: impl Fn() -> String) -> Result<(f64, AgentRow), String> {
+        let wrong = |k: usize, name: &str, must: &str| {
+            format!("{}: column {name}: {} is not {must}", place(), row.shown(k))
+        };
+        let time = row.number(0);
+        if !time.is_finite() {
+            return Err(wrong(0, TIME, "a finite number"));
         }
-        _ => Ok(()),
+        let mut agent = AgentRow::default();
+        for (k, quantity) in (2..).zip(&self.quantities) {
+            let field = (quantity.field)(&mut agent);
+            field.set(row.number(k)).map_err(|must| wrong(k, quantity.name, must))?;
+        }
+        Ok((time, agent))
     }
 }
 
-/// A row of a table. Its cells have the places of their columns among those of [`heads`].
+/// Finds a wanted column among the names and units of a table. A column without unit is in ours.
+///
+/// # Errors
+/// There is none, there are two, or it has another unit.
+pub(super) fn place<'a>(
+    columns: impl Iterator<Item = (&'a str, Option<&'a str>)>,
+    (name, unit): Head,
+) -> Result<usize, String> {
+    let mut found = columns.enumerate().filter(|(_, column)| column.0 == name);
+    let Some((place, (_, there))) = found.next() else {
+        let needed = [TIME, ID].into_iter().chain(MOTION.iter().map(|quantity| quantity.name));
+        let needed = needed.collect::<Vec<_>>().join(", ");
+        return Err(format!("there is no column {name:?} (lemons run writes {needed})"));
+    };
+    if found.next().is_some() {
+        return Err(format!("there are two columns {name:?}"));
+    }
+    match there {
+        Some(there) if Some(there) != unit => {
+            let ours = unit.map_or("without unit".into(), |unit| format!("in {unit:?}"));
+            Err(format!("column {name}: is in {there:?}, it must be {ours}"))
+        }
+        _ => Ok(place),
+    }
+}
+
+/// A row of a table. Its cells have the places of their columns among those of [`Wanted::heads`].
 pub(super) trait Row {
-    fn id(&self) -> Result<Cow<'_, str>, String>;
-    fn real(&self, k: usize) -> Result<f64, String>;
-    fn count(&self, k: usize) -> Result<u32, String>;
-    /// A number that is not negative.
-    fn size(&self, k: usize, what: &str) -> Result<f64, String>;
-}
-
-/// One agent at one time.
-pub(super) struct Seen {
-    motion: Motion,
-    observed: Option<Observed>,
-    active: Option<bool>,
-    totals: Option<Totals>,
-}
-
-/// Reads the cells after time and Id.
-pub(super) fn read(row: &impl Row, groups: Groups) -> Result<Seen, String> {
-    const FORCE: &str = "squeeze in newtons";
-    let motion = Motion {
-        pose: Pose { position: vec2(row.real(2)?, row.real(3)?), orientation: row.real(6)? },
-        twist: Twist { velocity: vec2(row.real(4)?, row.real(5)?), angular_velocity: row.real(7)? },
-    };
-    let of_step = || -> Result<OfStep, String> {
-        Ok(OfStep {
-            mean_normal_force: row.size(12, FORCE)?,
-            peak_normal_force: row.size(13, FORCE)?,
-            peak_overlap: row.size(14, "overlap in metres")?,
-        })
-    };
-    let observed = || -> Result<Observed, String> {
-        Ok(Observed {
-            agent_contacts: row.count(8)?,
-            wall_contacts: row.count(9)?,
-            contacting_agents: row.count(10)?,
-            normal_force: row.size(11, FORCE)?,
-            of_step: groups.of_step.then(of_step).transpose()?,
-        })
-    };
-    let first = 2 + groups.of_agent().count();
-    let active = || match row.count(first - 1)? {
-        0 => Ok(false),
-        1 => Ok(true),
-        other => Err(format!("{other} is neither 1 (there) nor 0 (left)")),
-    };
-    let totals = || -> Result<Totals, String> {
-        Ok(Totals { agent_contacts: row.count(first)?, wall_contacts: row.count(first + 1)? })
-    };
-    Ok(Seen {
-        motion,
-        observed: groups.contacts.then(observed).transpose()?,
-        active: groups.active.then(active).transpose()?,
-        totals: groups.totals.then(totals).transpose()?,
-    })
+    /// The Id, in the second cell.
+    fn id(&self) -> Cow<'_, str>;
+    /// A number; NaN if the cell is none.
+    fn number(&self, k: usize) -> f64;
+    /// A cell, for messages.
+    fn shown(&self, k: usize) -> String;
 }
 
 /// Why rows are read no further.
@@ -113,11 +102,9 @@ impl From<RecordError> for Stop {
     }
 }
 
-/// What a row says of an agent: its motion, what was observed, and whether it is there.
-type OfAgent = (Motion, Option<Observed>, Option<bool>);
-
-/// Rows become frames.
-pub(super) struct Builder {
+/// Makes frames of rows.
+pub(super) struct Frames<'a> {
+    wanted: &'a Wanted,
     /// What is counted in the file: lines or rows.
     what: &'static str,
     ids: Vec<String>,
@@ -126,55 +113,65 @@ pub(super) struct Builder {
     first: bool,
     /// Time \[s\] and place of the newest frame.
     newest: Option<(f64, String)>,
-    /// Of the newest frame.
-    totals: Option<Totals>,
-    /// Of the newest frame, by place.
-    agents: Vec<Option<OfAgent>>,
+    /// Rows of the newest frame, in the order of the Ids.
+    agents: Vec<Option<AgentRow>>,
+    totals: Totals,
 }
 
-impl Builder {
-    pub(super) fn new(what: &'static str) -> Builder {
-        let (ids, places, agents) = (Vec::new(), HashMap::new(), Vec::new());
-        Builder { what, ids, places, first: true, newest: None, totals: None, agents }
+impl<'a> Frames<'a> {
+    pub fn new(wanted: &'a Wanted, what: &'static str) -> Frames<'a> {
+        Frames {
+            wanted,
+            what,
+            ids: Vec::new(),
+            places: HashMap::new(),
+            first: true,
+            newest: None,
+            agents: Vec::new(),
+            totals: Totals::default(),
+        }
     }
 
     /// Adds the `n`-th row; returns the previous frame if this row is the first of the next one.
-    pub(super) fn add(&mut self, n: u64, time: f64, id: &str, seen: Seen) -> Result<Option<Frame>, String> {
+    pub fn add(&mut self, n: u64, row: &impl Row) -> Result<Option<Frame>, String> {
         let what = self.what;
-        let Seen { motion, observed, active, totals } = seen;
+        let place = || format!("{what} {n}");
+        let (time, agent) = self.wanted.read(row, place)?;
         let mut complete = None;
         match self.newest.as_ref().map(|(time, _)| *time) {
             Some(last) if time == last => {
-                if totals != self.totals {
+                if agent.totals != self.totals {
                     let names = TOTALS.map(|quantity| quantity.name).join(", ");
-                    return Err(format!("{what} {n}: columns {names}: differ from those of the row before"));
+                    return Err(format!("{}: columns {names}: differ from those of the row before", place()));
                 }
             }
             Some(last) if time < last => {
                 return Err(format!(
-                    "{what} {n}: column t: t = {time:?} s must not come after t = {last:?} s"
+                    "{}: column t: t = {time:?} s must not come after t = {last:?} s",
+                    place()
                 ));
             }
             _ => {
                 complete = self.close()?;
                 self.first = complete.is_none();
-                self.newest = Some((time, format!("{what} {n}")));
-                self.totals = totals;
+                self.newest = Some((time, place()));
+                self.totals = agent.totals;
             }
         }
+        let id = row.id();
         if id.is_empty() {
-            return Err(format!("{what} {n}: column id: is empty"));
+            return Err(format!("{}: column id: is empty", place()));
         }
-        if self.first && !self.places.contains_key(id) {
-            self.places.insert(id.to_owned(), self.ids.len());
-            self.ids.push(id.to_owned());
+        if self.first && !self.places.contains_key(&*id) {
+            self.places.insert(id.clone().into_owned(), self.ids.len());
+            self.ids.push(id.clone().into_owned());
             self.agents.push(None);
         }
-        let Some(&place) = self.places.get(id) else {
-            return Err(format!("{what} {n}: column id: agent {id:?} was not there at the first time"));
+        let Some(&k) = self.places.get(&*id) else {
+            return Err(format!("{}: column id: agent {id:?} was not there at the first time", place()));
         };
-        match self.agents[place].replace((motion, observed, active)) {
-            Some(_) => Err(format!("{what} {n}: column id: agent {id:?} stands twice at t = {time:?} s")),
+        match self.agents[k].replace(agent) {
+            Some(_) => Err(format!("{}: column id: agent {id:?} stands twice at t = {time:?} s", place())),
             None => Ok(complete),
         }
     }
@@ -182,18 +179,15 @@ impl Builder {
     /// The newest frame, if there is one.
     fn close(&mut self) -> Result<Option<Frame>, String> {
         let Some((time, place)) = self.newest.take() else { return Ok(None) };
-        let all = self.agents.iter_mut().zip(&self.ids).map(|(agent, id)| {
+        let rows = self.agents.iter_mut().zip(&self.ids).map(|(agent, id)| {
             agent.take().ok_or_else(|| format!("{place}: at t = {time:?} s agent {id:?} is missing"))
         });
-        let all = all.collect::<Result<Vec<_>, _>>()?;
-        let agents = all.iter().map(|(motion, ..)| *motion).collect();
-        let observed = all.iter().map(|(_, observed, _)| *observed).collect();
-        let active = all.iter().map(|(.., active)| *active).collect();
-        Ok(Some(Frame { time, agents, observed, active, totals: self.totals, interactions: None, place }))
+        let rows = rows.collect::<Result<Vec<_>, _>>()?;
+        Ok(Some(Frame { place, ..Frame::of_rows(time, &rows, self.wanted.groups) }))
     }
 
     /// The last frame, and the Ids of all agents.
-    pub(super) fn finish(mut self) -> Result<(Frame, Vec<String>), String> {
+    pub fn finish(mut self) -> Result<(Frame, Vec<String>), String> {
         let last = self.close()?.ok_or("the run is empty: there is no row")?;
         Ok((last, self.ids))
     }

@@ -70,7 +70,7 @@ fn the_end_of_a_series_is_where_the_run_was() {
             assert!((seen.normal_force - wanted.squeeze).abs() <= 1e-12 * wanted.squeeze);
         }
         let until = Run { frames, ..series.clone() };
-        trial_at_end(&until, &trial).unwrap().write(&at.join("end")).unwrap();
+        trial_at_end(&until.into(), &trial).unwrap().write(&at.join("end")).unwrap();
         let (end, _) = setup::read(&at.join("end")).unwrap();
         let mut again = Setup::of(&end).world().unwrap();
         assert_eq!(again.drive, world.drive);

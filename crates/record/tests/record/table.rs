@@ -25,43 +25,31 @@ fn good(directory: &TempDir) -> Run {
 }
 
 #[test]
-fn contacts_and_squeeze_are_read_where_all_are_there() {
+fn groups_of_columns_are_read_where_all_are_there() {
     let directory = TempDir::new().unwrap();
     assert!(good(&directory).frames.iter().all(|frame| frame.observed.is_none()));
-    let text = |row: &str| {
-        format!("{HEADER},wall_contacts,contacting_agents,normal_force\n0.0,a,1,2,0,0,0,0,{row}\n")
+    let of_step = "mean_normal_force,peak_normal_force,peak_overlap [m]";
+    let read = |more: &str, row: &str| {
+        let head = format!("{HEADER},wall_contacts,contacting_agents,normal_force{more}");
+        Run::read_table(&table(&directory, &format!("{head}\n0.0,a,1,2,0,0,0,0,{row}\n")))
     };
-    let run = Run::read_table(&table(&directory, &text("3,1,2,125.5"))).unwrap();
     let (agent_contacts, wall_contacts, contacting_agents, normal_force) = (3, 1, 2, 125.5);
     let seen = Observed { agent_contacts, wall_contacts, contacting_agents, normal_force, of_step: None };
-    assert_eq!(run.frames[0].observed, Some(vec![seen]));
-    for (row, expected) in [
-        ("3,-1,2,0.0", "line 2: column wall_contacts: \"-1\" is not a valid number of contacts"),
-        ("3,1,2,-1.0", "line 2: column normal_force: \"-1.0\" is not a valid squeeze in newtons"),
+    assert_eq!(read("", "3,1,2,125.5").unwrap().frames[0].observed, Some(vec![seen]));
+    let run = read(&format!(",{of_step}"), "3,1,2,0.0,80.5,1e3,0.002").unwrap();
+    let step = OfStep { mean_normal_force: 80.5, peak_normal_force: 1000.0, peak_overlap: 0.002 };
+    assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(step));
+    for (more, row, expected) in [
+        ("", "3,-1,2,0.0", "wall_contacts: \"-1\" is not a valid number of contacts"),
+        ("", "3,1.5,2,0.0", "wall_contacts: \"1.5\" is not a valid number of contacts"),
+        ("", "3,1,2,-1.0", "normal_force: \"-1.0\" is not a finite number from 0 on"),
+        (of_step, "3,1,2,0.0,80.5,inf,0.002", "peak_normal_force: \"inf\" is not a finite number from 0 on"),
+        (of_step, "3,1,2,0.0,80.5,1e3,-1.0", "peak_overlap: \"-1.0\" is not a finite number from 0 on"),
+        ("active", "3,1,2,0.0,2", "active: \"2\" is not 1 (there) or 0 (left)"),
     ] {
-        let message = Run::read_table(&table(&directory, &text(row))).unwrap_err().to_string();
-        assert!(message.contains(expected), "{message}");
-    }
-}
-
-#[test]
-fn mean_and_peak_of_a_step_are_read_where_all_are_there() {
-    let directory = TempDir::new().unwrap();
-    let text = |row: &str| {
-        let step = "mean_normal_force,peak_normal_force,peak_overlap [m]";
-        format!(
-            "{HEADER},wall_contacts,contacting_agents,normal_force,{step}\n0.0,a,1,2,0,0,0,0,3,1,2,0.0,{row}\n"
-        )
-    };
-    let run = Run::read_table(&table(&directory, &text("80.5,1e3,0.002"))).unwrap();
-    let of_step = OfStep { mean_normal_force: 80.5, peak_normal_force: 1000.0, peak_overlap: 0.002 };
-    assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(of_step));
-    for (row, expected) in [
-        ("80.5,inf,0.002", "line 2: column peak_normal_force: \"inf\" is not a valid squeeze in newtons"),
-        ("80.5,1e3,-1.0", "line 2: column peak_overlap: \"-1.0\" is not a valid overlap in metres"),
-    ] {
-        let message = Run::read_table(&table(&directory, &text(row))).unwrap_err().to_string();
-        assert!(message.contains(expected), "{message}");
+        let more = if more.is_empty() { String::new() } else { format!(",{more}") };
+        let message = read(&more, row).unwrap_err().to_string();
+        assert!(message.contains(&format!("line 2: column {expected}")), "{message}");
     }
 }
 
@@ -168,7 +156,7 @@ fn formats_are_as_their_readers_want_them() {
 
     fs::write(at("t.sqlite"), "what was there before").unwrap();
     let positions = run.positions().unwrap();
-    jupedsim(&run, &walkable_area(&[], positions.iter()), &at("t.sqlite")).unwrap();
+    jupedsim(&run, &walkable_area(&[], positions.into_iter()), &at("t.sqlite")).unwrap();
     let database = rusqlite::Connection::open(at("t.sqlite")).unwrap();
     let one = |query: &str| database.query_row(query, [], |row| row.get::<_, String>(0)).unwrap();
     assert_eq!(one("SELECT value FROM metadata WHERE key = 'version'"), "2");
@@ -193,15 +181,15 @@ fn agents_are_those_of_the_trial() {
     let directory = TempDir::new().unwrap();
     let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
     let (mut trial, _) = setup::read(&resources).unwrap();
-    let said = good(&directory).of_trial(&trial).unwrap_err().to_string();
+    let said = Record::from(good(&directory)).of_trial(&trial).err().unwrap().to_string();
     assert!(said.contains("column id: there is no agent \"7\" in the Trial \"Trial_push\""), "{said}");
     trial.agents[0].id = "3".into();
     trial.agents[1].id = "7".into();
     trial.agents[2].id = "2b".into();
-    let said = good(&directory).of_trial(&trial).unwrap_err().to_string();
+    let said = Record::from(good(&directory)).of_trial(&trial).err().unwrap().to_string();
     assert!(said.contains("has no agent \"2b\""), "{said}");
     trial.agents.truncate(2);
-    let run = good(&directory).of_trial(&trial).unwrap();
+    let run = Record::from(good(&directory)).of_trial(&trial).unwrap().read(|_| true).unwrap();
     assert_eq!((run.ids[0].as_str(), run.frames[0].agents[0].pose.position.x), ("3", 1.0));
     assert_eq!(Record::from(run.clone()).names().numbers, [3, 7]);
     let named = Record::from(Run { ids: vec!["3".into(), "b".into()], ..run });

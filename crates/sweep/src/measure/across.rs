@@ -1,10 +1,10 @@
 //! How the numbers of several people become one.
 
 use lemons_measure::quantile;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// How the numbers of several agents become one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Across {
     /// The largest.

@@ -1,66 +1,33 @@
 //! Who crosses a line.
 
+use crate::measure::number::{check_number, number_of};
 use crate::measure::span::Span;
 use crate::places::Places;
 use crate::points::Points;
 use lemons_measure::{Crossings, Line, Passages, Way};
 use lemons_record::Frame;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// A measure of people who cross a line in a direction.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OverLine {
     /// Its name in `[lines]`.
     pub line: String,
     /// In which direction, seen from the first point to the second one.
-    pub direction: Direction,
-    /// What of it.
-    pub number: OfCrossings,
+    pub direction: Way,
+    /// A number of [`Crossings`].
+    pub number: String,
     /// For the specific flow; `None`: the length of the line.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width: Option<Width>,
     /// \[s\] From this time on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
     /// \[s\] Up to this time.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<f64>,
 }
 
-/// A direction across a line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Direction {
-    /// From the left to the right.
-    Right,
-    /// From the right to the left.
-    Left,
-}
-
-/// A number of a direction: those of [`Crossings`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[allow(missing_docs)]
-pub enum OfCrossings {
-    People,
-    Crossings,
-    First,
-    Last,
-    Flow,
-    SpecificFlow,
-    #[serde(rename = "gap_10")]
-    Gap10,
-    GapMedian,
-    #[serde(rename = "gap_90")]
-    Gap90,
-    Across,
-    NotAcross,
-    EvacuationTime,
-}
-
 /// \[m\] A width, or the parameter that has it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum Width {
     /// At all points.
@@ -80,8 +47,9 @@ impl OverLine {
     /// A sentence with the key.
     pub(crate) fn check(&self, places: &Places, points: &Points) -> Result<(), String> {
         self.span().check()?;
+        check_number("number", &self.number, &Crossings::default())?;
         let line = places.line(&self.line)?;
-        if self.width.is_some() && self.number != OfCrossings::SpecificFlow {
+        if self.width.is_some() && self.number != "specific_flow" {
             return Err("width is for number = \"specific_flow\"".into());
         }
         (0..points.count).try_for_each(|point| self.width_at(point, line, points).map(drop))
@@ -135,25 +103,7 @@ impl<'a> Crossed<'a> {
     }
 
     pub fn value(&self) -> Option<f64> {
-        let way = match self.measure.direction {
-            Direction::Right => Way::Right,
-            Direction::Left => Way::Left,
-        };
-        let seen = Crossings::of(&self.passages, way, self.width, self.people);
-        let count = |count: usize| Some(count as f64);
-        match self.measure.number {
-            OfCrossings::People => count(seen.people),
-            OfCrossings::Crossings => count(seen.crossings),
-            OfCrossings::First => seen.first,
-            OfCrossings::Last => seen.last,
-            OfCrossings::Flow => seen.flow,
-            OfCrossings::SpecificFlow => seen.specific_flow,
-            OfCrossings::Gap10 => seen.gap_10,
-            OfCrossings::GapMedian => seen.gap_median,
-            OfCrossings::Gap90 => seen.gap_90,
-            OfCrossings::Across => count(seen.across),
-            OfCrossings::NotAcross => count(seen.not_across),
-            OfCrossings::EvacuationTime => seen.evacuation_time,
-        }
+        let OverLine { direction, number, .. } = self.measure;
+        number_of(number, &Crossings::of(&self.passages, *direction, self.width, self.people))
     }
 }

@@ -2,10 +2,10 @@
 
 use crate::measure::across::Across;
 use crate::output::Of;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// How the values of an output over time become one number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Take {
     /// The largest value.
@@ -27,7 +27,7 @@ pub enum Take {
 }
 
 /// A measure of an output.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OfOutput {
     /// The output.
@@ -35,13 +35,11 @@ pub struct OfOutput {
     /// The function of its values over time.
     pub take: Take,
     /// The level for [`Take::FirstAbove`] and [`Take::FirstAtLeast`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
     /// Ids of agents in Agents.xml; empty: all agents.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub agents: Vec<String>,
     /// The function over several agents. If it is missing, it is that of `take` for `max`, `min` and `mean`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub across: Option<Across>,
 }
 

@@ -4,37 +4,32 @@ use crate::measure::across::Across;
 use crate::measure::span::Span;
 use lemons_measure::{Exposure, SPANS, squeeze};
 use lemons_record::Frame;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// A measure of the squeeze of people over time, by its mean over each communication step.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OfSqueeze {
     /// What of it.
     pub squeeze: Exposed,
     /// \[s\] For [`Exposed::LargestMean`]: 0.1, 1 or 10. For [`Exposed::TimeAbove`]: of the means that are compared with
     /// the level; else they are those of communication steps.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<f64>,
     /// \[N\] For [`Exposed::TimeAbove`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
     /// Ids of agents in Agents.xml; empty: all agents.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub agents: Vec<String>,
     /// The function over several agents.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub across: Option<Across>,
     /// \[s\] From this time on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<f64>,
     /// \[s\] Up to this time.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<f64>,
 }
 
 /// What somebody was exposed to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exposed {
     /// \[s\] In which the mean squeeze over a time, or over a communication step, is above a level.

@@ -16,7 +16,7 @@ fn every_command(trial: &str) -> Vec<Vec<&str>> {
         vec!["decide", trial, "--plan", "wishes.toml", "-o", "decided.fmu"],
         vec!["connect", "decision.fmu", "crowd.fmu", "-o", "made.ssp"],
         vec!["run", trial, "--until", "0.1"],
-        vec!["sweep", "sweep.toml", "-o", "swept", "--csv", "swept.csv"],
+        vec!["sweep", "sweep.toml", "-o", "swept.csv"],
         vec!["plot", trial, "--at", "0"],
         vec!["movie", trial, "--until", "0.1", "-o", "movie.gif"],
         vec!["measure", "run.csv", "--line", "0.2,-1,0.2,1", "-o", "measured"],
@@ -210,8 +210,6 @@ fn a_dash_is_standard_output_or_refused() {
     let measure = ["measure", "a.csv", "--above", "100", "--summary"];
     done(place, &[&measure[..], &["summary.json"]].concat());
     assert_eq!(shown(&[&measure[..], &["-"]].concat(), "5 people"), text(&place.join("summary.json")));
-    done(place, &["sweep", "sweep.toml", "--csv", "swept.csv"]);
-    assert_eq!(shown(&["sweep", "sweep.toml", "--csv", "-"], "succeeded"), text(&place.join("swept.csv")));
     let person = ["person", "--breadth", "49", "--depth", "25", "--stature", "1.75", "--mass", "70"];
     for option in ["--obj", "--stl", "--geojson", "--wkt", "--svg", "--pdf"] {
         done(place, &[&person[..], &[option, "person"]].concat());

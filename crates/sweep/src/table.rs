@@ -1,0 +1,383 @@
+//! The table of a sweep: CSV to which finished points are appended.
+//!
+//! The first line is a comment, `# lemons sweep {…}`, with what must be equal to go on, as JSON. Then come the names of
+//! the columns, and a row for each finished point. A sweep that was killed leaves a table whose last line may be cut
+//! off; its point is simulated again. When all points are finished, the rows are sorted: so the table does not depend on
+//! how often the sweep was stopped, or on the number of threads.
+
+use crate::error::{Error, Place, Result};
+use crate::points::Points;
+use lemons_files::Staged;
+use serde_json::{Map, Value};
+use std::fs::{File, TryLockError};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// What the first line begins with.
+const BEGIN: &str = "# lemons sweep ";
+/// \[byte\] of the first line.
+const LARGEST_IDENTITY: u64 = 64 << 20;
+const OK: &str = "ok";
+const FAILED: &str = "failed";
+
+/// A finished point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finished {
+    /// Number of the point, from 0.
+    pub point: usize,
+    /// The measured values, in the order of the measures, or the message of the failure.
+    pub outcome: Result<Vec<Option<f64>>, String>,
+}
+
+/// A table that is written. Only one process at a time can write to it.
+pub struct Table {
+    path: PathBuf,
+    points: Points,
+    measures: usize,
+    /// Both lines.
+    head: Vec<u8>,
+    /// Locked; what is written is appended.
+    file: File,
+    /// The best row of each finished point.
+    rows: Vec<Option<Finished>>,
+    /// Whether the rows of the file are those of the first points, in order.
+    sorted: bool,
+    /// Number of rows in the file.
+    written: usize,
+}
+
+impl Table {
+    /// Creates the table, or opens that of an unfinished sweep.
+    ///
+    /// # Errors
+    /// The file is no such table, or that of another sweep, another process writes it, or it cannot be written.
+    pub fn open(
+        path: &Path,
+        identity: &Map<String, Value>,
+        points: &Points,
+        measures: &[String],
+    ) -> Result<Table> {
+        let at = || path.display().to_string();
+        let file = File::options().create(true).read(true).append(true).open(path).place(at)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(Error::Busy(path.to_owned())),
+            Err(TryLockError::Error(error)) => return Err(error).place(at),
+        }
+        let mut head = format!("{BEGIN}{}\n", serde_json::to_string(identity)?).into_bytes();
+        let parameters = points.columns.iter().map(|(name, _)| name.as_str());
+        let names = ["point"].into_iter().chain(parameters).chain(measures.iter().map(String::as_str));
+        head.extend(line(names.chain(["status", "error"]).map(str::to_owned))?);
+        let mut table = Table {
+            path: path.to_owned(),
+            points: points.clone(),
+            measures: measures.len(),
+            head,
+            file,
+            rows: vec![None; points.count],
+            sorted: true,
+            written: 0,
+        };
+        let end = table.read(identity)?;
+        table.file.set_len(end).place(at)?;
+        if end == 0 {
+            table.file.write_all(&table.head).place(at)?;
+        }
+        Ok(table)
+    }
+
+    /// Reads the file. Returns how many of its bytes are whole lines.
+    fn read(&mut self, identity: &Map<String, Value>) -> Result<u64> {
+        let at = || self.path.display().to_string();
+        let mut file = BufReader::new(self.file.try_clone().place(at)?);
+        let mut first = Vec::new();
+        file.by_ref().take(LARGEST_IDENTITY).read_until(b'\n', &mut first).place(at)?;
+        if self.head.starts_with(&first) && !first.ends_with(b"\n") {
+            return Ok(0);
+        }
+        let text = first.strip_prefix(BEGIN.as_bytes()).filter(|_| first.ends_with(b"\n"));
+        let Some(before) = text.and_then(|text| serde_json::from_slice::<Map<String, Value>>(text).ok())
+        else {
+            return Err(Error::NoSweep(self.path.clone()));
+        };
+        let keys = identity.keys().chain(before.keys().filter(|key| !identity.contains_key(*key)));
+        let differ: Vec<String> =
+            keys.filter(|key| identity.get(*key) != before.get(*key)).cloned().collect();
+        if !differ.is_empty() {
+            return Err(Error::OtherSweep { table: self.path.clone(), keys: differ });
+        }
+        let names = &self.head[first.len()..];
+        let mut second = Vec::new();
+        file.by_ref().take(names.len() as u64).read_to_end(&mut second).place(at)?;
+        if second != names {
+            let cut_off = names.starts_with(&second);
+            return if cut_off {
+                Ok(0)
+            } else {
+                Err(Error::Damaged("its columns are others".into())).place(at)
+            };
+        }
+        let lines = self.read_rows(file).place(|| {
+            format!(
+                "{}: cannot be used; if you remove it, all points are simulated again",
+                self.path.display()
+            )
+        })?;
+        Ok(self.head.len() as u64 + lines)
+    }
+
+    /// Reads the rows. Returns how many bytes of them are whole lines.
+    fn read_rows(&mut self, rows: impl Read) -> Result<u64> {
+        let width = 1 + self.points.columns.len() + self.measures + 2;
+        let length = self.file.metadata()?.len();
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(rows);
+        let mut row = csv::StringRecord::new();
+        let mut whole = 0;
+        while reader.read_record(&mut row)? {
+            let end = reader.position().byte();
+            let last = self.head.len() as u64 + end >= length;
+            if last && (row.len() != width || !self.ends_with_line()?) {
+                break;
+            }
+            let wrong = |why| Error::Damaged(format!("row {}: {why}", self.written + 1));
+            let finished = self.finished(&row, width).map_err(wrong)?;
+            self.keep(&finished);
+            whole = end;
+        }
+        Ok(whole)
+    }
+
+    fn ends_with_line(&self) -> Result<bool> {
+        let (mut file, mut end) = (&self.file, [0]);
+        let before = file.stream_position()?;
+        file.seek(SeekFrom::End(-1))?;
+        file.read_exact(&mut end)?;
+        file.seek(SeekFrom::Start(before))?;
+        Ok(end == *b"\n")
+    }
+
+    /// What a row says.
+    fn finished(&self, row: &csv::StringRecord, width: usize) -> Result<Finished, String> {
+        if row.len() != width {
+            return Err(format!("has {} columns, not {width}", row.len()));
+        }
+        let point = row[0].parse().ok().filter(|point: &usize| *point < self.points.count);
+        let point = point.ok_or_else(|| format!("there is no point {:?}", &row[0]))?;
+        // Both the number and the values of a point must be those of this sweep.
+        for (cell, (name, values)) in row.iter().skip(1).zip(&self.points.columns) {
+            if cell != values.text(point) {
+                return Err(format!("column {name}: {cell:?} is not the value of point {point}"));
+            }
+        }
+        let first = 1 + self.points.columns.len();
+        let outcome = match (&row[width - 2], &row[width - 1]) {
+            (OK, "") => Ok((first..width - 2).map(|k| number(&row[k])).collect::<Result<_, _>>()?),
+            (FAILED, message) => Err(message.to_owned()),
+            (status, _) => return Err(format!("status {status:?}")),
+        };
+        Ok(Finished { point, outcome })
+    }
+
+    /// Notes what is in the file.
+    fn keep(&mut self, row: &Finished) {
+        self.sorted &= row.point == self.written;
+        self.written += 1;
+        let kept = &mut self.rows[row.point];
+        if kept.as_ref().is_none_or(|kept| kept.outcome.is_err()) {
+            *kept = Some(row.clone());
+        }
+    }
+
+    /// Appends rows. They stay there even if the power fails.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add(&mut self, rows: &[Finished]) -> Result<()> {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let mut text = Vec::new();
+        for row in rows {
+            text.extend(self.line_of(row)?);
+            self.keep(row);
+        }
+        let written = self.file.write_all(&text).and_then(|()| self.file.sync_data());
+        written.place(|| format!("cannot write {}", self.path.display()))
+    }
+
+    /// Sorts the rows, unless they are sorted. Returns those of all finished points, in order.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(self) -> Result<Vec<Finished>> {
+        let rows: Vec<Finished> = self.rows().cloned().collect();
+        if !self.sorted {
+            let sorted = || {
+                let mut file = Staged::beside(&self.path)?;
+                file.write_all(&self.head)?;
+                for row in &rows {
+                    file.write_all(&self.line_of(row)?)?;
+                }
+                file.sync()?;
+                Ok::<_, Error>(file)
+            };
+            let file = sorted().place(|| format!("cannot write {}", self.path.display()))?;
+            let path = self.path;
+            // Windows replaces no open file.
+            drop(self.file);
+            file.persist().place(|| format!("cannot write {}", path.display()))?;
+        }
+        Ok(rows)
+    }
+
+    /// Returns the finished points, each once and in order: of several rows of a point a successful one, else the first.
+    pub fn rows(&self) -> impl Iterator<Item = &Finished> {
+        self.rows.iter().flatten()
+    }
+
+    /// A row as it is written. Numbers are read back as the same doubles; a missing value is an empty cell.
+    fn line_of(&self, Finished { point, outcome }: &Finished) -> Result<Vec<u8>> {
+        let parameters = self.points.columns.iter().map(|(_, values)| values.text(*point));
+        let none = vec![None; self.measures];
+        let (measured, status, error) = match outcome {
+            Ok(values) => (values, OK, String::new()),
+            // In one line, so that it is seen whether a row is cut off.
+            Err(message) => (&none, FAILED, message.lines().collect::<Vec<_>>().join(" ")),
+        };
+        let measured = measured.iter().map(|value| value.map_or(String::new(), |value| format!("{value:?}")));
+        let row = std::iter::once(point.to_string()).chain(parameters).chain(measured);
+        line(row.chain([status.to_owned(), error]))
+    }
+}
+
+fn number(cell: &str) -> Result<Option<f64>, String> {
+    if cell.is_empty() {
+        return Ok(None);
+    }
+    cell.parse().map(Some).map_err(|_| format!("{cell:?} is not a number"))
+}
+
+fn line(cells: impl Iterator<Item = String>) -> Result<Vec<u8>> {
+    // With quotes around what looks like a comment.
+    let mut out = csv::WriterBuilder::new().comment(Some(b'#')).from_writer(Vec::new());
+    out.write_record(cells.map(String::into_bytes))?;
+    Ok(out.into_inner().map_err(csv::IntoInnerError::into_error)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::points::Values;
+
+    fn points() -> Points {
+        let names = ["a, \"b\"", "# no comment", "line\nbreak", ""].map(str::to_owned).to_vec();
+        let masses = Values::Reals(vec![60.0, 0.1 + 0.2, 5e-324, 80.0]);
+        let columns = vec![("mass".to_owned(), masses), ("name".to_owned(), Values::Texts(names))];
+        Points { columns, count: 4 }
+    }
+
+    fn row(point: usize) -> Finished {
+        let outcome = match point {
+            1 => Err("it \"fell\",\nbadly # so".to_owned()),
+            2 => Ok(vec![None, Some(f64::INFINITY)]),
+            _ => Ok(vec![Some(1.0 / (point as f64 + 3.0)), Some(-0.0)]),
+        };
+        Finished { point, outcome }
+    }
+
+    fn identity(until: f64) -> Map<String, Value> {
+        Map::from_iter([("until".to_owned(), until.into()), ("program".to_owned(), "0.1.0".into())])
+    }
+
+    fn open(path: &Path) -> Result<Table> {
+        Table::open(path, &identity(2.0), &points(), &["x".to_owned(), "y".to_owned()])
+    }
+
+    /// A table that was written in one go, in order.
+    fn whole(path: &Path) -> Vec<u8> {
+        let mut table = open(path).unwrap();
+        table.add(&[0, 1, 2, 3].map(row)).unwrap();
+        table.finish().unwrap();
+        std::fs::read(path).unwrap()
+    }
+
+    /// Wherever a sweep is killed, and in whatever order its points were finished.
+    #[test]
+    fn a_table_that_was_cut_off_anywhere_becomes_the_same_table() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("sweep.csv");
+        let whole = whole(&directory.path().join("whole.csv"));
+        let mut table = open(&path).unwrap();
+        table.add(&[row(2), row(0)]).unwrap();
+        table.add(&[row(3), row(1)]).unwrap();
+        drop(table);
+        let unsorted = std::fs::read(&path).unwrap();
+        assert_eq!(unsorted.len(), whole.len());
+        for bytes in [&whole, &unsorted] {
+            for length in 0..=bytes.len() {
+                std::fs::write(&path, &bytes[..length]).unwrap();
+                let mut table = open(&path).unwrap();
+                let there: Vec<usize> = table.rows().map(|row| row.point).collect();
+                let lost: Vec<Finished> = (0..4).filter(|point| !there.contains(point)).map(row).collect();
+                table.add(&lost).unwrap();
+                let rows = table.finish().unwrap();
+                assert_eq!(rows.len(), 4);
+                assert!(std::fs::read(&path).unwrap() == whole, "{length} of {}", bytes.len());
+            }
+        }
+        let rows = open(&path).unwrap().finish().unwrap();
+        let mut expected = [0, 1, 2, 3].map(row);
+        expected[1].outcome = Err("it \"fell\", badly # so".to_owned());
+        assert_eq!(rows, expected);
+    }
+
+    #[test]
+    fn a_failed_point_can_be_simulated_again() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("sweep.csv");
+        whole(&path);
+        let mut table = open(&path).unwrap();
+        let again = Finished { point: 1, outcome: Ok(vec![Some(1.0), None]) };
+        table.add(std::slice::from_ref(&again)).unwrap();
+        assert_eq!(table.finish().unwrap()[1], again);
+        assert_eq!(open(&path).unwrap().rows().count(), 4);
+        assert_eq!(std::fs::read_to_string(&path).unwrap().matches("failed").count(), 0);
+    }
+
+    #[test]
+    fn another_file_stays_as_it_is() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("sweep.csv");
+        let good = String::from_utf8(whole(&path)).unwrap();
+        let other = |from: &str, to: &str| {
+            assert!(good.contains(from), "{from}");
+            good.replace(from, to)
+        };
+        for (text, expected) in [
+            ("my notes".to_owned(), "is there, and is not the table of a sweep"),
+            (other("\"until\":2.0", "\"until\":3.0"), "another sweep: it differs in until;"),
+            (other("\"until\":2.0", "\"stop\":1"), "another sweep: it differs in until, stop;"),
+            (other("mass,", "height,"), "its columns are others"),
+            (other("\n3,80.0", "\n4,80.0"), "row 4: there is no point \"4\""),
+            (other("60.0", "61.0"), "row 1: column mass: \"61.0\" is not the value of point 0"),
+            (other("inf,ok", "inf,maybe"), "row 3: status \"maybe\""),
+            (other("inf,ok", "high,ok"), "row 3: \"high\" is not a number"),
+            (other("\n0,60.0,", "\n0,"), "row 1: has 6 columns, not 7"),
+        ] {
+            std::fs::write(&path, &text).unwrap();
+            let said = open(&path).err().unwrap().whole();
+            assert!(said.contains(expected) && said.contains("sweep.csv"), "{said}");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        }
+    }
+
+    #[test]
+    fn only_one_process_writes() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("sweep.csv");
+        let table = open(&path).unwrap();
+        assert!(matches!(open(&path), Err(Error::Busy(_))));
+        drop(table);
+        open(&path).unwrap();
+    }
+}
