@@ -207,7 +207,7 @@ fn claim_series(spec: &Spec) -> Result<()> {
         };
         let is_own =
             |name: &str, time: Option<f64>| time.is_some_and(|time| writes_in_series(&clock, name, time));
-        files::claim_series(Path::new(&directory), is_own).map(drop).context("OutputDirectory")?;
+        files::claim_series(Path::new(&directory), is_own, |_| true).context("OutputDirectory")?;
     }
     Ok(())
 }

@@ -33,12 +33,8 @@ pub fn claim(system: &System, trials: &[Option<Trial>], progress: &Progress) -> 
         let is_own = |name: &str, time: Option<f64>| {
             time.is_some_and(|time| before(time) || writes(clock, name, time))
         };
-        let there = files::claim_series(Path::new(&name), is_own).context(DIRECTORY)?;
-        let later = |path: &PathBuf| {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            !lemons_record::series_time(&name).is_some_and(before)
-        };
-        left.extend(there.into_iter().filter(later));
+        let later = |name: &str| !lemons_record::series_time(name).is_some_and(before);
+        left.extend(files::claim_series(Path::new(&name), is_own, later).context(DIRECTORY)?);
     }
     Ok(left)
 }
@@ -46,5 +42,5 @@ pub fn claim(system: &System, trials: &[Option<Trial>], progress: &Progress) -> 
 /// Removes what an earlier run left: a run that is stopped must not leave it among its own files.
 pub fn remove(left: &[PathBuf]) -> Result<()> {
     let cannot = |path: &Path| format!("{DIRECTORY}: cannot remove {}", path.display());
-    left.iter().try_for_each(|path| lemons_files::remove_file(path).with_context(|| cannot(path)))
+    left.iter().try_for_each(|path| std::fs::remove_file(path).with_context(|| cannot(path)))
 }
