@@ -712,8 +712,6 @@ def main():
 
     with tempfile.TemporaryDirectory() as scratch:
         work = arguments.keep or Path(scratch)
-        # Which files the command has written is remembered there, too.
-        os.environ.setdefault("XDG_STATE_HOME", str(Path(scratch) / "state"))
         for name in names:
             began = time.monotonic()
             tables, draw = FIGURES[name](work, arguments.quick)

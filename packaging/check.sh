@@ -205,7 +205,7 @@ note "wheels and archives"
 python3 -m venv "$work/venv"
 wheel=$(echo "$dist"/lemons_fmu-"$version"-*manylinux_2_17_x86_64*.whl)
 "$work/venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "${wheel}[examples]"
-(cd "$work" && env -u LEMONS MPLBACKEND=Agg XDG_STATE_HOME="$work/state" PATH="$work/venv/bin:/usr/bin:/bin" \
+(cd "$work" && env -u LEMONS MPLBACKEND=Agg PATH="$work/venv/bin:/usr/bin:/bin" \
     "$work/venv/bin/python" "$root/packaging/wheel_test.py" "$root" "$@")
 
 # The command in a directory packs FMUs for all platforms: `packs PLATFORM DIRECTORY HOW…`

@@ -222,7 +222,6 @@ def test_a_run_goes_on_from_its_series(call, pack, instantiate, push_directory, 
 def test_a_run_of_python_in_pedpy(lemons, pedpy, call, tmp_path, monkeypatch):
     """Places and the walkable area, of people of whom some have left; what is in the database is what the command writes."""
     monkeypatch.setenv("LEMONS", str(lemons))
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     room = crowd(number=10, box=(5, 4), door=[5, 2, 1], leave=True, output=tmp_path / "room")
     with Crowd(room) as people:
         run = people.run(until=20.0, stop=lambda people: people.left >= 2)

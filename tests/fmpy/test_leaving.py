@@ -56,9 +56,8 @@ def test_a_run_in_which_nobody_gets_out_warns(lemons, tmp_path):
     assert run.ended is None and run.active.all()
     assert run.times[-1] == pytest.approx(300.0, abs=1e-9)
     table = tmp_path / "run.csv"
-    environment = {**os.environ, "XDG_STATE_HOME": str(tmp_path / "state")}
     command = [lemons, "run", trial, "--until", "left", "--step", "0.1", "--every", "100", "-o", table]
-    done = subprocess.run(command, check=True, capture_output=True, text=True, env=environment, cwd=tmp_path)
+    done = subprocess.run(command, check=True, capture_output=True, text=True, cwd=tmp_path)
     assert "2 of 2 people have not left" in done.stderr and "t = 300.000 s" in done.stderr
     last = pd.read_csv(table)[-2:]
     # The same run, to the last bit.
@@ -89,7 +88,7 @@ def test_time_above_a_level_of_means_over_a_second(tmp_path):
 
 def test_everybody_gets_out(lemons, tmp_path):
     """A few runs of docs/walking.md."""
-    environment = {**os.environ, "LEMONS": str(lemons), "XDG_STATE_HOME": str(tmp_path / "state")}
+    environment = {**os.environ, "LEMONS": str(lemons)}
     command = [sys.executable, REPOSITORY / "examples/evacuations.py", "few", "--seeds", "2"]
     done = limited.run(command, LIMIT, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert done.returncode == 0, done.stderr
@@ -100,10 +99,9 @@ def test_everybody_gets_out(lemons, tmp_path):
 
 def test_several_crowds_all_leave(lemons, tmp_path):
     """Two rooms in one SSP: the run ends as the last one of both has left."""
-    environment = {**os.environ, "XDG_STATE_HOME": str(tmp_path / "state")}
 
     def call(*words):
-        return subprocess.run([lemons, *words], check=True, capture_output=True, text=True, cwd=tmp_path, env=environment)
+        return subprocess.run([lemons, *words], check=True, capture_output=True, text=True, cwd=tmp_path)
 
     ends = {}
     for name, people, size, door in (("A", 8, "4x3", "4,1.5,1"), ("B", 4, "6x3", "6,1.5,1")):

@@ -20,7 +20,6 @@ from lemons_fmu import crowd as make
 @pytest.fixture(autouse=True)
 def command(lemons, tmp_path, monkeypatch):
     monkeypatch.setenv("LEMONS", str(lemons))
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
 
 
 def test_a_crowd_is_that_of_the_command(lemons, tmp_path):

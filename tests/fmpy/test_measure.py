@@ -30,7 +30,6 @@ def pedpy():
 @pytest.fixture(autouse=True)
 def command(lemons, tmp_path, monkeypatch):
     monkeypatch.setenv("LEMONS", str(lemons))
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.chdir(tmp_path)
 
 

@@ -38,7 +38,6 @@ def run(lemons, tmp_path):
             "LEMONS": str(lemons),
             "MPLBACKEND": "Agg",
             "TMPDIR": str(temporary),
-            "XDG_STATE_HOME": str(tmp_path / "state"),
         }
         command = [sys.executable, REPOSITORY / "tests/fmpy/notebooks.py", "run", path, "--pictures", tmp_path / "pictures"]
         done = subprocess.run(command, cwd=directory, env=environment, capture_output=True, text=True, timeout=SECONDS)

@@ -23,7 +23,6 @@ def open_item(number, what):
 @pytest.fixture(autouse=True)
 def there(lemons, tmp_path, monkeypatch):
     monkeypatch.setenv("LEMONS", str(lemons))
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
 

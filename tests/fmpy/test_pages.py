@@ -157,7 +157,7 @@ class Shell:
         (bin / "python").chmod(0o755)
         # Of the same environment: pythonfmu, dask.
         path = [str(bin), str(Path(sys.executable).parent), os.environ["PATH"]]
-        own = {"PATH": os.pathsep.join(path), "LEMONS": str(lemons), "XDG_STATE_HOME": str(directory / "state"), "MPLBACKEND": "agg"}
+        own = {"PATH": os.pathsep.join(path), "LEMONS": str(lemons), "MPLBACKEND": "agg"}
         self.environment = {**os.environ, **own}
         self.script = ["set -e -o pipefail", "trap 'echo \"@@ end\"' EXIT"]
         self.places = []

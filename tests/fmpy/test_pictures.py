@@ -57,7 +57,7 @@ def test_every_picture_has_a_command_and_a_page():
 def test_a_picture_is_what_pictures_sh_draws(lemons, tmp_path, name):
     if name == "measured" and not (SHARED / "data/push_wed").is_dir():
         pytest.skip("../shared is absent")
-    environment = {**os.environ, "LEMONS": str(lemons), "PYTHON": sys.executable, "XDG_STATE_HOME": str(tmp_path / "state")}
+    environment = {**os.environ, "LEMONS": str(lemons), "PYTHON": sys.executable}
     command = ["bash", DOCS / "pictures.sh", tmp_path, name]
     done = limited.run(command, LIMIT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert done.returncode == 0, done.stderr
@@ -79,7 +79,7 @@ def test_the_widths_of_a_door(lemons, tmp_path):
     """Some of the runs of the picture, made again."""
     runs = {(row["width"], row["seed"]): row for row in csv.DictReader(io.StringIO(description(DOCS / "door_width.svg")))}
     assert len(runs) == 100
-    environment = {**os.environ, "LEMONS": str(lemons), "XDG_STATE_HOME": str(tmp_path / "state")}
+    environment = {**os.environ, "LEMONS": str(lemons)}
     command = [sys.executable, REPOSITORY / "examples/door_width.py", "few", "--widths", "1.0", "1.6", "--seeds", "1"]
     done = limited.run(command, LIMIT, cwd=tmp_path, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     assert done.returncode == 0, done.stderr
@@ -104,7 +104,6 @@ def tables_of(name):
 def test_tables_of_the_validation_are_those_of_today(lemons, tmp_path, monkeypatch):
     """The cheapest one whole, of another one a cell."""
     monkeypatch.setenv("LEMONS", str(lemons))
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     validation = script("validation")
     tables, _ = validation.rimea_1(tmp_path)
     assert "\n\n".join(tables) == tables_of("rimea_1"), "python examples/validation.py --all --write (rimea_1 is old)"

@@ -15,7 +15,6 @@ SPEC.loader.exec_module(validation)
 @pytest.fixture(autouse=True)
 def command(lemons, tmp_path, monkeypatch):
     monkeypatch.setenv("LEMONS", str(lemons))
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     validation.leave.cache_clear()
 
 

@@ -254,7 +254,7 @@ pub fn area(run: &Record, given: (&str, Option<&Path>), trial: Option<&Trial>) -
     let (option, given) = given;
     if let Some(path) = given {
         let named = || format!("{option} {}", path.display());
-        let text = input::read_given_text(path, LARGEST_AREA).with_context(named)?;
+        let text = input::read_text(path, LARGEST_AREA).with_context(named)?;
         return given_area(&text, positions).map_err(|wrong| anyhow!("{}: {wrong}", named()));
     }
     Ok(walkable_area(trial.map_or(&[][..], |trial| &trial.geometry.walls), positions))

@@ -5,7 +5,7 @@ mod ignored;
 
 use crate::files;
 use anyhow::{Context, Result};
-use lemons_files::{give_up, wait_no_longer};
+use lemons_files::give_up;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The user pressed Ctrl-C; what became of the work.
@@ -70,10 +70,8 @@ fn pressed() {
         // From here on no file gets complete.
         give_up();
         note!("lemons: {}", Interrupted::given_up());
-        files::remember();
         std::process::exit(EXIT_CODE.into());
     }
-    wait_no_longer();
 }
 
 /// Waits for the end of the program if a signal is about to end it: what failed meanwhile failed as its files were

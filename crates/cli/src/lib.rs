@@ -44,7 +44,7 @@ use anyhow::Result;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use error::{Misused, TrialHasErrors, said};
 use interrupt::{EXIT_CODE, Interrupted};
-use lemons_files::{give_up, waited_in_vain};
+use lemons_files::give_up;
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
@@ -112,8 +112,7 @@ pub fn definition() -> clap::Command {
     })
 }
 
-fn arguments(words: &[OsString]) -> Result<(Arguments, ArgMatches), clap::Error> {
-    let mut all = definition();
+fn arguments(all: &mut clap::Command, words: &[OsString]) -> Result<(Arguments, ArgMatches), clap::Error> {
     let matches = all.try_get_matches_from_mut(words).map_err(|error| {
         let named = words.get(1).and_then(|name| name.to_str());
         misspelt::with_tip(error, named.and_then(|name| all.find_subcommand_mut(name)))
@@ -124,12 +123,9 @@ fn arguments(words: &[OsString]) -> Result<(Arguments, ArgMatches), clap::Error>
 /// The command `lemons`: reads the command line, does what it says, and returns the exit code.
 pub fn main() -> ExitCode {
     let done = interrupt::prepare().and_then(|()| command()).and_then(|()| Ok(tell::out().flush()?));
-    let done = done.map_err(|error| {
+    if done.is_err() {
         interrupt::wait_if_ending();
-        // Whatever became of the error on its way.
-        if waited_in_vain() { Interrupted::given_up().into() } else { error }
-    });
-    files::remember();
+    }
     // What could not be removed while files were open.
     give_up();
     match done {
@@ -151,13 +147,18 @@ pub fn main() -> ExitCode {
 
 fn command() -> Result<()> {
     let words: Vec<OsString> = std::env::args_os().collect();
-    let (arguments, matches) = match arguments(&words) {
+    let mut all = definition();
+    let (arguments, matches) = match arguments(&mut all, &words) {
         Ok(read) => read,
         // Where it was asked for, help goes where everything goes.
         Err(asked) if std::io::stdout().is_terminal() || asked.use_stderr() => asked.exit(),
         Err(asked) => return Ok(write!(tell::out(), "{}", asked.render())?),
     };
-    matches.subcommand().map_or(Ok(()), |(name, matches)| files::begin(name, matches))?;
+    if let Some((name, matches)) = matches.subcommand()
+        && let Some(command) = all.find_subcommand(name)
+    {
+        files::begin(command, matches)?;
+    }
     match arguments.command {
         Command::Lab(arguments) => lab::lab(&arguments),
         Command::Crowd(arguments) => people::crowd::crowd(*arguments),
@@ -182,19 +183,9 @@ fn command() -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::Arg;
     use crowd_mechanics::pack::Binary;
     use std::any::TypeId;
     use std::path::PathBuf;
-
-    /// By its type, or by what its help calls its value.
-    fn names_a_file(argument: &Arg) -> bool {
-        let kind = argument.get_value_parser().type_id();
-        let called = argument.get_value_names().unwrap_or_default().join(" ");
-        let words = ["FILE", "TRIAL", "DIRECTORY", "TABLE", "SERIES", "OUT", "PATH"];
-        let typed = kind == TypeId::of::<PathBuf>() || kind == TypeId::of::<Binary>();
-        typed || words.iter().any(|word| called.split(|c: char| !c.is_alphabetic()).any(|part| part == *word))
-    }
 
     #[test]
     fn examples_of_the_help_are_accepted_by_the_command() {
@@ -224,7 +215,7 @@ mod tests {
             ("lemons sweep X --thread 2", "--threads"),
         ] {
             let words: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
-            let said = arguments(&words).err().unwrap().render().to_string();
+            let said = arguments(&mut definition(), &words).err().unwrap().render().to_string();
             let given = words.iter().find_map(|word| word.to_str()?.strip_prefix("--")).unwrap();
             let given = given.split('=').next().unwrap();
             assert!(said.contains(&format!("unexpected argument '--{given}' found")), "{said}");
@@ -236,24 +227,22 @@ mod tests {
             );
         }
         let people = ["lemons", "crowd", "--people", "80"].map(OsString::from);
-        assert!(arguments(&people).is_ok());
+        assert!(arguments(&mut definition(), &people).is_ok());
     }
 
+    /// A path that is not of type `PathBuf` would be neither an input nor an output of [`files`].
     #[test]
-    fn every_argument_that_names_a_file_has_a_role() {
+    fn every_argument_that_names_a_file_is_a_path() {
+        let words = ["FILE", "TRIAL", "DIRECTORY", "TABLE", "SERIES", "OUT", "PATH"];
+        let paths = [TypeId::of::<PathBuf>(), TypeId::of::<Binary>()];
         for command in Arguments::command().get_subcommands() {
-            let arguments = command.get_arguments().filter(|argument| names_a_file(argument));
-            let spelled =
-                |argument: &Arg| argument.get_long().map_or(String::new(), |long| format!("--{long}"));
-            let mut there: Vec<(String, String)> =
-                arguments.map(|argument| (argument.get_id().to_string(), spelled(argument))).collect();
-            let mut known: Vec<(String, String)> = files::roles_of(command.get_name())
-                .iter()
-                .map(|(id, spelled, _)| ((*id).to_owned(), (*spelled).to_owned()))
-                .collect();
-            there.sort();
-            known.sort();
-            assert_eq!(there, known, "{}: give it a role in files/roles.rs", command.get_name());
+            for argument in command.get_arguments() {
+                let called = argument.get_value_names().unwrap_or_default().join(" ");
+                let is_file = called.split(|c: char| !c.is_alphabetic()).any(|part| words.contains(&part));
+                let kind = argument.get_value_parser().type_id();
+                let is_path = paths.iter().any(|path| kind == *path);
+                assert_eq!(is_file, is_path, "{}: {}", command.get_name(), argument.get_id());
+            }
         }
     }
 }

@@ -448,9 +448,9 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
 
 /// A crowd writes XML files of its own into its OutputDirectory: those of an earlier run must not be among them.
 fn claim_series(directory: &Path) -> Result<()> {
-    files::claim_series(directory, |_, _| true).context("OutputDirectory")?.iter().try_for_each(|path| {
+    files::claim_series(directory).context("OutputDirectory")?.iter().try_for_each(|path| {
         let cannot = || format!("OutputDirectory: cannot remove {}", path.display());
-        lemons_files::remove_file(path).with_context(cannot)
+        std::fs::remove_file(path).with_context(cannot)
     })
 }
 

@@ -179,7 +179,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
 /// Claims the directories where points write files themselves.
 fn claim_series(spec: &Spec) -> Result<()> {
     for (_, directory) in spec.points.output_directories() {
-        files::claim_series(Path::new(&directory), |_, _| true).context("OutputDirectory")?;
+        files::claim_series(Path::new(&directory)).context("OutputDirectory")?;
     }
     Ok(())
 }

@@ -1,7 +1,5 @@
-//! Reads files that may be anything: a pipe that nobody writes to, a link to an endless device, a file of a terabyte.
-//!
-//! A file that is found by its name (a file of a Trial or of an FMU) must be a regular file, because opening anything
-//! else could wait for ever. A file that the user names may also be a pipe or a device. Both are read up to a limit.
+//! Reads regular files, up to a limit. Opening anything else could wait for ever: a pipe that nobody writes to, a link to
+//! an endless device.
 
 use std::fs::{File, FileType, Metadata};
 use std::io::{self, ErrorKind, Read};
@@ -13,8 +11,6 @@ pub const LARGEST_TRIAL_FILE: u64 = 1_000_000_000;
 pub const LARGEST_SETTINGS: u64 = 64_000_000;
 /// \[byte\] The largest drive file, table of points or table of measured trajectories.
 pub const LARGEST_DRIVE: u64 = 500_000_000;
-/// \[byte\] The longest table from a pipe. A table in a file may have any length.
-pub const LARGEST_PIPED_TABLE: u64 = 10_000_000_000;
 /// \[byte\] The largest binary or FMU that is read completely into memory.
 pub const LARGEST_BINARY: u64 = 4_000_000_000;
 
@@ -29,14 +25,15 @@ pub fn open(path: &Path) -> io::Result<File> {
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK | libc::O_NOCTTY);
     // Opening a device can have side effects.
-    check(&path.metadata()?)?;
+    check_regular(&path.metadata()?)?;
     let file = options.open(path)?;
     // Meanwhile another file may have this name.
-    check(&file.metadata()?)?;
+    check_regular(&file.metadata()?)?;
     Ok(file)
 }
 
-fn check(there: &Metadata) -> io::Result<()> {
+/// Refuses anything but a regular file.
+pub(crate) fn check_regular(there: &Metadata) -> io::Result<()> {
     if there.is_dir() {
         return Err(ErrorKind::IsADirectory.into());
     }
@@ -65,7 +62,7 @@ fn what(_: FileType) -> &'static str {
 ///
 /// # Errors
 /// Those of [`open`], or the file is larger.
-pub fn open_found(path: &Path, largest: u64) -> io::Result<Bounded<File>> {
+pub fn open_bounded(path: &Path, largest: u64) -> io::Result<Bounded<File>> {
     let file = open(path)?;
     if file.metadata()?.len() > largest {
         return Err(too_large(largest));
@@ -79,7 +76,7 @@ pub fn open_found(path: &Path, largest: u64) -> io::Result<Bounded<File>> {
 /// # Errors
 /// The file cannot be read, is not a regular file, or is larger.
 pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
-    let mut file = open_found(path, largest)?;
+    let mut file = open_bounded(path, largest)?;
     let mut bytes = Vec::new();
     let size = file.inner.metadata()?.len();
     bytes.try_reserve_exact(usize::try_from(size).unwrap_or(usize::MAX))?;
@@ -92,38 +89,7 @@ pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
 /// # Errors
 /// Those of [`read`], or the file is not UTF-8 text.
 pub fn read_text(path: &Path, largest: u64) -> io::Result<String> {
-    text(read(path, largest)?)
-}
-
-/// Opens a file that the user names: a regular file, a pipe or a device. It waits for the writer of a pipe.
-///
-/// # Errors
-/// The file cannot be opened.
-pub fn open_given(path: &Path, largest: u64) -> io::Result<Bounded<File>> {
-    let there = path.metadata()?;
-    let file = if there.is_file() || there.is_dir() { open(path)? } else { File::open(path)? };
-    Ok(Bounded::new(file, largest))
-}
-
-/// Returns the content of a file that the user names, of at most `largest` bytes.
-///
-/// # Errors
-/// The file cannot be read, or is larger.
-pub fn read_given(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    open_given(path, largest)?.read_to_end(&mut bytes)?;
-    Ok(bytes)
-}
-
-/// Returns the UTF-8 text of a file that the user names; else as [`read_given`].
-///
-/// # Errors
-/// Those of [`read_given`], or the file is not UTF-8 text.
-pub fn read_given_text(path: &Path, largest: u64) -> io::Result<String> {
-    text(read_given(path, largest)?)
-}
-
-fn text(bytes: Vec<u8>) -> io::Result<String> {
+    let bytes = read(path, largest)?;
     String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
 }
 
@@ -176,28 +142,26 @@ mod tests {
         let path = directory.path().join("a");
         std::fs::write(&path, [7; 10]).unwrap();
         assert_eq!(read(&path, 10).unwrap(), [7; 10]);
-        assert_eq!(read_given(&path, 10).unwrap(), [7; 10]);
-        let said = "it is larger than 0.000009 MB, the limit";
-        assert_eq!(read(&path, 9).unwrap_err().to_string(), said);
-        assert_eq!(read_given(&path, 9).unwrap_err().to_string(), said);
+        let message = "it is larger than 0.000009 MB, the limit";
+        assert_eq!(read(&path, 9).unwrap_err().to_string(), message);
+        let mut growing = Bounded::new(&[7; 10][..], 9);
+        assert_eq!(growing.read_to_end(&mut Vec::new()).unwrap_err().to_string(), message);
         assert_eq!(read(directory.path(), 9).unwrap_err().kind(), ErrorKind::IsADirectory);
         assert_eq!(read(&directory.path().join("b"), 9).unwrap_err().kind(), ErrorKind::NotFound);
     }
 
     #[cfg(unix)]
     #[test]
-    fn pipes_and_devices_are_refused_without_waiting_unless_named() {
+    fn pipes_and_devices_are_refused_without_waiting() {
         let directory = tempfile::tempdir().unwrap();
         let pipe = directory.path().join("pipe");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-        assert_eq!(read(&pipe, 9).unwrap_err().to_string(), "it is a pipe, not a regular file");
         let link = directory.path().join("link");
         std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
-        assert_eq!(read(&link, 9).unwrap_err().to_string(), "it is a device, not a regular file");
-        let said = "it is larger than 1 MB, the limit";
-        assert_eq!(read_given(&link, 1_000_000).unwrap_err().to_string(), said);
-        let (to, writer) = (pipe.clone(), std::thread::spawn(move || std::fs::write(pipe, "text").unwrap()));
-        assert_eq!(read_given_text(&to, 4).unwrap(), "text");
-        writer.join().unwrap();
+        for (path, what) in [(pipe, "a pipe"), (link, "a device")] {
+            let message = format!("it is {what}, not a regular file");
+            assert_eq!(read(&path, 9).unwrap_err().to_string(), message);
+            assert_eq!(crate::Staged::beside(&path).unwrap_err().to_string(), message);
+        }
     }
 }

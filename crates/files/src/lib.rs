@@ -3,20 +3,19 @@
 //! The latter holds if the process is ended or killed, not if the power fails: only what is synced ([`Staged::sync`]) is
 //! on the disk before it replaces another file.
 //!
-//! - [`input`]: regular files and files that the user names, up to a size
-//! - [`pipe`]: writing to a named pipe, whose reader may never come
+//! - [`input`]: regular files, up to a size
 //! - [`source`]: files of the disk or of memory
 //! - [`words`]: suggestions for misspelt words
+//! - `temporary`: files and directories that are removed unless they are put into place
+//! - `written`: files and directories that are written beside their place, then moved there
 
 pub mod input;
-#[cfg(unix)]
-pub mod pipe;
 pub mod source;
+mod temporary;
 pub mod words;
 mod written;
 
+pub use temporary::{Scratch, give_up, make_directories, unnamed};
 pub use written::{
-    Before, Change, Changed, Scratch, Staged, StagedDirectory, WriteError, change_all, give_up, guard,
-    make_directories, names_beside, only_path, placed, reader_left, remove_file, unnamed, wait_no_longer,
-    waited_in_vain, write_atomically,
+    Change, Staged, StagedDirectory, WriteError, change_all, reader_left, target_of, write_atomically,
 };

@@ -1,29 +1,12 @@
-//! Writes files completely or not at all, and removes temporary ones.
-//!
-//! The modules; each imports only from those above it:
-//!
-//! - [`paths`]: where links lead, and free names
-//! - [`guard`](mod@guard): places that another program may have changed meanwhile
-//! - [`temporary`]: removed unless they are put into place
-//! - [`staged`]: written beside their place, then moved there
-//! - [`scratch`]: what only this process needs
-//! - [`change`]: several files, all or none
+//! Files and directories that are written beside their place, then moved there: readers see the old content or the new
+//! one, never a part.
 
-mod change;
-mod guard;
-mod paths;
-mod scratch;
-mod staged;
-mod temporary;
-
-pub use change::{Change, change_all, remove_file, write_atomically};
-pub use guard::{Before, Changed, guard, placed};
-pub use paths::{names_beside, only_path};
-pub use scratch::{Scratch, unnamed};
-pub use staged::{Staged, StagedDirectory, reader_left, wait_no_longer, waited_in_vain};
-use std::io;
+use crate::input;
+use crate::temporary::{Temporary, new_file};
+use std::fs::File;
+use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-pub use temporary::{give_up, make_directories};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -43,9 +26,255 @@ impl WriteError {
     }
 }
 
+/// Returns the path to which symbolic links lead; nothing need be there. It has no links if its directory exists.
+///
+/// # Errors
+/// Links form a loop, or a directory cannot be read.
+pub fn target_of(path: &Path) -> io::Result<PathBuf> {
+    /// More links than any system follows.
+    const MOST_LINKS: usize = 64;
+    if let Ok(there) = path.canonicalize() {
+        return Ok(there);
+    }
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match std::fs::read_link(&path) {
+            Ok(next) => path = directory_of(&path).join(next),
+            Err(_) => {
+                let name = path.file_name().ok_or(ErrorKind::InvalidFilename)?;
+                let directory = directory_of(&path);
+                return Ok(directory.canonicalize().unwrap_or_else(|_| directory.to_owned()).join(name));
+            }
+        }
+    }
+    Err(io::Error::other("its symbolic links form a loop"))
+}
+
+fn directory_of(place: &Path) -> &Path {
+    place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+static READER_LEFT: AtomicBool = AtomicBool::new(false);
+
+/// Returns whether writing to a pipe by [`Staged::onto`] failed because its reader had closed it. (Callers may replace
+/// the error itself by another one.)
+pub fn reader_left() -> bool {
+    READER_LEFT.load(Ordering::Relaxed)
+}
+
+/// A file that is written beside its place. [`Staged::persist`] moves it there; otherwise it is removed.
+#[derive(Debug)]
+pub struct Staged {
+    file: File,
+    /// The file and its place; `None`: an open file is written directly.
+    temporary: Option<(Temporary, PathBuf)>,
+    failed: bool,
+}
+
+impl Staged {
+    /// Creates a new file for `place`. It is beside the target of a link (which need not exist) and gets the
+    /// permissions of an existing file.
+    ///
+    /// # Errors
+    /// The directory cannot be written, or something other than a regular file is in the place.
+    pub fn beside(place: &Path) -> io::Result<Staged> {
+        Staged::made(place, |directory| Temporary::new(directory, new_file))
+    }
+
+    /// As [`Staged::beside`], but the temporary file has this name. It must not exist: only one process at a time may
+    /// write a file of this name.
+    ///
+    /// # Errors
+    /// As [`Staged::beside`], or a file of this name exists.
+    pub fn beside_as(place: &Path, name: &str) -> io::Result<Staged> {
+        Staged::made(place, |directory| Temporary::named(directory.join(name), new_file))
+    }
+
+    fn made(place: &Path, make: impl FnOnce(&Path) -> io::Result<(Temporary, File)>) -> io::Result<Staged> {
+        let place = target_of(place)?;
+        let there = match place.metadata() {
+            Ok(there) => Some(there),
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            Err(error) => return Err(error),
+        };
+        there.as_ref().map_or(Ok(()), input::check_regular)?;
+        let (temporary, file) = make(directory_of(&place))?;
+        let staged = Staged { file, temporary: Some((temporary, place)), failed: false };
+        if let Some(there) = there {
+            staged.file.set_permissions(there.permissions())?;
+        }
+        Ok(staged)
+    }
+
+    /// Writes directly to an open file, such as standard output. See [`reader_left`].
+    pub fn onto(file: File) -> Staged {
+        Staged { file, temporary: None, failed: false }
+    }
+
+    /// Lets `write` write the content, for functions that need a path and not a file.
+    ///
+    /// # Errors
+    /// Those of `write`, or the file has no path.
+    pub fn fill<T>(&mut self, write: impl FnOnce(&Path) -> io::Result<T>) -> io::Result<T> {
+        let (temporary, _) = self.temporary.as_ref().ok_or(ErrorKind::Unsupported)?;
+        write(temporary.path()).inspect_err(|_| self.failed = true)
+    }
+
+    /// Makes the written content survive a power failure.
+    ///
+    /// # Errors
+    /// The disk reports an error.
+    pub fn sync(&self) -> io::Result<()> {
+        self.file.sync_all()
+    }
+
+    /// Moves the file into its place.
+    ///
+    /// # Errors
+    /// The file cannot be moved there, or a part of it could not be written; the place is then unchanged.
+    pub fn persist(self) -> io::Result<()> {
+        if self.failed {
+            return Err(io::Error::other("a part of it could not be written"));
+        }
+        // The modification time is final once the file is closed.
+        drop(self.file);
+        self.temporary.map_or(Ok(()), |(temporary, place)| temporary.persist(&place))
+    }
+}
+
+impl Write for Staged {
+    /// After an error the file is lost. Further writing is ignored, so that writers that finish when they are dropped
+    /// report no second error.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.failed {
+            return Ok(bytes.len());
+        }
+        self.file.write(bytes).inspect_err(|error| {
+            if self.temporary.is_none() && error.kind() == ErrorKind::BrokenPipe {
+                READER_LEFT.store(true, Ordering::Relaxed);
+            }
+            self.failed = error.kind() != ErrorKind::Interrupted;
+        })
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Seek for Staged {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+/// A directory that is written beside its place. [`StagedDirectory::persist`] moves it there; otherwise it is removed.
+#[derive(Debug)]
+pub struct StagedDirectory {
+    temporary: Temporary,
+    place: PathBuf,
+}
+
+impl StagedDirectory {
+    /// Creates a new, empty directory beside `place`.
+    ///
+    /// # Errors
+    /// The directory cannot be created.
+    pub fn beside(place: &Path) -> io::Result<StagedDirectory> {
+        let place = target_of(place)?;
+        let (temporary, ()) = Temporary::new(directory_of(&place), |path| std::fs::create_dir(path))?;
+        Ok(StagedDirectory { temporary, place })
+    }
+
+    /// Returns its present path.
+    pub fn path(&self) -> &Path {
+        self.temporary.path()
+    }
+
+    /// Moves it into its place, which must not exist or be an empty directory.
+    ///
+    /// # Errors
+    /// The directory cannot be moved there.
+    pub fn persist(self) -> io::Result<()> {
+        self.temporary.persist(&self.place)
+    }
+}
+
+fn staged(path: &Path, bytes: &[u8]) -> io::Result<Staged> {
+    let mut file = Staged::beside(path)?;
+    file.write_all(bytes)?;
+    Ok(file)
+}
+
+/// Writes a file by way of a temporary one beside it.
+///
+/// # Errors
+/// The file cannot be written; it is then unchanged.
+pub fn write_atomically(path: &Path, text: &str) -> Result<(), WriteError> {
+    staged(path, text.as_bytes()).and_then(Staged::persist).map_err(WriteError::at(path))
+}
+
+/// A change of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Change {
+    /// Writes this text.
+    Write(PathBuf, String),
+    /// Removes the file, if it is there.
+    Remove(PathBuf),
+}
+
+/// Makes all changes or none. New files are first written beside their places. If a later change fails, earlier ones
+/// are undone.
+///
+/// # Errors
+/// A change failed. Every file is then byte for byte as before, or the message names one that could not be restored.
+pub fn change_all(changes: &[Change]) -> Result<(), WriteError> {
+    let mut ready = Vec::with_capacity(changes.len());
+    for change in changes {
+        let (path, new) = match change {
+            Change::Write(path, text) => {
+                (path, Some(staged(path, text.as_bytes()).map_err(WriteError::at(path))?))
+            }
+            Change::Remove(path) => (path, None),
+        };
+        let old = match input::read(path, input::LARGEST_BINARY) {
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            old => Some(old.map_err(WriteError::at(path))?),
+        };
+        ready.push((path, new, old));
+    }
+    let mut done: Vec<(&Path, Option<Vec<u8>>)> = Vec::new();
+    for (path, new, old) in ready {
+        let put = match new {
+            Some(file) => file.persist(),
+            None if old.is_some() => std::fs::remove_file(path),
+            None => Ok(()),
+        };
+        if let Err(error) = put {
+            return Err(put_back(done).err().unwrap_or_else(|| WriteError::at(path)(error)));
+        }
+        done.push((path, old));
+    }
+    Ok(())
+}
+
+/// Undoes changes.
+fn put_back(done: Vec<(&Path, Option<Vec<u8>>)>) -> Result<(), WriteError> {
+    let mut all = Ok(());
+    for (path, old) in done {
+        let put = match old {
+            Some(bytes) => staged(path, &bytes).and_then(Staged::persist),
+            None => std::fs::remove_file(path),
+        };
+        all = all.and(put.map_err(WriteError::at(path)));
+    }
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::make_directories;
     use tempfile::TempDir;
 
     #[test]
@@ -58,116 +287,58 @@ mod tests {
         change_all(&[write("a", "new a"), Change::Remove(at("b")), Change::Remove(at("none"))]).unwrap();
         assert_eq!(std::fs::read_to_string(at("a")).unwrap(), "new a");
         assert!(!at("b").exists());
-        // A directory in the way makes the last change fail after the others were made.
-        std::fs::create_dir_all(at("c/inside")).unwrap();
-        for last in [Change::Remove(at("c")), write("c", "x"), write("no/such/directory", "x")] {
-            assert!(change_all(&[write("a", "newer a"), write("d", "new d"), last]).is_err());
+        make_directories(&at("c/inside")).unwrap();
+        // The same file twice: the second removal fails after the other changes were made.
+        std::fs::write(at("b"), "old b").unwrap();
+        let twice = [Change::Remove(at("b")), Change::Remove(at("b"))];
+        for last in
+            [&[Change::Remove(at("c"))][..], &[write("c", "x")], &[write("no/such/directory", "x")], &twice]
+        {
+            let all = [&[write("a", "newer a"), write("d", "new d")], last].concat();
+            assert!(change_all(&all).is_err());
             assert_eq!(std::fs::read_to_string(at("a")).unwrap(), "new a");
+            assert_eq!(std::fs::read_to_string(at("b")).unwrap(), "old b");
             assert!(!at("d").exists());
         }
         let left = std::fs::read_dir(directory.path()).unwrap().count();
-        assert_eq!(left, 2, "no temporary file is left");
+        assert_eq!(left, 3, "no temporary file is left");
     }
 
     #[test]
     #[cfg(unix)]
-    fn links_lead_on_and_permissions_stay() {
+    fn links_lead_on_permissions_stay_and_loops_are_an_error() {
         use std::os::unix::fs::{PermissionsExt, symlink};
-        let directory = TempDir::new().unwrap();
-        let (file, link) = (directory.path().join("file"), directory.path().join("link"));
-        std::fs::write(&file, "old").unwrap();
-        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o640)).unwrap();
-        symlink(&file, &link).unwrap();
-        write_atomically(&link, "new").unwrap();
-        assert!(link.symlink_metadata().unwrap().is_symlink());
-        assert_eq!(std::fs::read_to_string(&file).unwrap(), "new");
-        assert_eq!(file.metadata().unwrap().permissions().mode() & 0o777, 0o640);
-    }
-
-    #[test]
-    #[cfg(unix)]
-    fn links_to_what_is_not_there_lead_on_and_circles_are_an_error() {
-        use std::os::unix::fs::symlink;
         let directory = TempDir::new().unwrap();
         let at = |name: &str| directory.path().join(name);
         symlink("file", at("link")).unwrap();
         symlink(at("link"), at("second")).unwrap();
-        assert_eq!(only_path(&at("second")).unwrap(), only_path(&at("file")).unwrap());
-        write_atomically(&at("second"), "new").unwrap();
-        assert_eq!(std::fs::read_to_string(at("file")).unwrap(), "new");
-        assert!(["link", "second"].iter().all(|link| at(link).symlink_metadata().unwrap().is_symlink()));
+        assert_eq!(target_of(&at("second")).unwrap(), target_of(&at("file")).unwrap());
+        for text in ["new", "newer"] {
+            write_atomically(&at("second"), text).unwrap();
+            assert_eq!(std::fs::read_to_string(at("file")).unwrap(), text);
+            assert!(["link", "second"].iter().all(|link| at(link).symlink_metadata().unwrap().is_symlink()));
+            std::fs::set_permissions(at("file"), std::fs::Permissions::from_mode(0o640)).unwrap();
+        }
+        write_atomically(&at("file"), "newest").unwrap();
+        assert_eq!(at("file").metadata().unwrap().permissions().mode() & 0o777, 0o640);
         symlink("there", at("back")).unwrap();
         symlink("back", at("there")).unwrap();
-        assert!(only_path(&at("back")).is_err());
         let error = write_atomically(&at("back"), "x").unwrap_err().to_string();
         assert!(error.starts_with(&format!("{}: cannot be written: ", at("back").display())), "{error}");
         assert!(at("back").symlink_metadata().unwrap().is_symlink());
     }
 
-    /// Guards are the process's: each test has its own directory.
     #[test]
-    fn what_was_changed_since_it_was_looked_at_stays() {
+    fn a_directory_appears_whole_and_replaces_nothing() {
         let directory = TempDir::new().unwrap();
-        let at = |name: &str| directory.path().join(name);
-        let guarded = |name: &str| {
-            let before = at(name).metadata().map_or(Before::Nothing, Before::File);
-            guard(only_path(&at(name)).unwrap(), before);
-        };
-        let placed = |name: &str| {
-            let name = only_path(&at(name)).unwrap();
-            placed().iter().any(|(place, _)| *place == name)
-        };
-        let read = |name: &str| std::fs::read_to_string(at(name)).unwrap();
-        std::fs::write(at("a.txt"), "old").unwrap();
-        ["a.txt", "b.txt", "c.txt"].into_iter().for_each(guarded);
-        // Of what this process itself puts there it goes on.
-        for text in ["new", "newer"] {
-            write_atomically(&at("a.txt"), text).unwrap();
+        let place = directory.path().join("Trial");
+        for (existing, works) in [(false, true), (true, false)] {
+            let staged = StagedDirectory::beside(&place).unwrap();
+            std::fs::write(staged.path().join("a"), existing.to_string()).unwrap();
+            assert_eq!(place.exists(), existing);
+            assert_eq!(staged.persist().is_ok(), works);
+            assert_eq!(std::fs::read_to_string(place.join("a")).unwrap(), "false");
         }
-        assert!(placed("a.txt") && !placed("b.txt"));
-        std::fs::write(at("a.txt"), "edited").unwrap();
-        std::fs::write(at("b.txt"), "appeared").unwrap();
-        for (name, there) in [("a.txt", "edited"), ("b.txt", "appeared")] {
-            for kept in ["_new", "_new_2"] {
-                let kept = name.replace('.', &format!("{kept}."));
-                let error = write_atomically(&at(name), "mine").unwrap_err().to_string();
-                assert!(error.contains("another program changed it") && error.contains(&kept), "{error}");
-                assert_eq!((read(name).as_str(), read(&kept).as_str()), (there, "mine"));
-            }
-            assert!(remove_file(&at(name)).is_err() && at(name).exists());
-        }
-        assert!(!placed("b.txt"));
-        // What went away took nothing with it.
-        std::fs::remove_file(at("a.txt")).unwrap();
-        write_atomically(&at("a.txt"), "again").unwrap();
-        // A change of several is undone, and is nobody's then.
-        let changes = [Change::Write(at("c.txt"), "new".into()), Change::Write(at("b.txt"), "new".into())];
-        assert!(change_all(&changes).is_err());
-        assert!(!at("c.txt").exists() && !placed("c.txt") && read("b.txt") == "appeared");
-    }
-
-    #[test]
-    #[cfg(unix)]
-    fn what_is_no_regular_file_is_written_not_replaced() {
-        use std::os::unix::fs::FileTypeExt;
-        let directory = TempDir::new().unwrap();
-        let pipe = directory.path().join("pipe");
-        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-        let reader = std::thread::spawn({
-            let pipe = pipe.clone();
-            move || std::fs::read_to_string(pipe).unwrap()
-        });
-        write_atomically(&pipe, "through").unwrap();
-        assert_eq!(reader.join().unwrap(), "through");
-        // Nobody writes to it, so nothing can be read of it.
-        let reader = std::thread::spawn({
-            let pipe = pipe.clone();
-            move || std::fs::read_to_string(pipe).unwrap()
-        });
-        change_all(&[Change::Write(pipe.clone(), "through".into())]).unwrap();
-        assert_eq!(reader.join().unwrap(), "through");
-        assert!(change_all(&[Change::Remove(pipe.clone())]).is_err());
-        assert!(pipe.metadata().unwrap().file_type().is_fifo());
-        assert!(write_atomically(directory.path(), "x").is_err(), "a directory is no place for a file");
+        assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);
     }
 }

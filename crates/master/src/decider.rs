@@ -3,7 +3,7 @@
 use crate::error::{Place, Result};
 use crate::fmu::Fmu;
 use lemons_decision::decision::PLAN_FILE;
-use lemons_decision::{Plan, WISHES_FILE, Wishes};
+use lemons_decision::{Plan, Wishes};
 use lemons_files::input;
 use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
@@ -26,9 +26,7 @@ pub enum PlanChoice {
 /// It cannot be read, it is not such a file, or it names people who are not in the Trial.
 pub fn plan_of(trial: &Trial, path: &Path) -> Result<Plan> {
     // What lies in the Trial is not a pipe on purpose.
-    let own = trial.directory.join(WISHES_FILE) == path;
-    let read = if own { input::read_text } else { input::read_given_text };
-    let text = read(path, input::LARGEST_SETTINGS).place(|| "cannot be read".to_owned())?;
+    let text = input::read_text(path, input::LARGEST_SETTINGS).place(|| "cannot be read".to_owned())?;
     let wishes = Wishes::from_toml(&text)?;
     Ok(Plan::of(trial, &wishes)?)
 }

@@ -89,7 +89,7 @@ impl Survey {
         let mut survey = Survey::default();
         for (sex, file) in [(Sex::Male, men), (Sex::Female, women)] {
             if let Some(file) = file {
-                let bytes = input::read_given(file, input::LARGEST_SETTINGS)
+                let bytes = input::read(file, input::LARGEST_SETTINGS)
                     .map_err(|error| SurveyError::Read { file: file.to_owned(), error })?;
                 survey.add(sex, file, &bytes)?;
             }

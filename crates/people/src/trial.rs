@@ -8,7 +8,7 @@
 use crate::person::Person;
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
-use lemons_files::{Change, Staged, StagedDirectory, WriteError, change_all, input};
+use lemons_files::{Change, Staged, StagedDirectory, WriteError, change_all};
 use lemons_plane::{Pose, Ring, Rotation, Vec2, vec2};
 use lemons_trial::{
     Agent, AgentDynamics, Contact, Geometry, INTERACTIONS, Interactions, Material, Materials, Parameters,
@@ -281,8 +281,7 @@ pub fn may_write(directory: &Path, overwrite: Overwrite) -> Result<(), TrialErro
 /// or none, and an outdated AgentInteractions.xml is removed; other files stay.
 ///
 /// # Errors
-/// The existing files may not be or cannot be overwritten; they are then unchanged. If another program changed guarded
-/// files, the Trial is beside them ([`lemons_files::Changed`]).
+/// The existing files may not be or cannot be overwritten; they are then unchanged.
 pub fn write_trial(trial: &Trial, directory: &Path, overwrite: Overwrite) -> Result<(), TrialError> {
     write_trial_with(trial, &[], directory, overwrite)
 }
@@ -298,31 +297,25 @@ pub fn write_trial_with(
     overwrite: Overwrite,
 ) -> Result<(), TrialError> {
     may_write(directory, overwrite)?;
-    let stage = StagedDirectory::beside(directory).map_err(WriteError::at(directory))?;
-    trial.write(stage.path())?;
-    for (name, text) in others {
-        let place = stage.path().join(name);
-        std::fs::write(&place, text).map_err(WriteError::at(&place))?;
-    }
-    if !directory.exists() {
-        return Ok(stage.persist(directory).map_err(WriteError::at(directory))?);
-    }
-    let parts = || PARTS.iter().copied().chain(others.iter().map(|(name, _)| *name));
-    let stale = directory.join("dynamic").join(INTERACTIONS);
-    let replaced: Vec<PathBuf> = parts().map(|file| directory.join(file)).chain([stale.clone()]).collect();
-    let stage = stage.unless_changed(directory, &replaced)?;
-    let mut changes = Vec::new();
-    for part in parts() {
-        let text = input::read_text(&stage.path().join(part), input::LARGEST_TRIAL_FILE)
-            .map_err(WriteError::at(directory))?;
-        let place = directory.join(part);
-        if let Some(parent) = place.parent() {
+    let texts = |directory: &Path| {
+        let others = others.iter().map(|(name, text)| (directory.join(name), (*text).to_owned()));
+        trial.texts(directory).into_iter().chain(others).collect::<Vec<_>>()
+    };
+    let write_in = |directory: &Path, stale: Option<PathBuf>| {
+        let texts = texts(directory);
+        for parent in texts.iter().filter_map(|(path, _)| path.parent()) {
             lemons_files::make_directories(parent).map_err(WriteError::at(parent))?;
         }
-        changes.push(Change::Write(place, text));
+        let stale = stale.filter(|stale| texts.iter().all(|(path, _)| path != stale));
+        let writes = texts.into_iter().map(|(path, text)| Change::Write(path, text));
+        change_all(&writes.chain(stale.map(Change::Remove)).collect::<Vec<_>>())
+    };
+    if directory.exists() {
+        return Ok(write_in(directory, Some(directory.join("dynamic").join(INTERACTIONS)))?);
     }
-    changes.push(Change::Remove(stale));
-    Ok(change_all(&changes)?)
+    let stage = StagedDirectory::beside(directory).map_err(WriteError::at(directory))?;
+    write_in(stage.path(), None)?;
+    Ok(stage.persist().map_err(WriteError::at(directory))?)
 }
 
 /// The files of a Trial that [`crowd_trial`] makes, and the one that [`write_trial`] removes.
@@ -334,9 +327,6 @@ pub const TRIAL_FILES: [&str; 6] = [
     "dynamic/AgentDynamics.xml",
     "dynamic/AgentInteractions.xml",
 ];
-
-/// The files that it makes.
-const PARTS: &[&str] = TRIAL_FILES.split_at(5).0;
 
 /// Writes a Trial as a zip archive that contains its directory. The same Trial gives the same bytes. `others` are further
 /// files of the directory, with their names.

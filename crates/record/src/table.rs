@@ -13,10 +13,10 @@ pub use write::{FrameWriter, TableWriter};
 use crate::error::RecordError;
 use crate::record::{Each, Record};
 use crate::run::Run;
-use lemons_files::{input, unnamed};
+use lemons_files::input;
 use rows::Stop;
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek};
+use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 /// What a file of Parquet begins with.
@@ -101,17 +101,7 @@ struct Table {
 impl Table {
     fn open(path: &Path) -> Result<Table, RecordError> {
         let cannot = |error| RecordError::Read { path: path.to_owned(), error };
-        let there = path.metadata().map_err(cannot)?;
-        let mut file = if there.is_file() || there.is_dir() {
-            input::open(path).map_err(cannot)?
-        } else {
-            // A pipe cannot go back.
-            let mut given = input::open_given(path, input::LARGEST_PIPED_TABLE).map_err(cannot)?;
-            let mut copy = unnamed().map_err(cannot)?;
-            io::copy(&mut given, &mut copy).map_err(cannot)?;
-            copy.rewind().map_err(cannot)?;
-            copy
-        };
+        let mut file = input::open(path).map_err(cannot)?;
         let mut begin = Vec::new();
         file.by_ref().take(PARQUET.len() as u64).read_to_end(&mut begin).map_err(cannot)?;
         Ok(Table { path: path.to_owned(), file, parquet: begin == PARQUET })

@@ -93,7 +93,7 @@ fn whole_numbers(from: f64, to: f64, spacing: Spacing) -> Result<Values> {
 /// has reals.
 pub(crate) fn read_table(path: &Path) -> Result<Points> {
     let wrong = || path.display().to_string();
-    let file = input::open_found(path, input::LARGEST_DRIVE).place(wrong)?;
+    let file = input::open_bounded(path, input::LARGEST_DRIVE).place(wrong)?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
     let header: Vec<String> = reader.headers().place(wrong)?.iter().map(str::to_owned).collect();
     let mut cells: Vec<Vec<String>> = vec![Vec::new(); header.len()];

@@ -52,7 +52,7 @@ impl Places {
             Ok((name, area?))
         });
         let walkable = walkable.map(|path| {
-            let wkt = input::read_given_text(&path, LARGEST_WALKABLE);
+            let wkt = input::read_text(&path, LARGEST_WALKABLE);
             let place = || format!("walkable: {}", path.display());
             let wkt = wkt.place(place)?;
             // Whether it is a polygon at all; who is outside is known later.

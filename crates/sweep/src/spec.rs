@@ -138,7 +138,7 @@ impl Spec {
     pub fn read(path: &Path) -> Result<Spec> {
         Kind::expect(path, &[Kind::Text, Kind::Stream], "a sweep.toml (lemons sweep --help)")
             .map_err(lemons_master::Error::from)?;
-        let text = input::read_given_text(path, input::LARGEST_SETTINGS)
+        let text = input::read_text(path, input::LARGEST_SETTINGS)
             .place(|| format!("cannot read {}", path.display()))?;
         let directory = path.parent().unwrap_or(Path::new(""));
         Self::from_toml(&text, directory).place(|| path.display().to_string())

@@ -100,10 +100,10 @@ impl DriveTable {
     pub fn of(trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
         let own = || trial.map(own_drive);
         let (path, opened) = match choice {
-            DriveChoice::File(path) => (path.clone(), input::open_given(path, input::LARGEST_DRIVE)),
+            DriveChoice::File(path) => (path.clone(), input::open_bounded(path, input::LARGEST_DRIVE)),
             // What lies in the Trial is not a pipe on purpose.
             DriveChoice::Own => match own().filter(|own| own.symlink_metadata().is_ok()) {
-                Some(own) => (own.clone(), input::open_found(&own, input::LARGEST_DRIVE)),
+                Some(own) => (own.clone(), input::open_bounded(&own, input::LARGEST_DRIVE)),
                 None => return Ok(DriveTable::default()),
             },
             DriveChoice::None => return Ok(DriveTable::default()),

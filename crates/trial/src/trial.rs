@@ -10,7 +10,7 @@ use crate::problem::Problems;
 use crate::schema::Schema;
 use crate::xml::{self, Element, checked};
 use lemons_files::source::{Disk, Source};
-use lemons_files::{WriteError, remove_file, write_atomically};
+use lemons_files::{WriteError, write_atomically};
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 use uuid::Uuid;
@@ -322,7 +322,7 @@ impl Trial {
         }
         // A stale one would start the next run with springs that are no more.
         let path = moving.join(INTERACTIONS);
-        match remove_file(&path) {
+        match std::fs::remove_file(&path) {
             Err(error) if error.kind() != ErrorKind::NotFound => Err(WriteError { path, error }),
             _ => Ok(()),
         }

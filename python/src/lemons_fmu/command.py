@@ -54,11 +54,8 @@ def _each(value: Sequence[Single] | Sequence[Sequence[Single]]) -> list[Sequence
     return nested
 
 
-def call(words: Iterable[str | os.PathLike[str]], *, state: str | os.PathLike[str] | None = None) -> str:
+def call(words: Iterable[str | os.PathLike[str]]) -> str:
     """Calls the command, and returns what it prints.
-
-    The command remembers which files it wrote, so that it may replace them. `state` is a directory where it does so; give a
-    temporary one for files that nobody will see: only the last 2000 are remembered.
 
     Raises:
         CommandError: it is missing, or it fails.
@@ -72,7 +69,6 @@ def call(words: Iterable[str | os.PathLike[str]], *, state: str | os.PathLike[st
             encoding="utf-8",
             errors="replace",
             stdin=subprocess.DEVNULL,
-            env=None if state is None else {**os.environ, "XDG_STATE_HOME": os.fspath(state)},
         )
     except OSError as error:
         raise CommandError(str(error)) from None

@@ -68,9 +68,9 @@ class Drive:
 
         Raises:
             ValueError: the file is not valid; the message names file, line and column.
-            OSError: the file cannot be read, is larger than 500 MB, or is a pipe that nobody writes to.
+            OSError: the file cannot be read, is not a regular file, or is larger than 500 MB.
         """
-        return read(files.read_given(path, LARGEST), os.fspath(path), ids)
+        return read(files.read(path, LARGEST), os.fspath(path), ids)
 
     def sample(self, agent: int, times: Floats) -> Floats:
         """Returns the values at these times [s], shape (len(times), 3)."""

@@ -102,7 +102,7 @@ def _written(command: str, trial: str, *options: str) -> bytes:
     """What a command makes of a Trial."""
     with tempfile.TemporaryDirectory(prefix="lemons-made-") as directory:
         output = Path(directory) / f"{command}.fmu"
-        call([command, f"--output={output}", *options, "--", trial], state=directory)
+        call([command, f"--output={output}", *options, "--", trial])
         return output.read_bytes()
 
 

@@ -99,7 +99,7 @@ def measure(
         words = [f"{option}={name}={_joined(each)}" for option, all in given for name, each in (all or {}).items()]
         levels = list(above)
         known: dict[str, Option] = {"trial": trial, "above": levels or None, "output": output}
-        call(["measure", *words, *options({**known, **others}), "--", os.fspath(what)], state=directory)
+        call(["measure", *words, *options({**known, **others}), "--", os.fspath(what)])
         summary = json.loads(files.read(output / "summary.json", files.LARGEST_BINARY))
         if source is not None:
             summary["source"] = source

@@ -68,7 +68,7 @@ def movie(
         film = Path(directory) / f"movie{path.suffix}"
         if not isinstance(what, (str, os.PathLike)):
             what = table_of(what, Path(directory))
-        call(["movie", f"--output={film}", *options({"trial": trial, **others}), "--", os.fspath(what)], state=directory)
+        call(["movie", f"--output={film}", *options({"trial": trial, **others}), "--", os.fspath(what)])
         beside = path.with_name(f".{path.name}.tmp")
         shutil.copyfile(film, beside)
         os.replace(beside, path)
@@ -96,5 +96,5 @@ def plot(
         output = Path(directory) / f"picture.{format}"
         if not isinstance(what, (str, os.PathLike)):
             what = table_of(what, Path(directory))
-        call(["plot", f"--output={output}", *options({"trial": trial, **others}), "--", os.fspath(what)], state=directory)
+        call(["plot", f"--output={output}", *options({"trial": trial, **others}), "--", os.fspath(what)])
         return Picture(files.read(output, files.LARGEST_BINARY), format)

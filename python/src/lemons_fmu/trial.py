@@ -205,7 +205,7 @@ def _made(output: Path_ | None, given: dict[str, Option]) -> Trial:
     temporary = tempfile.mkdtemp(prefix="lemons-crowd-")
     try:
         directory = os.path.join(temporary, "crowd")
-        call(["crowd", f"--output={directory}", *options(given)], state=temporary)
+        call(["crowd", f"--output={directory}", *options(given)])
         made = Trial(directory)
     except BaseException:
         shutil.rmtree(temporary, ignore_errors=True)

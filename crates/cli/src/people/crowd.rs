@@ -18,13 +18,11 @@ use clap::ValueEnum;
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_decision::{Plan, WISHES_FILE, Wishes};
-use lemons_files::{Scratch, input, names_beside};
-use lemons_fmi::fingerprint;
+use lemons_files::Scratch;
 use lemons_master::Given;
 use lemons_people::{
-    Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialError,
-    TrialSettings, crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_with,
-    write_trial_zip,
+    Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
+    crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_with, write_trial_zip,
 };
 use lemons_picture::{Fill, Scene};
 use lemons_trial::Trial;
@@ -75,8 +73,8 @@ struct TrialArguments {
     fmi: Fmi,
     #[command(flatten)]
     packing: FmuArguments,
-    /// Replace existing files, even if they were made from something else or were changed since;
-    /// also write the Trial into a directory that contains other files, which are kept
+    /// Replace existing files; also write the Trial into a directory that contains other files,
+    /// which are kept
     #[arg(long)]
     force: bool,
     /// Material of the people
@@ -398,43 +396,10 @@ impl TrialArguments {
         }
         interrupt.check()?;
         if let Some(directory) = &self.output {
-            let before = fingerprints(directory);
-            wrote("Trial", directory, self.write_into(directory, trial, beside));
-            if before.iter().any(Option::is_some) && before != fingerprints(directory) {
-                note!(
-                    "note: {} was another Trial before: tables and other results made from that one no longer fit",
-                    directory.display()
-                );
-            }
+            let written = write_trial_with(trial, beside, directory, self.overwrite());
+            wrote("Trial", directory, written.map_err(Into::into));
         }
         Ok(done)
-    }
-}
-
-/// Of the files of a Trial that a crowd may change; `None` for those that are not there.
-fn fingerprints(trial: &Path) -> Vec<Option<u128>> {
-    let read = |file: &&str| input::read(&trial.join(file), input::LARGEST_TRIAL_FILE).ok();
-    let files = TRIAL_FILES.iter().chain([&WISHES_FILE]);
-    files.map(|file| read(file).map(|bytes| fingerprint(&bytes))).collect()
-}
-
-impl TrialArguments {
-    /// Beside a directory into which no Trial may be written any more: it could be when the crowd was begun.
-    fn write_into(&self, directory: &Path, trial: &Trial, beside: &[(&str, &str)]) -> Result<()> {
-        let written = write_trial_with(trial, beside, directory, self.overwrite());
-        let Err(refused @ (TrialError::NotATrial { .. } | TrialError::NoDirectory { .. })) = written else {
-            return Ok(written?);
-        };
-        match names_beside(directory).find(|name| name.symlink_metadata().is_err()) {
-            Some(free) => {
-                write_trial_with(trial, beside, &free, Overwrite::Trials)?;
-                Err(anyhow!(
-                    "{refused}; it was changed while this command ran, the Trial is in {}",
-                    free.display()
-                ))
-            }
-            None => Err(refused.into()),
-        }
     }
 }
 

@@ -86,7 +86,7 @@ impl SourceArguments {
         let mut file = None;
         let source = if let Some(path) = &self.custom {
             let named = || format!("--custom {}", path.display());
-            let text = input::read_given_text(path, input::LARGEST_SETTINGS).with_context(named)?;
+            let text = input::read_text(path, input::LARGEST_SETTINGS).with_context(named)?;
             let custom = Custom::from_toml(&text).with_context(named)?;
             proportions.men = custom.men.unwrap_or(proportions.men);
             proportions.pedestrians = custom.pedestrians.unwrap_or(proportions.pedestrians);

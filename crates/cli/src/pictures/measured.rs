@@ -29,7 +29,7 @@ impl Measured {
     }
 
     fn parse(path: &Path) -> Result<Measured> {
-        let file = input::open_given(path, input::LARGEST_DRIVE)?;
+        let file = input::open_bounded(path, input::LARGEST_DRIVE)?;
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(file);
         let header = reader.headers()?.clone();
         let column = |name: &str| {

@@ -1,35 +1,13 @@
 //! What the tests of the command share.
 
 pub use lemons_testing::{repository as root, trial_push as default_trial};
-#[cfg(target_os = "linux")]
-use std::fs::DirEntry;
 use std::path::Path;
-use std::process::{Child, Command, Output};
+use std::process::{Command, Output};
 use std::sync::Once;
-use std::time::Duration;
-
-/// A copy of the default Trial.
-pub fn copy_trial(to: &Path) {
-    let files = [
-        "Parameters.xml",
-        "static/Agents.xml",
-        "static/Geometry.xml",
-        "static/Materials.xml",
-        "dynamic/AgentDynamics.xml",
-        "drive.csv",
-    ];
-    for part in files {
-        let target = to.join(part);
-        std::fs::create_dir_all(target.parent().unwrap()).unwrap();
-        std::fs::copy(default_trial().join(part), target).unwrap();
-    }
-}
 
 pub fn command(directory: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lemons"));
     command.args(arguments).current_dir(directory);
-    // What it remembers of files, not what the user's own commands remember.
-    command.env("XDG_STATE_HOME", Path::new(env!("CARGO_TARGET_TMPDIR")).join("state"));
     command
 }
 
@@ -52,28 +30,6 @@ pub fn decision_library() {
         }
         assert!(cargo.status().unwrap().success());
     });
-}
-
-/// Returns when a command waits for somebody: all of its threads have slept whenever they were looked at, for 0.3 s. On a
-/// busy machine a thread that has something to do does not sleep, but waits for a processor.
-#[cfg(target_os = "linux")]
-pub fn waits(child: &Child) {
-    let sleeps = |task: std::io::Result<DirEntry>| {
-        let stat = std::fs::read_to_string(task.unwrap().path().join("stat")).unwrap_or_default();
-        stat.rsplit(')').next().is_some_and(|rest| rest.trim_start().starts_with('S'))
-    };
-    let mut quiet = 0;
-    while quiet < 30 {
-        std::thread::sleep(Duration::from_millis(10));
-        let mut tasks =
-            std::fs::read_dir(format!("/proc/{}/task", child.id())).expect("it has ended by itself");
-        quiet = if tasks.all(sleeps) { quiet + 1 } else { 0 };
-    }
-}
-
-#[cfg(not(target_os = "linux"))]
-pub fn waits(_: &Child) {
-    std::thread::sleep(Duration::from_secs(2));
 }
 
 pub fn lemons(directory: &Path, arguments: &[&str]) -> Output {

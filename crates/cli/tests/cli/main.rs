@@ -1,21 +1,22 @@
-//! The `lemons` command as its users meet it.
+//! What needs more of the `lemons` command than its output: numbers that are computed again, signals, forged files.
+//! What it prints is in tests/cmd.
 //!
 //! One program for all of them: linking takes longer than compiling.
 
-mod accuracy;
 mod checks;
 mod command;
 mod common;
 mod coupling;
-mod fmi3;
 mod leaving;
 #[cfg(unix)]
-mod outputs;
+mod pages;
 mod people;
 mod pictures;
 mod reference;
 mod results;
 mod rooms;
+#[cfg(unix)]
+mod signals;
 mod sweep;
 mod version;
 mod walked_sweep;

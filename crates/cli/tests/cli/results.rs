@@ -1,9 +1,7 @@
 //! What `lemons run` writes, stops and goes on with.
 
-use crate::common::{command, joined, out};
-use crowd_mechanics::setup;
-use lemons_record::{Record, Run};
-use parquet::file::reader::{FileReader, SerializedFileReader};
+use crate::common::{command, lemons, out};
+use lemons_record::Run;
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -12,10 +10,6 @@ use tempfile::TempDir;
 
 fn trial() -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push").to_str().unwrap().to_owned()
-}
-
-fn lemons(directory: &Path, arguments: &[&str]) -> Output {
-    command(directory, arguments).output().unwrap()
 }
 
 fn said(output: &Output, code: i32) -> String {
@@ -82,40 +76,23 @@ fn ctrl_c_leaves_valid_results_and_the_run_goes_on_bit_for_bit() {
     let last = run.frames.len() - 1;
     assert!(last >= 12, "contacts go on: {last}");
     assert_eq!(run.frames[last].time, last as f64 * 0.05);
-    // Twice on, each time with a table of its own; then at once.
-    let time = |steps: usize| steps as f64 * 0.05;
-    for (steps, to) in [(last + 7, "2.csv"), (last + 20, "3.csv")] {
-        push(at, &format!("--resume push.run --state push.run --until {:?} -o {to}", time(steps)), 0);
+    // Twice on, then at once.
+    let mut table = read(at, "trajectories.csv");
+    for steps in [last + 7, last + 20] {
+        let rest = format!("{steps}.csv");
+        let until = steps as f64 * 0.05;
+        push(at, &format!("--resume push.run --state push.run --until {until:?} -o {rest}"), 0);
+        let rest = read(at, &rest);
+        table.extend(&rest[rest.iter().position(|byte| *byte == b'\n').unwrap() + 1..]);
     }
-    let whole = push(at, &format!("--until {:?} -o whole.csv --state whole.run", time(last + 20)), 0);
-    let parts = ["trajectories.csv", "2.csv", "3.csv"];
-    assert!(joined(at, &parts) == read(at, "whole.csv"), "to the last byte");
-    // Which are read as one.
-    let measured = |tables: &[&str], option: &str| {
-        said(
-            &lemons(
-                at,
-                &[&["measure"], tables, &["--line", "9,0,9,9", option, "a.json", "--force"]].concat(),
-            ),
-            0,
-        );
-        let seen: serde_json::Value = serde_json::from_slice(&read(at, "a.json")).unwrap();
-        (seen["frames"].clone(), seen["lines"].clone(), seen["exposure"].clone())
-    };
-    assert_eq!(measured(&parts, "--summary"), measured(&["whole.csv"], "--summary"));
-    for tables in [&["whole.csv"][..], &parts] {
-        let more: Vec<&str> = tables[1..].iter().flat_map(|table| ["--more", table]).collect();
-        let to = format!("{}.txt", tables.len());
-        said(&lemons(at, &[&["export", tables[0], &to, "--to", "pedpy"], &more[..]].concat()), 0);
-    }
-    assert!(read(at, "1.txt") == read(at, "3.txt"));
-    let wrong = said(&lemons(at, &["measure", "2.csv", "trajectories.csv"]), 1);
-    assert!(wrong.contains("trajectories.csv: begins at t = 0.0 s, before the end of the table"), "{wrong}");
+    let until = format!("--until {:?}", (last + 20) as f64 * 0.05);
+    let whole = push(at, &format!("{until} -o whole.csv --state whole.run"), 0);
+    assert!(table == read(at, "whole.csv"), "to the last byte");
     let line = |text: &str, name: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
     let summary = push(at, "--resume push.run --state push.run --until 100 -o - --step 9", 1);
     assert!(summary.contains("--step 9.0: the saved run has a communication step of 0.05 s"), "{summary}");
     // The extremes are those of the whole run.
-    let next = format!("--resume push.run --until {:?} -o rest.csv", time(last + 21));
+    let next = format!("--resume push.run --until {:?} -o rest.csv", (last + 21) as f64 * 0.05);
     let summary = push(at, &next, 0);
     for name in ["largest overlap", "greatest step mean", "greatest peak"] {
         assert_eq!(line(&summary, name), line(&whole, name));
@@ -132,7 +109,7 @@ fn sigterm_completes_the_results_too() {
     said(&signalled(at, "-TERM", "--state push.run"), 130);
     assert_eq!(names(at), ["push.run", "trajectories.csv"]);
     let run = Run::read_table(&at.join("trajectories.csv")).unwrap();
-    push(at, &format!("--resume push.run -o 2.csv --until {:?}", run.frames.len() as f64 * 0.05), 0);
+    push(at, &format!("--resume push.run --until {:?} -o rest.csv", run.frames.len() as f64 * 0.05), 0);
 }
 
 #[test]
@@ -167,45 +144,6 @@ fn parquet_holds_what_csv_holds() {
             assert!(a.observed.is_some());
         }
     }
-    push(at, "--until 0.4 -o part.parquet --state part.run", 0);
-    push(at, "--until 1 -o rest.parquet --resume part.run", 0);
-    let parts = Record::tables(&["part.parquet", "rest.parquet"].map(|name| at.join(name))).unwrap();
-    assert!(parts.times().eq(csv.frames.iter().map(|frame| frame.time)));
-    push(at, "--until 1 -o part.txt --format parquet", 0);
-    assert!(read(at, "part.txt").starts_with(b"PAR1"));
-    for (options, words) in [
-        ("--format csv -o x.parquet", "x.parquet: ends in .parquet, but --format is csv"),
-        ("--format parquet --outputs x.csv", "x.csv: ends in .csv, but --format is parquet"),
-        ("--format hdf5", "hdf5"),
-        ("--every 0", "--every"),
-    ] {
-        assert!(push(at, options, 2).contains(words), "{options}");
-    }
-}
-
-/// Two people who overlap at the start and part: the squeeze of that instant was called a mean over a step to 0.000 s.
-#[test]
-fn the_greatest_mean_is_of_a_step_and_not_of_the_start() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    let (mut trial, _) = setup::read(Path::new(&trial())).unwrap();
-    trial.dynamics[1].position.x -= 0.08;
-    trial.write(&at.join("T")).unwrap();
-    let summary = said(&lemons(at, &["run", "T", "--until", "0.2", "--no-drive"]), 0);
-    let run = Run::read_table(&at.join("trajectories.csv")).unwrap();
-    let means = |range: &[lemons_record::Frame]| {
-        let seen = range.iter().flat_map(|frame| frame.observed.iter().flatten());
-        seen.map(|seen| seen.of_step.as_ref().unwrap().mean_normal_force).fold(0.0, f64::max)
-    };
-    let (start, steps) = (means(&run.frames[..1]), means(&run.frames[1..]));
-    assert!(start > 1.5 * steps && steps > 0.0, "{start} {steps}");
-    let line = summary.lines().find(|line| line.starts_with("greatest step mean")).unwrap();
-    assert!(
-        line.contains(&format!(" {steps:.1} N   (squeeze of agent ")) && line.ends_with(", step to 0.050 s)"),
-        "{line}"
-    );
-    let peak = summary.lines().find(|line| line.starts_with("greatest peak")).unwrap();
-    assert!(peak.ends_with(", step to 0.050 s)"), "{peak}");
 }
 
 #[test]
@@ -259,43 +197,7 @@ fn every_nth_point_is_written_and_all_are_looked_at() {
     // Stopped between two rows, the run goes on with the right ones.
     push(at, "--until 0.5 -o part.csv --every 3 --state part.run", 0);
     push(at, "--until 1.03 -o rest.csv --resume part.run", 0);
-    assert!(joined(at, &["part.csv", "rest.csv"]) == third.as_bytes());
-}
-
-/// The greatest squeeze is in a step of which the table with every second row has no row of its own.
-#[test]
-fn a_parquet_table_with_every_second_row_has_the_whole_exposure() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    let peak = |table: &str, every: &str| {
-        push(at, &format!("--until 1 -o {table} --every {every}"), 0);
-        said(&lemons(at, &["measure", table, "--summary", "s.json", "--force"]), 0);
-        let summary: serde_json::Value = serde_json::from_slice(&read(at, "s.json")).unwrap();
-        summary["exposure"]["peak"]["max"].as_f64().unwrap()
-    };
-    let all = peak("all.parquet", "1");
-    assert!(all > 20_000.0, "{all}");
-    assert_eq!(peak("some.parquet", "2"), all);
-}
-
-/// Of a run that ended within a communication step, the bytes are others, although they were said to be the same.
-#[test]
-fn a_run_that_is_saved_between_two_communication_points_says_that_its_results_will_differ() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    push(at, "--until 1 -o whole.csv", 0);
-    let words =
-        |time: &str| format!("warning: t = {time} s is between two communication points (0.05 s apart)");
-    for (time, between) in [("0.52", true), ("0.55", false), ("0.5", false)] {
-        let saved = push(at, &format!("--until {time} -o {time}.csv --state {time}.run"), 0);
-        assert_eq!(saved.contains(&words(time)), between, "{saved}");
-        let resumed = push(at, &format!("--until 1 -o {time}+.csv --resume {time}.run"), 0);
-        assert_eq!(resumed.contains(&words(time)), between, "{resumed}");
-        let parts = joined(at, &[&format!("{time}.csv"), &format!("{time}+.csv")]);
-        assert_eq!(parts == read(at, "whole.csv"), !between, "{time}");
-    }
-    // Where nothing is saved, nothing is said.
-    assert!(!push(at, "--until 0.52 -o x.csv", 0).contains("between two"));
+    assert!(text("part.csv") + text("rest.csv").split_once('\n').unwrap().1 == third);
 }
 
 /// A saved run, its texts and states changed.
@@ -346,6 +248,7 @@ fn saved_runs_are_hostile_until_checked() {
         ("index = 10", "index = 9000000000000000000", "time: 0.5: must be"),
         ("every = 1", "every = 0", "every: 0"),
         ("until = 0.5", "until = nan", "until: NaN"),
+        ("last = 0.5", "last = nan", "last: NaN"),
         ("largest_overlap = ", "largest_overlap = -", "largest_overlap: -"),
         ("agent = ", "agent = 7", "contains other agents"),
         (
@@ -419,8 +322,10 @@ fn a_run_of_another_build_of_the_program_goes_on_and_all_builds_are_named() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     let built = |name: &str| {
-        let table = SerializedFileReader::new(File::open(at.join(name)).unwrap()).unwrap();
-        let about = table.metadata().file_metadata().key_value_metadata().unwrap();
+        let file =
+            parquet::file::reader::SerializedFileReader::new(File::open(at.join(name)).unwrap()).unwrap();
+        let about =
+            parquet::file::reader::FileReader::metadata(&file).file_metadata().key_value_metadata().unwrap();
         about.iter().find(|entry| entry.key == "lemons_version").unwrap().value.clone().unwrap()
     };
     push(at, "--until 0.5 --state push.run --format parquet", 0);
@@ -441,79 +346,10 @@ fn a_run_of_another_build_of_the_program_goes_on_and_all_builds_are_named() {
         }
         _ => bytes,
     });
-    for (until, from, to) in [("1", "forged.run", "2.parquet"), ("1.5", "later.run", "3.parquet")] {
-        push(at, &format!("--until {until} --resume {from} --state later.run -o {to}"), 0);
-        assert_eq!(built(to), format!("0.1.0 (0123456 2026-01-01); {own}"));
-    }
-}
-
-#[test]
-fn a_run_goes_on_as_it_went_or_not_at_all() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    push(at, "--until 0.5 --state push.run", 0);
-    let before = read(at, "trajectories.csv");
-    fs::write(at.join("drive.csv"), "t,agent,Fp.x,Fp.y,Mp\n0,0,1,2,3\n").unwrap();
-    for (options, code, words) in [
-        (
-            "--set agent[0].Mass=80",
-            2,
-            "--set agent[0].Mass=80 with --resume: the saved run contains its parameters",
-        ),
-        ("--threads 2", 2, "--threads 2 with --resume"),
-        ("--step 0.1", 1, "--step 0.1: the saved run has a communication step of 0.05 s"),
-        ("--every 2", 1, "--every 2: the saved run has --every 1"),
-        ("--drive drive.csv", 1, "the saved run had another drive"),
-        ("--no-drive", 1, "the saved run had another drive"),
-        ("--until 0.5", 1, "nothing to simulate: the saved run is at 0.5 s"),
-        ("", 1, "nothing to simulate"),
-        ("--until 1 --algorithm gauss-seidel", 1, "--algorithm: the saved run has Jacobi, not Gauss-Seidel"),
-        ("--until 1 --state trajectories.csv", 1, "trajectories.csv: another result goes there"),
-    ] {
-        let until = if options.contains("--until") || options.is_empty() { "" } else { " --until 1" };
-        let said = push(at, &format!("--resume push.run {options}{until}"), code);
-        assert!(said.contains(words), "{options}: {said}");
-        assert!(read(at, "trajectories.csv") == before);
-    }
-    // What the saved run has written is not replaced, unless somebody says so.
-    for options in ["", " -o trajectories.csv"] {
-        let said = push(at, &format!("--resume push.run --until 1{options}"), 1);
-        let words = "trajectories.csv: it is there, and may hold what the saved run has written";
-        assert!(said.contains(words) && read(at, "trajectories.csv") == before, "{said}");
-    }
-    push(at, "--resume push.run --until 1 --force", 0);
-    assert!(joined(at, &["trajectories.csv"]) != before);
-    // Another crowd.
-    let (mut other, _) = setup::read(Path::new(&trial())).unwrap();
-    other.agents[0].id = "other".into();
-    other.write(&at.join("other")).unwrap();
-    let message = said(
-        &lemons(at, &["run", "other", "--resume", "push.run", "--no-drive", "--until", "1", "-o", "o.csv"]),
-        1,
-    );
-    assert!(
-        message.contains("saved run push.run: ") && message.contains("one of the packed Trials"),
-        "{message}"
-    );
-    // And one that has the same name.
-    other.agents[0].id = "0".into();
-    other.agents[0].mass += 1.0;
-    other.write(&at.join("elsewhere/Trial_push")).unwrap();
-    let again = ["run", "elsewhere/Trial_push", "--resume", "push.run", "--no-drive", "--until", "1"];
-    let message = said(&lemons(at, &again), 1);
-    assert!(message.contains("has changed since the state was saved"), "{message}");
-    assert!(names(at).iter().all(|name| !name.starts_with('.')), "{:?}", names(at));
-}
-
-#[test]
-fn help_is_readable() {
-    let directory = TempDir::new().unwrap();
-    let help = said(&lemons(directory.path(), &["run", "--help"]), 0);
-    assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
-    // A comment that goes on in the next line is no TOML.
-    let help = said(&lemons(directory.path(), &["sweep", "--help"]), 0);
-    let of_files: Vec<&str> = help.lines().filter(|line| line.contains('#')).collect();
-    assert!(of_files.len() > 8 && of_files.iter().all(|line| line.chars().count() <= 70), "{of_files:?}");
+    push(at, "--until 1 --resume forged.run --state later.run -o later.parquet", 0);
+    assert_eq!(built("later.parquet"), format!("0.1.0 (0123456 2026-01-01); {own}"));
+    push(at, "--until 1.5 --resume later.run -o last.parquet", 0);
+    assert_eq!(built("last.parquet"), format!("0.1.0 (0123456 2026-01-01); {own}"));
 }
 
 /// Sends it once the run's files are begun and, as nothing tells when a step is under way, a moment later.
@@ -554,91 +390,6 @@ fn one_long_step_can_be_interrupted() {
     let text = said(&output, 130);
     assert!(text.contains("interrupted: nothing was written"), "{text}");
     assert_eq!(names(at), before);
-}
-
-#[test]
-fn endless_runs_are_refused_with_their_number() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    let refused = |arguments: &[&str], most: &str| {
-        let output = command(at, arguments).output().unwrap();
-        let text = said(&output, 1);
-        let expected = format!("2.0000e301 communication steps of 0.05 s: at most {most}");
-        assert!(text.contains(&expected), "{arguments:?}: {text}");
-        assert_eq!(names(at), Vec::<String>::new());
-    };
-    let trial = trial();
-    refused(&["run", &trial, "--until", "1e300"], "1e9");
-    refused(&["plot", &trial, "--at", "1e300"], "1e9");
-    refused(&["plot", &trial, "--series", "x", "--until", "1e300"], "1e9");
-    refused(&["movie", &trial, "--until", "1e300", "-o", "a.gif"], "1e9");
-    let output = Command::new(env!("CARGO_BIN_EXE_lemons"))
-        .args(["plot", &trial, "--at", "60000"])
-        .current_dir(at)
-        .output();
-    let text = said(&output.unwrap(), 1);
-    assert!(text.contains("1.2000e6 communication steps of 0.05 s: at most 1e6 are made"), "{text}");
-}
-
-#[test]
-fn unknown_kinds_of_tables_are_refused() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    for options in ["-o t.xlsx", "--outputs t.xlsx", "-o t.csv.gz"] {
-        let text = push(at, options, 2);
-        assert!(text.contains(": tables are .csv or .parquet"), "{text}");
-        assert_eq!(names(at), Vec::<String>::new());
-    }
-    push(at, "--until 0.1 -o t.dat --format csv", 0);
-    push(at, "--until 0.1 -o plain", 0);
-    assert!(read(at, "t.dat") == read(at, "plain"));
-}
-
-#[test]
-fn a_parameter_of_all_agents() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    let each: Vec<String> = (0..5).map(|i| format!("--set agent[{i}].Mass=80")).collect();
-    push(at, &format!("--until 1 -o each.csv {}", each.join(" ")), 0);
-    push(at, "--until 1 -o all.csv --set agent[*].Mass=80", 0);
-    push(at, "--until 1 -o own.csv", 0);
-    assert!(read(at, "each.csv") == read(at, "all.csv") && read(at, "all.csv") != read(at, "own.csv"));
-    let unknown = push(at, "--until 1 --set agent[*].Beauty=80", 1);
-    assert!(unknown.contains("the FMU has no variable \"agent[*].Beauty\""), "{unknown}");
-    let trial = trial();
-    let done = |arguments: &[&str]| {
-        let output = command(at, arguments).output().unwrap();
-        said(&output, 0)
-    };
-    let plot = ["plot", &trial, "--series", "x", "--until", "1", "-o"];
-    let each: Vec<&str> = each.iter().flat_map(|option| option.split(' ')).collect();
-    done(&[&plot[..], &["each.svg"], &each].concat());
-    done(&[&plot[..], &["all.svg", "--set", "agent[*].Mass=80"]].concat());
-    assert!(read(at, "each.svg") == read(at, "all.svg"));
-}
-
-#[test]
-fn negative_numbers_are_values() {
-    let directory = TempDir::new().unwrap();
-    let trial = trial();
-    for (arguments, expected) in [
-        (
-            ["run", &trial, "--until", "-1"],
-            "'-1' for '--until <SECONDS|left>': must be a positive number of seconds, or the word left",
-        ),
-        (["run", &trial, "--step", "-0.5"], "'-0.5' for '--step <SECONDS>': must be a positive"),
-        (["run", &trial, "--every", "-3"], "'-3' for '--every <N>': -3 is not in 1.."),
-        (["plot", &trial, "--until", "-1e3"], "'-1e3' for '--until <SECONDS|left>': must be a positive"),
-        (["movie", &trial, "--frame-rate", "-25"], "'-25' for '--frame-rate <FPS>': must be a number from"),
-    ] {
-        let output = Command::new(env!("CARGO_BIN_EXE_lemons"))
-            .args(arguments)
-            .current_dir(directory.path())
-            .output()
-            .unwrap();
-        let text = said(&output, 2);
-        assert!(text.contains(expected) && !text.contains("use '--"), "{text}");
-    }
 }
 
 /// \[kB\] What it held at most, as far as was seen while it ran.

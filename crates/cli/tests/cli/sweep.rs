@@ -118,42 +118,6 @@ fn a_killed_sweep_goes_on_to_the_same_table() {
 }
 
 #[test]
-fn failed_points_are_rows_with_their_message() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    write_spec(at, 0.1, "\"agent[2].Mass\" = [70, -70, 80]");
-    let said = out(&done(at, &["sweep", "push.toml"]));
-    assert!(said.contains("failed                      1") && said.contains("agent[2].Mass"), "{said}");
-    let rows = read_csv(&at.join("push.csv"));
-    let status: Vec<&str> = rows.iter().map(|row| row["status"].as_str()).collect();
-    assert_eq!(status, ["ok", "failed", "ok"]);
-    assert!(rows[1]["error"].contains("must be positive"), "{:?}", rows[1]);
-    assert_eq!(rows[1]["moved"], "");
-    let said = out(&done(at, &["sweep", "push.toml", "--retry-failed"]));
-    assert!(said.contains("(1 now, 2 before)"), "{said}");
-}
-
-#[test]
-fn a_sweep_without_a_success_is_a_failure() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    write_spec(at, 0.1, "\"agent[2].Mass\" = [-80, -70]");
-    // Also when it had failed before.
-    for now in ["(2 now, 0 before)", "(0 now, 2 before)"] {
-        let output = lemons(at, &["sweep", "push.toml"]);
-        assert_code(&output, 1);
-        assert!(err(&output).contains("none of the 2 points succeeded"), "{}", err(&output));
-        for line in [
-            &format!("points                      2     {now}"),
-            "succeeded                   0",
-            "failed                      2",
-        ] {
-            assert!(out(&output).contains(line), "{line}: {}", out(&output));
-        }
-    }
-}
-
-#[test]
 #[cfg(unix)]
 fn a_sweep_of_long_steps_can_be_interrupted() {
     let directory = TempDir::new().unwrap();
@@ -180,71 +144,4 @@ fn a_sweep_of_long_steps_can_be_interrupted() {
     assert_code(&output, 1);
     let said = err(&output);
     assert!(said.contains("until: from 0.0 to 1e300 s there are 2.0000e301 communication steps"), "{said}");
-}
-
-#[test]
-fn each_point_has_an_output_directory_of_its_own() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    let sweep = |output: &str, parameters: &str| {
-        write_spec(at, 0.1, &format!("{parameters}\nTimeStepMechanical = [1e-4]"));
-        lemons(at, &["sweep", "push.toml", "-o", &format!("{output}.csv")])
-    };
-    let shared = "\"agent[*].Mass\" = [70, 80]\nOutputDirectory = [\"a\"]";
-    let output = sweep("swept", shared);
-    assert_code(&output, 1);
-    assert!(err(&output).contains("OutputDirectory = \"a\": two points have it"), "{}", err(&output));
-    assert!(!at.join("a").exists() && !at.join("swept.csv").exists());
-    let own = "OutputDirectory = [\"a\", \"b\"]";
-    assert_code(&sweep("swept", own), 0);
-    let written = fs::read(at.join("b/AgentDynamics output t=0.1.xml")).unwrap();
-    assert_code(&sweep("again", own), 0);
-    fs::write(at.join("b/AgentDynamics output t=0.1.xml"), "my notes").unwrap();
-    let output = sweep("third", own);
-    assert_code(&output, 1);
-    assert!(err(&output).contains("it was changed after") && !written.is_empty(), "{}", err(&output));
-    // A directory of the Trial that is read.
-    let inside = default_trial().canonicalize().unwrap().join("dynamic");
-    let output = sweep("fourth", &format!("OutputDirectory = [{:?}]", inside.to_str().unwrap()));
-    assert_code(&output, 1);
-    assert!(err(&output).contains("lemons sweep reads it"), "{}", err(&output));
-}
-
-#[test]
-fn mistakes_have_clear_messages() {
-    let directory = TempDir::new().unwrap();
-    let at = directory.path();
-    write_spec(at, 0.1, PARAMETERS);
-    done(at, &["sweep", "push.toml"]);
-    let good = fs::read_to_string(at.join("push.toml")).unwrap();
-    let table = fs::read(at.join("push.csv")).unwrap();
-    for (from, to, name, expected) in [
-        ("until = 0.1", "until = 0.2", "push", "push.csv is the table of another sweep: it differs in until"),
-        ("[0, 0.4]", "[0, 0.5]", "push", "it differs in points"),
-        ("take = \"max\"", "take = \"min\"", "push", "it differs in measure"),
-        ("agent[*].Mass", "agent[9].Mass", "new", "the FMU has no variable \"agent[9].Mass\""),
-        ("agents = [\"4\"]", "agents = [\"7\"]", "new", "measures: moved: there is no agent \"7\""),
-        ("agents = [\"4\"]", "", "new", "measures: moved"),
-        ("until = 0.1", "until = 0.1\ndrive = \"none.csv\"", "new", "none.csv"),
-    ] {
-        assert!(good.contains(from), "{from}");
-        fs::write(at.join("push.toml"), good.replacen(from, to, 1)).unwrap();
-        let output = lemons(at, &["sweep", "push.toml", "-o", &format!("{name}.csv")]);
-        assert_code(&output, 1);
-        assert!(err(&output).contains(expected), "{to}: {}", err(&output));
-    }
-    fs::write(at.join("push.toml"), good).unwrap();
-    assert!(fs::read(at.join("push.csv")).unwrap() == table);
-    // What is read, or is something else, is not written.
-    fs::write(at.join("notes.csv"), "my notes").unwrap();
-    for (to, expected) in [
-        ("notes.csv", "notes.csv is there, and is not the table of a sweep"),
-        ("push.toml", "lemons sweep reads it (push.toml)"),
-    ] {
-        let before = fs::read(at.join(to)).unwrap();
-        let output = lemons(at, &["sweep", "push.toml", "-o", to, "--force"]);
-        assert_code(&output, 1);
-        assert!(err(&output).contains(expected), "{}", err(&output));
-        assert!(fs::read(at.join(to)).unwrap() == before);
-    }
 }

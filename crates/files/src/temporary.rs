@@ -1,0 +1,165 @@
+//! Temporary files and directories: removed unless they are put into place, also when the process ends early.
+//!
+//! The crate `tempfile` is not used: its random names initialise a thread-local of this library, whose destructor
+//! crashes the host's thread if it ends after the library was unloaded.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// Temporary files and directories that are not in place yet. The code that ends the process removes them.
+static BEGUN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn begun() -> MutexGuard<'static, Vec<PathBuf>> {
+    BEGUN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes every temporary file and directory. After that nothing can be created or put into place any more. Call it
+/// when the process ends; other threads may still be running.
+pub fn give_up() {
+    /// Threads that run on may add a few more files to a directory.
+    const MOST_TRIES: u32 = 100;
+    let all = begun();
+    for path in all.iter() {
+        for _ in 0..MOST_TRIES {
+            let _ = remove(path);
+            if path.symlink_metadata().is_err() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+    std::mem::forget(all);
+}
+
+/// Creates a directory and those that lead to it, unless they exist. Like all here it waits for ever after [`give_up`]:
+/// `std::fs::create_dir_all` would make a temporary directory again that was just removed.
+///
+/// # Errors
+/// It cannot be created.
+pub fn make_directories(path: &Path) -> io::Result<()> {
+    let _none_is_removed_meanwhile = begun();
+    std::fs::create_dir_all(path)
+}
+
+fn remove(path: &Path) -> io::Result<()> {
+    if !path.symlink_metadata()?.is_dir() {
+        return std::fs::remove_file(path);
+    }
+    // One directory at a time is open, other than in `remove_dir_all`: perhaps no more file handles are available.
+    let entries: io::Result<Vec<PathBuf>> = std::fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect();
+    entries?.iter().try_for_each(|path| remove(path))?;
+    std::fs::remove_dir(path)
+}
+
+/// A temporary file or directory. It is removed when dropped, unless it was put into its place.
+#[derive(Debug)]
+pub(crate) struct Temporary(PathBuf);
+
+impl Temporary {
+    /// Creates a file or directory with a free name. `make` must fail if the name exists.
+    pub(crate) fn new<T>(
+        directory: &Path,
+        make: impl Fn(&Path) -> io::Result<T>,
+    ) -> io::Result<(Temporary, T)> {
+        let process = std::process::id();
+        for attempt in 0..=u16::MAX {
+            match Temporary::named(directory.join(format!(".lemons-{process}-{attempt}")), &make) {
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                made => return made,
+            }
+        }
+        Err(io::ErrorKind::AlreadyExists.into())
+    }
+
+    /// Creates a file or directory of this name, which must not exist.
+    pub(crate) fn named<T>(
+        path: PathBuf,
+        make: impl Fn(&Path) -> io::Result<T>,
+    ) -> io::Result<(Temporary, T)> {
+        let mut all = begun();
+        let made = make(&path)?;
+        all.push(path.clone());
+        Ok((Temporary(path), made))
+    }
+
+    /// Returns its present path.
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// Moves it to its place, where it replaces a file or an empty directory.
+    pub(crate) fn persist(mut self, place: &Path) -> io::Result<()> {
+        let mut all = begun();
+        std::fs::rename(&self.0, place)?;
+        forget(&mut all, &self.0);
+        self.0.clear();
+        Ok(())
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        if !self.0.as_os_str().is_empty() {
+            let mut all = begun();
+            // If it cannot be removed now (no file handle is left), [`give_up`] tries again at the end.
+            if remove(&self.0).is_ok() || self.0.symlink_metadata().is_err() {
+                forget(&mut all, &self.0);
+            }
+        }
+    }
+}
+
+/// Creates a file to be written and read.
+pub(crate) fn new_file(path: &Path) -> io::Result<File> {
+    File::options().read(true).write(true).create_new(true).open(path)
+}
+
+fn forget(all: &mut Vec<PathBuf>, path: &Path) {
+    all.retain(|other| other != path);
+    // A library that is unloaded must not leave allocated memory.
+    if all.is_empty() {
+        *all = Vec::new();
+    }
+}
+
+/// A directory for this process only, in the system's temporary directory. It is removed when dropped.
+#[derive(Debug)]
+pub struct Scratch(Temporary);
+
+impl Scratch {
+    /// Creates a new, empty directory.
+    ///
+    /// # Errors
+    /// The directory cannot be created.
+    pub fn new() -> io::Result<Scratch> {
+        #[cfg_attr(not(unix), allow(unused_mut))]
+        let mut builder = std::fs::DirBuilder::new();
+        #[cfg(unix)]
+        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+        let (temporary, ()) = Temporary::new(&std::env::temp_dir(), |path| builder.create(path))?;
+        Ok(Scratch(temporary))
+    }
+
+    /// Returns its path.
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+/// An empty file in the system's temporary directory for what only this process needs, to be written and read. It has no
+/// name any more, so that nothing is left of it when it is closed.
+///
+/// # Errors
+/// It cannot be made.
+pub fn unnamed() -> io::Result<File> {
+    let mut options = File::options();
+    options.read(true).write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    // The name is removed when `_temporary` is dropped here.
+    let (_temporary, file) = Temporary::new(&std::env::temp_dir(), |path| options.open(path))?;
+    Ok(file)
+}
