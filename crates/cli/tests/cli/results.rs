@@ -468,7 +468,7 @@ fn a_run_goes_on_as_it_went_or_not_at_all() {
         ("--until 0.5", 1, "nothing to simulate: the saved run is at 0.5 s"),
         ("", 1, "nothing to simulate"),
         ("--until 1 --algorithm gauss-seidel", 1, "--algorithm: the saved run has Jacobi, not Gauss-Seidel"),
-        ("--until 1 --state trajectories.csv", 1, "trajectories.csv: another result goes there"),
+        ("--until 1 -o new.csv --state new.csv", 1, "new.csv: another result goes there"),
     ] {
         let until = if options.contains("--until") || options.is_empty() { "" } else { " --until 1" };
         let said = push(at, &format!("--resume push.run {options}{until}"), code);

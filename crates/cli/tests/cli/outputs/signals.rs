@@ -89,20 +89,21 @@ fn an_interrupt_between_files_says_which_are_complete() {
         (0..70).for_each(|id| many += &format!("{time},{id},{row}\n"));
     }
     std::fs::write(place.join("many.csv"), many).unwrap();
-    // Of 64 at a time the second part waits for who reads one of them.
+    // One after the other; this one waits for who reads it.
     std::fs::create_dir(place.join("out")).unwrap();
     let pipe = place.join("out/traj065.csv");
     mkfifo(&pipe);
     let export = ["export", "many.csv", "out", "--to", "chaos"];
     let child = piped(place, &export);
-    wait_for(|| place.join("out/traj063.csv").exists() && !begun(&place.join("out")).is_empty());
+    wait_for(|| place.join("out/traj064.csv").exists());
+    waits(&child);
     send("-INT", &child);
     let output = ended(child);
     assert_code(&output, 130);
-    let expected = "lemons: interrupted: 64 files are complete, from out/traj000.csv to out/traj063.csv, \
+    let expected = "lemons: interrupted: 65 files are complete, from out/traj000.csv to out/traj064.csv, \
                     nothing else was written\n";
     assert_eq!(err(&output), expected);
-    assert!(begun(&place.join("out")).is_empty() && !place.join("out/traj064.csv").exists());
+    assert!(begun(&place.join("out")).is_empty() && !place.join("out/traj066.csv").exists());
     // They are its own: the same command replaces them.
     std::fs::remove_file(pipe).unwrap();
     done(place, &export);
