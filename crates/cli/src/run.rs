@@ -287,13 +287,8 @@ fn prepare(settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
     Kind::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
     match Given::find(&settings.input)? {
         Some(given) => trial::prepare(&given, settings, outputs),
-        None => fmus::prepare(settings, |system, others, clock, every| match outputs {
-            Some(place) => outputs::Outputs::create(
-                system,
-                others,
-                place,
-                &About::of(clock, every, settings.resume.is_some()),
-            ),
+        None => fmus::prepare(settings, |system, others, (clock, every), before| match outputs {
+            Some(place) => outputs::Outputs::create(system, others, place, &About::of(clock, every, before)),
             None => Ok(None),
         }),
     }
@@ -307,14 +302,20 @@ struct About {
 }
 
 impl About {
-    fn of(clock: &Clock, every: u64, goes_on: bool) -> About {
+    fn of(clock: &Clock, every: u64, before: Option<&Saved>) -> About {
+        let goes_on = before.is_some();
         let lines = vec![
-            ("lemons_version", BUILD.whole()),
+            ("lemons_version", written_by(before)),
             ("communication_step", format!("{:?}", clock.step)),
             ("every", every.to_string()),
         ];
         About { lines, goes_on }
     }
+}
+
+/// The builds of this program that have written a run.
+fn written_by(before: Option<&Saved>) -> String {
+    writers(before.map_or("", |before| &before.lemons), &BUILD.whole())
 }
 
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
@@ -344,7 +345,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     if before.is_none() {
         output_directories.iter().try_for_each(|path| claim_series(path))?;
     }
-    let about = About::of(&clock, every, before.is_some());
+    let about = About::of(&clock, every, before.as_ref());
     let mut recorders = Vec::with_capacity(crowds.len());
     for crowd in &crowds {
         let to = if crowds.len() > 1 { rows.named(&crowd.component)? } else { rows.clone() };
@@ -382,7 +383,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
             let Identity { algorithm, wiring, drive } = identity;
             let saved = Saved {
                 format: Saved::FORMAT,
-                lemons: writers(before.as_ref().map_or("", |before| &before.lemons), &BUILD.whole()),
+                lemons: written_by(before.as_ref()),
                 start: clock.start,
                 step: clock.step,
                 until: clock.until,

@@ -43,7 +43,7 @@ const DIRECTORY: &str = "OutputDirectory";
 /// Prepares a run of an FMU or an SSP. Outputs of what is not a crowd go to a table, unless the run is not recorded.
 pub fn prepare(
     settings: &Settings,
-    outputs: impl FnOnce(&System, Vec<usize>, &Clock, u64) -> Result<Option<Outputs>>,
+    outputs: impl FnOnce(&System, Vec<usize>, (&Clock, u64), Option<&Saved>) -> Result<Option<Outputs>>,
 ) -> Result<Prepared> {
     let mut run = lemons_master::Prepared::of(settings).map_err(refused)?;
     for warning in &run.warnings {
@@ -72,7 +72,7 @@ pub fn prepare(
     for (crowd, name) in crowds.iter_mut().zip(plain_names(names.iter().map(String::as_str))) {
         crowd.component = name;
     }
-    let outputs = outputs(system, others, &run.clock, run.every)?;
+    let outputs = outputs(system, others, (&run.clock, run.every), run.before.as_ref())?;
     let mut mechanical_steps = Vec::new();
     for component in system.components() {
         if component.fmu.description.single(STEP).is_some() {
