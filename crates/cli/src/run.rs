@@ -162,9 +162,6 @@ pub struct Job {
 impl Arguments {
     fn job(&self) -> Result<Job> {
         let (rows, outputs) = places_of(self)?;
-        if self.resume.is_some() && self.output.is_none() {
-            bail!(Misused("--resume: name the table of what follows with -o; it begins after the rows of the run before".into()));
-        }
         let settings = Settings {
             parameters: name_and_value_of_all(&self.settings)?,
             threads: self.threads,
@@ -348,7 +345,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let about = About::of(&clock, every, before.as_ref());
     let mut recorders = Vec::with_capacity(crowds.len());
     for crowd in &crowds {
-        let to = if crowds.len() > 1 { rows.named(&crowd.component)? } else { rows.clone() };
+        let to = if crowds.len() > 1 { rows.named(&crowd.file_name)? } else { rows.clone() };
         recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), &mut poses)?);
     }
     let stop = match ends {

@@ -70,7 +70,7 @@ pub fn prepare(
     // Files have plain names.
     let names: Vec<String> = crowds.iter().map(|crowd| crowd.component.clone()).collect();
     for (crowd, name) in crowds.iter_mut().zip(plain_names(names.iter().map(String::as_str))) {
-        crowd.component = name;
+        crowd.file_name = name;
     }
     let outputs = outputs(system, others, (&run.clock, run.every), run.before.as_ref())?;
     let mut mechanical_steps = Vec::new();
@@ -180,7 +180,15 @@ impl Reader {
             None => (0..agents).map(|i| i.to_string()).collect(),
         };
         let columns = columns_of(description, groups);
-        let crowd = CrowdInfo { component: component.name.clone(), ids, trial, groups, columns, about };
+        let crowd = CrowdInfo {
+            component: component.name.clone(),
+            file_name: String::new(),
+            ids,
+            trial,
+            groups,
+            columns,
+            about,
+        };
         let reader = Reader {
             place,
             motions: select(&columns::MOTION)?,

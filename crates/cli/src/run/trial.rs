@@ -157,7 +157,8 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
             _ => {}
         }
         let component = [name.to_owned(), MODEL_NAME.to_owned(), guid.clone()];
-        before.check(&[component], &settings.algorithm.to_string(), "").with_context(of_saved)?;
+        let checked = before.check(&[component], &settings.algorithm.to_string(), "");
+        checked.map_err(lemons_master::Error::from).with_context(of_saved)?;
         ensure!(before.drive == drive.fingerprint(), refused(PrepareError::OtherDrive));
         simulation.restore(&states[0]).with_context(of_saved)?;
     }
@@ -165,7 +166,7 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
         Some(before) => settings.same_points(before).map_err(refused)?,
         None => (settings.step.unwrap_or(trial.parameters.time_step), settings.every.unwrap_or(1)),
     };
-    let clock = Clock::new(0.0, step, until)?;
+    let clock = Clock::new(0.0, step, until).with_context(|| settings.input.display().to_string())?;
     let missed = drive.missed(0.0, step).map(Warning::Missed);
     for warning in missed.into_iter().chain(settings.between(before.as_ref(), &clock)) {
         note!("{}", warned(&warning));
@@ -184,6 +185,7 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
     let groups = Groups { contacts: true, of_step: true, active: frame.active.is_some(), totals: true };
     let crowd = CrowdInfo {
         component: CROWD.into(),
+        file_name: CROWD.into(),
         ids: simulation.ids().to_vec(),
         groups,
         columns: groups.columns(),
@@ -238,7 +240,9 @@ pub fn not_set(error: SimError) -> Error {
         SimError::Unknown { name, text, meant: Some(value) } => {
             refused(PrepareError::OfOther { name, value: text, meant: value })
         }
-        error => Error::new(error).context("--set"),
+        SimError::Unknown { meant: None, .. } => anyhow!("--set {error}; see lemons info"),
+        SimError::Value { .. } => anyhow!("--set {error}"),
+        error => error.into(),
     }
 }
 
