@@ -33,6 +33,7 @@ NOT_RUN_ANYWHERE = {
 # Beginnings of commands, on one page.
 NOT_RUN = {
     ("README.md", "./check.sh"): "it runs this test",
+    ("README.md", "lemons lab"): "opens a browser; tests/lab does it",
     ("docs/guide/rust.md", "cargo run --release --example engine_direct"): "compiles; the fixture engine_direct runs it",
     ("docs/lab.md", "lab/build.sh"): COMPILES,
     ("docs/lab.md", "packaging/release.sh"): "needs compilers for all platforms",
@@ -50,10 +51,6 @@ NOT_RUN = {
 }
 # What a page takes for granted before a command, and how a user comes to it.
 BEFORE = {
-    # Of a release.
-    ("README.md", "lemons run push_fmi2.fmu"): "lemons pack resources/Trial_push -o push_fmi2.fmu",
-    # From source instead of from a release.
-    ("README.md", "lemons run resources/Trial_push"): "rm trajectories.csv",
     # A room of the user's.
     ("docs/people.md", "lemons crowd --geometry Geometry.xml --region 0,0,8,6 "): "lemons crowd --number 1 --box 8x6 --door 8,3,1 -o empty && cp empty/static/Geometry.xml .",
 }

@@ -21,7 +21,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lemons_decision::gait::Gait;
 use lemons_master::{Given, Kind, Saved, Settings, writers};
 use lemons_measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
-use lemons_record::Run;
+use lemons_record::{Frame, Run};
 use lemons_sim::stop::{Still, StopCondition};
 use lemons_sim::{Algorithm, Clock, Point};
 use lemons_trial::DriveChoice;
@@ -466,16 +466,22 @@ struct Recording<'a> {
 
 impl Recording<'_> {
     fn see(&mut self, subject: &mut dyn Subject, look: Look) -> Result<()> {
-        for (crowd, recorder) in self.recorders.iter_mut().enumerate() {
-            let frame = subject.frame(crowd)?;
+        let mut frames = Vec::with_capacity(self.recorders.len());
+        for crowd in 0..self.recorders.len() {
+            frames.push(subject.frame(crowd)?);
+        }
+        match &mut self.stop {
             // Whether anybody rests is known after a step.
-            match &mut self.stop {
-                Some(StopCondition::Still(_)) if matches!(look, Look::Start | Look::Resumed) => {}
-                Some(stop) if recorder.may_leave() || matches!(stop, StopCondition::Still(_)) => {
-                    stop.see(&frame)
-                }
-                _ => {}
+            Some(StopCondition::Still(_)) if matches!(look, Look::Start | Look::Resumed) => {}
+            Some(stop @ StopCondition::Still(_)) => stop.see(subject.time(), &frames),
+            Some(stop @ StopCondition::Left(_)) => {
+                let leave = frames.iter().zip(&self.recorders).filter(|(_, crowd)| crowd.may_leave());
+                let leave: Vec<Frame> = leave.map(|(frame, _)| frame.clone()).collect();
+                stop.see(subject.time(), &leave);
             }
+            None => {}
+        }
+        for (recorder, frame) in self.recorders.iter_mut().zip(frames) {
             recorder.see(frame, look)?;
         }
         if matches!(look, Look::Start | Look::Written) { subject.write_outputs() } else { Ok(()) }
