@@ -2,7 +2,6 @@
 
 use crate::calls::{Answer, CallError};
 use crate::kind::Unexpected;
-use crate::library::LibraryError;
 use crate::unzip::UnzipError;
 use crowd_mechanics::pack::PackError;
 use lemons_decision::WISHES_FILE;
@@ -65,9 +64,6 @@ pub enum Error {
         /// Value, and what it must be.
         why: String,
     },
-    /// A shared library is not for this platform, or it is not whole.
-    #[error(transparent)]
-    Library(#[from] LibraryError),
     /// A shared library that was built with this program is not there.
     #[error("{name} is not beside this program ({})", beside.display())]
     NoLibrary {
@@ -202,9 +198,6 @@ pub enum Error {
     /// What people want (`decision.toml`) is wrong.
     #[error(transparent)]
     Plan(#[from] lemons_decision::PlanError),
-    /// A Decision FMU cannot be packed.
-    #[error(transparent)]
-    Decision(#[from] lemons_decision::pack::PackError),
     /// A drive file is wrong.
     #[error(transparent)]
     Drive(#[from] DriveError),

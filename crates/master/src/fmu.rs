@@ -1,10 +1,9 @@
 //! An FMU: its files, its description, what its names stand for.
 
 use crate::calls::{Calls, Made};
-use crate::error::{Error, Place, Result, whole};
+use crate::error::{Error, Place, Result};
 use crate::instance::{Instance, Sizes, number};
 use crate::kind::Kind as FileKind;
-use crate::library::{check_library, glibc_needed};
 use crate::messages::{Messages, Names};
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use crowd_mechanics::arrays;
@@ -18,7 +17,7 @@ use lemons_ssp::{Allowance, Fmi, Interface, Kind, Type};
 use lemons_trial::Trial;
 use lemons_trial::{DriveChoice, DriveTable, own_drive};
 use std::collections::{BTreeMap, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 
@@ -40,15 +39,6 @@ pub struct Fmu {
     chosen: Option<String>,
     /// The values that names of materials stand for, as far as they were asked for: a Trial is large.
     materials: Mutex<HashMap<String, Vec<String>>>,
-}
-
-/// A platform for which an FMU has a library.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Platform {
-    /// As FMI or the FMU calls it; text from outside.
-    pub name: String,
-    /// The glibc that it needs, `[2, 17]`, if it is one of Linux that needs any; else what is wrong with the library.
-    pub glibc: Result<Option<[u32; 2]>, String>,
 }
 
 impl Fmu {
@@ -92,7 +82,6 @@ impl Fmu {
             .place(|| DESCRIPTION_FILE.to_owned())?;
         let description = Interface::read(&bytes)?;
         check_identifiers(&description).place(|| DESCRIPTION_FILE.to_owned())?;
-        check_own_library(&description, directory.path())?;
         let description = Arc::new(description);
         Ok(Fmu {
             directory,
@@ -181,7 +170,8 @@ impl Fmu {
         let name_of_library = library_of(&own.identifier, platform_of(&self.description, platform));
         let library = self.directory.path().join(&name_of_library);
         if !library.exists() {
-            return Err(self.no_binary(&own.identifier, name_of_library)).place(|| self.shown.clone());
+            let missing = Error::NoBinary { name: name_of_library, others: self.platforms() };
+            return Err(missing).place(|| self.shown.clone());
         }
         let messages = Arc::new(Messages::with(self.names()));
         let made = Made {
@@ -203,46 +193,23 @@ impl Fmu {
             }
             Error::In { place, source: Box::new(Error::Instantiate { why, said: messages.errors() }) }
         })?;
-        let (description, sizes) = (self.description.clone(), self.sizes.clone());
-        let instance = Instance::new(Rc::new(calls), messages, description, sizes);
-        instance.configure().place(|| self.shown.clone())?;
+        let instance = Instance::new(Rc::new(calls), messages, self.description.clone());
+        instance.configure(&self.sizes).place(|| self.shown.clone())?;
         Ok(instance)
     }
 
-    /// It has no library for a platform, but perhaps for others.
-    fn no_binary(&self, identifier: &str, name: String) -> Error {
-        let others = self.libraries(identifier).into_iter().map(|(platform, _)| platform).collect();
-        Error::NoBinary { name, others }
-    }
-
-    /// The platforms for which it has a library of co-simulation, by name, and what is known of these libraries.
-    pub fn platforms(&self) -> Vec<Platform> {
+    /// The names of the platforms for which it has a library of co-simulation: text from outside.
+    pub fn platforms(&self) -> Vec<String> {
         let Some(own) = &self.description.co_simulation else { return Vec::new() };
-        let of = |(name, path): (String, PathBuf)| {
-            let needs = check_library(&path, &name).map_err(|error| whole(&error));
-            let needs = needs.and_then(|()| glibc_needed(&path).map_err(|error| whole(&error)));
-            Platform { name, glibc: needs }
-        };
-        self.libraries(&own.identifier).into_iter().map(of).collect()
-    }
-
-    /// The libraries of all platforms, with the names of their directories.
-    fn libraries(&self, identifier: &str) -> Vec<(String, PathBuf)> {
-        let files = |directory: &Path| {
-            let files = directory.read_dir().into_iter().flatten().flatten();
-            files.map(|file| file.path()).collect::<Vec<_>>()
-        };
-        let library_of = |platform: &Path| {
-            let mut all = files(platform);
-            all.sort();
-            all.into_iter().find(|file| file.file_stem() == Some(identifier.as_ref()))
-        };
-        let name = |platform: &Path| platform.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let platforms = files(&self.directory.path().join("binaries")).into_iter();
-        let mut found: Vec<(String, PathBuf)> =
-            platforms.filter_map(|platform| Some((name(&platform), library_of(&platform)?))).collect();
-        found.sort();
-        found
+        let files = |directory: &Path| directory.read_dir().into_iter().flatten().flatten();
+        let is_library = |file: &Path| file.file_stem() == Some(own.identifier.as_ref());
+        let platforms = files(&self.directory.path().join("binaries"));
+        let platforms =
+            platforms.filter(|platform| files(&platform.path()).any(|file| is_library(&file.path())));
+        let mut names: Vec<String> =
+            platforms.map(|platform| platform.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
     }
 
     /// The values that a name stands for: see [`named`]. In FMI 3.0, a quantity of materials also has its name of FMI
@@ -384,14 +351,6 @@ fn library_of(identifier: &str, platform: &str) -> String {
 /// The directory of a platform in the FMU's version.
 fn platform_of(description: &Interface, platform: &'static str) -> &'static str {
     if description.fmi == Fmi::V3 { host_directory().unwrap_or(platform) } else { platform }
-}
-
-/// That the library for this machine, if there is one, can be loaded.
-fn check_own_library(description: &Interface, directory: &Path) -> Result<()> {
-    let (Some(own), Some(platform)) = (&description.co_simulation, host_platform()) else { return Ok(()) };
-    let name = library_of(&own.identifier, platform_of(description, platform));
-    let path = directory.join(&name);
-    if path.is_file() { check_library(&path, platform).place(|| name) } else { Ok(()) }
 }
 
 #[cfg(test)]

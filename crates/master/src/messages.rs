@@ -107,13 +107,11 @@ impl Messages {
 
 /// The result of a call; its error is what the FMU has logged about it.
 pub(crate) fn done(messages: &Messages, answer: Answer) -> Result<()> {
-    match answer.status() {
-        Some(Status::Ok | Status::Warning) => {
-            messages.forget_errors();
-            Ok(())
-        }
-        _ => Err(Error::Refused { answer, said: messages.errors() }),
+    if !answer.succeeded() {
+        return Err(Error::Refused { answer, said: messages.errors() });
     }
+    messages.forget_errors();
+    Ok(())
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 use crate::error::Result;
 use crate::instance::Instance;
 use crate::selection::Selection;
-use lemons_ssp::Address;
 use lemons_trial::Agent;
 use lemons_trial::{DriveTable, Missed};
 
@@ -13,13 +12,8 @@ pub struct Pushes {
     fingerprint: String,
     /// Of the agents that the drive names.
     ids: Vec<String>,
-    inputs: Inputs,
-}
-
-/// The inputs of a crowd that a drive has values for: Fp.x, Fp.y and Mp of each driven agent.
-pub struct Inputs {
-    pub(crate) addresses: Vec<Address>,
-    pub(crate) selection: Selection,
+    /// Fp.x, Fp.y and Mp of each of them.
+    inputs: Selection,
 }
 
 impl Pushes {
@@ -34,9 +28,8 @@ impl Pushes {
         let names = driven
             .iter()
             .flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(move |name| format!("agent[{i}].{name}")));
-        let addresses = names.map(|name| instance.address(&name)).collect::<Result<Vec<_>>>()?;
         Ok(Pushes {
-            inputs: Inputs { selection: instance.select_at(&addresses)?, addresses },
+            inputs: instance.select(names)?,
             ids: driven.iter().map(|(_, agent)| agent.id.clone()).collect(),
             fingerprint: drive.fingerprint(),
             drive,
@@ -58,13 +51,15 @@ impl Pushes {
         self.drive.end()
     }
 
-    /// The inputs that the drive has values for.
-    pub fn inputs(&self) -> &Inputs {
-        &self.inputs
-    }
-
-    /// The values of the inputs at a time \[s\]: forces \[N\] and torques \[N m\].
-    pub fn at(&self, time: f64) -> Vec<f64> {
-        self.ids.iter().filter_map(|id| self.drive.at(id, time)).flatten().collect()
+    /// Sets the inputs of the instance to the values at a time \[s\]: forces \[N\] and torques \[N m\].
+    ///
+    /// # Errors
+    /// The FMU refuses the call.
+    pub(crate) fn apply(&self, instance: &Instance, time: f64) -> Result<()> {
+        if self.inputs.is_empty() {
+            return Ok(());
+        }
+        let values: Vec<f64> = self.ids.iter().filter_map(|id| self.drive.at(id, time)).flatten().collect();
+        instance.set(&self.inputs, &values)
     }
 }

@@ -18,14 +18,6 @@ pub struct State {
 }
 
 impl State {
-    /// Takes the present state of its instance instead.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn renew(&mut self) -> Result<()> {
-        done(&self.messages, self.held.take()?)
-    }
-
     /// `fmi2SerializeFMUstate`
     ///
     /// # Errors
@@ -56,7 +48,7 @@ impl Instance {
     /// The FMU refuses the call.
     pub fn state(&self) -> Result<State> {
         let mut state = self.empty_state();
-        state.renew()?;
+        done(&self.messages, state.held.take()?)?;
         Ok(state)
     }
 
