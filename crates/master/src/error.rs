@@ -265,49 +265,12 @@ pub enum SavedError {
     /// `run.toml` cannot be written.
     #[error(transparent)]
     Toml(#[from] toml::ser::Error),
-    /// `run.toml` is wrong: key, value and why.
+    /// What it contains is wrong, or it is of other components: the text says what and where.
     #[error("{0}")]
     Content(String),
-    /// The state of a component is missing.
-    #[error("it contains no {state:?}, the state of component {component:?}")]
-    NoState {
-        /// The archive's entry.
-        state: String,
-        /// The component.
-        component: String,
-    },
-    /// The states are larger than what is read.
-    #[error("the states of all components have {size} bytes together, more than {most}")]
-    TooLarge {
-        /// \[byte\]
-        size: usize,
-        /// \[byte\]
-        most: usize,
-    },
     /// It cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// It is of other components.
-    #[error("the saved run is of the components {there}; here are {here}")]
-    Components {
-        /// Names of those of the saved run.
-        there: String,
-        /// Names of those that are to go on.
-        here: String,
-    },
-    /// It is of another FMU.
-    #[error(
-        "component {component:?}: the saved run is of {:?} with the GUID {}; here is {:?} with {}",
-        there.0, there.1, here.0, here.1
-    )]
-    Guid {
-        /// Name of the component.
-        component: String,
-        /// modelName and GUID in the saved run.
-        there: Box<(String, String)>,
-        /// The same of the FMU that is to go on.
-        here: Box<(String, String)>,
-    },
     /// Its components were coupled by another algorithm.
     #[error("the saved run has {there}, not {here}")]
     Algorithm {
@@ -316,7 +279,4 @@ pub enum SavedError {
         /// The one that is wanted.
         here: String,
     },
-    /// Its components were connected otherwise.
-    #[error("the components are connected otherwise than in the saved run")]
-    Wiring,
 }

@@ -33,8 +33,6 @@ pub struct Fmu {
     sizes: Sizes,
     /// Where it came from.
     shown: String,
-    /// The Trial that was packed, by name, and where it lies.
-    trial: Option<(String, String)>,
     /// The packed Trial that was chosen, if that is known.
     chosen: Option<String>,
     /// The values that names of materials stand for, as far as they were asked for: a Trial is large.
@@ -59,19 +57,8 @@ impl Fmu {
         Fmu { shown: path.to_owned(), ..self }
     }
 
-    /// In messages, the files of the Trial that was packed into it get the path of this directory.
-    #[must_use]
-    pub fn of_trial(mut self, directory: &Path) -> Fmu {
-        let resources = self.resources().ok();
-        self.trial = resources.map(|packed| (packed.first().to_owned(), directory.display().to_string()));
-        self
-    }
-
     fn names(&self) -> Names {
-        let unzipped = self.directory.path().display();
-        let trial =
-            self.trial.iter().map(|(name, path)| (format!("{unzipped}/resources/{name}"), path.clone()));
-        Names(trial.chain([(unzipped.to_string(), self.shown.clone())]).collect())
+        Names { unpacked: self.directory.path().display().to_string(), shown: self.shown.clone() }
     }
 
     /// Like [`Fmu::open`], for a file whose name does not matter in messages.
@@ -88,7 +75,6 @@ impl Fmu {
             description,
             sizes: Sizes::default(),
             shown: "FMU".into(),
-            trial: None,
             chosen: None,
             materials: Mutex::default(),
         })
@@ -125,17 +111,14 @@ impl Fmu {
     /// What drives a Trial of this FMU.
     ///
     /// # Errors
-    /// The drive file has errors: [`Error::Broken`] if it is that of a Trial that was given, else [`Error::Drive`].
-    /// Files have the names that the user knows.
+    /// The drive file has errors; files have the names that the user knows.
     pub fn drive(&self, trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
-        DriveTable::of(trial, choice).map_err(|error| {
-            let own = trial.filter(|_| *choice == DriveChoice::Own);
-            let Some(trial) = own else { return Error::Drive(error) };
-            let error = error.of_file(Path::new(&self.names().said(&own_drive(trial).to_string_lossy())));
-            match &self.trial {
-                Some((_, path)) => Error::Broken { path: path.into(), problems: error.0 },
-                None => Error::Drive(error),
+        DriveTable::of(trial, choice).map_err(|error| match trial {
+            Some(trial) if *choice == DriveChoice::Own => {
+                let known = self.names().said(&own_drive(trial).to_string_lossy());
+                Error::Drive(error.of_file(Path::new(&known)))
             }
+            _ => Error::Drive(error),
         })
     }
 
