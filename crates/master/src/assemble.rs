@@ -264,7 +264,7 @@ fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Resu
         for parameter in &set.parameters {
             let wrong = |error: Error| {
                 let (file, line, why) = (&set.file, parameter.line, error.whole());
-                Error::Coupling(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
+                Error::Unusable(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
             };
             let target = match owner {
                 Some(place) => Some((place, parameter.name.as_str())),
@@ -308,12 +308,12 @@ fn set_parameter(
                 (unit.as_deref(), unit.as_ref().and_then(defined)),
                 (own.as_deref(), own_definition),
             );
-            instance.set(&value_of, &[map.map_err(Error::Coupling)?.apply(*value)])
+            instance.set(&value_of, &[map.map_err(Error::Unusable)?.apply(*value)])
         }
         (Value::Integer(value), Type::Real(_)) => instance.set(&value_of, &[f64::from(*value)]),
         (Value::Integer(value), Type::Integer) => instance.set(&value_of, &[*value]),
         (Value::Boolean(value), Type::Boolean) => instance.set(&value_of, &[*value]),
         (Value::String(value), Type::String) => instance.set(&value_of, std::slice::from_ref(value)),
-        (_, of) => Err(Error::Coupling(format!("the FMU's variable is of type {}", of.name()))),
+        (_, of) => Err(Error::Unusable(format!("the FMU's variable is of type {}", of.name()))),
     }
 }

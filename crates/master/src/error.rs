@@ -2,7 +2,6 @@
 
 use crate::calls::{Answer, CallError};
 use crate::kind::Unexpected;
-use crate::unzip::UnzipError;
 use crowd_mechanics::pack::PackError;
 use lemons_decision::WISHES_FILE;
 use lemons_sim::ClockError;
@@ -12,6 +11,7 @@ use std::collections::TryReserveError;
 use std::error::Error as StdError;
 use std::io;
 use std::path::PathBuf;
+use zip::result::ZipError;
 
 /// An error of any kind, as it is passed on.
 pub(crate) type Cause = Box<dyn StdError + Send + Sync>;
@@ -47,23 +47,18 @@ pub enum Error {
     /// A path leads to something else than what is wanted.
     #[error(transparent)]
     Unexpected(#[from] Unexpected),
-    /// An archive cannot be unpacked.
-    #[error(transparent)]
-    Unzip(#[from] UnzipError),
     /// A model description or an SSP is wrong.
     #[error(transparent)]
     Ssp(#[from] lemons_ssp::Error),
-    /// The components of an SSP do not fit together: file, line, element and why.
+    /// An archive is damaged.
+    #[error(transparent)]
+    Zip(#[from] ZipError),
+    /// An SSP, where an FMU is wanted.
+    #[error("this is an SSP archive")]
+    IsSsp,
+    /// An FMU, an SSP or the zip of a Trial cannot be used: the text says which value of what is wrong.
     #[error("{0}")]
-    Coupling(String),
-    /// A modelIdentifier that is not a name in C could lead anywhere.
-    #[error("<{element}> modelIdentifier{why}")]
-    Identifier {
-        /// `CoSimulation` or `ModelExchange`
-        element: &'static str,
-        /// Value, and what it must be.
-        why: String,
-    },
+    Unusable(String),
     /// A shared library that was built with this program is not there.
     #[error("{name} is not beside this program ({})", beside.display())]
     NoLibrary {
@@ -74,29 +69,12 @@ pub enum Error {
         /// FMI's name of its platform.
         platform: String,
     },
-    /// The FMU has no library for this platform.
-    #[error(
-        "the FMU has no {name}: it has {}",
-        if others.is_empty() { "no library for any platform".to_owned() } else { format!("{} only", others.join(", ")) }
-    )]
-    NoBinary {
-        /// The archive's entry that is missing.
-        name: String,
-        /// FMI's names of the platforms that it has.
-        others: Vec<String>,
-    },
     /// FMI has no name for the platform of this program.
     #[error("FMI has no name for this platform")]
     NoPlatform,
-    /// An FMU for model exchange only.
-    #[error("the FMU is not for co-simulation")]
-    NotCoSimulation,
     /// No Trial is packed in an FMU.
     #[error("holds no Trial: it is not an FMU of a crowd")]
     NoTrial,
-    /// The Trials that are packed in an FMU cannot be read.
-    #[error("{0}")]
-    Trial(String),
     /// A Trial has errors.
     #[error("the Trial {} has errors:\n{problems}", path.display())]
     Broken {
@@ -133,16 +111,6 @@ pub enum Error {
     /// The FMU has no value at an address.
     #[error("the FMU has no variable with the value reference {0}, or not so many values in it")]
     NoReference(u32),
-    /// Arrays cannot have this size.
-    #[error("{name}={value}: {why}")]
-    Size {
-        /// Of the structural parameter.
-        name: String,
-        /// Its value.
-        value: u64,
-        /// Why not.
-        why: String,
-    },
     /// A plan is given with an FMU.
     #[error("a file like {WISHES_FILE} is for a Trial, and not for an FMU")]
     PlanOfFmu,
@@ -158,24 +126,6 @@ pub enum Error {
         /// What the number's reader says.
         source: Option<Cause>,
     },
-    /// Variables of this type have no text.
-    #[error("{name}: variables of type {of} cannot be set here")]
-    Type {
-        /// Of the variable.
-        name: String,
-        /// Its type.
-        of: &'static str,
-    },
-    /// A state is larger than [`LARGEST_STATE`](crate::LARGEST_STATE).
-    #[error("{call} returned {size} bytes, more than {most}")]
-    StateSize {
-        /// The C function.
-        call: &'static str,
-        /// \[byte\]
-        size: usize,
-        /// \[byte\]
-        most: usize,
-    },
     /// There is no memory for a state.
     #[error("a state of {size} bytes")]
     Memory {
@@ -183,14 +133,6 @@ pub enum Error {
         size: usize,
         /// Why not.
         source: TryReserveError,
-    },
-    /// States of other components.
-    #[error("{states} states for {components} components")]
-    States {
-        /// How many there are.
-        states: usize,
-        /// How many would be needed.
-        components: usize,
     },
     /// The communication points of a run are impossible.
     #[error(transparent)]

@@ -91,10 +91,11 @@ impl Fmu {
     /// There are none.
     pub fn resources(&self) -> Result<Resources> {
         let path = self.directory.path().join("resources");
-        let path = path.to_str().ok_or_else(|| Error::Trial(format!("{} is not UTF-8", path.display())))?;
+        let path =
+            path.to_str().ok_or_else(|| Error::Unusable(format!("{} is not UTF-8", path.display())))?;
         Resources::at(Location::Path(path)).map_err(|error| match error {
             ResourcesError::NoTrial { .. } => Error::NoTrial,
-            error => Error::Trial(self.names().said(&error.to_string())),
+            error => Error::Unusable(self.names().said(&error.to_string())),
         })
     }
 
@@ -105,7 +106,7 @@ impl Fmu {
     pub fn trial(&self, name: Option<&str>) -> Result<Trial> {
         let packed = self.resources()?;
         let read = packed.load(name.unwrap_or(packed.first()));
-        Ok(read.map_err(|error| Error::Trial(self.names().said(&error.to_string())))?.0)
+        Ok(read.map_err(|error| Error::Unusable(self.names().said(&error.to_string())))?.0)
     }
 
     /// What drives a Trial of this FMU.
@@ -148,12 +149,16 @@ impl Fmu {
     /// The FMU cannot be instantiated; the error contains its messages.
     pub fn instantiate(&self, name: &str) -> Result<Instance> {
         let own = self.description.co_simulation.as_ref();
-        let own = own.ok_or(Error::NotCoSimulation)?;
+        let own = own.ok_or_else(|| Error::Unusable("the FMU is not for co-simulation".to_owned()))?;
         let platform = host_platform().ok_or(Error::NoPlatform)?;
         let name_of_library = library_of(&own.identifier, platform_of(&self.description, platform));
         let library = self.directory.path().join(&name_of_library);
         if !library.exists() {
-            let missing = Error::NoBinary { name: name_of_library, others: self.platforms() };
+            let others = match &self.platforms()[..] {
+                [] => "no library for any platform".to_owned(),
+                others => format!("{} only", others.join(", ")),
+            };
+            let missing = Error::Unusable(format!("the FMU has no {name_of_library}: it has {others}"));
             return Err(missing).place(|| self.shown.clone());
         }
         let messages = Arc::new(Messages::with(self.names()));
@@ -269,7 +274,9 @@ impl Fmu {
                 continue;
             }
             let description = Arc::make_mut(&mut self.description);
-            description.resize(&name, value).map_err(|why| Error::Size { name: name.clone(), value, why })?;
+            description
+                .resize(&name, value)
+                .map_err(|why| Error::Unusable(format!("{name}={value}: {why}")))?;
             let Some(reference) = description.variable(&name).map(|variable| variable.reference) else {
                 continue;
             };
@@ -312,7 +319,7 @@ fn check_identifiers(description: &Interface) -> Result<()> {
         if identifier.len() > LONGEST_IDENTIFIER {
             let length = identifier.len();
             let why = format!(": has {length} bytes: must have at most {LONGEST_IDENTIFIER}");
-            return Err(Error::Identifier { element, why });
+            return Err(Error::Unusable(format!("<{element}> modelIdentifier{why}")));
         }
         let letters = identifier.bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric());
         if !letters || identifier.is_empty() || identifier.starts_with(|first: char| first.is_ascii_digit()) {
@@ -320,7 +327,7 @@ fn check_identifiers(description: &Interface) -> Result<()> {
                 "={identifier:?}: must be a name in C: letters from A to Z, digits and _, without a digit at the \
                  beginning"
             );
-            return Err(Error::Identifier { element, why });
+            return Err(Error::Unusable(format!("<{element}> modelIdentifier{why}")));
         }
     }
     Ok(())

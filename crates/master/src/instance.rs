@@ -104,7 +104,10 @@ impl Instance {
                 };
                 self.set(&selection, &vec![value; count])
             }
-            other => Err(Error::Type { name: first.to_owned(), of: other.name() }),
+            other => {
+                let of = other.name();
+                Err(Error::Unusable(format!("{first}: variables of type {of} cannot be set here")))
+            }
         }
     }
 

@@ -41,4 +41,3 @@ pub use selection::Selection;
 pub use settings::Settings;
 pub use state::{LARGEST_STATE, State};
 pub use system::{Component, System};
-pub use unzip::{UnzipError, unzip_trial};

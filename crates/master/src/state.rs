@@ -27,7 +27,8 @@ impl State {
         let call = answer.call();
         done(&self.messages, answer)?;
         if size > LARGEST_STATE {
-            return Err(Error::StateSize { call, size, most: LARGEST_STATE });
+            let why = format!("{call} returned {size} bytes, more than {LARGEST_STATE}");
+            return Err(Error::Unusable(why));
         }
         let mut bytes = Vec::new();
         bytes.try_reserve_exact(size).map_err(|source| Error::Memory { size, source })?;

@@ -247,7 +247,8 @@ impl System {
     /// The states belong to other components, or a component refuses its state.
     pub fn restore(&mut self, time: f64, states: &[Vec<u8>]) -> Result<()> {
         if states.len() != self.components.len() {
-            return Err(Error::States { states: states.len(), components: self.components.len() });
+            let (states, components) = (states.len(), self.components.len());
+            return Err(Error::Unusable(format!("{states} states for {components} components")));
         }
         self.each(|system, c| system.components[c].instance.restore(&states[c]))?;
         self.time = time;
