@@ -118,7 +118,7 @@ impl Prepared {
         };
         let agents = trial.map_or(&[][..], |trial| &trial.agents);
         let pushes = Pushes::new(&crowd.instance, agents, drive, plays)?;
-        if before.as_ref().is_some_and(|before| pushes.fingerprint() != before.drive) {
+        if before.as_ref().is_some_and(|before| pushes.drive.fingerprint() != before.drive) {
             return Err(PrepareError::OtherDrive);
         }
         let (step, every) = match &before {
@@ -127,9 +127,9 @@ impl Prepared {
         };
         let clock = Clock::new(start, step, until).map_err(Error::from);
         let clock = clock.place(|| settings.input.display().to_string())?;
-        warnings.extend(pushes.missed(start, step).map(Warning::Missed));
+        warnings.extend(pushes.drive.missed(start, step).map(Warning::Missed));
         warnings.extend(settings.between(before.as_ref(), &clock));
-        let undriven = !coupled && before.is_none() && pushes.end().is_none();
+        let undriven = !coupled && before.is_none() && pushes.drive.end().is_none();
         if undriven && trial.is_some() && is_still(&crowd.instance, agents.len())? {
             warnings.push(Warning::Still);
         }

@@ -3,13 +3,12 @@
 use crate::error::Result;
 use crate::instance::Instance;
 use crate::selection::Selection;
-use lemons_trial::Agent;
-use lemons_trial::{DriveTable, Missed};
+use lemons_trial::{Agent, DriveTable};
 
 /// A drive, into an instance of a crowd.
 pub struct Pushes {
-    drive: DriveTable,
-    fingerprint: String,
+    /// Who is pushed when.
+    pub drive: DriveTable,
     /// Of the agents that the drive names.
     ids: Vec<String>,
     /// Fp.x, Fp.y and Mp of each of them.
@@ -31,24 +30,8 @@ impl Pushes {
         Ok(Pushes {
             inputs: instance.select(names)?,
             ids: driven.iter().map(|(_, agent)| agent.id.clone()).collect(),
-            fingerprint: drive.fingerprint(),
             drive,
         })
-    }
-
-    /// As [`DriveTable::missed`].
-    pub fn missed(&self, start: f64, step: f64) -> Option<Missed> {
-        self.drive.missed(start, step)
-    }
-
-    /// As [`DriveTable::fingerprint`].
-    pub fn fingerprint(&self) -> &str {
-        &self.fingerprint
-    }
-
-    /// \[s\] When the last of them ends; `None` if there is none.
-    pub fn end(&self) -> Option<f64> {
-        self.drive.end()
     }
 
     /// Sets the inputs of the instance to the values at a time \[s\]: forces \[N\] and torques \[N m\].

@@ -93,11 +93,11 @@ pub fn prepare(
         clock: run.clock,
         index: run.before.as_ref().map_or(0, |before| before.index),
         every: run.every,
-        drive_end: run.pushes.end(),
+        drive_end: run.pushes.drive.end(),
         identity: Identity {
             algorithm: algorithm.to_string(),
             wiring: wiring_of(system),
-            drive: run.pushes.fingerprint().to_owned(),
+            drive: run.pushes.drive.fingerprint(),
         },
         before: run.before.take(),
         subject: Box::new(FmuRun { run, crowds: readers, outputs }),

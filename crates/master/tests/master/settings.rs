@@ -101,7 +101,7 @@ fn save(run: &mut Prepared, index: u64, path: &Path) {
         every: run.every,
         algorithm: run.system.algorithm().to_string(),
         wiring: wiring_of(&run.system),
-        drive: run.pushes.fingerprint().to_owned(),
+        drive: run.pushes.drive.fingerprint(),
         component: Saved::components(&run.system, &states),
         crowd: Vec::new(),
     };
