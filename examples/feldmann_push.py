@@ -45,7 +45,7 @@ def lemons():
 
 
 def pack(trial, fmu):
-    done = subprocess.run([lemons(), "pack", trial, "-o", fmu], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run([lemons(), "pack", trial, "-o", fmu, "--force"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     if done.returncode != 0:
         raise SystemExit(done.stderr.strip())
 

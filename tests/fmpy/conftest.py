@@ -105,7 +105,7 @@ def shared():
 
 
 def pack_into(lemons, path, trials, options):
-    command = [lemons, "pack", *trials, "-o", path, *options]
+    command = [lemons, "pack", *trials, "-o", path, "--force", *options]
     subprocess.run(command, check=True, capture_output=True, text=True)
     return path
 

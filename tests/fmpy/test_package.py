@@ -81,7 +81,7 @@ def test_a_restored_crowd_runs_on_with_the_same_bits(fmu, drive):
 
 def command_table(lemons, path, model, *options):
     """The table of `lemons run`, as `simulate` gives it."""
-    subprocess.run([lemons, "run", model, *options, "-o", path], check=True, capture_output=True)
+    subprocess.run([lemons, "run", model, *options, "-o", path, "--force"], check=True, capture_output=True)
     whole = [name for name, unit in COLUMNS.items() if unit is None]
     names = path.read_text().split("\n")[0].split(",")
     table = pd.read_csv(path, converters={name: int if name in whole else float for name in names})

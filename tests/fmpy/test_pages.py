@@ -33,6 +33,7 @@ NOT_RUN_ANYWHERE = {
 # Beginnings of commands, on one page.
 NOT_RUN = {
     ("README.md", "./check.sh"): "it runs this test",
+    ("README.md", "lemons lab"): "opens a browser; tests/lab does it",
     ("docs/guide/rust.md", "cargo run --release --example engine_direct"): "compiles; the fixture engine_direct runs it",
     ("docs/lab.md", "lab/build.sh"): COMPILES,
     ("docs/lab.md", "packaging/release.sh"): "needs compilers for all platforms",
@@ -50,10 +51,6 @@ NOT_RUN = {
 }
 # What a page takes for granted before a command, and how a user comes to it.
 BEFORE = {
-    # Of a release.
-    ("README.md", "lemons run push_fmi2.fmu"): "lemons pack resources/Trial_push -o push_fmi2.fmu",
-    # From source instead of from a release.
-    ("README.md", "lemons run resources/Trial_push"): "rm trajectories.csv",
     # A room of the user's.
     ("docs/people.md", "lemons crowd --geometry Geometry.xml --region 0,0,8,6 "): "lemons crowd --number 1 --box 8x6 --door 8,3,1 -o empty && cp empty/static/Geometry.xml .",
 }
@@ -92,13 +89,13 @@ FILES = {
     ("docs/walking.md", 'model = "collision-free-speed"     # or "straight" (the default), "social-force"'): (
         "two_doors/decision.toml",
         "lemons crowd --number 20 --box 8x6 --door 8,3,1 --door 0,3,1 -o two_doors",
-        "lemons check two_doors && lemons run two_doors --until 0.1 -o two_doors.csv --outputs two_doors_wishes.csv",
+        "lemons check two_doors && lemons run two_doors --until 0.1 -o two_doors.csv",
         {},
     ),
     ("docs/coupling.md", "desired_speed = 1.34                               # [m/s]; default 1.34"): (
         "ways.toml",
         "",
-        "lemons run resources/Trial_door --plan ways.toml --until 0.1 -o ways.csv --outputs ways_wishes.csv",
+        "lemons run resources/Trial_door --plan ways.toml --until 0.1 -o ways.csv",
         {},
     ),
     ("docs/coupling.md", 'trial = "door_{width}_{seed}"     # a name in braces: the value of this parameter'): (
