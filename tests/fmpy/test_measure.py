@@ -271,7 +271,7 @@ def test_tables_that_are_no_runs_are_refused(lemons, walk, tmp_path):
         assert not (tmp_path / "out").exists()
 
 
-def test_files_are_replaced_only_by_the_same_command(lemons, walk, tmp_path):
+def test_files_that_exist_are_replaced_by_force_only(lemons, walk, tmp_path):
     words = ["measure", walk, "--line", "door=5,2,5,3", "-o", "out", "--plot", "out.svg"]
     said = call(lemons, *words).stdout
     assert max(map(len, said.splitlines()[:-2])) <= 80 and "to the right →: 30 people crossed" in said
@@ -279,20 +279,19 @@ def test_files_are_replaced_only_by_the_same_command(lemons, walk, tmp_path):
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == names
     # A panel for people across, one for the flow, one for the squeeze.
     assert (tmp_path / "out.svg").read_text().count('class="chart-panel"') == 3
-    call(lemons, *words)
     (tmp_path / "out" / "gaps.csv").write_text("mine\n")
-    assert "gaps.csv" in call(lemons, *words, code=1).stderr
+    assert "exists already" in call(lemons, *words, code=1).stderr
     assert (tmp_path / "out" / "gaps.csv").read_text() == "mine\n"
     call(lemons, *words, "--force")
     # Of what is not asked for, nothing of before is left.
-    call(lemons, *words[:2], "-o", "out")
+    call(lemons, *words[:2], "-o", "out", "--force")
     assert (tmp_path / "out" / "gaps.csv").read_text() == "line,direction,n,t,id,gap\n"
 
 
 def test_the_room_of_the_readme_is_empty_in_two_commands(lemons, tmp_path):
     """The commands as README.md has them; against the table of `lemons run`, read here."""
     text = (REPOSITORY / "README.md").read_text()
-    make, measured = re.search(r"^lemons (crowd .* --leave -o room)\nlemons (measure room .*)$", text, re.MULTILINE).groups()
+    make, measured = (re.search(f"^lemons ({words})$", text, re.MULTILINE)[1] for words in ("crowd .* --leave -o room", "measure room .*"))
     for words in (make, measured + " --summary room.json"):
         subprocess.run([lemons, *words.split()], cwd=tmp_path, check=True, capture_output=True)
     assert "mean squeeze over 1 s" in (tmp_path / "room.svg").read_text()

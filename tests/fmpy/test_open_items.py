@@ -109,13 +109,11 @@ def test_a_sweep_is_summed_up_over_seeds(lemons):
     assert summary["felt_median"].to_numpy() == pytest.approx(cases.median().to_numpy())
 
 
-@open_item(19, "a table of the outputs of Decision is written only where it is asked for (--outputs)")
 def test_a_walk_writes_no_table_that_nobody_asked_for(lemons):
     called(lemons, "run", TRIAL_DOOR, "--until", 0.1, "-o", "walk.csv")
     assert [path.name for path in Path().iterdir()] == ["walk.csv"]
 
 
-@open_item(19, "a run of more than 10 MB as CSV is Parquet by default, or says that --format parquet is smaller")
 def test_a_long_run_says_that_its_table_is_large(lemons):
     done = called(lemons, "run", TRIAL_DOOR, "--no-plan", "--until", 60, "--step", 0.02)
     (table,) = (path for path in Path().iterdir() if path.name.startswith("trajectories"))

@@ -209,10 +209,10 @@ pub fn overhead(agents: usize, runs: usize, format: Format) -> Result<Overhead> 
     let integers = select(&instance, agents, &INTEGERS)?;
     let given: Vec<f64> = (0..inputs.len()).map(|k| k as f64).collect();
     let (mut numbers, mut counts) = (vec![0.0; reals.len()], vec![0; integers.len()]);
-    let set = || instance.set_real(&inputs, &given);
+    let set = || instance.set(&inputs, &given);
     let mut get = || {
-        instance.get_real(&reals, &mut numbers)?;
-        instance.get_integer(&integers, &mut counts)
+        instance.get(&reals, &mut numbers)?;
+        instance.get(&integers, &mut counts)
     };
     // Check that the FMU accepts it; the measured calls are the same.
     set()?;

@@ -36,15 +36,9 @@ pub fn info(arguments: &Arguments) -> Result<()> {
         writeln!(out, "step      {step} s")?;
     }
     for (place, platform) in fmu.platforms().into_iter().enumerate() {
-        let needs = match platform.glibc {
-            Ok(Some([major, minor])) => format!("glibc {major}.{minor}"),
-            Ok(None) => String::new(),
-            Err(why) => why,
-        };
         // A name in an archive may be anything.
-        let name: String = platform.name.chars().filter(|c| !c.is_control()).collect();
-        let line = format!("{:10}{name:14} {needs}", if place == 0 { "platforms" } else { "" });
-        writeln!(out, "{}", line.trim_end())?;
+        let name: String = platform.chars().filter(|c| !c.is_control()).collect();
+        writeln!(out, "{:10}{name}", if place == 0 { "platforms" } else { "" })?;
     }
     if let Ok(resources) = fmu.resources() {
         writeln!(out, "Trials    {}", resources.names().join(", "))?;

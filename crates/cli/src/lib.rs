@@ -233,7 +233,7 @@ mod tests {
     /// A path that is not of type `PathBuf` would be neither an input nor an output of [`files`].
     #[test]
     fn every_argument_that_names_a_file_is_a_path() {
-        let words = ["FILE", "TRIAL", "DIRECTORY", "TABLE", "SERIES", "OUT", "PATH"];
+        let words = ["FILE", "TRIAL", "DIRECTORY", "TABLE", "TABLES", "SERIES", "OUT", "PATH"];
         let paths = [TypeId::of::<PathBuf>(), TypeId::of::<Binary>()];
         for command in Arguments::command().get_subcommands() {
             for argument in command.get_arguments() {

@@ -21,7 +21,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lemons_decision::gait::Gait;
 use lemons_master::{Given, Kind, Saved, Settings, writers};
 use lemons_measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
-use lemons_record::Run;
+use lemons_record::{Frame, Run};
 use lemons_sim::stop::{Still, StopCondition};
 use lemons_sim::{Algorithm, Clock, Point};
 use lemons_trial::DriveChoice;
@@ -162,9 +162,6 @@ pub struct Job {
 impl Arguments {
     fn job(&self) -> Result<Job> {
         let (rows, outputs) = places_of(self)?;
-        if self.resume.is_some() && self.output.is_none() {
-            bail!(Misused("--resume: name the table of what follows with -o; it begins after the rows of the run before".into()));
-        }
         let settings = Settings {
             parameters: name_and_value_of_all(&self.settings)?,
             threads: self.threads,
@@ -287,13 +284,8 @@ fn prepare(settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
     Kind::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
     match Given::find(&settings.input)? {
         Some(given) => trial::prepare(&given, settings, outputs),
-        None => fmus::prepare(settings, |system, others, clock, every| match outputs {
-            Some(place) => outputs::Outputs::create(
-                system,
-                others,
-                place,
-                &About::of(clock, every, settings.resume.is_some()),
-            ),
+        None => fmus::prepare(settings, |system, others, (clock, every), before| match outputs {
+            Some(place) => outputs::Outputs::create(system, others, place, &About::of(clock, every, before)),
             None => Ok(None),
         }),
     }
@@ -307,14 +299,20 @@ struct About {
 }
 
 impl About {
-    fn of(clock: &Clock, every: u64, goes_on: bool) -> About {
+    fn of(clock: &Clock, every: u64, before: Option<&Saved>) -> About {
+        let goes_on = before.is_some();
         let lines = vec![
-            ("lemons_version", BUILD.whole()),
+            ("lemons_version", written_by(before)),
             ("communication_step", format!("{:?}", clock.step)),
             ("every", every.to_string()),
         ];
         About { lines, goes_on }
     }
+}
+
+/// The builds of this program that have written a run.
+fn written_by(before: Option<&Saved>) -> String {
+    writers(before.map_or("", |before| &before.lemons), &BUILD.whole())
 }
 
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
@@ -344,10 +342,10 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     if before.is_none() {
         output_directories.iter().try_for_each(|path| claim_series(path))?;
     }
-    let about = About::of(&clock, every, before.is_some());
+    let about = About::of(&clock, every, before.as_ref());
     let mut recorders = Vec::with_capacity(crowds.len());
     for crowd in &crowds {
-        let to = if crowds.len() > 1 { rows.named(&crowd.component)? } else { rows.clone() };
+        let to = if crowds.len() > 1 { rows.named(&crowd.file_name)? } else { rows.clone() };
         recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), &mut poses)?);
     }
     let stop = match ends {
@@ -382,7 +380,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
             let Identity { algorithm, wiring, drive } = identity;
             let saved = Saved {
                 format: Saved::FORMAT,
-                lemons: writers(before.as_ref().map_or("", |before| &before.lemons), &BUILD.whole()),
+                lemons: written_by(before.as_ref()),
                 start: clock.start,
                 step: clock.step,
                 until: clock.until,
@@ -468,16 +466,22 @@ struct Recording<'a> {
 
 impl Recording<'_> {
     fn see(&mut self, subject: &mut dyn Subject, look: Look) -> Result<()> {
-        for (crowd, recorder) in self.recorders.iter_mut().enumerate() {
-            let frame = subject.frame(crowd)?;
+        let mut frames = Vec::with_capacity(self.recorders.len());
+        for crowd in 0..self.recorders.len() {
+            frames.push(subject.frame(crowd)?);
+        }
+        match &mut self.stop {
             // Whether anybody rests is known after a step.
-            match &mut self.stop {
-                Some(StopCondition::Still(_)) if matches!(look, Look::Start | Look::Resumed) => {}
-                Some(stop) if recorder.may_leave() || matches!(stop, StopCondition::Still(_)) => {
-                    stop.see(&frame)
-                }
-                _ => {}
+            Some(StopCondition::Still(_)) if matches!(look, Look::Start | Look::Resumed) => {}
+            Some(stop @ StopCondition::Still(_)) => stop.see(subject.time(), &frames),
+            Some(stop @ StopCondition::Left(_)) => {
+                let leave = frames.iter().zip(&self.recorders).filter(|(_, crowd)| crowd.may_leave());
+                let leave: Vec<Frame> = leave.map(|(frame, _)| frame.clone()).collect();
+                stop.see(subject.time(), &leave);
             }
+            None => {}
+        }
+        for (recorder, frame) in self.recorders.iter_mut().zip(frames) {
             recorder.see(frame, look)?;
         }
         if matches!(look, Look::Start | Look::Written) { subject.write_outputs() } else { Ok(()) }

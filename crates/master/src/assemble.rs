@@ -1,10 +1,10 @@
 //! An `.ssp` -> a system of instances, connected and with its parameters set.
 
-use crate::channel::Wire;
+use crate::channel::{Wire, channel_of};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::kind::Kind as FileKind;
-use crate::system::{Component, System, Wires, component_of};
+use crate::system::{Component, System, component_of};
 use lemons_files::Scratch;
 use lemons_sim::Algorithm;
 use lemons_ssp::{
@@ -182,7 +182,7 @@ fn end<'a>(
 }
 
 fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
-    let mut wires = Wires::default();
+    let mut wires: [Vec<Wire>; 4] = Default::default();
     let mut alike = BTreeSet::new();
     let interface = |component: usize| &*system.components()[component].fmu.description;
     for connection in &structure.connections {
@@ -201,14 +201,8 @@ fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
         if sent.len() != taken.len() || (sent.len() > 1 && sizes(from) != sizes(to)) {
             return Err(wrong(format!("{} does not become {}", elements(from, &sent), elements(to, &taken))));
         }
-        let list = match from.of {
-            Type::Real(_) => &mut wires.reals,
-            Type::Integer => &mut wires.integers,
-            Type::Boolean => &mut wires.booleans,
-            Type::String => &mut wires.strings,
-            Type::Enumeration(_) | Type::Binary | Type::Clock => {
-                return Err(wrong(format!("type {} is not served", from.of.name())));
-            }
+        let Some(channel) = channel_of(&from.of) else {
+            return Err(wrong(format!("type {} is not served", from.of.name())));
         };
         let mut map = Affine::IDENTITY;
         if !connection.suppress_unit_conversion {
@@ -224,7 +218,7 @@ fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
         if output.name == input.name {
             alike.insert((connection.from.component, connection.to.component));
         }
-        list.extend(sent.zip(taken).map(|(sent, taken)| Wire {
+        wires[channel].extend(sent.zip(taken).map(|(sent, taken)| Wire {
             from: (connection.from.component, Single { variable: from, element: sent }.address()),
             to: (connection.to.component, Single { variable: to, element: taken }.address()),
             map,
@@ -270,7 +264,7 @@ fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Resu
         for parameter in &set.parameters {
             let wrong = |error: Error| {
                 let (file, line, why) = (&set.file, parameter.line, error.whole());
-                Error::Coupling(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
+                Error::Unusable(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
             };
             let target = match owner {
                 Some(place) => Some((place, parameter.name.as_str())),
@@ -314,12 +308,12 @@ fn set_parameter(
                 (unit.as_deref(), unit.as_ref().and_then(defined)),
                 (own.as_deref(), own_definition),
             );
-            instance.set_real(&value_of, &[map.map_err(Error::Coupling)?.apply(*value)])
+            instance.set(&value_of, &[map.map_err(Error::Unusable)?.apply(*value)])
         }
-        (Value::Integer(value), Type::Real(_)) => instance.set_real(&value_of, &[f64::from(*value)]),
-        (Value::Integer(value), Type::Integer) => instance.set_integer(&value_of, &[*value]),
-        (Value::Boolean(value), Type::Boolean) => instance.set_boolean(&value_of, &[i32::from(*value)]),
-        (Value::String(value), Type::String) => instance.set_string(&value_of, &[value]),
-        (_, of) => Err(Error::Coupling(format!("the FMU's variable is of type {}", of.name()))),
+        (Value::Integer(value), Type::Real(_)) => instance.set(&value_of, &[f64::from(*value)]),
+        (Value::Integer(value), Type::Integer) => instance.set(&value_of, &[*value]),
+        (Value::Boolean(value), Type::Boolean) => instance.set(&value_of, &[*value]),
+        (Value::String(value), Type::String) => instance.set(&value_of, std::slice::from_ref(value)),
+        (_, of) => Err(Error::Unusable(format!("the FMU's variable is of type {}", of.name()))),
     }
 }

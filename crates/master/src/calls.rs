@@ -7,15 +7,19 @@
 
 mod v2;
 mod v3;
+mod values;
+
+pub use values::Value;
 
 use lemons_fmi::Status;
-use lemons_ssp::{Fmi, Native};
+use lemons_ssp::Fmi;
 use libloading::Library;
-use std::ffi::{CStr, CString, NulError, c_char, c_int, c_void};
+use std::ffi::{CString, NulError, c_int, c_uint, c_void};
 use std::fmt;
-use std::io;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::ptr::{NonNull, null, null_mut};
+use std::ptr::{NonNull, null_mut};
 use std::rc::Rc;
 
 /// Why a C function of an FMU cannot be called, or gives nothing.
@@ -24,6 +28,16 @@ pub enum CallError {
     /// The library cannot be loaded.
     #[error(transparent)]
     Load(#[from] libloading::Error),
+    /// The file of the library ends before what its header speaks of: a loader would get SIGBUS.
+    #[error("{}: is cut off: its table of sections ends at byte {end}, the file at byte {length}", path.display())]
+    CutOff {
+        /// The file.
+        path: PathBuf,
+        /// \[byte\] the length that its header speaks of
+        end: u64,
+        /// \[byte\] its length
+        length: u64,
+    },
     /// The library is none of an FMU.
     #[error("has no function {name}")]
     NoSymbol {
@@ -97,6 +111,11 @@ impl Answer {
         known.into_iter().find(|status| *status as c_int == self.code)
     }
 
+    /// Whether the function has done what it was called for, perhaps with a warning.
+    pub(crate) fn succeeded(self) -> bool {
+        matches!(self.status(), Some(Status::Ok | Status::Warning))
+    }
+
     /// The name of the C function.
     pub fn call(self) -> &'static str {
         self.call
@@ -117,72 +136,46 @@ pub(crate) type Hears = dyn Fn(Option<Status>, &str) + Send + Sync;
 
 type Plain = unsafe extern "C" fn(*mut c_void) -> c_int;
 
-/// A C function, with its name.
-type Named<T> = (T, &'static str);
+/// What FMI 2.0 and FMI 3.0 call a function.
+type Names = [&'static str; 2];
 
-macro_rules! functions {
-    (required { $($field:ident: $type:ty = $name:literal;)* } optional { $($may:ident: $may_type:ty = $may_name:literal;)* }) => {
-        /// Those that are called here.
-        pub(super) struct Functions {
-            $(pub(super) $field: $crate::calls::Named<$type>,)*
-            $(pub(super) $may: $crate::calls::Named<Option<$may_type>>,)*
-        }
+/// Functions that every FMU 2.0 for co-simulation must have, of those that are called here.
+const REQUIRED_V2: [&str; 15] = [
+    "fmi2Instantiate",
+    "fmi2FreeInstance",
+    "fmi2SetupExperiment",
+    "fmi2EnterInitializationMode",
+    "fmi2ExitInitializationMode",
+    "fmi2Terminate",
+    "fmi2GetReal",
+    "fmi2GetInteger",
+    "fmi2GetBoolean",
+    "fmi2GetString",
+    "fmi2SetReal",
+    "fmi2SetInteger",
+    "fmi2SetBoolean",
+    "fmi2SetString",
+    "fmi2DoStep",
+];
 
-        impl Functions {
-            /// # Safety
-            /// They are used no longer than the library lives, and have FMI's types.
-            pub(super) unsafe fn of(library: &libloading::Library) -> $crate::calls::Result<Functions> {
-                // SAFETY: the caller's.
-                unsafe {
-                    Ok(Functions {
-                        $($field: (*library.get::<$type>($name)
-                            .map_err(|source| $crate::calls::CallError::NoSymbol { name: $name, source })?, $name),)*
-                        $($may: (library.get::<$may_type>($may_name).ok().map(|symbol| *symbol), $may_name),)*
-                    })
-                }
-            }
-        }
-    };
-}
-use functions;
+/// The same of FMI 3.0, where an FMU may lack the functions of types that it has not.
+const REQUIRED_V3: [&str; 6] = [
+    "fmi3InstantiateCoSimulation",
+    "fmi3FreeInstance",
+    "fmi3EnterInitializationMode",
+    "fmi3ExitInitializationMode",
+    "fmi3Terminate",
+    "fmi3DoStep",
+];
 
-/// Functions for states: they differ in their names only.
-struct States {
-    get: Named<Option<unsafe extern "C" fn(*mut c_void, *mut *mut c_void) -> c_int>>,
-    set: Named<Option<unsafe extern "C" fn(*mut c_void, *mut c_void) -> c_int>>,
-    free: Named<Option<unsafe extern "C" fn(*mut c_void, *mut *mut c_void) -> c_int>>,
-    size: Named<Option<unsafe extern "C" fn(*mut c_void, *mut c_void, *mut usize) -> c_int>>,
-    serialize: Named<Option<unsafe extern "C" fn(*mut c_void, *mut c_void, *mut u8, usize) -> c_int>>,
-    deserialize:
-        Named<Option<unsafe extern "C" fn(*mut c_void, *const u8, usize, *mut *mut c_void) -> c_int>>,
-}
-
-impl States {
-    /// # Safety
-    /// As that of `Functions::of`.
-    unsafe fn of(library: &Library, fmi: Fmi) -> States {
-        macro_rules! state {
-            ($v2:literal, $v3:literal) => {{
-                let name = if fmi == Fmi::V2 { $v2 } else { $v3 };
-                // SAFETY: the caller's.
-                (unsafe { library.get(name) }.ok().map(|symbol| *symbol), name)
-            }};
-        }
-        States {
-            get: state!("fmi2GetFMUstate", "fmi3GetFMUState"),
-            set: state!("fmi2SetFMUstate", "fmi3SetFMUState"),
-            free: state!("fmi2FreeFMUstate", "fmi3FreeFMUState"),
-            size: state!("fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"),
-            serialize: state!("fmi2SerializeFMUstate", "fmi3SerializeFMUState"),
-            deserialize: state!("fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"),
-        }
-    }
-}
-
-/// The functions of the FMU's version.
-enum Functions {
-    V2(Box<v2::Functions>),
-    V3(Box<v3::Functions>),
+/// A function of a library, by its name.
+///
+/// # Safety
+/// `F` is the type that FMI gives it, and it is used no longer than the library lives.
+unsafe fn function<F: Copy>(library: &Library, name: &'static str) -> Result<F> {
+    // SAFETY: the caller's.
+    let symbol = unsafe { library.get::<F>(name) };
+    Ok(*symbol.map_err(|_| CallError::NoFunction(name))?)
 }
 
 /// What an instance is made of.
@@ -200,34 +193,24 @@ pub(crate) struct Made<'a> {
 }
 
 /// An instance. It is freed when this is dropped, before its library is unloaded.
-pub(crate) struct Calls {
+pub struct Calls {
     component: NonNull<c_void>,
-    functions: Functions,
-    states: States,
+    fmi: Fmi,
     // FMUs keep pointers to it.
-    _heard: v2::Heard,
-    _library: Library,
+    _logger: v2::Logger,
+    library: Library,
 }
 
 impl Drop for Calls {
     fn drop(&mut self) {
-        let free = match &self.functions {
-            Functions::V2(functions) => functions.free_instance.0,
-            Functions::V3(functions) => functions.free_instance.0,
-        };
-        // SAFETY: an instance of this library, freed once.
-        unsafe { free(self.component.as_ptr()) }
-    }
-}
-
-/// One call of the FMU's version.
-macro_rules! either {
-    ($self:ident, $functions:ident => $call:expr) => {
-        match &$self.functions {
-            Functions::V2($functions) => $call,
-            Functions::V3($functions) => $call,
+        type Free = unsafe extern "C" fn(*mut c_void);
+        // SAFETY: FMI's type; an instance of this library, freed once.
+        unsafe {
+            if let Ok(free) = self.function::<Free>(self.name(["fmi2FreeInstance", "fmi3FreeInstance"])) {
+                free(self.component.as_ptr());
+            }
         }
-    };
+    }
 }
 
 impl Calls {
@@ -245,102 +228,90 @@ impl Calls {
         let resources = made.resources.is_dir().then(|| place(made.resources)).transpose()?;
         let resources = resources.as_deref();
         let library = load(made.library)?;
-        let heard = v2::Heard::new(hears, made.memory_functions);
-        // SAFETY: kept together with the library; an FMU's library has them as FMI says.
-        let (functions, states) = unsafe {
-            let functions = match made.fmi {
-                Fmi::V2 => Functions::V2(Box::new(v2::Functions::of(&library)?)),
-                Fmi::V3 => Functions::V3(Box::new(v3::Functions::of(&library)?)),
-            };
-            (functions, States::of(&library, made.fmi))
-        };
-        let (component, call) = match &functions {
-            Functions::V2(functions) => functions.instantiate(&name, &guid, resources, &heard),
-            Functions::V3(functions) => functions.instantiate(&name, &guid, resources, &heard),
+        let required = if made.fmi == Fmi::V2 { &REQUIRED_V2[..] } else { &REQUIRED_V3 };
+        for &name in required {
+            // SAFETY: it is not called.
+            let found = unsafe { library.get::<Plain>(name) };
+            found.map_err(|source| CallError::NoSymbol { name, source })?;
+        }
+        let logger = v2::Logger::new(hears, made.memory_functions);
+        let (component, call) = match made.fmi {
+            Fmi::V2 => v2::instantiate(&library, &name, &guid, resources, &logger)?,
+            Fmi::V3 => v3::instantiate(&library, &name, &guid, resources, &logger)?,
         };
         let component = NonNull::new(component).ok_or(CallError::NoInstance(call))?;
-        Ok(Calls { component, functions, states, _heard: heard, _library: library })
+        Ok(Calls { component, fmi: made.fmi, _logger: logger, library })
     }
 
-    fn plain(&self, (function, call): Named<Plain>) -> Answer {
-        // SAFETY: an instance of this library.
-        Answer { code: unsafe { function(self.component.as_ptr()) }, call }
+    fn name(&self, [v2, v3]: Names) -> &'static str {
+        if self.fmi == Fmi::V2 { v2 } else { v3 }
+    }
+
+    /// # Safety
+    /// As that of [`function`].
+    unsafe fn function<F: Copy>(&self, name: &'static str) -> Result<F> {
+        // SAFETY: the caller's.
+        unsafe { function(&self.library, name) }
+    }
+
+    /// Calls a function that takes the instance only.
+    fn plain(&self, call: &'static str) -> Result<Answer> {
+        // SAFETY: FMI's type; an instance of this library.
+        let code = unsafe { self.function::<Plain>(call)?(self.component.as_ptr()) };
+        Ok(Answer { code, call })
     }
 
     /// At a start time \[s\], with a tolerance if there is one, without stop time.
     ///
     /// # Errors
     /// The FMU lacks a function.
-    pub(crate) fn enter_initialization(&self, start: f64, tolerance: Option<f64>) -> Answer {
-        either!(self, functions => functions.enter_initialization(self, start, tolerance))
-    }
-
-    pub(crate) fn exit_initialization(&self) -> Answer {
-        either!(self, functions => self.plain(functions.exit_initialization))
-    }
-
-    pub(crate) fn terminate(&self) -> Answer {
-        either!(self, functions => self.plain(functions.terminate))
-    }
-
-    pub(crate) fn reset(&self) -> Answer {
-        either!(self, functions => self.plain(functions.reset))
-    }
-
-    /// Reads all values of Reals.
-    pub(crate) fn get_real(&self, of: Native, references: &[u32], values: &mut [f64]) -> Result<Answer> {
-        either!(self, functions => functions.get_real(self, of, references, values))
-    }
-
-    /// Reads all values of whole numbers.
-    pub(crate) fn get_integer(&self, of: Native, references: &[u32], values: &mut [i32]) -> Result<Answer> {
-        either!(self, functions => functions.get_integer(self, of, references, values))
-    }
-
-    /// Reads all values of Booleans.
-    pub(crate) fn get_boolean(&self, references: &[u32], values: &mut [i32]) -> Result<Answer> {
-        either!(self, functions => functions.get_boolean(self, references, values))
-    }
-
-    /// Reads all texts; leaves the values as they are if the FMU refuses.
-    pub(crate) fn get_string(&self, references: &[u32], values: &mut [String]) -> Result<Answer> {
-        let mut texts = vec![null(); values.len()];
-        let answer = either!(self, functions => functions.get_string(self, references, &mut texts))?;
-        if matches!(answer.status(), Some(Status::Ok | Status::Warning)) {
-            for (value, text) in values.iter_mut().zip(texts) {
-                // SAFETY: not NULL, so a text of the FMU's, which lives until its next call.
-                let text = (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) });
-                *value = text.map(|text| text.to_string_lossy().into_owned()).unwrap_or_default();
-            }
+    pub(crate) fn enter_initialization(&self, start: f64, tolerance: Option<f64>) -> Result<Answer> {
+        match self.fmi {
+            Fmi::V2 => v2::enter_initialization(self, start, tolerance),
+            Fmi::V3 => v3::enter_initialization(self, start, tolerance),
         }
-        Ok(answer)
     }
 
-    /// Sets all values of Reals.
-    pub(crate) fn set_real(&self, of: Native, references: &[u32], values: &[f64]) -> Result<Answer> {
-        either!(self, functions => functions.set_real(self, of, references, values))
+    pub(crate) fn exit_initialization(&self) -> Result<Answer> {
+        self.plain(self.name(["fmi2ExitInitializationMode", "fmi3ExitInitializationMode"]))
     }
 
-    /// Sets all values of whole numbers.
-    pub(crate) fn set_integer(&self, of: Native, references: &[u32], values: &[i32]) -> Result<Answer> {
-        either!(self, functions => functions.set_integer(self, of, references, values))
+    pub(crate) fn terminate(&self) -> Result<Answer> {
+        self.plain(self.name(["fmi2Terminate", "fmi3Terminate"]))
     }
 
-    /// Sets all values of Booleans.
-    pub(crate) fn set_boolean(&self, references: &[u32], values: &[i32]) -> Result<Answer> {
-        either!(self, functions => functions.set_boolean(self, references, values))
+    /// Reads all values of the variables: in FMI 2.0 one for each reference.
+    fn get<T>(&self, call: &'static str, references: &[u32], values: &mut [T]) -> Result<Answer> {
+        type V2<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut T) -> c_int;
+        type V3<T> = unsafe extern "C" fn(*mut c_void, *const u32, usize, *mut T, usize) -> c_int;
+        let (component, count) = (self.component.as_ptr(), references.len());
+        let (references, length, to) = (references.as_ptr(), values.len(), values.as_mut_ptr());
+        assert!(self.fmi == Fmi::V3 || count == length, "a value for each reference");
+        // SAFETY: FMI's types; an instance of this library; both arrays are as long as said.
+        let code = unsafe {
+            match self.fmi {
+                Fmi::V2 => self.function::<V2<T>>(call)?(component, references, count, to),
+                Fmi::V3 => self.function::<V3<T>>(call)?(component, references, count, to, length),
+            }
+        };
+        Ok(Answer { code, call })
     }
 
-    /// Sets all texts.
-    ///
-    /// # Errors
-    /// A text holds a zero, which would end it.
-    pub(crate) fn set_string(&self, references: &[u32], values: &[&str]) -> Result<Answer> {
-        let zero = |text: &str| format!("{text:?}: a text for an FMU holds no zero");
-        let texts = values.iter().map(|text| c_text(text, || zero(text)));
-        let texts = texts.collect::<Result<Vec<CString>>>()?;
-        let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
-        either!(self, functions => functions.set_string(self, references, &pointers))
+    /// Sets all values of the variables: in FMI 2.0 one for each reference.
+    fn set<T>(&self, call: &'static str, references: &[u32], values: &[T]) -> Result<Answer> {
+        type V2<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *const T) -> c_int;
+        type V3<T> = unsafe extern "C" fn(*mut c_void, *const u32, usize, *const T, usize) -> c_int;
+        let (component, count) = (self.component.as_ptr(), references.len());
+        let (references, length, from) = (references.as_ptr(), values.len(), values.as_ptr());
+        assert!(self.fmi == Fmi::V3 || count == length, "a value for each reference");
+        // SAFETY: FMI's types; an instance of this library; both arrays are as long as said.
+        let code = unsafe {
+            match self.fmi {
+                Fmi::V2 => self.function::<V2<T>>(call)?(component, references, count, from),
+                Fmi::V3 => self.function::<V3<T>>(call)?(component, references, count, from, length),
+            }
+        };
+        Ok(Answer { code, call })
     }
 
     /// From a time over a step, both \[s\]; nothing before that time is asked for any more.
@@ -348,18 +319,26 @@ impl Calls {
     /// # Errors
     /// The FMU has returned early, or wants an event or the end.
     pub(crate) fn do_step(&self, time: f64, step: f64) -> Result<Answer> {
-        either!(self, functions => functions.do_step(self, time, step))
+        match self.fmi {
+            Fmi::V2 => v2::do_step(self, time, step),
+            Fmi::V3 => v3::do_step(self, time, step),
+        }
     }
 
-    /// Sets structural parameters in Configuration Mode.
+    /// Sets structural parameters in Configuration Mode (FMI 3.0).
     ///
     /// # Errors
     /// The FMU lacks a function.
     pub(crate) fn configure(&self, references: &[u32], sizes: &[u64]) -> Result<Answer> {
-        match &self.functions {
-            Functions::V2(_) => Err(CallError::NoFunction("fmi3EnterConfigurationMode")),
-            Functions::V3(functions) => functions.configure(self, references, sizes),
+        let answer = self.plain("fmi3EnterConfigurationMode")?;
+        if answer.status() != Some(Status::Ok) {
+            return Ok(answer);
         }
+        let answer = self.set("fmi3SetUInt64", references, sizes)?;
+        if answer.status() != Some(Status::Ok) {
+            return Ok(answer);
+        }
+        self.plain("fmi3ExitConfigurationMode")
     }
 }
 
@@ -370,11 +349,14 @@ pub(crate) struct Held {
     pointer: *mut c_void,
 }
 
+/// The type of `fmi2GetFMUstate` and `fmi2FreeFMUstate`.
+type OfPointer = unsafe extern "C" fn(*mut c_void, *mut *mut c_void) -> c_int;
+
 impl Drop for Held {
     fn drop(&mut self) {
-        if let Some(free) = self.calls.states.free.0.filter(|_| !self.pointer.is_null()) {
-            // SAFETY: a state of this instance, which lives. There is nobody to tell of a refusal.
-            unsafe { free(self.calls.component.as_ptr(), &raw mut self.pointer) };
+        if !self.pointer.is_null() {
+            // There is nobody to tell of a refusal.
+            let _ = self.of_pointer(["fmi2FreeFMUstate", "fmi3FreeFMUState"]);
         }
     }
 }
@@ -384,46 +366,63 @@ impl Held {
         Held { calls: calls.clone(), pointer: null_mut() }
     }
 
+    fn of_pointer(&mut self, names: Names) -> Result<Answer> {
+        let call = self.calls.name(names);
+        // SAFETY: FMI's type; the pointer is NULL or a state of this instance, which lives.
+        let code = unsafe {
+            self.calls.function::<OfPointer>(call)?(self.calls.component.as_ptr(), &raw mut self.pointer)
+        };
+        Ok(Answer { code, call })
+    }
+
     /// `fmi2GetFMUstate`
     pub(crate) fn take(&mut self) -> Result<Answer> {
-        let (function, call) = there(self.calls.states.get)?;
-        // SAFETY: the pointer is NULL or a state of this instance.
-        Ok(Answer { code: unsafe { function(self.calls.component.as_ptr(), &raw mut self.pointer) }, call })
+        self.of_pointer(["fmi2GetFMUstate", "fmi3GetFMUState"])
     }
 
     /// `fmi2SetFMUstate`
     pub(crate) fn put(&self) -> Result<Answer> {
+        type Set = unsafe extern "C" fn(*mut c_void, *mut c_void) -> c_int;
         self.is_there()?;
-        let (function, call) = there(self.calls.states.set)?;
-        // SAFETY: a state of this instance.
-        Ok(Answer { code: unsafe { function(self.calls.component.as_ptr(), self.pointer) }, call })
+        let call = self.calls.name(["fmi2SetFMUstate", "fmi3SetFMUState"]);
+        // SAFETY: FMI's type; a state of this instance.
+        let code = unsafe { self.calls.function::<Set>(call)?(self.calls.component.as_ptr(), self.pointer) };
+        Ok(Answer { code, call })
     }
 
-    /// `fmi2SerializedFMUstateSize` \[byte\]
+    /// `fmi2SerializedFMUstateSize`: the size \[byte\].
     pub(crate) fn size(&self) -> Result<(Answer, usize)> {
+        type Size = unsafe extern "C" fn(*mut c_void, *mut c_void, *mut usize) -> c_int;
         self.is_there()?;
-        let (function, call) = there(self.calls.states.size)?;
-        let mut size = 0;
-        // SAFETY: a state of this instance.
-        let code = unsafe { function(self.calls.component.as_ptr(), self.pointer, &raw mut size) };
+        let call = self.calls.name(["fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"]);
+        let (component, mut size) = (self.calls.component.as_ptr(), 0);
+        // SAFETY: FMI's type; a state of this instance.
+        let code = unsafe { self.calls.function::<Size>(call)?(component, self.pointer, &raw mut size) };
         Ok((Answer { code, call }, size))
     }
 
     /// `fmi2SerializeFMUstate`
     pub(crate) fn serialize(&self, bytes: &mut [u8]) -> Result<Answer> {
+        type Serialize = unsafe extern "C" fn(*mut c_void, *mut c_void, *mut u8, usize) -> c_int;
         self.is_there()?;
-        let (function, call) = there(self.calls.states.serialize)?;
+        let call = self.calls.name(["fmi2SerializeFMUstate", "fmi3SerializeFMUState"]);
         let (component, size) = (self.calls.component.as_ptr(), bytes.len());
-        // SAFETY: a state of this instance; the bytes are as many as said.
-        Ok(Answer { code: unsafe { function(component, self.pointer, bytes.as_mut_ptr(), size) }, call })
+        // SAFETY: FMI's type; a state of this instance; the bytes are as many as said.
+        let code = unsafe {
+            self.calls.function::<Serialize>(call)?(component, self.pointer, bytes.as_mut_ptr(), size)
+        };
+        Ok(Answer { code, call })
     }
 
     /// `fmi2DeSerializeFMUstate`
     pub(crate) fn deserialize(&mut self, bytes: &[u8]) -> Result<Answer> {
-        let (function, call) = there(self.calls.states.deserialize)?;
+        type Deserialize = unsafe extern "C" fn(*mut c_void, *const u8, usize, *mut *mut c_void) -> c_int;
+        let call = self.calls.name(["fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"]);
         let (component, size) = (self.calls.component.as_ptr(), bytes.len());
-        // SAFETY: the pointer is NULL or a state of this instance; the bytes are as many as said.
-        let code = unsafe { function(component, bytes.as_ptr(), size, &raw mut self.pointer) };
+        // SAFETY: FMI's type; the pointer is NULL or a state of this instance; the bytes are as many as said.
+        let code = unsafe {
+            self.calls.function::<Deserialize>(call)?(component, bytes.as_ptr(), size, &raw mut self.pointer)
+        };
         Ok(Answer { code, call })
     }
 
@@ -432,16 +431,15 @@ impl Held {
     }
 }
 
-fn there<T>((function, name): Named<Option<T>>) -> Result<Named<T>> {
-    Ok((function.ok_or(CallError::NoFunction(name))?, name))
-}
-
 /// `what` is said of a text that holds a zero.
 fn c_text(text: &str, what: impl FnOnce() -> String) -> Result<CString> {
     CString::new(text).map_err(|source| CallError::Zero { what: what(), source })
 }
 
 fn load(path: &Path) -> Result<Library> {
+    if cfg!(all(target_os = "linux", target_pointer_width = "64")) {
+        check_length(path)?;
+    }
     // SAFETY: what a library does when it is loaded is the FMU's; see the module.
     #[cfg(not(windows))]
     return Ok(unsafe { Library::new(path) }?);
@@ -456,9 +454,45 @@ fn load(path: &Path) -> Result<Library> {
     }
 }
 
+/// That a library of 64-bit Linux has a length: `dlopen` maps what lies behind the end of a file that is cut off, and
+/// looks into it. The table of sections is the last thing that linkers write. What else is wrong is left to `dlopen`.
+fn check_length(path: &Path) -> Result<()> {
+    let mut header = [0; 64];
+    let Ok(mut file) = File::open(path) else { return Ok(()) };
+    let (Ok(()), Ok(metadata)) = (file.read_exact(&mut header), file.metadata()) else { return Ok(()) };
+    // e_ident: ELF, of 64 bits
+    if !header.starts_with(b"\x7fELF\x02") {
+        return Ok(());
+    }
+    let (_, fields) = header.split_at(40);
+    let sections = fields.first_chunk().map_or(0, |bytes| u64::from_ne_bytes(*bytes));
+    // e_shentsize, e_shnum
+    let [entry, entries] = [58, 60].map(|at| u64::from(u16::from_ne_bytes([header[at], header[at + 1]])));
+    let (end, length) = (sections.saturating_add(entry * entries), metadata.len());
+    if end > length { Err(CallError::CutOff { path: path.to_owned(), end, length }) } else { Ok(()) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A loader that was given such a file got SIGBUS.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_library_that_is_cut_off_is_an_error_at_every_length() {
+        let whole = std::fs::read(crate::own_binary().unwrap().path).unwrap();
+        let directory = tempfile::TempDir::new().unwrap();
+        let path = directory.path().join("library.so");
+        std::fs::write(&path, &whole).unwrap();
+        assert!(load(&path).is_ok());
+        let lengths = [0, 1, 63, 64, 4096, whole.len() - 1];
+        for length in lengths.into_iter().chain((1..20).map(|part| whole.len() / 20 * part)) {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            let said = crate::whole(&load(&path).unwrap_err());
+            let expected = if length < 64 { "library.so: " } else { "library.so: is cut off: " };
+            assert!(said.contains(expected), "{length}: {said}");
+        }
+    }
 
     #[test]
     fn a_status_that_fmi_does_not_know_is_told_as_a_number() {

@@ -2,8 +2,6 @@
 
 use crate::calls::{Answer, CallError};
 use crate::kind::Unexpected;
-use crate::library::LibraryError;
-use crate::unzip::UnzipError;
 use crowd_mechanics::pack::PackError;
 use lemons_decision::WISHES_FILE;
 use lemons_sim::ClockError;
@@ -13,6 +11,7 @@ use std::collections::TryReserveError;
 use std::error::Error as StdError;
 use std::io;
 use std::path::PathBuf;
+use zip::result::ZipError;
 
 /// An error of any kind, as it is passed on.
 pub(crate) type Cause = Box<dyn StdError + Send + Sync>;
@@ -48,26 +47,18 @@ pub enum Error {
     /// A path leads to something else than what is wanted.
     #[error(transparent)]
     Unexpected(#[from] Unexpected),
-    /// An archive cannot be unpacked.
-    #[error(transparent)]
-    Unzip(#[from] UnzipError),
     /// A model description or an SSP is wrong.
     #[error(transparent)]
     Ssp(#[from] lemons_ssp::Error),
-    /// The components of an SSP do not fit together: file, line, element and why.
-    #[error("{0}")]
-    Coupling(String),
-    /// A modelIdentifier that is not a name in C could lead anywhere.
-    #[error("<{element}> modelIdentifier{why}")]
-    Identifier {
-        /// `CoSimulation` or `ModelExchange`
-        element: &'static str,
-        /// Value, and what it must be.
-        why: String,
-    },
-    /// A shared library is not for this platform, or it is not whole.
+    /// An archive is damaged.
     #[error(transparent)]
-    Library(#[from] LibraryError),
+    Zip(#[from] ZipError),
+    /// An SSP, where an FMU is wanted.
+    #[error("this is an SSP archive")]
+    IsSsp,
+    /// An FMU, an SSP or the zip of a Trial cannot be used: the text says which value of what is wrong.
+    #[error("{0}")]
+    Unusable(String),
     /// A shared library that was built with this program is not there.
     #[error("{name} is not beside this program ({})", beside.display())]
     NoLibrary {
@@ -78,29 +69,12 @@ pub enum Error {
         /// FMI's name of its platform.
         platform: String,
     },
-    /// The FMU has no library for this platform.
-    #[error(
-        "the FMU has no {name}: it has {}",
-        if others.is_empty() { "no library for any platform".to_owned() } else { format!("{} only", others.join(", ")) }
-    )]
-    NoBinary {
-        /// The archive's entry that is missing.
-        name: String,
-        /// FMI's names of the platforms that it has.
-        others: Vec<String>,
-    },
     /// FMI has no name for the platform of this program.
     #[error("FMI has no name for this platform")]
     NoPlatform,
-    /// An FMU for model exchange only.
-    #[error("the FMU is not for co-simulation")]
-    NotCoSimulation,
     /// No Trial is packed in an FMU.
     #[error("holds no Trial: it is not an FMU of a crowd")]
     NoTrial,
-    /// The Trials that are packed in an FMU cannot be read.
-    #[error("{0}")]
-    Trial(String),
     /// A Trial has errors.
     #[error("the Trial {} has errors:\n{problems}", path.display())]
     Broken {
@@ -137,16 +111,6 @@ pub enum Error {
     /// The FMU has no value at an address.
     #[error("the FMU has no variable with the value reference {0}, or not so many values in it")]
     NoReference(u32),
-    /// Arrays cannot have this size.
-    #[error("{name}={value}: {why}")]
-    Size {
-        /// Of the structural parameter.
-        name: String,
-        /// Its value.
-        value: u64,
-        /// Why not.
-        why: String,
-    },
     /// A plan is given with an FMU.
     #[error("a file like {WISHES_FILE} is for a Trial, and not for an FMU")]
     PlanOfFmu,
@@ -162,24 +126,6 @@ pub enum Error {
         /// What the number's reader says.
         source: Option<Cause>,
     },
-    /// Variables of this type have no text.
-    #[error("{name}: variables of type {of} cannot be set here")]
-    Type {
-        /// Of the variable.
-        name: String,
-        /// Its type.
-        of: &'static str,
-    },
-    /// A state is larger than [`LARGEST_STATE`](crate::LARGEST_STATE).
-    #[error("{call} returned {size} bytes, more than {most}")]
-    StateSize {
-        /// The C function.
-        call: &'static str,
-        /// \[byte\]
-        size: usize,
-        /// \[byte\]
-        most: usize,
-    },
     /// There is no memory for a state.
     #[error("a state of {size} bytes")]
     Memory {
@@ -188,23 +134,12 @@ pub enum Error {
         /// Why not.
         source: TryReserveError,
     },
-    /// States of other components.
-    #[error("{states} states for {components} components")]
-    States {
-        /// How many there are.
-        states: usize,
-        /// How many would be needed.
-        components: usize,
-    },
     /// The communication points of a run are impossible.
     #[error(transparent)]
     Clock(#[from] ClockError),
     /// What people want (`decision.toml`) is wrong.
     #[error(transparent)]
     Plan(#[from] lemons_decision::PlanError),
-    /// A Decision FMU cannot be packed.
-    #[error(transparent)]
-    Decision(#[from] lemons_decision::pack::PackError),
     /// A drive file is wrong.
     #[error(transparent)]
     Drive(#[from] DriveError),
@@ -272,49 +207,12 @@ pub enum SavedError {
     /// `run.toml` cannot be written.
     #[error(transparent)]
     Toml(#[from] toml::ser::Error),
-    /// `run.toml` is wrong: key, value and why.
+    /// What it contains is wrong, or it is of other components: the text says what and where.
     #[error("{0}")]
     Content(String),
-    /// The state of a component is missing.
-    #[error("it contains no {state:?}, the state of component {component:?}")]
-    NoState {
-        /// The archive's entry.
-        state: String,
-        /// The component.
-        component: String,
-    },
-    /// The states are larger than what is read.
-    #[error("the states of all components have {size} bytes together, more than {most}")]
-    TooLarge {
-        /// \[byte\]
-        size: usize,
-        /// \[byte\]
-        most: usize,
-    },
     /// It cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// It is of other components.
-    #[error("the saved run is of the components {there}; here are {here}")]
-    Components {
-        /// Names of those of the saved run.
-        there: String,
-        /// Names of those that are to go on.
-        here: String,
-    },
-    /// It is of another FMU.
-    #[error(
-        "component {component:?}: the saved run is of {:?} with the GUID {}; here is {:?} with {}",
-        there.0, there.1, here.0, here.1
-    )]
-    Guid {
-        /// Name of the component.
-        component: String,
-        /// modelName and GUID in the saved run.
-        there: Box<(String, String)>,
-        /// The same of the FMU that is to go on.
-        here: Box<(String, String)>,
-    },
     /// Its components were coupled by another algorithm.
     #[error("the saved run has {there}, not {here}")]
     Algorithm {
@@ -323,7 +221,4 @@ pub enum SavedError {
         /// The one that is wanted.
         here: String,
     },
-    /// Its components were connected otherwise.
-    #[error("the components are connected otherwise than in the saved run")]
-    Wiring,
 }

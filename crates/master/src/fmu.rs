@@ -1,10 +1,9 @@
 //! An FMU: its files, its description, what its names stand for.
 
 use crate::calls::{Calls, Made};
-use crate::error::{Error, Place, Result, whole};
+use crate::error::{Error, Place, Result};
 use crate::instance::{Instance, Sizes, number};
 use crate::kind::Kind as FileKind;
-use crate::library::{check_library, glibc_needed};
 use crate::messages::{Messages, Names};
 use crate::unzip::{DESCRIPTION_FILE, unzip};
 use crowd_mechanics::arrays;
@@ -18,7 +17,7 @@ use lemons_ssp::{Allowance, Fmi, Interface, Kind, Type};
 use lemons_trial::Trial;
 use lemons_trial::{DriveChoice, DriveTable, own_drive};
 use std::collections::{BTreeMap, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 
@@ -34,21 +33,10 @@ pub struct Fmu {
     sizes: Sizes,
     /// Where it came from.
     shown: String,
-    /// The Trial that was packed, by name, and where it lies.
-    trial: Option<(String, String)>,
     /// The packed Trial that was chosen, if that is known.
     chosen: Option<String>,
     /// The values that names of materials stand for, as far as they were asked for: a Trial is large.
     materials: Mutex<HashMap<String, Vec<String>>>,
-}
-
-/// A platform for which an FMU has a library.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Platform {
-    /// As FMI or the FMU calls it; text from outside.
-    pub name: String,
-    /// The glibc that it needs, `[2, 17]`, if it is one of Linux that needs any; else what is wrong with the library.
-    pub glibc: Result<Option<[u32; 2]>, String>,
 }
 
 impl Fmu {
@@ -69,19 +57,8 @@ impl Fmu {
         Fmu { shown: path.to_owned(), ..self }
     }
 
-    /// In messages, the files of the Trial that was packed into it get the path of this directory.
-    #[must_use]
-    pub fn of_trial(mut self, directory: &Path) -> Fmu {
-        let resources = self.resources().ok();
-        self.trial = resources.map(|packed| (packed.first().to_owned(), directory.display().to_string()));
-        self
-    }
-
     fn names(&self) -> Names {
-        let unzipped = self.directory.path().display();
-        let trial =
-            self.trial.iter().map(|(name, path)| (format!("{unzipped}/resources/{name}"), path.clone()));
-        Names(trial.chain([(unzipped.to_string(), self.shown.clone())]).collect())
+        Names { unpacked: self.directory.path().display().to_string(), shown: self.shown.clone() }
     }
 
     /// Like [`Fmu::open`], for a file whose name does not matter in messages.
@@ -92,14 +69,12 @@ impl Fmu {
             .place(|| DESCRIPTION_FILE.to_owned())?;
         let description = Interface::read(&bytes)?;
         check_identifiers(&description).place(|| DESCRIPTION_FILE.to_owned())?;
-        check_own_library(&description, directory.path())?;
         let description = Arc::new(description);
         Ok(Fmu {
             directory,
             description,
             sizes: Sizes::default(),
             shown: "FMU".into(),
-            trial: None,
             chosen: None,
             materials: Mutex::default(),
         })
@@ -116,10 +91,11 @@ impl Fmu {
     /// There are none.
     pub fn resources(&self) -> Result<Resources> {
         let path = self.directory.path().join("resources");
-        let path = path.to_str().ok_or_else(|| Error::Trial(format!("{} is not UTF-8", path.display())))?;
+        let path =
+            path.to_str().ok_or_else(|| Error::Unusable(format!("{} is not UTF-8", path.display())))?;
         Resources::at(Location::Path(path)).map_err(|error| match error {
             ResourcesError::NoTrial { .. } => Error::NoTrial,
-            error => Error::Trial(self.names().said(&error.to_string())),
+            error => Error::Unusable(self.names().said(&error.to_string())),
         })
     }
 
@@ -130,23 +106,20 @@ impl Fmu {
     pub fn trial(&self, name: Option<&str>) -> Result<Trial> {
         let packed = self.resources()?;
         let read = packed.load(name.unwrap_or(packed.first()));
-        Ok(read.map_err(|error| Error::Trial(self.names().said(&error.to_string())))?.0)
+        Ok(read.map_err(|error| Error::Unusable(self.names().said(&error.to_string())))?.0)
     }
 
     /// What drives a Trial of this FMU.
     ///
     /// # Errors
-    /// The drive file has errors: [`Error::Broken`] if it is that of a Trial that was given, else [`Error::Drive`].
-    /// Files have the names that the user knows.
+    /// The drive file has errors; files have the names that the user knows.
     pub fn drive(&self, trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
-        DriveTable::of(trial, choice).map_err(|error| {
-            let own = trial.filter(|_| *choice == DriveChoice::Own);
-            let Some(trial) = own else { return Error::Drive(error) };
-            let error = error.of_file(Path::new(&self.names().said(&own_drive(trial).to_string_lossy())));
-            match &self.trial {
-                Some((_, path)) => Error::Broken { path: path.into(), problems: error.0 },
-                None => Error::Drive(error),
+        DriveTable::of(trial, choice).map_err(|error| match trial {
+            Some(trial) if *choice == DriveChoice::Own => {
+                let known = self.names().said(&own_drive(trial).to_string_lossy());
+                Error::Drive(error.of_file(Path::new(&known)))
             }
+            _ => Error::Drive(error),
         })
     }
 
@@ -176,12 +149,17 @@ impl Fmu {
     /// The FMU cannot be instantiated; the error contains its messages.
     pub fn instantiate(&self, name: &str) -> Result<Instance> {
         let own = self.description.co_simulation.as_ref();
-        let own = own.ok_or(Error::NotCoSimulation)?;
+        let own = own.ok_or_else(|| Error::Unusable("the FMU is not for co-simulation".to_owned()))?;
         let platform = host_platform().ok_or(Error::NoPlatform)?;
         let name_of_library = library_of(&own.identifier, platform_of(&self.description, platform));
         let library = self.directory.path().join(&name_of_library);
         if !library.exists() {
-            return Err(self.no_binary(&own.identifier, name_of_library)).place(|| self.shown.clone());
+            let others = match &self.platforms()[..] {
+                [] => "no library for any platform".to_owned(),
+                others => format!("{} only", others.join(", ")),
+            };
+            let missing = Error::Unusable(format!("the FMU has no {name_of_library}: it has {others}"));
+            return Err(missing).place(|| self.shown.clone());
         }
         let messages = Arc::new(Messages::with(self.names()));
         let made = Made {
@@ -203,46 +181,23 @@ impl Fmu {
             }
             Error::In { place, source: Box::new(Error::Instantiate { why, said: messages.errors() }) }
         })?;
-        let (description, sizes) = (self.description.clone(), self.sizes.clone());
-        let instance = Instance::new(Rc::new(calls), messages, description, sizes);
-        instance.configure().place(|| self.shown.clone())?;
+        let instance = Instance::new(Rc::new(calls), messages, self.description.clone());
+        instance.configure(&self.sizes).place(|| self.shown.clone())?;
         Ok(instance)
     }
 
-    /// It has no library for a platform, but perhaps for others.
-    fn no_binary(&self, identifier: &str, name: String) -> Error {
-        let others = self.libraries(identifier).into_iter().map(|(platform, _)| platform).collect();
-        Error::NoBinary { name, others }
-    }
-
-    /// The platforms for which it has a library of co-simulation, by name, and what is known of these libraries.
-    pub fn platforms(&self) -> Vec<Platform> {
+    /// The names of the platforms for which it has a library of co-simulation: text from outside.
+    pub fn platforms(&self) -> Vec<String> {
         let Some(own) = &self.description.co_simulation else { return Vec::new() };
-        let of = |(name, path): (String, PathBuf)| {
-            let needs = check_library(&path, &name).map_err(|error| whole(&error));
-            let needs = needs.and_then(|()| glibc_needed(&path).map_err(|error| whole(&error)));
-            Platform { name, glibc: needs }
-        };
-        self.libraries(&own.identifier).into_iter().map(of).collect()
-    }
-
-    /// The libraries of all platforms, with the names of their directories.
-    fn libraries(&self, identifier: &str) -> Vec<(String, PathBuf)> {
-        let files = |directory: &Path| {
-            let files = directory.read_dir().into_iter().flatten().flatten();
-            files.map(|file| file.path()).collect::<Vec<_>>()
-        };
-        let library_of = |platform: &Path| {
-            let mut all = files(platform);
-            all.sort();
-            all.into_iter().find(|file| file.file_stem() == Some(identifier.as_ref()))
-        };
-        let name = |platform: &Path| platform.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let platforms = files(&self.directory.path().join("binaries")).into_iter();
-        let mut found: Vec<(String, PathBuf)> =
-            platforms.filter_map(|platform| Some((name(&platform), library_of(&platform)?))).collect();
-        found.sort();
-        found
+        let files = |directory: &Path| directory.read_dir().into_iter().flatten().flatten();
+        let is_library = |file: &Path| file.file_stem() == Some(own.identifier.as_ref());
+        let platforms = files(&self.directory.path().join("binaries"));
+        let platforms =
+            platforms.filter(|platform| files(&platform.path()).any(|file| is_library(&file.path())));
+        let mut names: Vec<String> =
+            platforms.map(|platform| platform.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
     }
 
     /// The values that a name stands for: see [`named`]. In FMI 3.0, a quantity of materials also has its name of FMI
@@ -319,7 +274,9 @@ impl Fmu {
                 continue;
             }
             let description = Arc::make_mut(&mut self.description);
-            description.resize(&name, value).map_err(|why| Error::Size { name: name.clone(), value, why })?;
+            description
+                .resize(&name, value)
+                .map_err(|why| Error::Unusable(format!("{name}={value}: {why}")))?;
             let Some(reference) = description.variable(&name).map(|variable| variable.reference) else {
                 continue;
             };
@@ -362,7 +319,7 @@ fn check_identifiers(description: &Interface) -> Result<()> {
         if identifier.len() > LONGEST_IDENTIFIER {
             let length = identifier.len();
             let why = format!(": has {length} bytes: must have at most {LONGEST_IDENTIFIER}");
-            return Err(Error::Identifier { element, why });
+            return Err(Error::Unusable(format!("<{element}> modelIdentifier{why}")));
         }
         let letters = identifier.bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric());
         if !letters || identifier.is_empty() || identifier.starts_with(|first: char| first.is_ascii_digit()) {
@@ -370,7 +327,7 @@ fn check_identifiers(description: &Interface) -> Result<()> {
                 "={identifier:?}: must be a name in C: letters from A to Z, digits and _, without a digit at the \
                  beginning"
             );
-            return Err(Error::Identifier { element, why });
+            return Err(Error::Unusable(format!("<{element}> modelIdentifier{why}")));
         }
     }
     Ok(())
@@ -384,14 +341,6 @@ fn library_of(identifier: &str, platform: &str) -> String {
 /// The directory of a platform in the FMU's version.
 fn platform_of(description: &Interface, platform: &'static str) -> &'static str {
     if description.fmi == Fmi::V3 { host_directory().unwrap_or(platform) } else { platform }
-}
-
-/// That the library for this machine, if there is one, can be loaded.
-fn check_own_library(description: &Interface, directory: &Path) -> Result<()> {
-    let (Some(own), Some(platform)) = (&description.co_simulation, host_platform()) else { return Ok(()) };
-    let name = library_of(&own.identifier, platform_of(description, platform));
-    let path = directory.join(&name);
-    if path.is_file() { check_library(&path, platform).place(|| name) } else { Ok(()) }
 }
 
 #[cfg(test)]

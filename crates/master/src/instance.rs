@@ -1,6 +1,6 @@
 //! An instance of an FMU.
 
-use crate::calls::{Answer, Calls};
+use crate::calls::{Answer, Calls, Value};
 use crate::error::{Cause, Error, Result};
 use crate::messages::{Messages, done};
 use crate::selection::{Part, Selection};
@@ -31,7 +31,6 @@ pub struct Instance {
     pub(crate) calls: Rc<Calls>,
     pub(crate) messages: Arc<Messages>,
     pub(crate) description: Arc<Interface>,
-    sizes: Sizes,
     /// Whether initialization has begun.
     initialized: Cell<bool>,
     /// Arrays: FMI 3.0 does not let their other elements be read before initialization.
@@ -39,15 +38,10 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// One that was just made, of an FMU of this description; `sizes` are set by [`Instance::configure`].
-    pub(crate) fn new(
-        calls: Rc<Calls>,
-        messages: Arc<Messages>,
-        description: Arc<Interface>,
-        sizes: Sizes,
-    ) -> Instance {
+    /// One that was just made, of an FMU of this description.
+    pub(crate) fn new(calls: Rc<Calls>, messages: Arc<Messages>, description: Arc<Interface>) -> Instance {
         let (initialized, later) = (Cell::new(false), RefCell::default());
-        Instance { calls, messages, description, sizes, initialized, later }
+        Instance { calls, messages, description, initialized, later }
     }
 
     fn done(&self, answer: Answer) -> Result<()> {
@@ -55,8 +49,8 @@ impl Instance {
     }
 
     /// Sets the structural parameters that were chosen.
-    pub(crate) fn configure(&self) -> Result<()> {
-        let Sizes { references, values } = &self.sizes;
+    pub(crate) fn configure(&self, sizes: &Sizes) -> Result<()> {
+        let Sizes { references, values } = sizes;
         if references.is_empty() { Ok(()) } else { self.done(self.calls.configure(references, values)?) }
     }
 
@@ -90,7 +84,7 @@ impl Instance {
     ///
     /// # Errors
     /// There is no such value, the text is no value of the type, or the FMU's refusal.
-    pub fn set<S: AsRef<str>>(&self, names: &[S], text: &str) -> Result<()> {
+    pub fn set_text<S: AsRef<str>>(&self, names: &[S], text: &str) -> Result<()> {
         let Some(first) = names.first().map(AsRef::as_ref) else { return Ok(()) };
         let kind = self.description.single(first).map(|single| &single.variable.of);
         let kind = kind.ok_or_else(|| Error::NoVariable(first.to_owned()))?;
@@ -99,18 +93,21 @@ impl Instance {
         let wrong = |why, source| Error::Value { name: first.to_owned(), text: text.to_owned(), why, source };
         let not_a_number = |error| wrong("not a number", Some(error));
         match kind {
-            Type::Real(_) => self.set_real(&selection, &vec![number(text).map_err(not_a_number)?; count]),
-            Type::Integer => self.set_integer(&selection, &vec![number(text).map_err(not_a_number)?; count]),
-            Type::String => self.set_string(&selection, &vec![text; count]),
+            Type::Real(_) => self.set::<f64>(&selection, &vec![number(text).map_err(not_a_number)?; count]),
+            Type::Integer => self.set::<i32>(&selection, &vec![number(text).map_err(not_a_number)?; count]),
+            Type::String => self.set(&selection, &vec![text.to_owned(); count]),
             Type::Boolean => {
                 let value = match text {
-                    "true" | "1" => 1,
-                    "false" | "0" => 0,
+                    "true" | "1" => true,
+                    "false" | "0" => false,
                     _ => return Err(wrong("neither true nor false", None)),
                 };
-                self.set_boolean(&selection, &vec![value; count])
+                self.set(&selection, &vec![value; count])
             }
-            other => Err(Error::Type { name: first.to_owned(), of: other.name() }),
+            other => {
+                let of = other.name();
+                Err(Error::Unusable(format!("{first}: variables of type {of} cannot be set here")))
+            }
         }
     }
 
@@ -131,7 +128,7 @@ impl Instance {
     /// The FMU refuses the call.
     pub fn enter_initialization(&self, start: f64, tolerance: Option<f64>) -> Result<()> {
         let tolerance = tolerance.or(self.description.tolerance);
-        self.done(self.calls.enter_initialization(start, tolerance))?;
+        self.done(self.calls.enter_initialization(start, tolerance)?)?;
         self.initialized.set(true);
         let later = std::mem::take(&mut *self.later.borrow_mut());
         later.into_iter().try_for_each(|set| set(self))
@@ -142,150 +139,56 @@ impl Instance {
     /// # Errors
     /// The FMU refuses the call.
     pub fn exit_initialization(&self) -> Result<()> {
-        self.done(self.calls.exit_initialization())
+        self.done(self.calls.exit_initialization()?)
     }
 
-    /// Whether values must wait for initialization: an array can only be set whole, and cannot be read before. All arrays
-    /// wait, so that the last value counts, and sizes are those of the Trial that was chosen.
-    fn waits(&self, selection: &Selection) -> bool {
-        selection.has_arrays() && !self.initialized.get()
-    }
-
-    /// Sets Reals.
+    /// Sets values. Arrays wait for initialization, so that the last value counts and sizes are those of the Trial that
+    /// was chosen: an array can only be set whole, and cannot be read before.
     ///
     /// # Errors
-    /// The FMU refuses the call.
-    pub fn set_real(&self, selection: &Selection, values: &[f64]) -> Result<()> {
-        if self.waits(selection) {
+    /// The FMU refuses the call, or a value is none of a variable's type.
+    pub fn set<T: Value>(&self, selection: &Selection, values: &[T]) -> Result<()> {
+        if selection.has_arrays() && !self.initialized.get() {
             let (selection, values) = (selection.clone(), values.to_vec());
-            self.later.borrow_mut().push(Box::new(move |instance| instance.set_real(&selection, &values)));
+            self.later.borrow_mut().push(Box::new(move |instance| instance.set(&selection, &values)));
             return Ok(());
         }
-        let set = |part: &Part, values: &[f64]| {
-            self.done(self.calls.set_real(part.of, &part.references, values)?)
-        };
-        selection.write(values, |part, values| self.part_of_real(part, values), set)
+        let set =
+            |part: &Part, values: &[T]| self.done(T::set(&self.calls, part.of, &part.references, values)?);
+        selection.write(values, |part, values| self.get_part(part, values), set)
     }
 
-    fn part_of_real(&self, part: &Part, values: &mut [f64]) -> Result<()> {
-        self.done(self.calls.get_real(part.of, &part.references, values)?)
-    }
-
-    /// Reads Reals.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn get_real(&self, selection: &Selection, values: &mut [f64]) -> Result<()> {
-        selection.read(values, |part, values| self.part_of_real(part, values))
-    }
-
-    /// Reads Integers; those of FMI 3.0 that are larger than an `Int32` are refused.
+    /// Reads values: Reals, Integers (an `i32`: what is larger is refused), Booleans or texts.
     ///
     /// # Errors
     /// The FMU refuses the call, or a value is too large.
-    pub fn get_integer(&self, selection: &Selection, values: &mut [i32]) -> Result<()> {
-        selection.read(values, |part, values| self.part_of_integer(part, values))
+    pub fn get<T: Value>(&self, selection: &Selection, values: &mut [T]) -> Result<()> {
+        selection.read(values, |part, values| self.get_part(part, values))
     }
 
-    fn part_of_integer(&self, part: &Part, values: &mut [i32]) -> Result<()> {
-        self.done(self.calls.get_integer(part.of, &part.references, values)?)
+    fn get_part<T: Value>(&self, part: &Part, values: &mut [T]) -> Result<()> {
+        self.done(T::get(&self.calls, part.of, &part.references, values)?)
     }
 
-    /// Sets Integers.
+    /// Reads values.
     ///
     /// # Errors
-    /// The FMU refuses the call, or a value is not one of its type.
-    pub fn set_integer(&self, selection: &Selection, values: &[i32]) -> Result<()> {
-        if self.waits(selection) {
-            let (selection, values) = (selection.clone(), values.to_vec());
-            self.later.borrow_mut().push(Box::new(move |instance| instance.set_integer(&selection, &values)));
-            return Ok(());
-        }
-        let set = |part: &Part, values: &[i32]| {
-            self.done(self.calls.set_integer(part.of, &part.references, values)?)
-        };
-        selection.write(values, |part, values| self.part_of_integer(part, values), set)
+    /// As [`Instance::get`].
+    pub fn values<T: Value>(&self, selection: &Selection) -> Result<Vec<T>> {
+        let mut values = vec![T::default(); selection.len()];
+        self.get(selection, &mut values)?;
+        Ok(values)
     }
 
-    /// Reads Booleans; anything but 0 is true.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn get_boolean(&self, selection: &Selection, values: &mut [i32]) -> Result<()> {
-        selection.read(values, |part, values| self.part_of_boolean(part, values))
-    }
-
-    fn part_of_boolean(&self, part: &Part, values: &mut [i32]) -> Result<()> {
-        self.done(self.calls.get_boolean(&part.references, values)?)
-    }
-
-    /// Sets Booleans.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn set_boolean(&self, selection: &Selection, values: &[i32]) -> Result<()> {
-        if self.waits(selection) {
-            let (selection, values) = (selection.clone(), values.to_vec());
-            self.later.borrow_mut().push(Box::new(move |instance| instance.set_boolean(&selection, &values)));
-            return Ok(());
-        }
-        let set = |part: &Part, values: &[i32]| self.done(self.calls.set_boolean(&part.references, values)?);
-        selection.write(values, |part, values| self.part_of_boolean(part, values), set)
-    }
-
-    /// Reads texts.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn get_string(&self, selection: &Selection, values: &mut [String]) -> Result<()> {
-        selection.read(values, |part, values| self.part_of_string(part, values))
-    }
-
-    fn part_of_string(&self, part: &Part, values: &mut [String]) -> Result<()> {
-        self.done(self.calls.get_string(&part.references, values)?)
-    }
-
-    /// Sets texts.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn set_string(&self, selection: &Selection, values: &[&str]) -> Result<()> {
-        let values: Vec<String> = values.iter().map(|text| (*text).to_owned()).collect();
-        if self.waits(selection) {
-            let selection = selection.clone();
-            self.later.borrow_mut().push(Box::new(move |instance| instance.set_texts(&selection, &values)));
-            return Ok(());
-        }
-        self.set_texts(selection, &values)
-    }
-
-    fn set_texts(&self, selection: &Selection, values: &[String]) -> Result<()> {
-        let set = |part: &Part, values: &[String]| {
-            let values: Vec<&str> = values.iter().map(String::as_str).collect();
-            self.done(self.calls.set_string(&part.references, &values)?)
-        };
-        selection.write(values, |part, values| self.part_of_string(part, values), set)
-    }
-
-    /// The text of a single value.
+    /// Reads a single value.
     ///
     /// # Errors
     /// There is no such value, or the FMU refuses the call.
-    pub fn text(&self, name: &str) -> Result<String> {
-        let mut text = [String::new()];
-        self.get_string(&self.select([name])?, &mut text)?;
-        let [text] = text;
-        Ok(text)
-    }
-
-    /// A Real.
-    ///
-    /// # Errors
-    /// There is no such value, or the FMU refuses the call.
-    pub fn real(&self, name: &str) -> Result<f64> {
-        let mut value = [0.0];
-        self.get_real(&self.select([name])?, &mut value)?;
-        Ok(value[0])
+    pub fn value<T: Value>(&self, name: &str) -> Result<T> {
+        let mut value = [T::default()];
+        self.get(&self.select([name])?, &mut value)?;
+        let [value] = value;
+        Ok(value)
     }
 
     /// A step from a time, both \[s\].
@@ -300,23 +203,12 @@ impl Instance {
         self.done(answer)
     }
 
-    /// `fmi2Reset`, `fmi3Reset`
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn reset(&self) -> Result<()> {
-        self.done(self.calls.reset())?;
-        self.initialized.set(false);
-        self.later.borrow_mut().clear();
-        self.configure()
-    }
-
     /// `fmi2Terminate`, `fmi3Terminate`
     ///
     /// # Errors
     /// The FMU refuses the call.
     pub fn terminate(&self) -> Result<()> {
-        self.done(self.calls.terminate())
+        self.done(self.calls.terminate()?)
     }
 
     /// The warnings of the FMU since the last call: the first 1000, the number of further ones, and the time \[s\] of

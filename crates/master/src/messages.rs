@@ -5,13 +5,16 @@ use crate::error::{Error, Result};
 use lemons_fmi::Status;
 use std::sync::Mutex;
 
-/// Temporary places, and what the user knows them by.
-#[derive(Default, Clone)]
-pub(crate) struct Names(pub Vec<(String, String)>);
+/// Where an FMU is unpacked, and what the user knows it by.
+#[derive(Default)]
+pub(crate) struct Names {
+    pub unpacked: String,
+    pub shown: String,
+}
 
 impl Names {
     pub fn said(&self, text: &str) -> String {
-        self.0.iter().fold(text.to_owned(), |text, (place, name)| text.replace(place, name))
+        if self.unpacked.is_empty() { text.to_owned() } else { text.replace(&self.unpacked, &self.shown) }
     }
 }
 
@@ -107,13 +110,11 @@ impl Messages {
 
 /// The result of a call; its error is what the FMU has logged about it.
 pub(crate) fn done(messages: &Messages, answer: Answer) -> Result<()> {
-    match answer.status() {
-        Some(Status::Ok | Status::Warning) => {
-            messages.forget_errors();
-            Ok(())
-        }
-        _ => Err(Error::Refused { answer, said: messages.errors() }),
+    if !answer.succeeded() {
+        return Err(Error::Refused { answer, said: messages.errors() });
     }
+    messages.forget_errors();
+    Ok(())
 }
 
 #[cfg(test)]

@@ -36,7 +36,7 @@ const CROWD: &str = "crowd";
 /// let clock = run.clock;
 /// let _ = lemons_sim::run::<_, Error>(&mut run, &clock, 0, |run, point| {
 ///     let crowd = &run.system.components()[0].instance;
-///     println!("{} s: {} m", point.time, crowd.real("agent[0].Position.x")?);
+///     println!("{} s: {} m", point.time, crowd.value::<f64>("agent[0].Position.x")?);
 ///     Ok(ControlFlow::Continue(()))
 /// })?;
 /// # Ok::<(), PrepareError>(())
@@ -64,10 +64,8 @@ impl Model for Prepared {
     type Error = Error;
 
     fn step_to(&mut self, time: f64) -> Result<()> {
-        let values = self.pushes.at(self.system.time());
-        if !values.is_empty() {
-            self.system.push_crowd(self.pushes.inputs(), &values)?;
-        }
+        // A system of several components has no drive.
+        self.pushes.apply(&self.system.components()[0].instance, self.system.time())?;
         self.system.step_to(time)
     }
 }
@@ -115,12 +113,12 @@ impl Prepared {
         let plays = !coupled && own && crowd.fmu.kind(PLAY_DRIVE).is_some();
         let drive = match (coupled, plays) {
             (true, _) => DriveTable::default(),
-            (false, true) if !is_true(&crowd.instance, PLAY_DRIVE)? => DriveTable::default(),
+            (false, true) if !crowd.instance.value::<bool>(PLAY_DRIVE)? => DriveTable::default(),
             (false, _) => crowd.fmu.drive(trial, &settings.drive)?,
         };
         let agents = trial.map_or(&[][..], |trial| &trial.agents);
         let pushes = Pushes::new(&crowd.instance, agents, drive, plays)?;
-        if before.as_ref().is_some_and(|before| pushes.fingerprint() != before.drive) {
+        if before.as_ref().is_some_and(|before| pushes.drive.fingerprint() != before.drive) {
             return Err(PrepareError::OtherDrive);
         }
         let (step, every) = match &before {
@@ -129,9 +127,9 @@ impl Prepared {
         };
         let clock = Clock::new(start, step, until).map_err(Error::from);
         let clock = clock.place(|| settings.input.display().to_string())?;
-        warnings.extend(pushes.missed(start, step).map(Warning::Missed));
+        warnings.extend(pushes.drive.missed(start, step).map(Warning::Missed));
         warnings.extend(settings.between(before.as_ref(), &clock));
-        let undriven = !coupled && before.is_none() && pushes.end().is_none();
+        let undriven = !coupled && before.is_none() && pushes.drive.end().is_none();
         if undriven && trial.is_some() && is_still(&crowd.instance, agents.len())? {
             warnings.push(Warning::Still);
         }
@@ -153,16 +151,7 @@ struct Opened {
 fn is_still(crowd: &Instance, agents: usize) -> Result<bool> {
     let of_one = ["Fp.x", "Fp.y", "Mp", "Velocity.x", "Velocity.y", "Omega"];
     let all = crowd.select((0..agents).flat_map(|i| of_one.map(|name| format!("agent[{i}].{name}"))))?;
-    let mut values = vec![0.0; all.len()];
-    crowd.get_real(&all, &mut values)?;
-    Ok(values.iter().all(|value| *value == 0.0))
-}
-
-/// The value of a Boolean.
-fn is_true(instance: &Instance, name: &str) -> Result<bool> {
-    let mut value = [0];
-    instance.get_boolean(&instance.select([name])?, &mut value)?;
-    Ok(value != [0])
+    Ok(crowd.values(&all)?.iter().all(|value: &f64| *value == 0.0))
 }
 
 /// Whether the input is an SSP.
@@ -237,7 +226,7 @@ fn set(system: &System, name: &str, value: &str, coupled: bool) -> Result<Option
         return Ok(None);
     }
     let variables = component.fmu.named(variable);
-    component.instance.set(&variables, value)?;
+    component.instance.set_text(&variables, value)?;
     let fed = variables.into_iter().find(|variable| system.feeds(place, variable));
     Ok(fed.map(|input| {
         let (name, value) = given();

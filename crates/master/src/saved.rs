@@ -138,7 +138,12 @@ impl Saved {
     /// That the states of all components can be read again.
     fn check_states(states: &[Vec<u8>], most: usize) -> Result<(), SavedError> {
         let size = states.iter().fold(0, |sum: usize, state| sum.saturating_add(state.len()));
-        if size > most { Err(SavedError::TooLarge { size, most }) } else { Ok(()) }
+        if size > most {
+            return Err(SavedError::Content(format!(
+                "the states of all components have {size} bytes together, more than {most}"
+            )));
+        }
+        Ok(())
     }
 
     /// Writes the archive; the same run gives the same bytes.
@@ -186,8 +191,10 @@ impl Saved {
         for component in &saved.component {
             let name = &component.state;
             if zip.index_for_name(name).is_none() {
-                let (state, component) = (name.clone(), component.name.clone());
-                return Err(SavedError::NoState { state, component });
+                let component = &component.name;
+                return Err(SavedError::Content(format!(
+                    "it contains no {name:?}, the state of component {component:?}"
+                )));
             }
             // No more is unpacked than is said, and no more than is said is allocated.
             let mut bytes = Vec::new();
@@ -271,22 +278,24 @@ impl Saved {
         let there: Vec<&str> = self.component.iter().map(|component| component.name.as_str()).collect();
         let here: Vec<&str> = components.iter().map(|[name, ..]| name.as_str()).collect();
         if there != here {
-            return Err(SavedError::Components { there: there.join(", "), here: here.join(", ") });
+            let (there, here) = (there.join(", "), here.join(", "));
+            let why = format!("the saved run is of the components {there}; here are {here}");
+            return Err(SavedError::Content(why));
         }
         for (there, [_, model, guid]) in self.component.iter().zip(components) {
             if there.guid != *guid {
-                return Err(SavedError::Guid {
-                    component: there.name.clone(),
-                    there: Box::new((there.model.clone(), there.guid.clone())),
-                    here: Box::new((model.clone(), guid.clone())),
-                });
+                let ComponentRecord { name, model: saved, guid: other, .. } = there;
+                return Err(SavedError::Content(format!(
+                    "component {name:?}: the saved run is of {saved:?} with the GUID {other}; here is {model:?} with {guid}"
+                )));
             }
         }
         if self.algorithm != algorithm {
             return Err(SavedError::Algorithm { there: self.algorithm.clone(), here: algorithm.to_owned() });
         }
         if self.wiring != wiring {
-            return Err(SavedError::Wiring);
+            let why = "the components are connected otherwise than in the saved run";
+            return Err(SavedError::Content(why.to_owned()));
         }
         Ok(())
     }

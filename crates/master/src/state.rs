@@ -18,14 +18,6 @@ pub struct State {
 }
 
 impl State {
-    /// Takes the present state of its instance instead.
-    ///
-    /// # Errors
-    /// The FMU refuses the call.
-    pub fn renew(&mut self) -> Result<()> {
-        done(&self.messages, self.held.take()?)
-    }
-
     /// `fmi2SerializeFMUstate`
     ///
     /// # Errors
@@ -35,7 +27,8 @@ impl State {
         let call = answer.call();
         done(&self.messages, answer)?;
         if size > LARGEST_STATE {
-            return Err(Error::StateSize { call, size, most: LARGEST_STATE });
+            let why = format!("{call} returned {size} bytes, more than {LARGEST_STATE}");
+            return Err(Error::Unusable(why));
         }
         let mut bytes = Vec::new();
         bytes.try_reserve_exact(size).map_err(|source| Error::Memory { size, source })?;
@@ -56,7 +49,7 @@ impl Instance {
     /// The FMU refuses the call.
     pub fn state(&self) -> Result<State> {
         let mut state = self.empty_state();
-        state.renew()?;
+        done(&self.messages, state.held.take()?)?;
         Ok(state)
     }
 

@@ -10,11 +10,10 @@
 //! Initial values: while all components are in initialization mode, outputs are read and inputs are set as many times as
 //! there are components, or until nothing changes. The longest chain without a loop then has its values.
 
-use crate::channel::{Booleans, Channel, Integers, Reals, Strings, Wire};
+use crate::channel::{Exchange, Wire, channel_of, channels};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::instance::Instance;
-use crate::pushes::Inputs;
 use crate::refusal::Warning;
 use crate::state::State;
 use lemons_sim::Algorithm;
@@ -45,7 +44,7 @@ impl Component {
         if self.fmu.resources().is_err() || self.fmu.kind("Trial").is_none() {
             return Ok(None);
         }
-        self.fmu.trial(Some(&self.instance.text("Trial")?)).map(Some)
+        self.fmu.trial(Some(&self.instance.value::<String>("Trial")?)).map(Some)
     }
 }
 
@@ -53,23 +52,11 @@ impl Component {
 pub struct System {
     components: Vec<Component>,
     algorithm: Algorithm,
-    reals: Channel<Reals>,
-    integers: Channel<Integers>,
-    booleans: Channel<Booleans>,
-    strings: Channel<Strings>,
+    channels: [Box<dyn Exchange>; 4],
     connections: usize,
     /// Components of which the first feeds inputs of the second that have the names of its outputs.
     alike: BTreeSet<(usize, usize)>,
     time: f64,
-}
-
-/// Connections by type.
-#[derive(Default)]
-pub(crate) struct Wires {
-    pub(crate) reals: Vec<Wire>,
-    pub(crate) integers: Vec<Wire>,
-    pub(crate) booleans: Vec<Wire>,
-    pub(crate) strings: Vec<Wire>,
 }
 
 impl System {
@@ -87,33 +74,28 @@ impl System {
         System {
             components,
             algorithm,
-            reals: Channel::new(count),
-            integers: Channel::new(count),
-            booleans: Channel::new(count),
-            strings: Channel::new(count),
+            channels: channels(count),
             connections: 0,
             alike: BTreeSet::new(),
             time: 0.0,
         }
     }
 
-    /// Adds connections; each is one of so many lines of the SSP. `alike` are the pairs of components with one between
-    /// equal names.
+    /// Adds connections by the places of their channels; each is one of so many lines of the SSP. `alike` are the pairs
+    /// of components with one between equal names.
     ///
     /// # Errors
     /// An FMU has no such values.
     pub(crate) fn connect(
         &mut self,
-        wires: &Wires,
+        wires: &[Vec<Wire>; 4],
         connections: usize,
         alike: BTreeSet<(usize, usize)>,
     ) -> Result<()> {
-        let Wires { reals, integers, booleans, strings } = wires;
         let instances: Vec<&Instance> = self.components.iter().map(|component| &component.instance).collect();
-        self.reals.connect(reals, &instances)?;
-        self.integers.connect(integers, &instances)?;
-        self.booleans.connect(booleans, &instances)?;
-        self.strings.connect(strings, &instances)?;
+        for (channel, wires) in self.channels.iter_mut().zip(wires) {
+            channel.connect(wires, &instances)?;
+        }
         self.connections += connections;
         self.alike = alike;
         Ok(())
@@ -136,9 +118,7 @@ impl System {
             };
             let names: Vec<String> = a.fmu.description.singles().filter(same).map(|(name, _)| name).collect();
             let values = |component: &Component| -> Result<Vec<f64>> {
-                let mut values = vec![0.0; names.len()];
-                component.instance.get_real(&component.instance.select(&names)?, &mut values)?;
-                Ok(values)
+                component.instance.values(&component.instance.select(&names)?)
             };
             let mut differing: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
             let (here, there) = (values(a)?, values(b)?);
@@ -169,14 +149,8 @@ impl System {
     pub fn feeds(&self, place: usize, variable: &str) -> bool {
         let component = &self.components[place];
         let Some(single) = component.fmu.description.single(variable) else { return false };
-        let address = single.address();
-        match single.variable.of {
-            Type::Real(_) => self.reals.feeds(place, address),
-            Type::Integer => self.integers.feeds(place, address),
-            Type::Boolean => self.booleans.feeds(place, address),
-            Type::String => self.strings.feeds(place, address),
-            Type::Enumeration(_) | Type::Binary | Type::Clock => false,
-        }
+        let channel = channel_of(&single.variable.of).map(|place| &self.channels[place]);
+        channel.is_some_and(|channel| channel.feeds(place, single.address()))
     }
 
     /// The algorithm: in which order components exchange values and step.
@@ -201,7 +175,10 @@ impl System {
     /// A component refuses the parameter.
     pub fn stop_drives(&self) -> Result<()> {
         let plays = |component: &&Component| component.fmu.kind(PLAY_DRIVE).is_some();
-        self.components.iter().filter(plays).try_for_each(|crowd| crowd.instance.set(&[PLAY_DRIVE], "false"))
+        self.components
+            .iter()
+            .filter(plays)
+            .try_for_each(|crowd| crowd.instance.set_text(&[PLAY_DRIVE], "false"))
     }
 
     /// Initializes all components at a time \[s\]; see the module for the first values. They get this tolerance, or that
@@ -250,14 +227,6 @@ impl System {
         Ok(())
     }
 
-    /// Drives the last component: sets its inputs, or adds to what another component feeds them.
-    pub(crate) fn push_crowd(&mut self, inputs: &Inputs, values: &[f64]) -> Result<()> {
-        match &mut self.components[..] {
-            [only] => only.instance.set_real(&inputs.selection, values),
-            all => self.reals.add(all.len() - 1, &inputs.addresses, values),
-        }
-    }
-
     /// The state of each component at the current communication point.
     ///
     /// # Errors
@@ -278,7 +247,8 @@ impl System {
     /// The states belong to other components, or a component refuses its state.
     pub fn restore(&mut self, time: f64, states: &[Vec<u8>]) -> Result<()> {
         if states.len() != self.components.len() {
-            return Err(Error::States { states: states.len(), components: self.components.len() });
+            let (states, components) = (states.len(), self.components.len());
+            return Err(Error::Unusable(format!("{states} states for {components} components")));
         }
         self.each(|system, c| system.components[c].instance.restore(&states[c]))?;
         self.time = time;
@@ -288,21 +258,7 @@ impl System {
     /// The connections as text. Two texts are equal if and only if the same outputs feed the same inputs with the same
     /// conversions.
     pub fn wiring(&self) -> String {
-        [self.reals.wiring(), self.integers.wiring(), self.booleans.wiring(), self.strings.wiring()]
-            .join("\n")
-    }
-
-    /// As it was made: without the parameters that were set, and not initialized.
-    ///
-    /// # Errors
-    /// A component refuses it.
-    pub fn reset(&mut self) -> Result<()> {
-        self.reals.forget();
-        self.integers.forget();
-        self.booleans.forget();
-        self.strings.forget();
-        self.time = 0.0;
-        self.each(|system, c| system.components[c].instance.reset())
+        self.channels.each_ref().map(|channel| channel.wiring()).join("\n")
     }
 
     /// Terminates all components.
@@ -344,20 +300,17 @@ impl System {
     /// Reads the connected outputs of a component; whether one is new.
     fn read(&mut self, c: usize) -> Result<bool> {
         let instance = &self.components[c].instance;
-        let real = self.reals.read(c, instance)?;
-        let integer = self.integers.read(c, instance)?;
-        let boolean = self.booleans.read(c, instance)?;
-        let string = self.strings.read(c, instance)?;
-        Ok(real || integer || boolean || string)
+        let mut news = false;
+        for channel in &mut self.channels {
+            news |= channel.read(c, instance)?;
+        }
+        Ok(news)
     }
 
     /// Sets the connected inputs of a component.
     fn send(&mut self, c: usize) -> Result<()> {
         let instance = &self.components[c].instance;
-        self.reals.send(c, instance)?;
-        self.integers.send(c, instance)?;
-        self.booleans.send(c, instance)?;
-        self.strings.send(c, instance)
+        self.channels.iter_mut().try_for_each(|channel| channel.send(c, instance))
     }
 }
 

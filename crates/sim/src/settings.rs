@@ -212,6 +212,28 @@ impl Simulation {
         }
     }
 
+    /// Returns parameters of people that differ between crowd and Decision: for each quantity the name of the first of
+    /// these people, both values, and the number of people.
+    ///
+    /// # Errors
+    /// Decision cannot tell them.
+    pub fn differing(&mut self) -> Result<Vec<(String, [f64; 2], usize)>, SimError> {
+        let (Some(decision), Some(names)) = (&mut self.decision, &self.decision_names) else {
+            return Ok(Vec::new());
+        };
+        let mut found: BTreeMap<&str, (String, [f64; 2], usize)> = BTreeMap::new();
+        for (name, of_decision) in &names.0 {
+            let parameter = of_decision.role == Role::Parameter && matches!(of_decision.kind, Kind::Real(_));
+            let Some(of_crowd) = self.crowd_names.0.get(name).filter(|_| parameter) else { continue };
+            let values = [decision.real(of_decision.quantity)?, self.crowd.real(of_crowd.quantity)?];
+            if values[0] != values[1] {
+                let quantity = name.split_once("].").map_or("", |(_, quantity)| quantity);
+                found.entry(quantity).or_insert_with(|| (name.clone(), values, 0)).2 += 1;
+            }
+        }
+        Ok(found.into_values().collect())
+    }
+
     /// Returns the outputs of Decision; none where nobody walks.
     pub fn decision_outputs(&self) -> Vec<Variable<decision::Quantity>> {
         let table = self.decision.as_ref().map(Model::table).unwrap_or_default();

@@ -7,7 +7,7 @@ use crowd_mechanics::variables::{AgentQuantity, Quantity};
 use lemons_decision::decision::{Act, DecisionError, Saved as SavedDecision};
 use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, Plan};
-use lemons_fmi::{Model, Phase, StepError};
+use lemons_fmi::{Model, Phase, StepError, fingerprint};
 use lemons_plane::Motion;
 use lemons_record::{Frame, Observed, OfStep, Totals};
 use lemons_trial::{DriveTable, Trial};
@@ -77,7 +77,7 @@ pub enum SimError {
         meant: Option<String>,
     },
     /// A saved state is damaged, or of other documents.
-    #[error("the saved state is damaged, or is not a state of this Trial")]
+    #[error("the state is damaged or is not a state of this Trial")]
     State,
 }
 
@@ -273,7 +273,8 @@ impl Simulation {
     pub fn save(&self) -> Vec<u8> {
         let decision = self.decision.as_ref().map(Model::save);
         let saved = Saved { time: self.time, crowd: self.crowd.save(), decision, adds: self.adds };
-        postcard::to_stdvec(&saved).expect("a state is plain numbers and text")
+        let content = postcard::to_stdvec(&saved).expect("a state is plain numbers and text");
+        [&fingerprint(&content).to_le_bytes()[..], &content].concat()
     }
 
     /// Goes to a state that a simulation of the same documents has saved. It has the settings of that one.
@@ -281,7 +282,11 @@ impl Simulation {
     /// # Errors
     /// The bytes are damaged, or are of other documents.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SimError> {
-        let saved: Saved = postcard::from_bytes(bytes).map_err(|_| SimError::State)?;
+        let (sum, content) = bytes.split_at_checked(16).ok_or(SimError::State)?;
+        if sum != fingerprint(content).to_le_bytes() {
+            return Err(SimError::State);
+        }
+        let saved: Saved = postcard::from_bytes(content).map_err(|_| SimError::State)?;
         if !saved.time.is_finite() || saved.decision.is_some() != self.decision.is_some() {
             return Err(SimError::State);
         }

@@ -31,12 +31,12 @@ pub struct Still {
 }
 
 impl StopCondition {
-    /// Sees the frame of a communication point.
-    pub fn see(&mut self, frame: &Frame) {
+    /// Sees the frames of all crowds at a communication point \[s\].
+    pub fn see(&mut self, time: f64, frames: &[Frame]) {
         match self {
-            StopCondition::Still(still) => still.see(frame.time, moves(frame)),
+            StopCondition::Still(still) => still.see(time, frames.iter().any(moves)),
             StopCondition::Left(leaving) => {
-                leaving.see(frame.time, &places(frame));
+                leaving.see(time, &frames.iter().flat_map(places).collect::<Vec<_>>());
             }
         }
     }

@@ -1,8 +1,7 @@
 //! What an FMU says of itself in its `modelDescription.xml`, of FMI 2.0 or 3.0: names, abilities, variables and units.
 
 mod elements;
-mod v2;
-mod v3;
+mod variables;
 
 use crate::document::{Kind, Native, Type};
 use crate::error::Result;
@@ -175,10 +174,7 @@ impl Interface {
                 return Err(root.wrong("fmiVersion", why).into());
             }
         };
-        let (token, unit_of) = match fmi {
-            Fmi::V2 => ("guid", v2::declared_units as fn(_) -> _),
-            Fmi::V3 => ("instantiationToken", v3::declared_units as fn(_) -> _),
-        };
+        let token = if fmi == Fmi::V2 { "guid" } else { "instantiationToken" };
         let exchange = root.child("ModelExchange").map(|element| element.text("modelIdentifier"));
         let mut interface = Interface {
             fmi,
@@ -201,11 +197,7 @@ impl Interface {
                 interface.units.insert(unit.name.clone(), unit);
             }
         }
-        let declared: HashMap<&str, &str> = unit_of(root)?;
-        match fmi {
-            Fmi::V2 => v2::read_variables(&mut interface, root, &declared)?,
-            Fmi::V3 => v3::read_variables(&mut interface, root, &declared)?,
-        }
+        variables::read_variables(&mut interface, root)?;
         Ok(interface)
     }
 
@@ -256,17 +248,6 @@ fn read_co_simulation(element: Element, fmi: Fmi) -> Result<CoSimulation> {
         can_get_and_set_state: flag(state)?,
         can_serialize_state: flag(serialize)?,
     })
-}
-
-/// The causality of a variable as a kind; `None` for local and independent variables.
-fn read_kind(element: Element) -> Option<Kind> {
-    let causality = element.optional("causality").unwrap_or("local");
-    Kind::NAMES.iter().find(|(name, _)| *name == causality).map(|(_, kind)| *kind)
-}
-
-fn read_reference(element: Element) -> Result<u32> {
-    let reference = element.parsed("valueReference", "a number from 0 to 4294967295")?;
-    Ok(reference.ok_or_else(|| element.problem("has no valueReference"))?)
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@ use crate::unit::Unit;
 use lemons_xml::{Layout, Out, number};
 
 impl SystemStructure {
-    /// As XML of SSP 1.0, or of SSP 2.0 if there are arrays, without parameters; the same structure gives the same text.
+    /// As XML of SSP 1.0, or of SSP 2.0 if there are arrays, without parameters and conversions; the same structure
+    /// gives the same text.
     pub fn to_xml(&self) -> String {
         let arrays = self.has_arrays();
         let root = [
@@ -117,18 +118,8 @@ fn write_connections(out: &mut Out, structure: &SystemStructure) {
             ("endIndices", &to),
         ];
         let there = |(name, value): &(&str, &str)| !name.ends_with("Indices") || !value.is_empty();
-        let mut attributes: Vec<(&str, &str)> = attributes.into_iter().filter(there).collect();
-        if connection.suppress_unit_conversion {
-            attributes.push(("suppressUnitConversion", "true"));
-        }
-        let Some(map) = connection.transformation else {
-            out.empty("ssd:Connection", &attributes);
-            continue;
-        };
-        let (factor, offset) = (number(map.factor), number(map.offset));
-        out.element("ssd:Connection", &attributes, |out| {
-            out.empty("ssc:LinearTransformation", &[("factor", &factor), ("offset", &offset)]);
-        });
+        let attributes: Vec<(&str, &str)> = attributes.into_iter().filter(there).collect();
+        out.empty("ssd:Connection", &attributes);
     }
 }
 

@@ -92,7 +92,7 @@ fn who_leaves(documents: &Documents) -> Result<usize> {
 
 /// Checks that parameters set something, each something else.
 fn check_parameters(spec: &Spec, simulation: &Simulation) -> Result<()> {
-    let mut all: HashSet<String> = HashSet::new();
+    let mut all: HashSet<Vec<String>> = HashSet::new();
     for (column, (parameter, values)) in spec.points.columns.iter().enumerate() {
         let wrong = |why: String| Error::Spec(format!("parameters: {parameter}: {why}"));
         if spec.only_chooses(column) {
@@ -118,8 +118,11 @@ fn check_parameters(spec: &Spec, simulation: &Simulation) -> Result<()> {
                 return Err(wrong(format!("{text}: must be a finite number")));
             }
         }
-        for name in names {
-            if !all.insert(name) {
+        // Of some agents, a later parameter may replace an earlier one of all.
+        let (crowd, decision): (Vec<_>, Vec<_>) =
+            names.into_iter().partition(|name| name.starts_with("crowd."));
+        for of_one in [crowd, decision] {
+            if !(of_one.is_empty() || all.insert(of_one)) {
                 return Err(wrong("another parameter sets the same".into()));
             }
         }

@@ -47,8 +47,8 @@ pub struct Swept {
 
 /// Simulates the points that a sweep's table does not contain yet.
 ///
-/// `tell` is called when points are finished. When `stop` is set, points in progress are given up at their next
-/// communication point. Failed points are kept with their message.
+/// `tell` is called when points are finished. When `stop` is set, points in progress are given up, and their threads end
+/// at the next communication point. Failed points are kept with their message.
 ///
 /// # Errors
 /// A Trial, an FMU, a plan or the drive cannot be used, the table belongs to another sweep, or it cannot be written.
@@ -136,10 +136,11 @@ fn simulate(
         let message = arrived.recv_timeout(between.saturating_sub(last.elapsed()).min(LOOK));
         let over = message == Err(RecvTimeoutError::Disconnected);
         pending.extend(message);
-        if stop.load(Ordering::Relaxed) {
+        let stopped = stop.load(Ordering::Relaxed);
+        if stopped {
             queue.over.store(true, Ordering::Relaxed);
         }
-        if (over || last.elapsed() >= between) && !pending.is_empty() {
+        if (over || stopped || last.elapsed() >= between) && !pending.is_empty() {
             pending.extend(arrived.try_iter());
             pending.sort_by_key(|row| row.point);
             if let Err(error) = write(&pending) {
@@ -151,6 +152,9 @@ fn simulate(
         }
         if over {
             break;
+        }
+        if stopped {
+            return Ok(());
         }
     }
     match workers.into_iter().map(JoinHandle::join).find(Result::is_err) {

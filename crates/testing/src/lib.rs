@@ -1,18 +1,15 @@
 //! Helpers for the tests, benches and fuzzers of several packages. No program contains them.
 //!
 //! - [`places`]: where the repository, its Trials and the shared data are; copies of directories
-//! - [`pe`]: the header of a shared library for Windows
 //! - [`functions`]: the FMI functions as an importer sees them, of a shared library or of a model
 //! - [`instance`]: an instance of either version, with its messages
 
 #![allow(unsafe_code)] // the C boundary, from the other side
 
 pub mod functions;
-mod headers;
 pub mod instance;
 pub mod places;
 
 pub use functions::{fmi2, fmi3};
-pub use headers::pe;
 pub use instance::{Instance, Message, Version};
 pub use places::{copy_tree, repository, shared, trial_door, trial_push};

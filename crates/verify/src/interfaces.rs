@@ -29,7 +29,7 @@ pub fn through_fmu(trial: &Trial, mechanical_step: Option<f64>, steps: u32) -> R
     let fmu = Fmu::open(&path)?;
     let instance = fmu.instantiate("verify")?;
     if let Some(step) = mechanical_step {
-        instance.set_real(&instance.select(["TimeStepMechanical"])?, &[step])?;
+        instance.set(&instance.select(["TimeStepMechanical"])?, &[step])?;
     }
     instance.initialize()?;
     let names = ["Position.x", "Position.y", "Theta", "Velocity.x", "Velocity.y", "Omega"];
@@ -41,7 +41,7 @@ pub fn through_fmu(trial: &Trial, mechanical_step: Option<f64>, steps: u32) -> R
     (0..steps)
         .map(|k| {
             instance.step(f64::from(k) * step, step)?;
-            instance.get_real(&poses, &mut values)?;
+            instance.get(&poses, &mut values)?;
             let (agents, _) = values.as_chunks::<6>();
             Ok(agents
                 .iter()

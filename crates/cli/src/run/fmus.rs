@@ -43,7 +43,7 @@ const DIRECTORY: &str = "OutputDirectory";
 /// Prepares a run of an FMU or an SSP. Outputs of what is not a crowd go to a table, unless the run is not recorded.
 pub fn prepare(
     settings: &Settings,
-    outputs: impl FnOnce(&System, Vec<usize>, &Clock, u64) -> Result<Option<Outputs>>,
+    outputs: impl FnOnce(&System, Vec<usize>, (&Clock, u64), Option<&Saved>) -> Result<Option<Outputs>>,
 ) -> Result<Prepared> {
     let mut run = lemons_master::Prepared::of(settings).map_err(refused)?;
     for warning in &run.warnings {
@@ -55,7 +55,7 @@ pub fn prepare(
     for (place, trial) in trials.into_iter().enumerate() {
         let component = &system.components()[place];
         if trial.is_some() && component.fmu.kind(DIRECTORY).is_some() {
-            let name = component.instance.text(DIRECTORY)?;
+            let name = component.instance.value::<String>(DIRECTORY)?;
             output_directories.extend(Some(name).filter(|name| !name.is_empty()).map(PathBuf::from));
         }
         let agents = agents_of(&component.fmu.description);
@@ -70,14 +70,14 @@ pub fn prepare(
     // Files have plain names.
     let names: Vec<String> = crowds.iter().map(|crowd| crowd.component.clone()).collect();
     for (crowd, name) in crowds.iter_mut().zip(plain_names(names.iter().map(String::as_str))) {
-        crowd.component = name;
+        crowd.file_name = name;
     }
-    let outputs = outputs(system, others, &run.clock, run.every)?;
+    let outputs = outputs(system, others, (&run.clock, run.every), run.before.as_ref())?;
     let mut mechanical_steps = Vec::new();
     for component in system.components() {
         if component.fmu.description.single(STEP).is_some() {
             let name = if run.coupled { format!("{}.{STEP}", component.name) } else { STEP.to_owned() };
-            mechanical_steps.push((name, component.instance.real(STEP)?));
+            mechanical_steps.push((name, component.instance.value(STEP)?));
         }
     }
     let (count, connections, algorithm) =
@@ -93,11 +93,11 @@ pub fn prepare(
         clock: run.clock,
         index: run.before.as_ref().map_or(0, |before| before.index),
         every: run.every,
-        drive_end: run.pushes.end(),
+        drive_end: run.pushes.drive.end(),
         identity: Identity {
             algorithm: algorithm.to_string(),
             wiring: wiring_of(system),
-            drive: run.pushes.fingerprint().to_owned(),
+            drive: run.pushes.drive.fingerprint(),
         },
         before: run.before.take(),
         subject: Box::new(FmuRun { run, crowds: readers, outputs }),
@@ -123,10 +123,7 @@ impl Subject for FmuRun {
 
     fn values(&mut self, crowd: usize, names: &[String]) -> Result<Vec<f64>> {
         let instance = &self.run.system.components()[self.crowds[crowd].place].instance;
-        let selection = instance.select(names)?;
-        let mut values = vec![0.0; selection.len()];
-        instance.get_real(&selection, &mut values)?;
-        Ok(values)
+        Ok(instance.values(&instance.select(names)?)?)
     }
 
     fn write_outputs(&mut self) -> Result<()> {
@@ -180,7 +177,15 @@ impl Reader {
             None => (0..agents).map(|i| i.to_string()).collect(),
         };
         let columns = columns_of(description, groups);
-        let crowd = CrowdInfo { component: component.name.clone(), ids, trial, groups, columns, about };
+        let crowd = CrowdInfo {
+            component: component.name.clone(),
+            file_name: String::new(),
+            ids,
+            trial,
+            groups,
+            columns,
+            about,
+        };
         let reader = Reader {
             place,
             motions: select(&columns::MOTION)?,
@@ -195,21 +200,15 @@ impl Reader {
 
     fn frame(&self, system: &System) -> Result<Frame> {
         let instance = &system.components()[self.place].instance;
-        let real = |selection: &Selection| {
-            let mut values = vec![0.0; selection.len()];
-            instance.get_real(selection, &mut values).map(|()| values)
-        };
-        let integer = |selection: &Selection| {
-            let mut values = vec![0; selection.len()];
-            instance.get_integer(selection, &mut values).map(|()| values)
-        };
-        let (motions, squeezes, steps) = (real(&self.motions)?, real(&self.squeezes)?, real(&self.steps)?);
-        let (contacts, totals) = (integer(&self.contacts)?, integer(&self.totals)?);
-        let mut active = vec![0; self.active.len()];
-        instance.get_boolean(&self.active, &mut active)?;
+        let motions: Vec<f64> = instance.values(&self.motions)?;
+        let squeezes: Vec<f64> = instance.values(&self.squeezes)?;
+        let steps: Vec<f64> = instance.values(&self.steps)?;
+        let contacts: Vec<i32> = instance.values(&self.contacts)?;
+        let totals: Vec<i32> = instance.values(&self.totals)?;
+        let active: Vec<bool> = instance.values(&self.active)?;
         let (motions, contacts, steps) = (motions.as_chunks().0, contacts.as_chunks().0, steps.as_chunks().0);
         let mut frame = frame(system.time(), motions, contacts, &squeezes, steps, &totals)?;
-        frame.active = (!active.is_empty()).then(|| active.iter().map(|active| *active != 0).collect());
+        frame.active = (!active.is_empty()).then_some(active);
         Ok(frame)
     }
 }
@@ -252,10 +251,9 @@ fn active_of(system: &System, place: usize, agents: usize) -> lemons_master::Res
     };
     let addresses = (0..agents).map(address).collect::<Option<Vec<_>>>().unwrap_or_default();
     let all = component.instance.select_at(&addresses)?;
-    let mut there = vec![0; all.len()];
-    component.instance.get_boolean(&all, &mut there)?;
+    let there: Vec<bool> = component.instance.values(&all)?;
     let decided = (0..all.len()).any(|i| system.feeds(place, &name(i)));
-    Ok(if decided || there.contains(&0) { all } else { Selection::default() })
+    Ok(if decided || there.contains(&false) { all } else { Selection::default() })
 }
 
 /// Whether all these agents have the outputs of [`columns::OF_STEP`].

@@ -4,7 +4,7 @@ use super::About;
 use crate::results::{self, Cell, Column, Content, Kind, Place, TableWriter, told};
 use anyhow::Result;
 use lemons_files::Staged;
-use lemons_master::{Selection, System};
+use lemons_master::{Instance, Selection, System, Value};
 use lemons_ssp::{Address, Kind as Causality, Type};
 
 /// Outputs that are warned of by name.
@@ -131,14 +131,10 @@ impl Outputs {
         let mut texts = Vec::new();
         for columns in &self.components {
             let instance = &system.components()[columns.place].instance;
-            columns.reals.put(&mut row, |r, v| instance.get_real(r, v), Cell::Real)?;
-            columns.integers.put(&mut row, |r, v| instance.get_integer(r, v), Cell::Integer)?;
-            columns.booleans.put(
-                &mut row,
-                |r, v| instance.get_boolean(r, v),
-                |v: i32| Cell::Boolean(v != 0),
-            )?;
-            texts.push(columns.strings.get(|r, v| instance.get_string(r, v))?);
+            columns.reals.put(instance, &mut row, Cell::Real)?;
+            columns.integers.put(instance, &mut row, Cell::Integer)?;
+            columns.booleans.put(instance, &mut row, Cell::Boolean)?;
+            texts.push(instance.values::<String>(&columns.strings.values)?);
         }
         for (columns, texts) in self.components.iter().zip(&texts) {
             for (column, text) in columns.strings.columns.iter().zip(texts) {
@@ -155,24 +151,13 @@ impl Outputs {
 }
 
 impl Selected {
-    fn get<T: Clone + Default, E>(
+    fn put<'a, T: Value>(
         &self,
-        get: impl FnOnce(&Selection, &mut [T]) -> Result<(), E>,
-    ) -> Result<Vec<T>, E> {
-        let mut values = vec![T::default(); self.values.len()];
-        if !values.is_empty() {
-            get(&self.values, &mut values)?;
-        }
-        Ok(values)
-    }
-
-    fn put<'a, T: Clone + Default, E>(
-        &self,
+        instance: &Instance,
         row: &mut [Cell<'a>],
-        get: impl FnOnce(&Selection, &mut [T]) -> Result<(), E>,
         cell: impl Fn(T) -> Cell<'a>,
-    ) -> Result<(), E> {
-        for (column, value) in self.columns.iter().zip(self.get(get)?) {
+    ) -> Result<()> {
+        for (column, value) in self.columns.iter().zip(instance.values(&self.values)?) {
             row[*column] = cell(value);
         }
         Ok(())

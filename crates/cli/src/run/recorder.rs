@@ -208,7 +208,7 @@ impl CrowdRecorder {
 }
 
 /// \[byte\] Larger text is worth a remark.
-const LARGE: u64 = 10_000_000;
+const LARGE: u64 = 5_000_000;
 
 /// A remark on a large table of text.
 fn large(path: &Path) -> String {

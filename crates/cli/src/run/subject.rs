@@ -13,6 +13,8 @@ use std::path::PathBuf;
 pub struct CrowdInfo {
     /// Name of its component.
     pub component: String,
+    /// The same as a part of the name of a file.
+    pub file_name: String,
     pub ids: Vec<String>,
     /// Shapes, if they are known.
     pub trial: Option<Trial>,

@@ -5,7 +5,7 @@ use super::outputs::OutputTable;
 use super::subject::{CrowdInfo, Identity, Prepared, States, Subject};
 use crate::results::{Cell, Column, Kind, Place};
 use crate::words::{refused, warned};
-use anyhow::{Error, Result, anyhow, ensure};
+use anyhow::{Context, Error, Result, anyhow, ensure};
 use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::variables::{Quantity, guid, table};
 use lemons_fmi::variables::{Kind as VariableKind, Variable};
@@ -140,11 +140,16 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
     if let Some(threads) = settings.threads {
         simulation.set("Threads", &threads.to_string())?;
     }
+    for (name, [decision, crowd], people) in simulation.differing()? {
+        let values = [(DECISION.to_owned(), decision), (CROWD.to_owned(), crowd)];
+        note!("{}", warned(&Warning::Differs { name, values, people }));
+    }
     let (before, states) = saved.unzip();
     let until = settings.until_of(before.as_ref(), 0.0, None).map_err(refused)?;
     simulation.begin(0.0, settings.tolerance)?;
     let name = if walking.is_some() { WALKERS } else { CROWD };
     let guid = guid(&table(&trial)).braced().to_string();
+    let of_saved = || format!("saved run {}", settings.resume.as_deref().unwrap_or(given.path()).display());
     if let (Some(before), Some(states)) = (&before, &states) {
         match (&plan, before.component[0].name.as_str()) {
             (Some(plan), CROWD) => return Err(refused(PrepareError::NowWalks(plan.clone()))),
@@ -152,15 +157,16 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
             _ => {}
         }
         let component = [name.to_owned(), MODEL_NAME.to_owned(), guid.clone()];
-        before.check(&[component], &settings.algorithm.to_string(), "")?;
+        let checked = before.check(&[component], &settings.algorithm.to_string(), "");
+        checked.map_err(lemons_master::Error::from).with_context(of_saved)?;
         ensure!(before.drive == drive.fingerprint(), refused(PrepareError::OtherDrive));
-        simulation.restore(&states[0])?;
+        simulation.restore(&states[0]).with_context(of_saved)?;
     }
     let (step, every) = match &before {
         Some(before) => settings.same_points(before).map_err(refused)?,
         None => (settings.step.unwrap_or(trial.parameters.time_step), settings.every.unwrap_or(1)),
     };
-    let clock = Clock::new(0.0, step, until)?;
+    let clock = Clock::new(0.0, step, until).with_context(|| settings.input.display().to_string())?;
     let missed = drive.missed(0.0, step).map(Warning::Missed);
     for warning in missed.into_iter().chain(settings.between(before.as_ref(), &clock)) {
         note!("{}", warned(&warning));
@@ -173,12 +179,13 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
         _ => {}
     }
     let outputs = outputs
-        .map(|to| DecisionOutputs::create(&simulation, to, &About::of(&clock, every, before.is_some())));
+        .map(|to| DecisionOutputs::create(&simulation, to, &About::of(&clock, every, before.as_ref())));
     let outputs = outputs.transpose()?.flatten();
     let frame = simulation.frame();
     let groups = Groups { contacts: true, of_step: true, active: frame.active.is_some(), totals: true };
     let crowd = CrowdInfo {
         component: CROWD.into(),
+        file_name: CROWD.into(),
         ids: simulation.ids().to_vec(),
         groups,
         columns: groups.columns(),
@@ -233,7 +240,9 @@ pub fn not_set(error: SimError) -> Error {
         SimError::Unknown { name, text, meant: Some(value) } => {
             refused(PrepareError::OfOther { name, value: text, meant: value })
         }
-        error => Error::new(error).context("--set"),
+        SimError::Unknown { meant: None, .. } => anyhow!("--set {error}; see lemons info"),
+        SimError::Value { .. } => anyhow!("--set {error}"),
+        error => error.into(),
     }
 }
 

@@ -14,8 +14,8 @@ fn an_fmu_holds_the_licences_that_are_beside_its_library_or_above() {
     let from = release.join("win64");
     fs::create_dir_all(&from).unwrap();
     // Small ones: nobody loads them here.
-    fs::write(from.join("crowd"), [lemons_testing::pe(), b"CrowdMechanics".to_vec()].concat()).unwrap();
-    fs::write(from.join("decision"), [lemons_testing::pe(), b"decision.toml".to_vec()].concat()).unwrap();
+    fs::write(from.join("crowd"), "MZ CrowdMechanics").unwrap();
+    fs::write(from.join("decision"), "MZ decision.toml").unwrap();
     let push = default_trial();
     let door = push.with_file_name("Trial_door");
     // What an FMU holds of them, packed in this directory from a library in that one.

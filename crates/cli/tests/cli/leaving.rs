@@ -35,7 +35,8 @@ fn cell<'a>(row: &'a [(String, String)], name: &str) -> &'a str {
 fn everybody_leaves_and_the_tables_say_when() {
     let directory = room();
     let at = directory.path();
-    let said = out(&done(at, &["run", "room", "--until", "left", "-o", "run.csv"]));
+    let said =
+        out(&done(at, &["run", "room", "--until", "left", "-o", "run.csv", "--outputs", "run_outputs.csv"]));
     assert!(said.contains("simulated time"), "{said}");
     let table = rows(at, "run.csv");
     let (first, last) = (table[0].clone(), table.last().unwrap().clone());

@@ -60,7 +60,7 @@ fn a_point_is_what_a_run_of_its_trial_is() {
         let speed = &row["decision.agent[3].DesiredSpeed"];
         let speed = format!("decision.agent[3].DesiredSpeed={speed}");
         let run = ["run", &trial, "--algorithm", "gauss-seidel", "--until", "4", "--set", &speed];
-        let run = [&run[..], &["--set", "TimeStepMechanical=1e-4", "--force"]].concat();
+        let run = [&run[..], &["--set", "TimeStepMechanical=1e-4", "--outputs", "outputs.csv"]].concat();
         done(at, &run);
         // Of the first communication point at which two have arrived.
         let outputs = read_csv(&at.join("outputs.csv"));

@@ -64,11 +64,10 @@ fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -
         let of = |i: usize| quantities.map(|quantity| format!("agent[{i}].{quantity}"));
         let selection = crowd.instance.select((0..agents).flat_map(of))?;
         let active = crowd.instance.select((0..agents).map(|i| format!("agent[{i}].Active")))?;
-        let (mut values, mut there) = (vec![0.0; 6 * agents], vec![0; agents]);
-        crowd.instance.get_real(&selection, &mut values)?;
-        crowd.instance.get_boolean(&active, &mut there)?;
+        let values: Vec<f64> = crowd.instance.values(&selection)?;
+        let there: Vec<bool> = crowd.instance.values(&active)?;
         let mut rows: Vec<[f64; 6]> = values.as_chunks().0.to_vec();
-        let left = rows.iter_mut().zip(&there).filter(|(_, there)| **there == 0);
+        let left = rows.iter_mut().zip(&there).filter(|(_, there)| !**there);
         left.for_each(|(row, _)| row[..2].fill(f64::NAN));
         Ok(rows.into_iter().map(|row| row.map(f64::to_bits)).collect())
     };

@@ -1,11 +1,11 @@
 //! The C functions of FMI 2.0.
 
-use super::{Answer, CallError, Calls, Hears, Named, Plain, Result, c_text, functions};
+use super::{Answer, CallError, Calls, Hears, Result, c_text, function};
 use lemons_fmi::Status;
 use lemons_fmi::v2::CallbackFunctions;
-use lemons_ssp::Native;
+use libloading::Library;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
-use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
 use std::ptr::null;
 use std::rc::Rc;
@@ -18,13 +18,13 @@ pub(super) struct Listener {
 }
 
 /// What FMUs keep pointers to.
-pub(super) struct Heard {
+pub(super) struct Logger {
     callbacks: Rc<CallbackFunctions>,
     listener: Rc<Listener>,
 }
 
-impl Heard {
-    pub(super) fn new(hears: Box<Hears>, memory_functions: bool) -> Heard {
+impl Logger {
+    pub(super) fn new(hears: Box<Hears>, memory_functions: bool) -> Logger {
         let listener = Rc::new(Listener { hear, hears });
         let memory = |function: *const c_void| if memory_functions { function } else { null() };
         let callbacks = Rc::new(CallbackFunctions {
@@ -34,7 +34,7 @@ impl Heard {
             step_finished: null(),
             component_environment: Rc::as_ptr(&listener).cast_mut().cast(),
         });
-        Heard { callbacks, listener }
+        Logger { callbacks, listener }
     }
 
     /// A [`Listener`].
@@ -65,144 +65,59 @@ unsafe extern "C" fn hear(listener: *const Listener, status: c_int, text: *const
     (listener.hears)(status, &text.to_string_lossy().replace("##", "#"));
 }
 
-type Get<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut T) -> c_int;
-type Set<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *const T) -> c_int;
-
-functions! {
-    required {
-        instantiate: unsafe extern "C" fn(
-            *const c_char, c_int, *const c_char, *const c_char, *const CallbackFunctions, c_int, c_int
-        ) -> *mut c_void = "fmi2Instantiate";
-        free_instance: unsafe extern "C" fn(*mut c_void) = "fmi2FreeInstance";
-        setup_experiment: unsafe extern "C" fn(*mut c_void, c_int, f64, f64, c_int, f64) -> c_int
-            = "fmi2SetupExperiment";
-        begin_initialization: Plain = "fmi2EnterInitializationMode";
-        exit_initialization: Plain = "fmi2ExitInitializationMode";
-        terminate: Plain = "fmi2Terminate";
-        reset: Plain = "fmi2Reset";
-        get_real: Get<f64> = "fmi2GetReal";
-        get_integer: Get<c_int> = "fmi2GetInteger";
-        get_boolean: Get<c_int> = "fmi2GetBoolean";
-        get_string: Get<*const c_char> = "fmi2GetString";
-        set_real: Set<f64> = "fmi2SetReal";
-        set_integer: Set<c_int> = "fmi2SetInteger";
-        set_boolean: Set<c_int> = "fmi2SetBoolean";
-        set_string: Set<*const c_char> = "fmi2SetString";
-        step: unsafe extern "C" fn(*mut c_void, f64, f64, c_int) -> c_int = "fmi2DoStep";
-    }
-    optional {}
-}
-
 /// `fmi2CoSimulation`
 const CO_SIMULATION: c_int = 1;
 const FALSE: c_int = 0;
 const TRUE: c_int = 1;
 
-/// A single value for each reference.
-fn get<T>(calls: &Calls, (function, call): Named<Get<T>>, references: &[u32], values: &mut [T]) -> Answer {
-    assert_eq!(references.len(), values.len(), "a value for each reference");
-    // SAFETY: an instance of this library; both arrays are as long as said.
-    let code = unsafe {
-        function(calls.component.as_ptr(), references.as_ptr(), references.len(), values.as_mut_ptr())
+/// A pointer to the instance or NULL, and the name of the function.
+pub(super) fn instantiate(
+    library: &Library,
+    name: &CStr,
+    guid: &CStr,
+    resources: Option<&CStr>,
+    logger: &Logger,
+) -> Result<(*mut c_void, &'static str)> {
+    type Instantiate = unsafe extern "C" fn(
+        *const c_char,
+        c_int,
+        *const c_char,
+        *const c_char,
+        *const CallbackFunctions,
+        c_int,
+        c_int,
+    ) -> *mut c_void;
+    let call = "fmi2Instantiate";
+    let resources = resources.map_or(null(), CStr::as_ptr);
+    let callbacks = Rc::as_ptr(&logger.callbacks);
+    // SAFETY: FMI's type and arguments; the callbacks and their environment live as long as the instance.
+    let component = unsafe {
+        let instantiate = function::<Instantiate>(library, call)?;
+        // With logging: else an FMU tells no warnings; what it tells with the status `fmi2OK` is not kept.
+        instantiate(name.as_ptr(), CO_SIMULATION, guid.as_ptr(), resources, callbacks, FALSE, TRUE)
     };
-    Answer { code, call }
+    Ok((component, call))
 }
 
-/// A single value for each reference.
-fn set<T>(calls: &Calls, (function, call): Named<Set<T>>, references: &[u32], values: &[T]) -> Answer {
-    assert_eq!(references.len(), values.len(), "a value for each reference");
-    // SAFETY: an instance of this library; both arrays are as long as said.
-    let code =
-        unsafe { function(calls.component.as_ptr(), references.as_ptr(), references.len(), values.as_ptr()) };
-    Answer { code, call }
+pub(super) fn enter_initialization(calls: &Calls, start: f64, tolerance: Option<f64>) -> Result<Answer> {
+    type SetupExperiment = unsafe extern "C" fn(*mut c_void, c_int, f64, f64, c_int, f64) -> c_int;
+    let call = "fmi2SetupExperiment";
+    let (component, defined) = (calls.component.as_ptr(), c_int::from(tolerance.is_some()));
+    // SAFETY: FMI's type; an instance of this library.
+    let code = unsafe {
+        let setup = calls.function::<SetupExperiment>(call)?;
+        setup(component, defined, tolerance.unwrap_or(0.0), start, FALSE, 0.0)
+    };
+    let answer = Answer { code, call };
+    if answer.succeeded() { calls.plain("fmi2EnterInitializationMode") } else { Ok(answer) }
 }
 
-impl Functions {
-    /// A pointer to the instance or NULL, and the name of the function.
-    pub(super) fn instantiate(
-        &self,
-        name: &CStr,
-        guid: &CStr,
-        resources: Option<&CStr>,
-        heard: &Heard,
-    ) -> (*mut c_void, &'static str) {
-        let (function, call) = self.instantiate;
-        let resources = resources.map_or(null(), CStr::as_ptr);
-        let callbacks = Rc::as_ptr(&heard.callbacks);
-        // SAFETY: FMI's arguments; the callbacks and their environment live as long as the instance.
-        let component = unsafe {
-            // Else an FMU tells no warnings; what it tells with the status `fmi2OK` is not kept.
-            function(name.as_ptr(), CO_SIMULATION, guid.as_ptr(), resources, callbacks, FALSE, TRUE)
-        };
-        (component, call)
-    }
-
-    pub(super) fn enter_initialization(&self, calls: &Calls, start: f64, tolerance: Option<f64>) -> Answer {
-        let (function, call) = self.setup_experiment;
-        let (defined, tolerance) = (if tolerance.is_some() { TRUE } else { FALSE }, tolerance.unwrap_or(0.0));
-        // SAFETY: an instance of this library.
-        let code = unsafe { function(calls.component.as_ptr(), defined, tolerance, start, FALSE, 0.0) };
-        let answer = Answer { code, call };
-        match answer.status() {
-            Some(Status::Ok | Status::Warning) => calls.plain(self.begin_initialization),
-            _ => answer,
-        }
-    }
-
-    pub(super) fn get_real(
-        &self,
-        calls: &Calls,
-        _: Native,
-        of: &[u32],
-        values: &mut [f64],
-    ) -> Result<Answer> {
-        Ok(get(calls, self.get_real, of, values))
-    }
-
-    pub(super) fn get_integer(
-        &self,
-        calls: &Calls,
-        _: Native,
-        of: &[u32],
-        values: &mut [i32],
-    ) -> Result<Answer> {
-        Ok(get(calls, self.get_integer, of, values))
-    }
-
-    pub(super) fn get_boolean(&self, calls: &Calls, of: &[u32], values: &mut [i32]) -> Result<Answer> {
-        Ok(get(calls, self.get_boolean, of, values))
-    }
-
-    pub(super) fn get_string(
-        &self,
-        calls: &Calls,
-        of: &[u32],
-        values: &mut [*const c_char],
-    ) -> Result<Answer> {
-        Ok(get(calls, self.get_string, of, values))
-    }
-
-    pub(super) fn set_real(&self, calls: &Calls, _: Native, of: &[u32], values: &[f64]) -> Result<Answer> {
-        Ok(set(calls, self.set_real, of, values))
-    }
-
-    pub(super) fn set_integer(&self, calls: &Calls, _: Native, of: &[u32], values: &[i32]) -> Result<Answer> {
-        Ok(set(calls, self.set_integer, of, values))
-    }
-
-    pub(super) fn set_boolean(&self, calls: &Calls, of: &[u32], values: &[i32]) -> Result<Answer> {
-        Ok(set(calls, self.set_boolean, of, values))
-    }
-
-    pub(super) fn set_string(&self, calls: &Calls, of: &[u32], values: &[*const c_char]) -> Result<Answer> {
-        Ok(set(calls, self.set_string, of, values))
-    }
-
-    pub(super) fn do_step(&self, calls: &Calls, time: f64, step: f64) -> Result<Answer> {
-        let (function, call) = self.step;
-        // SAFETY: an instance of this library.
-        Ok(Answer { code: unsafe { function(calls.component.as_ptr(), time, step, TRUE) }, call })
-    }
+pub(super) fn do_step(calls: &Calls, time: f64, step: f64) -> Result<Answer> {
+    type DoStep = unsafe extern "C" fn(*mut c_void, f64, f64, c_int) -> c_int;
+    let call = "fmi2DoStep";
+    // SAFETY: FMI's type; an instance of this library.
+    let code = unsafe { calls.function::<DoStep>(call)?(calls.component.as_ptr(), time, step, TRUE) };
+    Ok(Answer { code, call })
 }
 
 /// What stands for itself in the path of an URI.
@@ -249,7 +164,7 @@ mod tests {
         let list = all.clone();
         let hears: Box<Hears> =
             Box::new(move |status, text| list.lock().unwrap().push((status, text.to_owned())));
-        let heard = Heard::new(hears, false);
+        let heard = Logger::new(hears, false);
         tell(heard.environment());
         std::mem::take(&mut *all.lock().unwrap())
     }

@@ -2,7 +2,8 @@
 
 use crate::controller::{compiled, write_zip};
 use crowd_mechanics::pack::host_directory;
-use lemons_master::{Algorithm, Fmu, Instance, Selection, System, assemble};
+use lemons_master::{Fmu, Instance, Selection, System, assemble};
+use lemons_sim::Algorithm;
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -30,16 +31,16 @@ fn values_of_each_type_are_set_and_read_in_any_order() {
     let fmu = fmu(&directory);
     let instance = fmu.instantiate("x").unwrap();
     // Elements of arrays wait for initialization; of two the later one counts.
-    instance.set(&["f64.in[2,1]"], "7").unwrap();
-    instance.set(&["f64.in[1,1]", "f64.in[1,2]", "f64.in[2,1]", "f64.in[2,2]"], "3").unwrap();
-    instance.set(&["f64.in[1,2]"], "4.5").unwrap();
-    instance.set(&["b.in[2]"], "true").unwrap();
-    instance.set(&["s.in[2]"], "two").unwrap();
-    instance.set(&["f32.in[1]"], "0.1").unwrap();
-    instance.set(&["i8.in"], "-5").unwrap();
-    instance.set(&["u64.in"], "40000").unwrap();
+    instance.set_text(&["f64.in[2,1]"], "7").unwrap();
+    instance.set_text(&["f64.in[1,1]", "f64.in[1,2]", "f64.in[2,1]", "f64.in[2,2]"], "3").unwrap();
+    instance.set_text(&["f64.in[1,2]"], "4.5").unwrap();
+    instance.set_text(&["b.in[2]"], "true").unwrap();
+    instance.set_text(&["s.in[2]"], "two").unwrap();
+    instance.set_text(&["f32.in[1]"], "0.1").unwrap();
+    instance.set_text(&["i8.in"], "-5").unwrap();
+    instance.set_text(&["u64.in"], "40000").unwrap();
     instance.initialize().unwrap();
-    let real = |name: &str| instance.real(name).unwrap();
+    let real = |name: &str| instance.value::<f64>(name).unwrap();
     assert_eq!(
         ["f64.out[1,1]", "f64.out[1,2]", "f64.out[2,1]", "f64.out[2,2]"].map(real),
         [4.0, 5.5, 4.0, 4.0]
@@ -47,48 +48,40 @@ fn values_of_each_type_are_set_and_read_in_any_order() {
     // Of two types at once, in an order of their own, one twice.
     let names = ["f32.out[1]", "f64.out[2,2]", "f32.in[2]", "f64.out[1,2]", "f32.out[1]"];
     let mut values = [0.0; 5];
-    instance.get_real(&select(&instance, &names), &mut values).unwrap();
+    instance.get(&select(&instance, &names), &mut values).unwrap();
     let single = f64::from(0.1_f32 + 1.0);
     assert_eq!(values, [single, 4.0, 0.0, 5.5, single]);
-    let integers = |names: &[&str]| {
-        let mut values = vec![0; names.len()];
-        instance.get_integer(&select(&instance, names), &mut values).map(|()| values)
-    };
+    let integers = |names: &[&str]| instance.values::<i32>(&select(&instance, names));
     assert_eq!(integers(&["u64.in", "i8.out", "i8.in", "n"]).unwrap(), [40_000, -4, -5, 2]);
-    let mut booleans = [7; 4];
     let names = ["b.out[2]", "b.out[1]", "b.in[1]", "b.in[2]"];
-    instance.get_boolean(&select(&instance, &names), &mut booleans).unwrap();
-    assert_eq!(booleans, [0, 1, 0, 1]);
-    assert_eq!(["s.out[1]", "s.out[2]"].map(|name| instance.text(name).unwrap()), ["x", "twox"]);
+    let booleans: Vec<bool> = instance.values(&select(&instance, &names)).unwrap();
+    assert_eq!(booleans, [false, true, false, true]);
+    assert_eq!(["s.out[1]", "s.out[2]"].map(|name| instance.value::<String>(name).unwrap()), ["x", "twox"]);
     // While it runs, the others of an array stay as they are.
-    instance.set_real(&select(&instance, &["f64.in[2,2]", "f64.in[1,1]"]), &[-1.0, -2.0]).unwrap();
+    instance.set(&select(&instance, &["f64.in[2,2]", "f64.in[1,1]"]), &[-1.0, -2.0]).unwrap();
     assert_eq!(
         ["f64.in[1,1]", "f64.in[1,2]", "f64.in[2,1]", "f64.in[2,2]"].map(real),
         [-2.0, 4.5, 3.0, -1.0]
     );
     // 50000² does not fit into what tables have, 300 not into an Int8.
-    instance.set(&["u64.in"], "50000").unwrap();
+    instance.set_text(&["u64.in"], "50000").unwrap();
     let said = integers(&["u64.out"]).unwrap_err().whole();
     assert_eq!(said, "fmi3GetUInt64: 2500000000 is not a value of Int32, to which it is read");
-    let said = instance.set(&["i8.in"], "300").unwrap_err().whole();
+    let said = instance.set_text(&["i8.in"], "300").unwrap_err().whole();
     assert_eq!(said, "fmi3SetInt8: 300 is not a value of Int8");
 }
 
 #[test]
-fn other_sizes_are_set_in_configuration_mode_and_again_after_a_reset() {
+fn other_sizes_are_set_in_configuration_mode() {
     let directory = TempDir::new().unwrap();
     let mut fmu = fmu(&directory);
     fmu.configure([("n", "3")].into_iter()).unwrap();
     let instance = fmu.instantiate("x").unwrap();
-    for _ in 0..2 {
-        instance.set(&["f64.in[3,2]"], "5").unwrap();
-        instance.initialize().unwrap();
-        assert_eq!(instance.real("f64.out[3,2]").unwrap(), 6.0);
-        assert_eq!(instance.real("f64.out[3,1]").unwrap(), 1.0, "a reset leaves nothing");
-        instance.step(0.0, 0.5).unwrap();
-        instance.terminate().unwrap();
-        instance.reset().unwrap();
-    }
+    instance.set_text(&["f64.in[3,2]"], "5").unwrap();
+    instance.initialize().unwrap();
+    assert_eq!(instance.value::<f64>("f64.out[3,2]").unwrap(), 6.0);
+    instance.step(0.0, 0.5).unwrap();
+    instance.terminate().unwrap();
     fmu.configure([("n", "9")].into_iter()).unwrap();
     let said = fmu.instantiate("x").map_or_else(|error| error.whole(), |_| "made".to_owned());
     assert!(said.ends_with("arrays.fmu: fmi3SetUInt64 returned Error"), "{said}");
@@ -102,7 +95,7 @@ fn a_step_that_does_not_end_as_a_whole_is_an_error_that_says_how() {
     let fmu = fmu(&directory);
     let said = |mode: &str| {
         let instance = fmu.instantiate("x").unwrap();
-        instance.set(&["mode"], mode).unwrap();
+        instance.set_text(&["mode"], mode).unwrap();
         instance.initialize().unwrap();
         let done = instance.step(1.0, 0.5).map_or_else(|error| error.whole(), |()| "done".to_owned());
         (done, instance.warnings().join("; "))
@@ -129,7 +122,7 @@ fn what_a_library_or_a_flag_lacks_is_named() {
         let fmu = Fmu::open(&path).unwrap();
         let made = fmu.instantiate("x").and_then(|instance| {
             instance.initialize()?;
-            instance.set(&["i8.in"], "1")
+            instance.set_text(&["i8.in"], "1")
         });
         made.map_or_else(|error| error.whole(), |()| "made".to_owned())
     };
@@ -187,7 +180,8 @@ fn arrays_are_coupled_by_ssp_2() {
     for _ in 0..3 {
         system.step_to(system.time() + 0.5).unwrap();
     }
-    let real = |component: usize, name: &str| system.components()[component].instance.real(name).unwrap();
+    let real =
+        |component: usize, name: &str| system.components()[component].instance.value::<f64>(name).unwrap();
     assert_eq!(real(1, "f64.in[3,1]"), 15.0, "10 (0.5 + 1)");
     assert_eq!(real(1, "f64.in[1,2]"), 10.0, "10 (0 + 1)");
     assert_eq!((real(0, "f32.in[3]"), real(0, "f32.in[2]")), (11.0, 0.0), "only that element");

@@ -116,9 +116,9 @@ fn both_run_to_the_same_bits() {
     let mut squeezed = false;
     for k in 0..60 {
         let time = f64::from(k) * STEP;
-        own.set_real(&own_input, &[FORCE]).unwrap();
+        own.set(&own_input, &[FORCE]).unwrap();
         own.step(time, STEP).unwrap();
-        own.get_real(&own_outputs, &mut ours).unwrap();
+        own.get(&own_outputs, &mut ours).unwrap();
         let done = [
             theirs.setReal(&input, &[FORCE]),
             theirs.doStep(time, STEP, 1),

@@ -131,9 +131,9 @@ fn fmi_rs_runs_arrays_to_the_bits_of_scalars() {
         }
         step(k, &mut others);
         for ((own, _), (drives, outputs)) in fmus.iter().zip(&selected) {
-            own.set_real(drives, &force).unwrap();
+            own.set(drives, &force).unwrap();
             own.step(f64::from(k) * STEP, STEP).unwrap();
-            own.get_real(outputs, &mut ours).unwrap();
+            own.get(outputs, &mut ours).unwrap();
             assert_eq!(bits(&ours), bits(&others), "step {k}");
         }
         squeezed = squeezed.max(others[others.len() - AGENTS]);

@@ -111,8 +111,9 @@ fn attributes_of_columns(metadata: &ParquetMetaData) -> Map<String, Value> {
 fn check_type(column: &ColumnDescriptor, (name, unit): rows::Head) -> Result<(), String> {
     let (logical, converted) = (column.logical_type_ref(), column.converted_type());
     let unmarked = logical.is_none() && converted == ConvertedType::NONE;
-    let signed = match logical {
-        Some(LogicalType::Integer(integer)) => integer.is_signed,
+    // Counts of other tools may be unsigned. Those of more than 31 or 63 bits are negative here, and refused as such.
+    let integer = match logical {
+        Some(LogicalType::Integer(_)) => true,
         Some(_) => false,
         None => matches!(
             converted,
@@ -121,12 +122,16 @@ fn check_type(column: &ColumnDescriptor, (name, unit): rows::Head) -> Result<(),
                 | ConvertedType::INT_16
                 | ConvertedType::INT_32
                 | ConvertedType::INT_64
+                | ConvertedType::UINT_8
+                | ConvertedType::UINT_16
+                | ConvertedType::UINT_32
+                | ConvertedType::UINT_64
         ),
     };
     let flat = column.path().parts().len() == 1 && column.max_rep_level() == 0;
     let physical = column.physical_type();
     let real = flat && unmarked && matches!(physical, Physical::DOUBLE | Physical::FLOAT);
-    let whole = flat && signed && matches!(physical, Physical::INT32 | Physical::INT64);
+    let whole = flat && integer && matches!(physical, Physical::INT32 | Physical::INT64);
     let text = flat
         && physical == Physical::BYTE_ARRAY
         && (logical == Some(&LogicalType::String) || converted == ConvertedType::UTF8);

@@ -87,7 +87,7 @@ fn the_end_of_a_series_is_where_the_run_was() {
     for (turned, theta) in [(15.0, 15.0 - 4.0 * PI), (-4.0, 2.0 * PI - 4.0), (-PI, PI), (3.0, 3.0)] {
         let mut until = series.clone();
         until.frames[29].agents[0].pose.orientation = turned;
-        let end = trial_at_end(&until, &trial).unwrap();
+        let end = trial_at_end(&until.clone().into(), &trial).unwrap();
         assert!((end.dynamics[0].theta - theta).abs() < 1e-14, "{turned}: {}", end.dynamics[0].theta);
     }
     assert!(rubbed_agents > 0 && rubbed_walls > 0, "{rubbed_agents} and {rubbed_walls} springs");

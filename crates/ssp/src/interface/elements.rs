@@ -126,7 +126,7 @@ impl Interface {
             .variables
             .iter()
             .map(|variable| variable.dimensions.iter().map(size_of).try_fold(1_usize, usize::checked_mul));
-        let most = super::v3::MOST_VALUES;
+        let most = super::variables::MOST_VALUES;
         let all = counts.sum::<Option<usize>>();
         if all.is_none_or(|all| all > most) {
             return Err(format!("the variables would have more than {most} values in all"));

@@ -1,6 +1,6 @@
-//! The variables of a description of FMI 3.0: single values and arrays.
+//! The variables of a description: single values in FMI 2.0, also arrays in FMI 3.0.
 
-use super::{Dimension, Interface, Variable, read_kind, read_reference};
+use super::{Dimension, Fmi, Interface, Variable};
 use crate::document::{Kind, Native, Type};
 use crate::error::Result;
 use lemons_xml::Element;
@@ -10,11 +10,17 @@ use std::collections::HashMap;
 pub const MOST_VALUES: usize = 8_000_000;
 
 /// The units of declared types, by the names of these.
-pub fn declared_units<'a>(root: Element<'a>) -> Result<HashMap<&'a str, &'a str>> {
-    let types = root.child("TypeDefinitions").into_iter().flat_map(Element::elements);
+type Units<'a> = HashMap<&'a str, &'a str>;
+
+fn declared_units<'a>(root: Element<'a>) -> Result<Units<'a>> {
     let mut declared = HashMap::new();
-    for own in types.filter(|own| matches!(own.name(), "Float64Type" | "Float32Type")) {
-        if let Some(unit) = own.optional("unit") {
+    for own in root.child("TypeDefinitions").into_iter().flat_map(Element::elements) {
+        let unit = match own.name() {
+            "SimpleType" => own.child("Real").and_then(|real| real.optional("unit")),
+            "Float64Type" | "Float32Type" => own.optional("unit"),
+            _ => None,
+        };
+        if let Some(unit) = unit {
             declared.insert(own.text("name")?, unit);
         }
     }
@@ -22,15 +28,78 @@ pub fn declared_units<'a>(root: Element<'a>) -> Result<HashMap<&'a str, &'a str>
 }
 
 /// Adds the variables to the interface.
-pub fn read_variables(
-    interface: &mut Interface,
-    root: Element,
-    declared: &HashMap<&str, &str>,
-) -> Result<()> {
+pub fn read_variables(interface: &mut Interface, root: Element) -> Result<()> {
+    let declared = declared_units(root)?;
     let list = root.child("ModelVariables").into_iter().flat_map(Element::elements);
-    let mut elements = Vec::new();
-    for element in list {
-        let Some(variable) = read_variable(element, declared)? else { continue };
+    match interface.fmi {
+        Fmi::V2 => {
+            for element in list.filter(|element| element.name() == "ScalarVariable") {
+                let typed = element.elements().find_map(|child| Some((child, type_2(child, &declared)?)));
+                let (typed, (of, native)) = typed.ok_or_else(|| element.problem("has no type"))?;
+                let start = typed.optional("start").map(str::to_owned).into_iter().collect();
+                let variable = read_variable(element, of, native, start)?;
+                check_starts(&variable, typed)?;
+                interface.add(variable, element)?;
+            }
+            Ok(())
+        }
+        Fmi::V3 => {
+            let list = list.filter(|element| element.name() != "Annotations");
+            read_arrays(interface, &list.collect::<Vec<_>>(), &declared)
+        }
+    }
+}
+
+/// What an element of FMI 2.0 says of the type of its variable; `None` if it is another element.
+fn type_2(element: Element, declared: &Units) -> Option<(Type, Native)> {
+    Some(match element.name() {
+        "Real" => (Type::Real(unit(element, declared)), Native::Float64),
+        "Integer" => (Type::Integer, Native::Int32),
+        "Boolean" => (Type::Boolean, Native::Boolean),
+        "String" => (Type::String, Native::String),
+        "Enumeration" => (enumeration(element), Native::Int32),
+        _ => return None,
+    })
+}
+
+fn enumeration(element: Element) -> Type {
+    Type::Enumeration(element.optional("declaredType").unwrap_or_default().to_owned())
+}
+
+/// The unit that an element has itself, or its declared type.
+fn unit(element: Element, declared: &Units) -> Option<String> {
+    let of_type = || declared.get(element.optional("declaredType")?).copied();
+    element.optional("unit").or_else(of_type).filter(|unit| !unit.is_empty()).map(str::to_owned)
+}
+
+fn read_variable(element: Element, of: Type, native: Native, start: Vec<String>) -> Result<Variable> {
+    let reference = element.parsed("valueReference", "a number from 0 to 4294967295")?;
+    let causality = element.optional("causality").unwrap_or("local");
+    Ok(Variable {
+        name: element.text("name")?.to_owned(),
+        reference: reference.ok_or_else(|| element.problem("has no valueReference"))?,
+        kind: Kind::NAMES.iter().find(|(name, _)| *name == causality).map(|(_, kind)| *kind),
+        of,
+        native,
+        dimensions: Vec::new(),
+        start,
+        description: element.optional("description").map(str::to_owned),
+    })
+}
+
+/// Adds the variables of FMI 3.0.
+fn read_arrays(interface: &mut Interface, elements: &[Element], declared: &Units) -> Result<()> {
+    for &element in elements {
+        let (of, native) = match (element.name(), Native::named(element.name())) {
+            (_, Some(native)) => (native.of(unit(element, declared)), native),
+            ("Enumeration", _) => (enumeration(element), Native::Int64),
+            _ => return Err(element.problem("is not a type of FMI 3.0").into()),
+        };
+        let mut variable = read_variable(element, of, native, read_starts(element, native)?)?;
+        // Outside of Event Mode, what belongs to a clock has no value that counts.
+        if native == Native::Clock || element.has("clocks") {
+            variable.kind = None;
+        }
         let (place, reference) = (interface.variables.len(), variable.reference);
         if let Some(&other) = interface.references.get(&reference) {
             let (one, other) = (&interface.variables[other].name, &variable.name);
@@ -42,7 +111,6 @@ pub fn read_variables(
         for alias in element.children("Alias") {
             interface.add_name(alias.text("name")?, place, reference, alias)?;
         }
-        elements.push(element);
     }
     // A dimension may name a structural parameter that comes later.
     let mut all = 0;
@@ -66,36 +134,6 @@ pub fn read_variables(
         }
     }
     Ok(())
-}
-
-/// `None` for what is no variable.
-fn read_variable(element: Element, declared: &HashMap<&str, &str>) -> Result<Option<Variable>> {
-    let declared_type = element.optional("declaredType");
-    let unit = || {
-        let unit = element.optional("unit");
-        let unit = unit.or_else(|| declared_type.and_then(|name| declared.get(name).copied()));
-        unit.filter(|unit| !unit.is_empty()).map(str::to_owned)
-    };
-    let (of, native) = match (element.name(), Native::named(element.name())) {
-        (_, Some(native)) => (native.of(unit()), native),
-        ("Enumeration", _) => {
-            (Type::Enumeration(declared_type.unwrap_or_default().to_owned()), Native::Int64)
-        }
-        ("Annotations", _) => return Ok(None),
-        _ => return Err(element.problem("is not a type of FMI 3.0").into()),
-    };
-    // Outside of Event Mode, what belongs to a clock has no value that counts.
-    let clocked = native == Native::Clock || element.has("clocks");
-    Ok(Some(Variable {
-        name: element.text("name")?.to_owned(),
-        reference: read_reference(element)?,
-        kind: read_kind(element).filter(|_| !clocked),
-        of,
-        native,
-        dimensions: Vec::new(),
-        start: read_starts(element, native)?,
-        description: element.optional("description").map(str::to_owned),
-    }))
 }
 
 /// Those of texts are elements, all others are in one attribute.
@@ -152,7 +190,7 @@ fn check_starts(variable: &Variable, element: Element) -> Result<()> {
         return Err(if texts { problem } else { element.wrong("start", why) }.into());
     }
     if matches!(variable.of, Type::Real(_)) {
-        let nan = |start: &String| start.parse::<f64>().is_ok_and(f64::is_nan);
+        let nan = |start: &String| start.trim().parse::<f64>().is_ok_and(f64::is_nan);
         if let Some(place) = variable.start.iter().position(nan) {
             let which = if given > 1 { format!(" (value {} of {given})", place + 1) } else { String::new() };
             let why = format!("of the variable {:?} is not a number{which}", variable.name);
