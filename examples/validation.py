@@ -130,9 +130,7 @@ def shapes_of(trial):
 def run(trial, until=MOST):
     """Runs a Trial, at most this long [s]. Returns the path of its table."""
     table = trial.with_name(trial.name + ".csv")
-    outputs = trial.with_name(trial.name + "_outputs.csv")
-    lemons("run", trial, "--until", until, "--every", EVERY, "-o", table, "--outputs", outputs, "--force")
-    outputs.unlink()
+    lemons("run", trial, "--until", until, "--every", EVERY, "-o", table, "--force")
     return table
 
 

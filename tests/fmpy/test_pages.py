@@ -89,13 +89,13 @@ FILES = {
     ("docs/walking.md", 'model = "collision-free-speed"     # or "straight" (the default), "social-force"'): (
         "two_doors/decision.toml",
         "lemons crowd --number 20 --box 8x6 --door 8,3,1 --door 0,3,1 -o two_doors",
-        "lemons check two_doors && lemons run two_doors --until 0.1 -o two_doors.csv --outputs two_doors_wishes.csv",
+        "lemons check two_doors && lemons run two_doors --until 0.1 -o two_doors.csv",
         {},
     ),
     ("docs/coupling.md", "desired_speed = 1.34                               # [m/s]; default 1.34"): (
         "ways.toml",
         "",
-        "lemons run resources/Trial_door --plan ways.toml --until 0.1 -o ways.csv --outputs ways_wishes.csv",
+        "lemons run resources/Trial_door --plan ways.toml --until 0.1 -o ways.csv",
         {},
     ),
     ("docs/coupling.md", 'trial = "door_{width}_{seed}"     # a name in braces: the value of this parameter'): (
