@@ -172,7 +172,7 @@ def test_a_way_is_drawn_with_the_mouse(page: Page, tmp_path: Path) -> None:
         assert wishes.get("agents", {}).get(name, wishes)["waypoints"] == whole(nearest), name
     lemons("check", trial)
     outputs = ("-o", tmp_path / "run.csv", "--outputs", tmp_path / "decision.csv")
-    assert lemons("run", trial, "--until", "0.1", *outputs).startswith("components                  2 ")
+    assert lemons("run", trial, "--until", "0.1", *outputs).startswith("people walk ")
 
 
 def test_a_person_is_turned_copied_and_deleted_by_hand(page: Page, tmp_path: Path) -> None:
