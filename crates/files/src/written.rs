@@ -78,19 +78,6 @@ impl Staged {
     /// # Errors
     /// The directory cannot be written, or something other than a regular file is in the place.
     pub fn beside(place: &Path) -> io::Result<Staged> {
-        Staged::made(place, |directory| Temporary::new(directory, new_file))
-    }
-
-    /// As [`Staged::beside`], but the temporary file has this name. It must not exist: only one process at a time may
-    /// write a file of this name.
-    ///
-    /// # Errors
-    /// As [`Staged::beside`], or a file of this name exists.
-    pub fn beside_as(place: &Path, name: &str) -> io::Result<Staged> {
-        Staged::made(place, |directory| Temporary::named(directory.join(name), new_file))
-    }
-
-    fn made(place: &Path, make: impl FnOnce(&Path) -> io::Result<(Temporary, File)>) -> io::Result<Staged> {
         let place = target_of(place)?;
         let there = match place.metadata() {
             Ok(there) => Some(there),
@@ -98,7 +85,7 @@ impl Staged {
             Err(error) => return Err(error),
         };
         there.as_ref().map_or(Ok(()), input::check_regular)?;
-        let (temporary, file) = make(directory_of(&place))?;
+        let (temporary, file) = Temporary::new(directory_of(&place), new_file)?;
         let staged = Staged { file, temporary: Some((temporary, place)), failed: false };
         if let Some(there) = there {
             staged.file.set_permissions(there.permissions())?;

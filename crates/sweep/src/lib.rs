@@ -1,5 +1,5 @@
-//! Parameter sweeps: many runs with different parameters, on all processors: of an FMU, of a Trial, alone or with the plan
-//! by which its people walk, or of several Trials.
+//! Parameter sweeps: many runs with different parameters, on all processors: of a Trial, alone or with the plan by which
+//! its people walk, or of several Trials.
 //!
 //! A [`Spec`] (`sweep.toml`) gives the model, the values of the parameters and the measures. [`sweep`] simulates the
 //! points that are not yet in its [`Table`] and appends their results as they finish; a sweep that was killed goes on

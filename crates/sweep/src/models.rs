@@ -7,7 +7,7 @@ use lemons_master::PlanChoice;
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-/// More are taken for a mistake: each is packed before the first point is simulated.
+/// More are taken for a mistake: each is read and checked before the first point is simulated.
 const MOST_MODELS: usize = 10_000;
 
 /// Where the people of Trials walk.
@@ -23,7 +23,7 @@ pub enum Plan {
     File(Template),
 }
 
-/// What is simulated at a point: a Trial or an FMU, and where people walk.
+/// What is simulated at a point: a Trial, or the one in an FMU, and where people walk.
 pub(crate) type Simulated = (PathBuf, PlanChoice);
 
 /// What is simulated at all points.

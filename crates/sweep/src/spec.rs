@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Model, parameters and measures of a sweep. Relative paths are relative to the directory of the file.
 #[derive(Debug, Clone)]
 pub struct Spec {
-    /// A Trial or an FMU, at each point.
+    /// A Trial, or an FMU that contains one, at each point.
     pub model: Template,
     /// When a point ends.
     pub until: End,
@@ -33,7 +33,7 @@ pub struct Spec {
     pub drive: DriveChoice,
     /// Where people walk.
     pub plan: Plan,
-    /// How coupled FMUs exchange values.
+    /// In which order crowd and Decision exchange values.
     pub algorithm: Algorithm,
     /// The points that are simulated.
     pub points: Points,
