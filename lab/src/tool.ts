@@ -1,7 +1,7 @@
 // How a tab takes part in the picture: it hears the pointer and paints over it. All places are in m.
 
 import { signal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useLayoutEffect } from "preact/hooks";
 import type { Inks } from "./draw";
 import type { Point } from "./protocol";
 import type { View } from "./view";
@@ -45,7 +45,8 @@ export interface Tool {
 export const tool = signal<Tool | null>(null);
 /** It is the tool while the component is there. What a former tab leaves may be tidied up only after this tab began. */
 export function useTool(own: Tool) {
-    useEffect(() => {
+    // Not `useEffect`: it waits for the next frame, and a key pressed before that would be lost.
+    useLayoutEffect(() => {
         tool.value = own;
         return () => {
             if (tool.value === own) tool.value = null;
