@@ -7,9 +7,9 @@ use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::pack::Format;
 use crowd_mechanics::quantities::guid;
 use crowd_mechanics::setup;
-use lemons_bench::fmu::{DENSE, Packed};
 use lemons_fmi::location::Location;
 use lemons_fmi::{Model, Slave, Version};
+use lemons_verify::bench::fmu::{DENSE, Packed};
 
 const AGENTS: usize = 10_000;
 

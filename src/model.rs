@@ -12,13 +12,13 @@ use crate::quantities::{
 };
 use crate::resources::{Resources, ResourcesError};
 use crate::setup::{FINEST_ACCURACY, Setup, WorldError, dynamics_of, interactions_of};
-use lemons_files::{Change, WriteError, change_all};
+use lemons_core::files::{Change, WriteError, change_all};
+use lemons_core::trial::{
+    DriveTable, DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names,
+};
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Role, Scalar, Size, Variable};
 use lemons_fmi::{Model, Part, Phase, StepError};
-use lemons_trial::{
-    DriveTable, DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names,
-};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};

@@ -1,9 +1,9 @@
 //! `modelDescription.xml` of a Trial's FMU.
 
 use crate::model::CrowdModel;
+use lemons_core::trial::{DriveTable, Trial};
 use lemons_fmi::description::terminals_xml;
 use lemons_fmi::{Format, Model, description};
-use lemons_trial::{DriveTable, Trial};
 
 /// `modelName`
 pub const MODEL_NAME: &str = CrowdModel::NAME;
@@ -32,7 +32,7 @@ pub fn terminals(icon: bool) -> String {
 mod tests {
     use super::*;
     use crate::setup;
-    use lemons_testing::{repository, trial_push};
+    use lemons_verify::testing::{repository, trial_push};
 
     #[test]
     fn the_committed_ones_are_the_generated_ones() {

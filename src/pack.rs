@@ -7,14 +7,14 @@ use crate::model_description::{LARGEST_DESCRIPTION, MODEL_IDENTIFIER, model_desc
 use crate::quantities::{guid, scalars};
 use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::setup;
-use lemons_files::Staged;
-use lemons_files::source::{Disk, Source};
+use lemons_core::files::Staged;
+use lemons_core::files::source::{Disk, Source};
+use lemons_core::trial::{DRIVE_FILE, FileNames, Problems, Trial};
 use lemons_fmi::archive::{Archive, ArchiveError, read};
 pub use lemons_fmi::archive::{Binary, THIRD_PARTY, host_directory, host_platform, library_file, platforms};
 use lemons_fmi::description::rows_html;
 pub use lemons_fmi::{Format, Naming};
 use lemons_fmi::{Version, instantiation_token};
-use lemons_trial::{DRIVE_FILE, FileNames, Problems, Trial};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
 use thiserror::Error;
@@ -280,7 +280,7 @@ fn documentation(trial: &Trial) -> String {
     let parameters = &trial.parameters;
     include_str!("documentation.html")
         .replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{trial}", &lemons_xml::escaped(&trial.name))
+        .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
         .replace("{agents}", &trial.agents.len().to_string())
         .replace("{last}", &(trial.agents.len().saturating_sub(1)).to_string())
         .replace("{time_step}", &format!("{:?}", parameters.time_step))
@@ -293,7 +293,7 @@ fn documentation_3(trial: &Trial) -> String {
     let parameters = &trial.parameters;
     include_str!("documentation_3.html")
         .replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{trial}", &lemons_xml::escaped(&trial.name))
+        .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
         .replace("{agents}", &trial.agents.len().to_string())
         .replace("{time_step}", &format!("{:?}", parameters.time_step))
         .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))

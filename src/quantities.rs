@@ -4,12 +4,12 @@
 //! Names use the words of the XML formats. An array of agents has an element for each agent, in the order of Agents.xml;
 //! one of materials for each `<Material>` of Materials.xml; one of pairs for each two materials, a symmetric matrix.
 
+use lemons_core::plane::Vec2;
+use lemons_core::trial::{Contact, Materials, Trial};
 use lemons_fmi::variables::rows::*;
 use lemons_fmi::variables::units::*;
 use lemons_fmi::variables::{Dimension, Domain, Scalar, Size, Variable};
 pub use lemons_fmi::variables::{Kind, Role};
-use lemons_plane::Vec2;
-use lemons_trial::{Contact, Materials, Trial};
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 

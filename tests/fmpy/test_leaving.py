@@ -40,7 +40,7 @@ def over(leave, places):
 
 
 def test_the_rule_is_that_of_the_command():
-    # The same cases as crates/measure (leaving).
+    # The same cases as crates/results (leaving).
     walker = lambda time: (0.1 * time, 0.0) if time < 40 else None  # noqa: E731
     assert over(1, lambda time: [walker(time), (1.0, 1.0)]) == (40, "left")
     assert over(2, lambda time: [walker(time), (1.0, 1.0)]) == (340, "standstill")

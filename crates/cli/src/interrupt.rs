@@ -5,7 +5,7 @@ mod ignored;
 
 use crate::files;
 use anyhow::{Context, Result};
-use lemons_files::give_up;
+use lemons_core::files::give_up;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The user pressed Ctrl-C; what became of the work.

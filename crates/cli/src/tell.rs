@@ -1,6 +1,6 @@
 //! What the command says: the one place that prints. A closed pipe or a full disk is an error, never a panic.
 
-use lemons_files::reader_left;
+use lemons_core::files::reader_left;
 use std::fmt::{self, Display};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};

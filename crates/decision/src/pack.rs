@@ -3,7 +3,7 @@
 use crate::decision::{Decision, PLAN_FILE};
 use crate::error::PlanError;
 use crate::plan::Plan;
-use lemons_files::source::Disk;
+use lemons_core::files::source::Disk;
 use lemons_fmi::archive::{Archive, ArchiveError, Binary};
 use lemons_fmi::description::{model_description, rows_html, terminals_xml};
 use lemons_fmi::{Format, Model, Version, guid, instantiation_token};

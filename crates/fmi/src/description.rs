@@ -5,7 +5,7 @@ use crate::model::{Model, guid, instantiation_token, reference};
 use crate::variables::units::SECOND;
 use crate::variables::{Dependency, Dimension, Kind, Known, Role, Scalar, Type, Unit, Variable};
 use crate::{Format, Naming, Version};
-use lemons_xml::{Layout, Out, escaped, number};
+use lemons_core::xml::{Layout, Out, escaped, number};
 use std::collections::{BTreeSet, HashMap};
 
 /// Returns the model description of what is loaded.

@@ -4,9 +4,9 @@
 use lemons_fmi::location::Location;
 use lemons_fmi::variables::{Kind, Scalar, Size, Variable, rows, units};
 use lemons_fmi::{Model, Part, Phase, Status, StepError, guid};
-use lemons_testing::fmi2;
-use lemons_testing::instance::{Arguments, Functions};
-use lemons_testing::{Instance, Message};
+use lemons_verify::testing::fmi2;
+use lemons_verify::testing::instance::{Arguments, Functions};
+use lemons_verify::testing::{Instance, Message};
 use std::ffi::{CStr, CString};
 
 static X: [Variable<()>; 1] = [rows::input((), "x", &[], Kind::Real(units::ONE), "")];

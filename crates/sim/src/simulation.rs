@@ -4,13 +4,13 @@ use crate::settings::{DecisionNames, Names};
 use crowd_mechanics::engine::{Pose, World, Wrench, vec2};
 use crowd_mechanics::model::{CrowdModel, ModelError, Saved as SavedCrowd};
 use crowd_mechanics::quantities::Quantity;
+use lemons_core::plane::Motion;
+use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::decision::{Act, DecisionError, Saved as SavedDecision};
 use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, Plan};
 use lemons_fmi::{Model, Part, Phase, StepError, fingerprint};
-use lemons_plane::Motion;
-use lemons_record::{Frame, Observed, OfStep, Totals};
-use lemons_trial::{DriveTable, Trial};
+use lemons_results::{Frame, Observed, OfStep, Totals};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 

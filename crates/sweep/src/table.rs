@@ -7,7 +7,7 @@
 
 use crate::error::{Error, Place, Result};
 use crate::points::Points;
-use lemons_files::Staged;
+use lemons_core::files::Staged;
 use serde_json::{Map, Value};
 use std::fs::{File, TryLockError};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};

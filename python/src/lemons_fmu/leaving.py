@@ -1,4 +1,4 @@
-"""When a run is over in which people leave. crates/measure (leaving) has the same rule for the command."""
+"""When a run is over in which people leave. crates/results (leaving) has the same rule for the command."""
 
 from __future__ import annotations
 

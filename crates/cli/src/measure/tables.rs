@@ -8,9 +8,9 @@ use super::pass::Passed;
 use super::summary::Summary;
 use crate::output::Output;
 use anyhow::{Context, Result};
-use lemons_files::Staged;
-use lemons_measure::{Flow, SPANS, Way, windows};
-use lemons_record::Record;
+use lemons_core::files::Staged;
+use lemons_results::Record;
+use lemons_results::measure::{Flow, SPANS, Way, windows};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
