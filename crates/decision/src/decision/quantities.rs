@@ -5,9 +5,8 @@
 //! agent's row is as long as the longest, and `WaypointCount` says how much of it counts. What is beyond is 0 and stays 0.
 
 use super::Decision;
-use lemons_fmi::variables::rows::*;
 use lemons_fmi::variables::units::*;
-use lemons_fmi::variables::{Dependency, Dimension, Domain, Kind, Known, Role, Scalar, Size, Variable};
+use lemons_fmi::variables::{Dependency, Dimension, Domain, Kind, Known, Role, Scalar, Size, Variable, row};
 
 /// A quantity: a row of [`QUANTITIES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,82 +47,33 @@ pub static QUANTITIES: [Variable<Quantity>; 16] = {
     use Kind::*;
     use Quantity::*;
     [
-        calculated(
-            Arrived,
-            "Arrived",
-            &[],
-            Integer,
-            "how many agents have reached their last way-point, exit or goal",
-        ),
-        input(Position, "Position", VECTORS, Real(METRE), "x and y of the centre of mass"),
-        input(Theta, "Theta", AGENTS, Real(RADIAN), "orientation: angle from the x axis to the gaze"),
-        calculated(Fp, "Fp", VECTORS, Real(NEWTON), "propulsion force along x and y"),
-        calculated(Mp, "Mp", AGENTS, Real(NEWTON_METRE), "propulsion torque"),
-        calculated(Active, "Active", AGENTS, Boolean, "whether it is there: it has not left by an exit"),
-        calculated(
-            NextWaypoint,
-            "NextWaypoint",
-            AGENTS,
-            Integer,
-            "which way-point it walks to; their number after the last one",
-        ),
-        parameter(Mass, "Mass", AGENTS, Real(KILOGRAM), Positive, "mass"),
-        parameter(
-            MomentOfInertia,
-            "MomentOfInertia",
-            AGENTS,
-            Real(KILOGRAM_METRE_SQUARED),
-            Positive,
-            "moment of inertia about the centre of mass",
-        ),
-        parameter(
-            FloorDamping,
-            "FloorDamping",
-            AGENTS,
-            Real(PER_SECOND),
-            NonNegative,
-            "relaxation rate of the velocity, 1/t_transl",
-        ),
-        parameter(
-            AngularDamping,
-            "AngularDamping",
-            AGENTS,
-            Real(PER_SECOND),
-            NonNegative,
-            "relaxation rate of the angular velocity, 1/t_rot",
-        ),
-        parameter(
-            DesiredSpeed,
-            "DesiredSpeed",
-            AGENTS,
-            Real(METRE_PER_SECOND),
-            NonNegative,
-            "desired speed v0",
-        ),
-        parameter(
-            Waypoint,
-            "Waypoint",
-            WAYPOINT_VECTORS,
-            Real(METRE),
-            Finite,
-            "x and y of the way-points in order; 0 beyond WaypointCount",
-        ),
-        parameter(
-            WaypointRadius,
-            "WaypointRadius",
-            WAYPOINTS,
-            Real(METRE),
+        row(Arrived, "Arrived", &[], Integer)
+            .calculated("how many agents have reached their last way-point, exit or goal"),
+        row(Position, "Position", VECTORS, Real(METRE)).input("x and y of the centre of mass"),
+        row(Theta, "Theta", AGENTS, Real(RADIAN)).input("orientation: angle from the x axis to the gaze"),
+        row(Fp, "Fp", VECTORS, Real(NEWTON)).calculated("propulsion force along x and y"),
+        row(Mp, "Mp", AGENTS, Real(NEWTON_METRE)).calculated("propulsion torque"),
+        row(Active, "Active", AGENTS, Boolean).calculated("whether it is there: it has not left by an exit"),
+        row(NextWaypoint, "NextWaypoint", AGENTS, Integer)
+            .calculated("which way-point it walks to; their number after the last one"),
+        row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
+        row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
+            .parameter(Positive, "moment of inertia about the centre of mass"),
+        row(FloorDamping, "FloorDamping", AGENTS, Real(PER_SECOND))
+            .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl"),
+        row(AngularDamping, "AngularDamping", AGENTS, Real(PER_SECOND))
+            .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
+        row(DesiredSpeed, "DesiredSpeed", AGENTS, Real(METRE_PER_SECOND))
+            .parameter(NonNegative, "desired speed v0"),
+        row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(METRE))
+            .parameter(Finite, "x and y of the way-points in order; 0 beyond WaypointCount"),
+        row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(METRE)).parameter(
             NonNegative,
             "a way-point is reached when the agent is this near; 0 beyond WaypointCount",
         ),
-        calculated_parameter(
-            WaypointCount,
-            "WaypointCount",
-            AGENTS,
-            Integer,
-            "how many way-points an agent has",
-        ),
-        calculated_parameter(AgentId, "AgentId", AGENTS, String, "Ids of the agents"),
+        row(WaypointCount, "WaypointCount", AGENTS, Integer)
+            .calculated_parameter("how many way-points an agent has"),
+        row(AgentId, "AgentId", AGENTS, String).calculated_parameter("Ids of the agents"),
     ]
 };
 
