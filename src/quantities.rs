@@ -1,8 +1,9 @@
-//! The quantities of a crowd: one table with the name, unit, causality, shape and domain of each. FMI 3.0 has each row as
-//! one array, FMI 2.0 has the elements.
+//! The quantities of a crowd: one table with the name, unit, causality, shape and domain of each.
+//! FMI 3.0 has each row as one array, FMI 2.0 has the elements.
 //!
-//! Names use the words of the XML formats. An array of agents has an element for each agent, in the order of Agents.xml;
-//! one of materials for each `<Material>` of Materials.xml; one of pairs for each two materials, a symmetric matrix.
+//! Names use the words of the XML formats. An array of agents has an element for each agent, in the
+//! order of Agents.xml; one of materials for each `<Material>` of Materials.xml; one of pairs for
+//! each two materials, a symmetric matrix.
 
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{Contact, Materials, Trial};
@@ -12,7 +13,8 @@ pub use lemons_fmi::variables::{Kind, Role};
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-/// Default of `MostMechanicalSteps`. So many steps take some minutes for five people, half a day for a thousand.
+/// Default of `MostMechanicalSteps`. So many steps take some minutes for five people, half a day
+/// for a thousand.
 pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
 
 /// A quantity: a row of [`QUANTITIES`].
@@ -69,8 +71,8 @@ const VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Fixed(2)];
 const MATERIALS: &[Dimension] = &[Dimension::Size(1)];
 const PAIRS: &[Dimension] = &[Dimension::Size(1), Dimension::Size(1)];
 
-/// The table. Where an array of agents has the name that FMI 2.0 gives a number of the whole crowd, the number is called a
-/// total.
+/// The table. Where an array of agents has the name that FMI 2.0 gives a number of the whole crowd,
+/// the number is called a total.
 pub static QUANTITIES: [Variable<Quantity>; 36] = {
     use Domain::*;
     use Kind::*;
@@ -184,8 +186,8 @@ pub fn scalars(trial: &Trial) -> Vec<Scalar<Quantity>> {
     scalars
 }
 
-/// Returns the variables of a Trial's materials. A quantity of a pair of materials has one, for the pair as it is in
-/// Materials.xml.
+/// Returns the variables of a Trial's materials. A quantity of a pair of materials has one, for the
+/// pair as it is in Materials.xml.
 fn scalars_of_materials(trial: &Trial) -> Vec<Scalar<Quantity>> {
     let of = |dimensions| {
         QUANTITIES.iter().filter(move |row| row.dimensions == dimensions && row.kind != Kind::String)
@@ -211,8 +213,8 @@ pub fn guid(trial: &Trial) -> Uuid {
     lemons_fmi::guid(&scalars(trial))
 }
 
-/// Returns the elements that a quantity of materials has in FMI 3.0, by its name in FMI 2.0: names of arrays, and places in
-/// them. A quantity of two materials has two.
+/// Returns the elements that a quantity of materials has in FMI 3.0, by its name in FMI 2.0: names
+/// of arrays, and places in them. A quantity of two materials has two.
 pub fn of_materials(trial: &Trial, name: &str) -> Vec<(&'static str, usize)> {
     let found = scalars_of_materials(trial).into_iter().find(|scalar| scalar.name == name);
     let Some(Scalar { variable, element, .. }) = found else { return Vec::new() };
@@ -226,10 +228,11 @@ pub fn of_materials(trial: &Trial, name: &str) -> Vec<(&'static str, usize)> {
     elements.into_iter().map(|element| (variable.name, element)).collect()
 }
 
-/// Returns an Id as a part of a structured name: itself if it is a plain identifier, else a quoted name.
+/// Returns an Id as a part of a structured name: itself if it is a plain identifier, else a quoted
+/// name.
 ///
-/// Quoted names may contain only some ASCII characters. All others, and `%` itself, are written as percent escapes of
-/// their UTF-8 bytes, so that different Ids have different names.
+/// Quoted names may contain only some ASCII characters. All others, and `%` itself, are written as
+/// percent escapes of their UTF-8 bytes, so that different Ids have different names.
 fn quoted(id: &str) -> String {
     let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let plain = id.starts_with(letter) && id.chars().all(|c| letter(c) || c.is_ascii_digit());
@@ -253,8 +256,8 @@ fn quoted(id: &str) -> String {
     name
 }
 
-/// Returns the element of a quantity in a Trial's documents; `None` if it is not there: it is computed, or belongs to the
-/// instance.
+/// Returns the element of a quantity in a Trial's documents; `None` if it is not there: it is
+/// computed, or belongs to the instance.
 pub(crate) fn field(trial: &mut Trial, quantity: Quantity, element: usize) -> Option<&mut f64> {
     use Quantity::*;
     let i = if quantity.row().is_vector() { element / 2 } else { element };
@@ -288,7 +291,8 @@ fn contact(materials: &mut Materials, element: usize) -> Option<&mut Contact> {
     materials.binary.get_mut(place)
 }
 
-/// Returns the place in Materials.xml of a pair of materials, an element of a matrix; `None` if they never touch.
+/// Returns the place in Materials.xml of a pair of materials, an element of a matrix; `None` if
+/// they never touch.
 pub(crate) fn place_of_contact(materials: &Materials, element: usize) -> Option<usize> {
     let [one, other] = ids_of_pair(materials, element)?;
     let is_it =

@@ -1,4 +1,5 @@
-//! One FMU instance without the C interface, of either version of FMI: lifecycle, variables, stepping, states.
+//! One FMU instance without the C interface, of either version of FMI: lifecycle, variables,
+//! stepping, states.
 //!
 //! A call that is refused does not change the instance.
 
@@ -85,7 +86,8 @@ pub struct Snapshot<S> {
     model: S,
 }
 
-/// A variable that a value reference leads to, without what only messages need: calls read thousands of them.
+/// A variable that a value reference leads to, without what only messages need: calls read
+/// thousands of them.
 #[derive(Clone, Copy)]
 struct Row<Q> {
     /// `None` for the time and the structural parameters of FMI 3.0.
@@ -114,8 +116,8 @@ pub struct Slave<M: Model> {
     pub(crate) model: M,
     version: Version,
     token: Uuid,
-    /// The variables by value reference. In FMI 2.0 each is an element; in FMI 3.0 the time, the structural parameters,
-    /// and whole variables.
+    /// The variables by value reference. In FMI 2.0 each is an element; in FMI 3.0 the time, the
+    /// structural parameters, and whole variables.
     rows: Vec<Row<M::Quantity>>,
     /// FMI 2.0: the variables, for messages.
     scalars: Vec<Scalar<M::Quantity>>,
@@ -178,10 +180,12 @@ impl<M: Model> Slave<M> {
         }
     }
 
-    /// `fmi2SetupExperiment`: start time and, if given, stop time of the simulation \[s\], and tolerance.
+    /// `fmi2SetupExperiment`: start time and, if given, stop time of the simulation \[s\], and
+    /// tolerance.
     ///
     /// # Errors
-    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not positive and finite.
+    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not
+    /// positive and finite.
     pub fn setup_experiment(
         &mut self,
         start: f64,
@@ -242,7 +246,8 @@ impl<M: Model> Slave<M> {
     /// Leaves Initialization Mode.
     ///
     /// # Errors
-    /// Wrong phase; structural parameters that are not the sizes of what is loaded; values that do not fit together.
+    /// Wrong phase; structural parameters that are not the sizes of what is loaded; values that do
+    /// not fit together.
     pub fn exit_initialization(&mut self) -> Answer<M, ()> {
         self.check(Function::ExitInitializationMode)?;
         (0..self.sizes.len()).try_for_each(|place| self.check_size(place))?;
@@ -316,7 +321,8 @@ impl<M: Model> Slave<M> {
         Ok(length)
     }
 
-    /// Checks types, and that the number of elements of all variables together is that of the values.
+    /// Checks types, and that the number of elements of all variables together is that of the
+    /// values.
     fn check_count(&self, references: &[u32], of: Type, given: usize) -> Answer<M, ()> {
         if self.version == Version::V2 {
             return Ok(());
@@ -348,7 +354,8 @@ impl<M: Model> Slave<M> {
     /// Reads Reals.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, a wrong number of values; in initialization, values that do not fit together.
+    /// Wrong phase, unknown references, a wrong number of values; in initialization, values that do
+    /// not fit together.
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Answer<M, ()> {
         self.get(references, Type::Real, values)
     }
@@ -426,8 +433,8 @@ impl<M: Model> Slave<M> {
     /// `fmi3SetUInt64`: structural parameters, in Configuration Mode.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, a wrong number of values, or a value that is 0 or far too large. Then none of
-    /// them is set.
+    /// Wrong phase, unknown references, a wrong number of values, or a value that is 0 or far too
+    /// large. Then none of them is set.
     pub fn set_size(&mut self, references: &[u32], values: &[u64]) -> Answer<M, ()> {
         self.check(Function::Set)?;
         self.check_count(references, Type::Size, values.len())?;
@@ -463,8 +470,8 @@ impl<M: Model> Slave<M> {
     /// Sets Reals.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, a wrong number of values, or values outside their domain. Then none of them is
-    /// set.
+    /// Wrong phase, unknown references, a wrong number of values, or values outside their domain.
+    /// Then none of them is set.
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Answer<M, ()> {
         self.set(references, Type::Real, values)
     }
@@ -540,8 +547,8 @@ impl<M: Model> Slave<M> {
     /// Reads derivatives with respect to time, of order 1.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, a wrong number of values, other orders, or variables whose derivative is not
-    /// known. Then the values are unchanged.
+    /// Wrong phase, unknown references, a wrong number of values, other orders, or variables whose
+    /// derivative is not known. Then the values are unchanged.
     pub fn get_output_derivatives(
         &self,
         references: &[u32],
@@ -566,12 +573,12 @@ impl<M: Model> Slave<M> {
         Ok(())
     }
 
-    /// `fmi2SetRealInputDerivatives`: over the next step the inputs vary linearly, at these rates per
-    /// second, from their values at its start. A rate is used for one step.
+    /// `fmi2SetRealInputDerivatives`: over the next step the inputs vary linearly, at these rates
+    /// per second, from their values at its start. A rate is used for one step.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, variables that are not inputs, orders other than 1, rates that are not finite,
-    /// or a model that does not interpolate inputs. Then nothing is set.
+    /// Wrong phase, unknown references, variables that are not inputs, orders other than 1, rates
+    /// that are not finite, or a model that does not interpolate inputs. Then nothing is set.
     pub fn set_input_derivatives(
         &mut self,
         references: &[u32],
@@ -605,9 +612,9 @@ impl<M: Model> Slave<M> {
         Ok(())
     }
 
-    /// `fmi3GetVariableDependencies`: of the elements of an output, as indices from 0, the value reference of the
-    /// variable on which each depends, and the index of its element. Until initialization ends, the initial dependencies
-    /// (FMI 3.0, section 2.2.9).
+    /// `fmi3GetVariableDependencies`: of the elements of an output, as indices from 0, the value
+    /// reference of the variable on which each depends, and the index of its element. Until
+    /// initialization ends, the initial dependencies (FMI 3.0, section 2.2.9).
     ///
     /// # Errors
     /// Wrong phase or an unknown reference.
@@ -639,9 +646,9 @@ impl<M: Model> Slave<M> {
     /// A communication step: from the communication point `from` over `step`, both \[s\].
     ///
     /// # Errors
-    /// Wrong phase, a communication point that is not the slave's time, or a step that is not positive, goes beyond the
-    /// stop time, or is refused by the model. Then nothing has changed. If the model fails during the step, the slave is
-    /// in the error state.
+    /// Wrong phase, a communication point that is not the slave's time, or a step that is not
+    /// positive, goes beyond the stop time, or is refused by the model. Then nothing has changed.
+    /// If the model fails during the step, the slave is in the error state.
     pub fn do_step(&mut self, from: f64, step: f64) -> Answer<M, ()> {
         self.check_step(from, step)?;
         self.do_part(Part::whole(from, step))
@@ -666,7 +673,8 @@ impl<M: Model> Slave<M> {
     /// Does a part of a communication step.
     ///
     /// # Errors
-    /// The model refuses the first part, and nothing has changed; or it fails, and the slave is in the error state.
+    /// The model refuses the first part, and nothing has changed; or it fails, and the slave is in
+    /// the error state.
     pub(crate) fn do_part(&mut self, part: Part) -> Answer<M, ()> {
         match self.model.advance(part) {
             Ok(()) => {
@@ -692,7 +700,8 @@ impl<M: Model> Slave<M> {
         if !(step > 0.0 && step.is_finite()) {
             return Err(SlaveError::StepSize(step));
         }
-        // Masters add up their own times. A difference of half a step is another communication point.
+        // Masters add up their own times. A difference of half a step is another communication
+        // point.
         let tolerance = (1e-5 * from.abs().max(step)).min(0.5 * step);
         if (from - self.time).abs() > tolerance || from.is_nan() {
             return Err(SlaveError::CommunicationPoint { given: from, expected: self.time });
@@ -720,7 +729,8 @@ impl<M: Model> Slave<M> {
     /// Restores a state.
     ///
     /// # Errors
-    /// Wrong phase, a snapshot of another model, or one with impossible times. Then nothing has changed.
+    /// Wrong phase, a snapshot of another model, or one with impossible times. Then nothing has
+    /// changed.
     pub fn restore(&mut self, snapshot: &Snapshot<M::Saved>) -> Answer<M, ()> {
         self.check(Function::State)?;
         let possible = snapshot.experiment.is_none_or(|Experiment { start, stop }| {

@@ -1,4 +1,5 @@
-//! The variables of an FMU: name, type, causality, unit, domain, sizes. A model has one table of them.
+//! The variables of an FMU: name, type, causality, unit, domain, sizes. A model has one table of
+//! them.
 
 use crate::Version;
 
@@ -226,8 +227,9 @@ impl<Q> Variable<Q> {
         self.dimensions.last() == Some(&Dimension::Fixed(2))
     }
 
-    /// Returns the variables of FMI 2.0 at an index of the dimensions before that of x and y: one, or one for each of x
-    /// and y. Their names begin with `prefix`, their descriptions with `about`.
+    /// Returns the variables of FMI 2.0 at an index of the dimensions before that of x and y: one,
+    /// or one for each of x and y. Their names begin with `prefix`, their descriptions with
+    /// `about`.
     pub fn scalars(
         &'static self,
         index: usize,

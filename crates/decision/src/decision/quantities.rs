@@ -1,8 +1,9 @@
-//! The quantities of the FMU: one table with the name, unit, causality, shape and domain of each. FMI 3.0 has each row as
-//! one array, FMI 2.0 has the elements.
+//! The quantities of the FMU: one table with the name, unit, causality, shape and domain of each.
+//! FMI 3.0 has each row as one array, FMI 2.0 has the elements.
 //!
-//! Arrays have an element for each agent, in the order of Agents.xml. Agents may have different numbers of way-points: an
-//! agent's row is as long as the longest, and `WaypointCount` says how much of it counts. What is beyond is 0 and stays 0.
+//! Arrays have an element for each agent, in the order of Agents.xml. Agents may have different
+//! numbers of way-points: an agent's row is as long as the longest, and `WaypointCount` says how
+//! much of it counts. What is beyond is 0 and stays 0.
 
 use super::Decision;
 use lemons_fmi::variables::units::*;
@@ -107,15 +108,16 @@ impl Decision {
         if quantity.row().is_vector() { 2 * waypoints } else { waypoints }
     }
 
-    /// Returns whether an agent has an element of a quantity: not of way-points that it does not have.
+    /// Returns whether an agent has an element of a quantity: not of way-points that it does not
+    /// have.
     pub(super) fn has(&self, quantity: Quantity, element: usize) -> bool {
         let each = self.elements_of_each(quantity);
         let count = self.agents[element / each].walker.waypoints.len();
         !quantity.is_of_waypoints() || element % each < count * each / self.most_waypoints
     }
 
-    /// Returns the number behind an element that can be set; `None` for a computed one, and for way-points that an agent
-    /// does not have.
+    /// Returns the number behind an element that can be set; `None` for a computed one, and for
+    /// way-points that an agent does not have.
     pub(crate) fn field(&mut self, quantity: Quantity, element: usize) -> Option<&mut f64> {
         let each = self.elements_of_each(quantity);
         let (i, k) = (element / each, element % each);
@@ -172,8 +174,8 @@ impl Decision {
         self.plan.gait.sees_others() && matches!(output, Quantity::Fp | Quantity::Mp)
     }
 
-    /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the number of those who have
-    /// arrived, on those of everybody.
+    /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the
+    /// number of those who have arrived, on those of everybody.
     pub(super) fn dependencies_of(&self, output: Quantity, known: Known) -> Vec<Dependency<Quantity>> {
         if output.row().role != Role::Calculated {
             return Vec::new();
