@@ -73,7 +73,7 @@ const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
 ];
 
 fn of_arrays<M: Model>(model: &mut M) -> Result<String, M::Error> {
-    let sizes = model.sizes();
+    let sizes: Vec<u64> = (0..M::SIZES.len()).map(|place| model.size(place)).collect();
     let mut starts = Vec::with_capacity(M::VARIABLES.len());
     for variable in M::VARIABLES {
         let length = variable.dimensions.iter().map(|dimension| match *dimension {

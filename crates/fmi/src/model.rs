@@ -120,8 +120,9 @@ pub trait Model: Sized + Send {
     /// The resources are missing or damaged.
     fn load(location: Location<'_>) -> Result<Self, Self::Error>;
 
-    /// Returns the values of the structural parameters for what is loaded.
-    fn sizes(&self) -> Vec<u64>;
+    /// Returns the value of the structural parameter at a place of [`Model::SIZES`] for what is
+    /// loaded.
+    fn size(&self, place: usize) -> u64;
 
     /// Returns the variables of FMI 2.0. They never change during the life of the model.
     fn scalars(&self) -> Vec<Scalar<Self::Quantity>>;

@@ -137,23 +137,21 @@ impl<M: Model> Slave<M> {
     /// # Errors
     /// The token is not that of the model.
     pub fn new(model: M, version: Version, given: &str) -> Answer<M, Slave<M>> {
-        let (mut scalars, mut sizes) = (Vec::new(), Vec::new());
+        let mut scalars = Vec::new();
         let (rows, token, word) = match version {
             Version::V2 => {
                 scalars = model.scalars();
                 let row = |scalar: &Scalar<M::Quantity>| Row::new(scalar.variable, scalar.element);
                 (scalars.iter().map(row).collect(), guid(&scalars), "GUID")
             }
-            Version::V3 => {
-                sizes = model.sizes();
-                (rows_of_arrays::<M>(), instantiation_token::<M>(), "instantiationToken")
-            }
+            Version::V3 => (rows_of_arrays::<M>(), instantiation_token::<M>(), "instantiationToken"),
         };
         let bare = |text: &str| text.trim_matches(['{', '}']).to_ascii_lowercase();
         if bare(given) != token.to_string() {
             let expected = token.braced().to_string();
             return Err(SlaveError::Token { word, given: given.to_owned(), expected });
         }
+        let sizes = sizes(&model, version);
         let (phase, time, experiment) = (Phase::Instantiated, 0.0, None);
         Ok(Slave { model, version, token, rows, scalars, sizes, phase, time, experiment })
     }
@@ -273,16 +271,14 @@ impl<M: Model> Slave<M> {
     pub fn reset(&mut self) -> Answer<M, ()> {
         self.check(Function::Reset)?;
         self.model.reset()?;
-        if self.version == Version::V3 {
-            self.sizes = self.model.sizes();
-        }
+        self.sizes = sizes(&self.model, self.version);
         (self.phase, self.time, self.experiment) = (Phase::Instantiated, 0.0, None);
         Ok(())
     }
 
     /// Refuses a structural parameter that is not the size of what is loaded.
     fn check_size(&self, place: usize) -> Answer<M, ()> {
-        let (declared, loaded) = (self.sizes[place], self.model.sizes()[place]);
+        let (declared, loaded) = (self.sizes[place], self.model.size(place));
         if declared == loaded {
             return Ok(());
         }
@@ -357,7 +353,7 @@ impl<M: Model> Slave<M> {
     /// Wrong phase, unknown references, a wrong number of values; in initialization, values that do
     /// not fit together.
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Answer<M, ()> {
-        self.get(references, Type::Real, values)
+        self.get(references, Type::Real, values, |number| number)
     }
 
     /// Reads Integers.
@@ -365,10 +361,7 @@ impl<M: Model> Slave<M> {
     /// # Errors
     /// Those of [`Slave::get_real`].
     pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
-        let mut numbers = vec![0.0; values.len()];
-        self.get(references, Type::Integer, &mut numbers)?;
-        values.iter_mut().zip(numbers).for_each(|(value, number)| *value = number as i32);
-        Ok(())
+        self.get(references, Type::Integer, values, |number| number as i32)
     }
 
     /// Reads Booleans.
@@ -376,24 +369,35 @@ impl<M: Model> Slave<M> {
     /// # Errors
     /// Those of [`Slave::get_real`].
     pub fn get_boolean(&mut self, references: &[u32], values: &mut [impl From<bool>]) -> Answer<M, ()> {
-        let mut numbers = vec![0.0; values.len()];
-        self.get(references, Type::Boolean, &mut numbers)?;
-        values.iter_mut().zip(numbers).for_each(|(value, number)| *value = (number != 0.0).into());
-        Ok(())
+        self.get(references, Type::Boolean, values, |number| (number != 0.0).into())
     }
 
-    fn get(&mut self, references: &[u32], of: Type, values: &mut [f64]) -> Answer<M, ()> {
+    fn get<T>(
+        &mut self,
+        references: &[u32],
+        of: Type,
+        values: &mut [T],
+        from: impl Fn(f64) -> T,
+    ) -> Answer<M, ()> {
         self.check(Function::Get)?;
-        self.check_count(references, of, values.len())?;
-        let mut rest = values;
-        for &reference in references {
-            let row = self.row(reference, of)?;
-            let (these, others) = rest.split_at_mut(self.length(reference)?);
-            match (row.quantity, these) {
-                (Some(quantity), [value]) => *value = self.model.number(quantity, row.element as usize)?,
-                (Some(quantity), these) => self.model.numbers(quantity, these)?,
-                (None, these) => these.fill(self.time),
+        if self.version == Version::V2 {
+            for (&reference, value) in references.iter().zip(values) {
+                if let Row { quantity: Some(quantity), element, .. } = self.row(reference, of)? {
+                    *value = from(self.model.number(quantity, element as usize)?);
+                }
             }
+            return Ok(());
+        }
+        self.check_count(references, of, values.len())?;
+        let (mut rest, mut numbers) = (values, Vec::new());
+        for &reference in references {
+            let (these, others) = rest.split_at_mut(self.length(reference)?);
+            numbers.clear();
+            numbers.resize(these.len(), self.time);
+            if let Some(quantity) = self.row(reference, of)?.quantity {
+                self.model.numbers(quantity, &mut numbers)?;
+            }
+            these.iter_mut().zip(&numbers).for_each(|(value, number)| *value = from(*number));
             rest = others;
         }
         Ok(())
@@ -811,6 +815,12 @@ fn rows_of_arrays<M: Model>() -> Vec<Row<M::Quantity>> {
     let sizes = M::SIZES.iter().map(|_| other(Type::Size, Role::Parameter));
     let arrays = M::VARIABLES.iter().map(|variable| Row::new(variable, 0));
     [other(Type::Real, Role::Calculated)].into_iter().chain(sizes).chain(arrays).collect()
+}
+
+/// Returns the structural parameters of FMI 3.0 for what is loaded.
+fn sizes<M: Model>(model: &M, version: Version) -> Vec<u64> {
+    let count = if version == Version::V3 { M::SIZES.len() } else { 0 };
+    (0..count).map(|place| model.size(place)).collect()
 }
 
 /// Returns the versions of the format of states and of the model, in one number.
