@@ -8,8 +8,8 @@ use lemons_people::placing::{
 };
 use lemons_people::room::Room;
 use lemons_people::{
-    Agent, CrowdStatistics, CustomMeasures, CustomStatistics, Person, Population, Proportions, Sex, Shape,
-    Source, Survey, TrialSettings, TruncatedNormal, crowd_trial, heading,
+    Agent, CrowdStatistics, CustomMeasures, Person, Population, Proportions, Sex, Shape, Source, Survey,
+    TrialSettings, TruncatedNormal, crowd_trial, heading,
 };
 use serde::Deserialize;
 use serde_json::json;
@@ -80,11 +80,10 @@ pub struct Four {
 }
 
 impl Four {
-    fn measures(self, like: CustomMeasures) -> CustomMeasures {
-        let normal = |[mean, sd, min, max]: [f64; 4]| TruncatedNormal { mean, sd, min, max };
+    fn of(self, sex: Sex) -> CustomMeasures {
         let Four { breadth, depth, stature, mass } = self;
-        let [breadth, depth, stature, mass] = [breadth, depth, stature, mass].map(normal);
-        CustomMeasures { breadth, depth, stature, mass, ..like }
+        let normal = |[mean, sd, min, max]: [f64; 4]| TruncatedNormal { mean, sd, min, max };
+        CustomMeasures { measures: [breadth, depth, stature, mass].map(normal), ..CustomMeasures::paper(sex) }
     }
 }
 
@@ -93,9 +92,7 @@ impl Wanted {
         let source = match &self.people {
             People::Survey => Source::Ansur,
             People::Statistics(own) => {
-                let CustomStatistics { men, women } = CustomStatistics::default();
-                let (men, women) = (own.male.measures(men), own.female.measures(women));
-                Source::Custom(Box::new(CustomStatistics { men, women }))
+                Source::Custom(Box::new([own.male.of(Sex::Male), own.female.of(Sex::Female)]))
             }
             People::Table { files } => {
                 let mut survey = Survey::default();

@@ -80,9 +80,10 @@ pub fn bicycle() -> Reply {
     let corners = |(length, width): (f64, f64)| {
         [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| [0.5 * x * length, 0.5 * y * width])
     };
-    let measures = BICYCLE_MEASURES.into_iter().zip(bicycle.measures()).map(|(name, value)| {
-        json!({ "name": name, "unit": if name == "mass" { "kg" } else { "m" }, "value": value })
-    });
+    let measures = BICYCLE_MEASURES
+        .into_iter()
+        .zip(bicycle.measures())
+        .map(|((name, unit), value)| json!({ "name": name, "unit": unit, "value": value }));
     Reply::of(json!({
         "rectangles": bicycle.rectangles().map(corners), "measures": measures.collect::<Vec<_>>(),
     }))

@@ -3,9 +3,9 @@
 use crate::{Refused, Reply, within};
 use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
 use lemons_core::trial::Geometry;
-use lemons_people::nearest_wall;
 use lemons_people::placing::Region;
-use lemons_people::room::{Edit, Gap, Room};
+use lemons_people::room::{Edit, Room};
+use lemons_people::{Door, nearest_wall};
 use serde::Deserialize;
 use serde_json::json;
 use std::path::Path;
@@ -41,7 +41,7 @@ pub fn drawn(Wanted { room, edit, near }: &Wanted) -> Result<Reply, Refused> {
         room.change(*edit).map_err(Refused::of)?;
     }
     let rings = room.rings().map_err(Refused::of)?;
-    let course = |gap: &Gap| points(&gap.door().course(&rings));
+    let course = |door: &Door| points(&door.course(&rings));
     let shape = |ring: &Ring| {
         let (Bounds { low, .. }, size) = (ring.bounds(), ring.bounds().size());
         let middles: Vec<Vec2> = ring.sides().map(|(start, end)| (start + end) * 0.5).collect();

@@ -1,7 +1,7 @@
 //! The normal distribution. Results are the same bits on every machine because it uses `libm`, never the platform's
 //! library.
 
-use thiserror::Error;
+use crate::error::{Result, require};
 
 /// Horner's rule; the constant coefficient is the last one.
 fn polynomial(coefficients: &[f64], x: f64) -> f64 {
@@ -108,24 +108,6 @@ pub struct TruncatedNormal {
     pub max: f64,
 }
 
-/// Why it is impossible to draw from a [`TruncatedNormal`].
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[allow(missing_docs)] // the messages say it
-pub enum TruncatedNormalError {
-    #[error("{field} = {value}: must be a finite number")]
-    NotFinite { field: &'static str, value: f64 },
-    #[error("the standard deviation = {0}: must be positive")]
-    Deviation(f64),
-    #[error("min = {0}: must be positive")]
-    Minimum(f64),
-    #[error("min = {min}, max = {max}: min must be below max")]
-    Empty { min: f64, max: f64 },
-    #[error(
-        "min = {min}, max = {max}: more than {FARTHEST} standard deviations ({sd}) away from the mean {mean}"
-    )]
-    OutOfReach { mean: f64, sd: f64, min: f64, max: f64 },
-}
-
 /// \[standard deviations\] Bounds further from the mean than this are taken for a mistake: less than one in 10⁹ of the
 /// untruncated distribution is there.
 const FARTHEST: f64 = 6.0;
@@ -136,26 +118,19 @@ impl TruncatedNormal {
     /// # Errors
     /// A number is not finite; the deviation or the minimum is not positive; min ≥ max; the bounds are too far from the
     /// mean.
-    pub fn check(&self) -> Result<(), TruncatedNormalError> {
+    pub fn check(&self) -> Result<()> {
         let &TruncatedNormal { mean, sd, min, max } = self;
         for (field, value) in [("mean", mean), ("standard deviation", sd), ("min", min), ("max", max)] {
-            if !value.is_finite() {
-                return Err(TruncatedNormalError::NotFinite { field, value });
-            }
+            require(value.is_finite(), || format!("{field} = {value}: must be a finite number"))?;
         }
-        if sd <= 0.0 {
-            return Err(TruncatedNormalError::Deviation(sd));
-        }
-        if min <= 0.0 {
-            return Err(TruncatedNormalError::Minimum(min));
-        }
-        if min >= max {
-            return Err(TruncatedNormalError::Empty { min, max });
-        }
-        if min > mean + FARTHEST * sd || max < mean - FARTHEST * sd {
-            return Err(TruncatedNormalError::OutOfReach { mean, sd, min, max });
-        }
-        Ok(())
+        require(sd > 0.0, || format!("the standard deviation = {sd}: must be positive"))?;
+        require(min > 0.0, || format!("min = {min}: must be positive"))?;
+        require(min < max, || format!("min = {min}, max = {max}: min must be below max"))?;
+        require(min <= mean + FARTHEST * sd && max >= mean - FARTHEST * sd, || {
+            format!(
+                "min = {min}, max = {max}: more than {FARTHEST} standard deviations ({sd}) away from the mean {mean}"
+            )
+        })
     }
 
     /// Returns the value below which the fraction `rank` (0…1) of the distribution lies, by exact inversion.

@@ -84,8 +84,8 @@ fn on_the_rim(circles: &[Disk]) -> Vec<Disk> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::random::Random;
     use super::*;
+    use crate::random::Random;
 
     fn circle(x: f64, y: f64, radius: f64) -> Disk {
         Disk { centre: vec2(x, y), radius }

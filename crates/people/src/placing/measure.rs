@@ -2,7 +2,7 @@
 
 use super::hull::hull_area;
 use super::neighbours::CellGrid;
-use super::{Region, TOLERANCE, disks_at, reach};
+use super::{Region, TOLERANCE, reach};
 use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose, Vec2};
 use std::collections::BinaryHeap;
@@ -25,7 +25,7 @@ pub struct Measure {
 
 /// Measures shapes at poses: one finite pose for each shape.
 pub fn measure(shapes: &[Shape], region: &Region, poses: &[Pose]) -> Measure {
-    let disks: Vec<Vec<Disk>> = shapes.iter().zip(poses).map(|(s, p)| disks_at(s, *p).collect()).collect();
+    let disks: Vec<Vec<Disk>> = shapes.iter().zip(poses).map(|(s, p)| s.placed(p).collect()).collect();
     let boundary: Vec<f64> = disks.iter().map(|d| through_boundary(region, d)).collect();
     let pairs = overlapping_pairs(shapes, poses, &disks);
     let largest = pairs.iter().map(|p| p.2).chain(boundary.iter().copied()).fold(0.0, f64::max);

@@ -69,7 +69,7 @@ enum Side {
 
 /// Shapes, the forces on them, and lists of near pairs.
 #[derive(Debug, Clone)]
-pub struct Pile<'a> {
+pub struct SoftDisks<'a> {
     pub boundary: Boundary<'a>,
     pub bodies: Vec<Body>,
     /// Whether the shapes may turn.
@@ -94,9 +94,14 @@ pub struct Pile<'a> {
     listed_scale: f64,
 }
 
-impl<'a> Pile<'a> {
+impl<'a> SoftDisks<'a> {
     /// Makes shapes at the origin. Each keeps a distance `pad` \[m\] from the others and from the boundary.
-    pub fn new(shapes: &[Shape], boundary: Boundary<'a>, orientation: Orientation, pad: f64) -> Pile<'a> {
+    pub fn new(
+        shapes: &[Shape],
+        boundary: Boundary<'a>,
+        orientation: Orientation,
+        pad: f64,
+    ) -> SoftDisks<'a> {
         let mut bodies = Vec::with_capacity(shapes.len());
         let mut disks = Vec::new();
         for shape in shapes {
@@ -112,9 +117,9 @@ impl<'a> Pile<'a> {
             Boundary::Region(region) => EdgeGrid::new(region, edges_within(widest)),
             Boundary::Circle(_) => EdgeGrid::default(),
         };
-        Pile {
+        SoftDisks {
             boundary,
-            turns: !matches!(orientation, Orientation::Fixed(_)),
+            turns: orientation.turns(),
             scale: 1.0,
             pad,
             placed: disks.clone(),
@@ -264,7 +269,7 @@ impl<'a> Pile<'a> {
         energy
     }
 
-    /// Makes a grid of the bodies for [`Pile::energy_at`].
+    /// Makes a grid of the bodies for [`SoftDisks::energy_at`].
     pub fn grid(&mut self) -> CellGrid {
         self.place_disks();
         let widest = self.bodies.iter().map(|b| b.reach).fold(0.0, f64::max);
@@ -550,8 +555,8 @@ impl EdgeGrid {
 
 #[cfg(test)]
 mod tests {
-    use super::super::random::Random;
     use super::*;
+    use crate::random::Random;
 
     /// Forces are −∂E: by central differences, in a polygon with a hole, and in a circle; some stand outside.
     #[test]
@@ -567,28 +572,28 @@ mod tests {
                 |random: &mut Random| Disk { radius: 0.1 + 0.1 * random.unit(), centre: random.vector(0.2) };
             let shapes: Vec<Shape> =
                 (0..12).map(|_| Shape { disks: (0..3).map(|_| disk(&mut random)).collect() }).collect();
-            let mut pile = Pile::new(&shapes, boundary, Orientation::Free, 1e-3);
-            pile.scale = 0.9;
-            for body in &mut pile.bodies {
+            let mut disks = SoftDisks::new(&shapes, boundary, Orientation::Free, 1e-3);
+            disks.scale = 0.9;
+            for body in &mut disks.bodies {
                 (body.position, body.angle) = (random.vector(1.1), random.within(3.0));
             }
-            assert!(pile.press().energy > 0.01);
-            let force = pile.force.clone();
+            assert!(disks.press().energy > 0.01);
+            let force = disks.force.clone();
             for (k, force) in force.iter().enumerate() {
                 for c in 0..3 {
                     let mut at = |way: f64| {
                         let mut step = [0.0; 3];
                         step[c] = way;
-                        pile.shift(|j| if j == k { step } else { [0.0; 3] });
-                        let energy = pile.press().energy;
-                        pile.shift(|j| if j == k { step.map(|s| -s) } else { [0.0; 3] });
+                        disks.shift(|j| if j == k { step } else { [0.0; 3] });
+                        let energy = disks.press().energy;
+                        disks.shift(|j| if j == k { step.map(|s| -s) } else { [0.0; 3] });
                         energy
                     };
                     let slope = (at(1e-6) - at(-1e-6)) / 2e-6;
                     assert!((force[c] + slope).abs() < 1e-5, "body {k}, {c}: {} {}", force[c], -slope);
                 }
             }
-            let sum: f64 = pile.loads().iter().map(|l| l.0).sum();
+            let sum: f64 = disks.loads().iter().map(|l| l.0).sum();
             assert!(sum > 0.01);
         }
     }
@@ -604,20 +609,20 @@ mod tests {
             ],
         };
         let shapes = vec![shape; 3];
-        let mut pile = Pile::new(&shapes, Boundary::Region(&region), Orientation::Free, 1e-3);
+        let mut disks = SoftDisks::new(&shapes, Boundary::Region(&region), Orientation::Free, 1e-3);
         let places = [(0.5, 0.5), (0.6, 0.7), (0.08, 0.4)];
-        for (body, (x, y)) in pile.bodies.iter_mut().zip(places) {
+        for (body, (x, y)) in disks.bodies.iter_mut().zip(places) {
             (body.position, body.angle) = (vec2(x, y), x);
         }
-        let before = pile.press().energy;
-        let grid = pile.grid();
+        let before = disks.press().energy;
+        let grid = disks.grid();
         let (at, angle) = (vec2(0.3, 0.6), 1.0);
-        let change = pile.energy_at(&grid, 1, at, angle, f64::INFINITY)
-            - pile.energy_at(&grid, 1, pile.bodies[1].position, pile.bodies[1].angle, f64::INFINITY);
-        (pile.bodies[1].position, pile.bodies[1].angle) = (at, angle);
-        let after = pile.press().energy;
+        let change = disks.energy_at(&grid, 1, at, angle, f64::INFINITY)
+            - disks.energy_at(&grid, 1, disks.bodies[1].position, disks.bodies[1].angle, f64::INFINITY);
+        (disks.bodies[1].position, disks.bodies[1].angle) = (at, angle);
+        let after = disks.press().energy;
         assert!((after - before - change).abs() < 1e-15 && change.abs() > 1e-4, "{before} {after} {change}");
-        let shared: f64 = pile.loads().iter().map(|l| l.0).sum();
+        let shared: f64 = disks.loads().iter().map(|l| l.0).sum();
         assert!((shared - after).abs() < 1e-15, "{shared} {after}");
     }
 }
