@@ -25,7 +25,7 @@ mod template;
 pub use export::{write_geojson, write_obj, write_stl, write_wkt};
 pub use landmarks::TORSO_ALTITUDE;
 pub use mesh::{Mesh, MeshPart};
-pub use sections::{CrowdSection, Placed, section};
+pub use sections::{CrowdSection, section};
 pub use slices::Polygon;
 
 use crate::error::{Result, require};

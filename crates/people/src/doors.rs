@@ -258,12 +258,6 @@ mod tests {
     }
 
     #[test]
-    fn without_doors_nothing_changes() {
-        let geometry = walls(&room(), "concrete");
-        assert_eq!(cut_doors(geometry.clone(), &[]).unwrap(), geometry);
-    }
-
-    #[test]
     fn a_door_is_a_gap_with_its_middle_at_the_wall() {
         let found = cut(&[Door { at: vec2(4.2, 1.5), width: 0.8 }]);
         assert_eq!(found.len(), 2);

@@ -25,7 +25,7 @@ mod trial;
 pub use anthropometry::{MeasureStatistics, SexStatistics, ansur};
 pub use bicycle::{BICYCLE_MEASURES, Bicycle, PAPER_BICYCLES};
 pub use body3d::{
-    BODY_DENSITY, Body3d, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Placed, Polygon, TORSO_ALTITUDE,
+    BODY_DENSITY, Body3d, CrowdSection, GIRTH_FACTORS, Mesh, MeshPart, Part, Polygon, TORSO_ALTITUDE,
     section, write_geojson, write_obj, write_stl, write_wkt,
 };
 pub use copula::Correlations;

@@ -237,13 +237,4 @@ mod tests {
         );
         assert!(Shape::fit(f64::NAN, 0.2).is_err() && Shape::fit(0.5, 0.0).is_err());
     }
-
-    #[test]
-    fn a_quarter_turn_looks_along_y() {
-        let shape = Shape::fit(0.5, 0.25).unwrap();
-        let pose = Pose { position: vec2(1.0, 2.0), orientation: std::f64::consts::FRAC_PI_2 };
-        let placed: Vec<Disk> = shape.placed(&pose).collect();
-        let left = placed[0].centre;
-        assert!(left.x < 1.0 - 0.1 && (placed[2].centre.x - 1.0).abs() < 1e-12 && placed[2].centre.y > 2.0);
-    }
 }

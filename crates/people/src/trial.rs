@@ -1,7 +1,6 @@
 //! Makes a Trial of a crowd: all its files, ready to be checked, packed and run.
 //!
-//! Materials, damping and floor are the paper's (App. C, and its table of parameters), unless [`TrialSettings`] gives
-//! others. The offsets of a shape are relative to the centroid of its area: the centre of mass of a body of uniform
+//! Materials, damping and floor are the paper's (App. C, and its table of parameters). The offsets of a shape are relative to the centroid of its area: the centre of mass of a body of uniform
 //! density. The moment of inertia is about this point. Numbers are written so that they are read back as the same
 //! doubles.
 
@@ -20,22 +19,17 @@ use std::path::{Component, Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// Everything in a Trial except its people and their poses.
+/// \[1/s\] Inverse times of translational and rotational friction on the floor: the paper's App. C.
+const FLOOR_DAMPING: f64 = 4.5;
+
+/// What users choose of a Trial besides its people and their poses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialSettings {
-    /// \[s\] communication step.
-    pub time_step: f64,
-    /// \[s\] step of the integrator. `None`: the longest that divides `time_step` and does not exceed
+    /// \[s\] communication step, positive. The mechanical step is the longest that divides it and does not exceed
     /// [`proposed_step`](crowd_mechanics::setup::Setup::proposed_step).
-    pub time_step_mechanical: Option<f64>,
-    /// Materials of people, walls and other things, and their contacts.
-    pub materials: Materials,
-    /// Id of the material of all disks.
+    pub time_step: f64,
+    /// Id of the material of all disks: one of [`paper_materials`].
     pub people: String,
-    /// \[1/s\] inverse time of translational friction on the floor.
-    pub floor_damping: f64,
-    /// \[1/s\] inverse time of rotational friction on the floor.
-    pub angular_damping: f64,
     /// \[m/s\] Velocity that each agent would reach alone: the propulsion force is m v / t_transl (the paper's eq. 4).
     /// Zero: no propulsion.
     pub desired_velocity: Vec2,
@@ -44,15 +38,7 @@ pub struct TrialSettings {
 impl Default for TrialSettings {
     /// The paper's App. C: people without clothes, at rest, without propulsion; 10 ms between two decisions.
     fn default() -> TrialSettings {
-        TrialSettings {
-            time_step: 0.01,
-            time_step_mechanical: None,
-            materials: paper_materials(),
-            people: "human_naked".into(),
-            floor_damping: 4.5,
-            angular_damping: 4.5,
-            desired_velocity: Vec2::ZERO,
-        }
+        TrialSettings { time_step: 0.01, people: "human_naked".into(), desired_velocity: Vec2::ZERO }
     }
 }
 
@@ -110,7 +96,7 @@ pub fn heading(degrees: f64) -> Vec2 {
 /// Makes the Trial of people, their shapes and their poses, at rest. Ids are numbers from 0 in their order.
 ///
 /// # Errors
-/// There are no people, the lists have different lengths, a setting is out of range, or a material is unknown.
+/// There are no people, the lists have different lengths, or a material is unknown.
 pub fn crowd_trial(
     name: &str,
     people: &[Person],
@@ -131,8 +117,8 @@ pub fn crowd_trial(
         mass: person.mass,
         height: Some(person.stature),
         moment_of_inertia: shape.inertia(person.mass),
-        floor_damping: settings.floor_damping,
-        angular_damping: settings.angular_damping,
+        floor_damping: FLOOR_DAMPING,
+        angular_damping: FLOOR_DAMPING,
         shapes: shape
             .disks
             .iter()
@@ -148,7 +134,7 @@ pub fn crowd_trial(
         velocity: Vec2::ZERO,
         theta: pose.orientation,
         omega: 0.0,
-        fp: settings.desired_velocity * (person.mass * settings.floor_damping),
+        fp: settings.desired_velocity * (person.mass * FLOOR_DAMPING),
         mp: 0.0,
     };
     let mut trial = Trial {
@@ -160,16 +146,14 @@ pub fn crowd_trial(
             time_step: settings.time_step,
             time_step_mechanical: settings.time_step,
         },
-        materials: settings.materials.clone(),
+        materials: paper_materials(),
         geometry,
         agents: people.iter().zip(shapes).enumerate().map(agent).collect(),
         dynamics: people.iter().zip(poses).map(moving).collect(),
         interactions: Interactions::default(),
     };
-    trial.parameters.time_step_mechanical = match settings.time_step_mechanical {
-        Some(step) => step,
-        None => part_of(settings.time_step, Setup::of(&trial).proposed_step().unwrap_or(settings.time_step)),
-    };
+    let proposed = Setup::of(&trial).proposed_step().unwrap_or(settings.time_step);
+    trial.parameters.time_step_mechanical = part_of(settings.time_step, proposed);
     Ok(trial)
 }
 
@@ -180,35 +164,20 @@ fn part_of(whole: f64, most: f64) -> f64 {
 }
 
 impl TrialSettings {
-    /// Checks that a Trial with these walls can be made.
+    /// Checks that people and walls are of known materials; each of these has contacts with all others.
     ///
     /// # Errors
-    /// A setting is out of range, a material is unknown, or the material of the people has no contact with another one.
+    /// A material is unknown.
     pub fn check(&self, geometry: &Geometry) -> Result<()> {
-        let number = |name: &str, value: f64, right: bool, must: &str| {
-            require(right && value.is_finite(), || format!("{name} = {value:?}: must be {must}"))
-        };
-        number("TimeStep", self.time_step, self.time_step > 0.0, "positive")?;
-        if let Some(step) = self.time_step_mechanical {
-            let right = step > 0.0 && step <= self.time_step;
-            number("TimeStepMechanical", step, right, "positive and at most TimeStep")?;
-        }
-        number("FloorDamping", self.floor_damping, self.floor_damping >= 0.0, "0 or positive")?;
-        number("AngularDamping", self.angular_damping, self.angular_damping >= 0.0, "0 or positive")?;
-        number("desired velocity, x", self.desired_velocity.x, true, "finite")?;
-        number("desired velocity, y", self.desired_velocity.y, true, "finite")?;
-        let Materials { intrinsic, binary } = &self.materials;
-        let usable = |what: &str, id: &str| {
-            require(intrinsic.iter().any(|material| material.id == id), || {
-                let known: Vec<&str> = intrinsic.iter().map(|material| &*material.id).collect();
+        let materials = paper_materials().intrinsic;
+        let known: Vec<&str> = materials.iter().map(|material| &*material.id).collect();
+        let check = |what: &str, id: &str| {
+            require(known.contains(&id), || {
                 format!("{what}: there is no material {id:?}; materials are {}", known.join(", "))
-            })?;
-            let pair = [&*self.people, id];
-            let found = binary.iter().any(|c| pair == [&*c.id1, &*c.id2] || pair == [&*c.id2, &*c.id1]);
-            require(found, || format!("the materials {:?} and {id:?} have no <Contact>", self.people))
+            })
         };
-        usable("people", &self.people)?;
-        geometry.walls.iter().try_for_each(|wall| usable(&format!("wall {}", wall.id), &wall.material_id))
+        check("people", &self.people)?;
+        geometry.walls.iter().try_for_each(|wall| check(&format!("wall {}", wall.id), &wall.material_id))
     }
 }
 
@@ -419,24 +388,11 @@ mod tests {
 
     #[test]
     fn mistakes_are_named() {
-        let with = |change: fn(&mut TrialSettings)| {
-            let mut settings = TrialSettings::default();
-            change(&mut settings);
-            two(&settings).unwrap_err().to_string()
-        };
-        assert_eq!(with(|s| s.time_step = 0.0), "TimeStep = 0.0: must be positive");
-        assert_eq!(
-            with(|s| s.time_step_mechanical = Some(1.0)),
-            "TimeStepMechanical = 1.0: must be positive and at most TimeStep"
-        );
-        assert_eq!(with(|s| s.floor_damping = f64::NAN), "FloorDamping = NaN: must be 0 or positive");
-        let said = with(|s| s.people = "jelly".into());
-        assert!(
-            said.starts_with("people: there is no material \"jelly\"; materials are concrete, "),
-            "{said}"
-        );
-        let said = with(|s| s.materials.binary.truncate(2));
-        assert_eq!(said, "the materials \"human_naked\" and \"human_naked\" have no <Contact>");
+        let people = "jelly".to_owned();
+        let said = two(&TrialSettings { people, ..TrialSettings::default() }).unwrap_err().to_string();
+        let known =
+            "people: there is no material \"jelly\"; materials are concrete, human_clothes, human_naked";
+        assert_eq!(said, known);
         let nobody = crowd_trial("x", &[], &[], &[], square(1.0), &TrialSettings::default());
         assert!(nobody.unwrap_err().to_string().starts_with("the crowd is empty"));
         let lost = crowd_trial("x", &[person(0.5)], &[], &[], square(1.0), &TrialSettings::default());

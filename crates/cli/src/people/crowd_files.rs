@@ -4,7 +4,7 @@ use crate::interrupt::{Interrupt, Interrupted};
 use crate::output::Output;
 use anyhow::{Context, Result};
 use lemons_core::plane::Pose;
-use lemons_people::{Agent, Body3d, CrowdSection, MeshPart, Placed, section, write_obj, write_stl};
+use lemons_people::{Agent, Body3d, CrowdSection, MeshPart, section, write_obj, write_stl};
 use std::io::Write;
 
 /// The pedestrians' bodies, made one after the other: those of a large crowd would not go into memory together.
@@ -36,7 +36,7 @@ impl Bodies<'_> {
         for body in self.each() {
             let (place, body, pose) = body?;
             for all in &mut sections {
-                let one = section(&[Placed { body: &body, pose }], all.altitude);
+                let one = section(&[(&body, pose)], all.altitude);
                 all.bodies[place] = one.bodies.into_iter().flatten().collect();
             }
         }

@@ -11,8 +11,7 @@ use super::{
 use crate::error::{Result, require};
 use crate::random::Random;
 use crate::shape::Shape;
-use lemons_core::plane::{Rotation, Vec2, vec2};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// \[m\] Distance that shapes keep while they are pushed apart. So none overlaps in the end, although the energy
 /// approaches zero only slowly.
@@ -161,7 +160,7 @@ struct Packer<'w, 'c> {
 impl Packer<'_, '_> {
     fn in_region(&mut self, shapes: &[Shape], region: &Region, settings: &Dense) -> (Vec<Body>, Ended) {
         let mut disks = SoftDisks::new(shapes, Boundary::Region(region), settings.orientation, PAD);
-        self.strew(&mut disks, settings.orientation, |u, v, _| region.point_at(u, v));
+        self.strew(&mut disks, settings.orientation);
         self.take_off_walls(&mut disks, region, settings.orientation);
         let mut slide = self.grow(&mut disks);
         if slide == Slide::AtRest {
@@ -180,7 +179,7 @@ impl Packer<'_, '_> {
         let mut slide = Slide::AtRest;
         for _ in 0..LOOSER {
             disks.boundary = Boundary::Circle(radius.max(widest + PAD));
-            self.strew(&mut disks, settings.orientation, in_circle);
+            self.strew(&mut disks, settings.orientation);
             slide = self.grow(&mut disks);
             // The hull is smaller than the circle, so even a loose crowd may be too dense.
             let dense = shapes.len() as f64 / hull_area(&disks.circles()) / wanted;
@@ -236,22 +235,16 @@ impl Packer<'_, '_> {
     }
 
     /// Spreads the shapes in random order over evenly spread points, each with a small random offset.
-    fn strew(
-        &mut self,
-        disks: &mut SoftDisks,
-        orientation: Orientation,
-        point: impl Fn(f64, f64, f64) -> Vec2,
-    ) {
+    fn strew(&mut self, disks: &mut SoftDisks, orientation: Orientation) {
         // The R2 sequence (Roberts 2018) with a random start: 1/p, 1/p² with p³ = p + 1.
         const STEPS: (f64, f64) = (0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
         let count = disks.bodies.len();
-        let radius = if let Boundary::Circle(radius) = disks.boundary { radius } else { 0.0 };
         let (begin_u, begin_v) = (self.random.unit(), self.random.unit());
         let off = 0.4 / (count as f64).sqrt();
         for (k, who) in self.random.order(count).into_iter().enumerate() {
             let u = begin_u + STEPS.0 * k as f64 + self.random.within(off);
             let v = begin_v + STEPS.1 * k as f64 + self.random.within(off);
-            disks.bodies[who].position = point(u - libm::floor(u), v - libm::floor(v), radius);
+            disks.bodies[who].position = disks.boundary.point_at(u - libm::floor(u), v - libm::floor(v));
             disks.bodies[who].angle = orientation.start().unwrap_or_else(|| self.random.within(PI));
         }
     }
@@ -263,7 +256,7 @@ impl Packer<'_, '_> {
                 if !disks.is_across(who, region) {
                     break;
                 }
-                disks.bodies[who].position = region.random_point(&mut self.random);
+                disks.bodies[who].position = disks.boundary.random_point(&mut self.random);
                 if orientation == Orientation::Free {
                     disks.bodies[who].angle = self.random.within(PI);
                 }
@@ -442,10 +435,7 @@ impl Packer<'_, '_> {
         let grid = disks.grid();
         let mut best = (f64::INFINITY, disks.bodies[who].position, disks.bodies[who].angle);
         for _ in 0..TRIALS {
-            let position = match disks.boundary {
-                Boundary::Region(region) => region.random_point(&mut self.random),
-                Boundary::Circle(radius) => in_circle(self.random.unit(), self.random.unit(), radius),
-            };
+            let position = disks.boundary.random_point(&mut self.random);
             let angle = match orientation {
                 Orientation::Fixed(angle) => angle,
                 Orientation::Towards(angle) => angle + self.random.within(ASKEW),
@@ -465,11 +455,6 @@ fn a_few(disks: &mut SoftDisks) -> bool {
     let Boundary::Region(region) = disks.boundary else { return false };
     let stuck = |loads: Vec<(f64, f64)>| loads.iter().filter(|load| load.1 > PAD).count() as f64;
     region.is_left() && stuck(disks.loads()) <= (A_FEW * disks.bodies.len() as f64).max(2.0)
-}
-
-/// The point of a circle at two fractions of its area: from the centre outwards, and around.
-fn in_circle(u: f64, v: f64, radius: f64) -> Vec2 {
-    vec2(radius * u.sqrt(), 0.0).rotated(Rotation::by(TAU * v))
 }
 
 fn ended(slide: Slide) -> Ended {

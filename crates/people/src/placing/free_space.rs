@@ -253,15 +253,11 @@ mod tests {
         let first = Region::rectangle(vec2(6.0, -1.0), vec2(9.0, 9.0)).unwrap();
         let outer: Vec<Vec2> = BOX.iter().map(|&(x, y)| vec2(x, y)).collect();
         let open = Geometry { dimensions: None, walls: vec![] };
-        let part = Region::free_space(&outer, &open, &[&first]).unwrap();
-        assert!((part.region.area() - 36.0).abs() < 1e-6);
+        let free = Region::free_space(&outer, &open, &[&first]).unwrap();
+        assert!((free.region.area() - 36.0).abs() < 1e-6);
         let all = Region::rectangle(vec2(-1.0, -1.0), vec2(9.0, 9.0)).unwrap();
         let none = Region::free_space(&outer, &open, &[&all]).unwrap_err();
         assert!(none.to_string().starts_with("no ground is left: earlier regions cover it"), "{none}");
-    }
-
-    #[test]
-    fn rooms_beside_each_other_are_no_ground() {
         let none = part(&BOX, vec![square("a", -2.0, 0.0, 6.0), square("b", 4.0, 0.0, 6.0)]).unwrap_err();
         assert!(none.to_string().contains("the closed walls a, b are obstacles"), "{none}");
     }

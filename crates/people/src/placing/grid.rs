@@ -1,6 +1,6 @@
 //! Shapes on a grid, in rows across a direction.
 
-use super::{Ended, Orientation, Packing, Region, TOLERANCE, check, check_shapes, measure, reach, wrapped};
+use super::{Ended, Orientation, Packing, Region, check_shapes, measure, reach, wrapped};
 use crate::error::{Result, require};
 use crate::random::Random;
 use crate::shape::{Shape, bounds};
@@ -10,9 +10,6 @@ use std::f64::consts::PI;
 /// Settings of [`grid()`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
-    /// \[m\] Spacing along the direction (x) and across it (y). `None`: the largest bounding box of a shape or, where
-    /// shapes face any direction, the largest bounding circle.
-    pub spacing: Option<Vec2>,
     /// Direction of the shapes and of the columns. For `Free` each shape faces a random direction and the columns are
     /// along +x.
     pub orientation: Orientation,
@@ -22,7 +19,7 @@ pub struct Grid {
 
 impl Default for Grid {
     fn default() -> Grid {
-        Grid { spacing: None, orientation: Orientation::Fixed(0.0), seed: 0 }
+        Grid { orientation: Orientation::Fixed(0.0), seed: 0 }
     }
 }
 
@@ -38,22 +35,14 @@ const EXACT: f64 = 1e-7;
 /// Places shapes on a grid, row by row; the first shapes are in front (in the direction they face).
 ///
 /// # Errors
-/// The region has too few places in which the shapes are inside, or shapes at the given spacing overlap.
+/// The region has too few places in which the shapes are inside.
 pub fn grid(shapes: &[Shape], region: &Region, settings: &Grid) -> Result<Packing> {
     check_shapes(shapes)?;
     settings.orientation.check()?;
-    if let Some(spacing) = settings.spacing {
-        for (name, value) in [("the spacing along", spacing.x), ("the spacing across", spacing.y)] {
-            check(name, value, value > 0.0, "a positive length in metres")?;
-        }
-    }
     let extents: Vec<Bounds> = shapes.iter().map(|s| extent(s, settings.orientation)).collect();
-    let spacing = settings.spacing.unwrap_or_else(|| {
-        extents
-            .iter()
-            .map(Bounds::size)
-            .fold(Vec2::ZERO, |a, b| vec2(a.x.max(b.x + SLACK), a.y.max(b.y + SLACK)))
-    });
+    // The largest bounding box of a shape or, where shapes face any direction, the largest bounding circle.
+    let wider = |a: Vec2, b: Vec2| vec2(a.x.max(b.x + SLACK), a.y.max(b.y + SLACK));
+    let spacing = extents.iter().map(Bounds::size).fold(Vec2::ZERO, wider);
     let (direction, mut random) = (settings.orientation.start().unwrap_or(0.0), Random::new(settings.seed));
     let turn = Rotation::by(direction);
     let places = match region.bounds() {
@@ -79,12 +68,6 @@ pub fn grid(shapes: &[Shape], region: &Region, settings: &Grid) -> Result<Packin
         })
         .collect();
     let measured = measure(shapes, region, &poses);
-    let overlap = measured.largest_overlap;
-    require(overlap <= TOLERANCE, || {
-        format!(
-            "a grid of {along:.3} m × {across:.3} m is too narrow: shapes on it overlap by {overlap:.4} m"
-        )
-    })?;
     Ok(Packing::of(poses, &measured, Ended::Done, 0))
 }
 

@@ -3,8 +3,8 @@
 use super::measure::{overlap, through_boundary};
 use super::neighbours::CellGrid;
 use super::{
-    Ended, Orientation, Packing, Progress, Region, Stage, TOLERANCE, Watch, check, check_shapes, measure,
-    reach, wrapped,
+    Ended, Orientation, Packing, Progress, Region, Stage, TOLERANCE, Watch, check_shapes, measure, reach,
+    wrapped,
 };
 use crate::error::Result;
 use crate::random::Random;
@@ -12,20 +12,22 @@ use crate::shape::Shape;
 use lemons_core::plane::{Disk, Pose, Rotation, Vec2, vec2};
 use std::f64::consts::PI;
 
-/// Settings of [`paper()`]. The paper names them but does not give their values.
+/// \[m\] λ: distance over which the repulsion of two agents falls to 1/e. The paper names this setting and the next ones
+/// but does not give their values.
+const REPULSION_LENGTH: f64 = 0.05;
+/// \[m\] Displacement in one iteration by which two agents at the same place would repel each other. The paper's formula
+/// has the number 1 in its unit of length: 1 cm.
+const REPULSION_INTENSITY: f64 = 0.01;
+/// \[m\] k: displacement in one iteration of each agent that overlaps another.
+const CONTACT_INTENSITY: f64 = 0.01;
+/// \[rad\] α: an agent that overlaps another turns by at most ± this × the temperature.
+const ROTATIONAL_INTENSITY: f64 = PI / 18.0;
+/// The temperature begins at 1. In each iteration it falls by this, down to 0.
+const COOLING: f64 = 0.1;
+
+/// Settings of [`paper()`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Paper {
-    /// \[m\] λ: distance over which the repulsion of two agents falls to 1/e.
-    pub repulsion_length: f64,
-    /// \[m\] Displacement in one iteration by which two agents at the same place would repel each other. The paper's
-    /// formula has the number 1 in its unit of length: 1 cm.
-    pub repulsion_intensity: f64,
-    /// \[m\] k: displacement in one iteration of each agent that overlaps another.
-    pub contact_intensity: f64,
-    /// \[rad\] α: an agent that overlaps another turns by at most ± this × the temperature.
-    pub rotational_intensity: f64,
-    /// The temperature begins at 1. In each iteration it falls by this, down to 0.
-    pub cooling: f64,
     /// Largest number of iterations.
     pub max_iterations: u64,
     /// With `Free` and `Towards` agents turn (`variable_orientation` in the paper); with `Free` they begin in random
@@ -37,16 +39,7 @@ pub struct Paper {
 
 impl Default for Paper {
     fn default() -> Paper {
-        Paper {
-            repulsion_length: 0.05,
-            repulsion_intensity: 0.01,
-            contact_intensity: 0.01,
-            rotational_intensity: PI / 18.0,
-            cooling: 0.1,
-            max_iterations: 1000,
-            orientation: Orientation::Towards(0.0),
-            seed: 0,
-        }
+        Paper { max_iterations: 1000, orientation: Orientation::Towards(0.0), seed: 0 }
     }
 }
 
@@ -63,16 +56,6 @@ const BEGIN_DENSITY: f64 = 8.0;
 pub fn paper(shapes: &[Shape], region: &Region, settings: &Paper, watch: &mut Watch) -> Result<Packing> {
     check_shapes(shapes)?;
     settings.orientation.check()?;
-    let positive = "positive";
-    check("the repulsion length", settings.repulsion_length, settings.repulsion_length > 0.0, positive)?;
-    for (name, value) in [
-        ("the repulsion intensity", settings.repulsion_intensity),
-        ("the contact intensity", settings.contact_intensity),
-        ("the rotational intensity", settings.rotational_intensity),
-        ("the cooling", settings.cooling),
-    ] {
-        check(name, value, value >= 0.0, "0 or positive")?;
-    }
     let mut crowd = Crowd::new(shapes, region, settings);
     let mut temperature = 1.0;
     let (mut iterations, mut ended) = (0, Ended::Exhausted);
@@ -96,7 +79,7 @@ pub fn paper(shapes: &[Shape], region: &Region, settings: &Paper, watch: &mut Wa
         for agent in 0..shapes.len() {
             crowd.step(agent, temperature);
         }
-        temperature = f64::max(0.0, temperature - settings.cooling);
+        temperature = f64::max(0.0, temperature - COOLING);
         iterations += 1;
     }
     let poses = crowd.poses;
@@ -133,7 +116,7 @@ impl<'a> Crowd<'a> {
         }
         let reaches: Vec<f64> = shapes.iter().map(reach).collect();
         let widest = 2.0 * reaches.iter().copied().fold(0.0, f64::max);
-        let cutoff = -settings.repulsion_length * libm::log(NEGLIGIBLE);
+        let cutoff = -REPULSION_LENGTH * libm::log(NEGLIGIBLE);
         let places: Vec<Vec2> = poses.iter().map(|pose| pose.position).collect();
         let cells = CellGrid::new(&places, cutoff.max(widest));
         let disks = shapes.iter().zip(&poses).map(|(s, p)| s.placed(p).collect()).collect();
@@ -176,13 +159,12 @@ impl<'a> Crowd<'a> {
             let apart = self.poses[i].position - self.poses[j].position;
             let distance = apart.norm();
             if distance < self.cutoff {
-                let strength =
-                    settings.repulsion_intensity * libm::exp(-distance / settings.repulsion_length);
+                let strength = REPULSION_INTENSITY * libm::exp(-distance / REPULSION_LENGTH);
                 force += self.along(apart, strength);
             }
             if self.overlap(i, j) > 0.0 {
-                force += self.along(apart, settings.contact_intensity);
-                turn += self.random.within(settings.rotational_intensity) * temperature;
+                force += self.along(apart, CONTACT_INTENSITY);
+                turn += self.random.within(ROTATIONAL_INTENSITY) * temperature;
             }
         }
         if through_boundary(self.region, &self.disks[i]) > 0.0 {
@@ -192,8 +174,8 @@ impl<'a> Crowd<'a> {
                 square(a).total_cmp(&square(b))
             });
             if let Some(nearest) = nearest {
-                force += self.along(position - nearest, settings.contact_intensity);
-                turn += self.random.within(settings.rotational_intensity) * temperature;
+                force += self.along(position - nearest, CONTACT_INTENSITY);
+                turn += self.random.within(ROTATIONAL_INTENSITY) * temperature;
             }
         }
         if settings.orientation.turns() {
@@ -233,8 +215,7 @@ mod tests {
     fn forces_are_those_of_the_paper() {
         let region = Region::rectangle(vec2(0.0, 0.0), vec2(5.0, 5.0)).unwrap();
         let shapes = disks(3);
-        let settings =
-            Paper { repulsion_length: 0.3, orientation: Orientation::Fixed(0.0), ..Paper::default() };
+        let settings = Paper { orientation: Orientation::Fixed(0.0), ..Paper::default() };
         let mut crowd = Crowd::new(&shapes, &region, &settings);
         for (k, (x, y)) in [(0.15, 2.0), (0.45, 2.0), (0.15, 2.5)].into_iter().enumerate() {
             crowd.cells.shift(k, crowd.poses[k].position, vec2(x, y));
@@ -244,7 +225,7 @@ mod tests {
         crowd.step(0, 1.0);
         let moved = crowd.poses[0].position - vec2(0.15, 2.0);
         // Repulsion of both, contact with the neighbour at 0.3 m, and with the wall to the left.
-        let (x, y) = (-0.01 * (-1.0f64).exp() - 0.01 + 0.01, -0.01 * (-0.5f64 / 0.3).exp());
+        let (x, y) = (-0.01 * (-6.0f64).exp() - 0.01 + 0.01, -0.01 * (-10.0f64).exp());
         assert!((moved - vec2(x, y)).norm() < 1e-15, "{moved:?}");
         assert_eq!(crowd.poses[0].orientation, 0.0);
     }
@@ -254,7 +235,7 @@ mod tests {
     fn stays_inside_and_cools() {
         let region = Region::rectangle(vec2(0.0, 0.0), vec2(1.0, 1.0)).unwrap();
         let shapes = disks(30);
-        let settings = Paper { contact_intensity: 0.05, max_iterations: 40, ..Paper::default() };
+        let settings = Paper { max_iterations: 40, ..Paper::default() };
         let mut seen = Vec::new();
         let packing = paper(&shapes, &region, &settings, &mut |p| {
             seen.push(p.iteration);
@@ -264,15 +245,15 @@ mod tests {
         assert_eq!(seen, (0..40).collect::<Vec<_>>());
         assert_eq!((packing.ended, packing.iterations, packing.complete), (Ended::Exhausted, 40, false));
         assert!(packing.poses.iter().all(|p| region.contains(p.position)));
-        let turned = |iterations: u64, cooling: f64| -> Vec<f64> {
-            let settings = Paper { max_iterations: iterations, cooling, ..settings };
+        let turned = |iterations: u64| -> Vec<f64> {
+            let settings = Paper { max_iterations: iterations, ..settings };
             let packing =
                 paper(&shapes, &region, &settings, &mut |_| std::ops::ControlFlow::Continue(())).unwrap();
             packing.poses.iter().map(|p| p.orientation).collect()
         };
         // At 0.1 a step the temperature is 0 after ten (and a rounding): nobody turns then.
-        assert_eq!(turned(12, 0.1), turned(30, 0.1));
-        assert_ne!(turned(12, 0.0), turned(30, 0.0));
-        assert!(turned(12, 0.1).iter().any(|a| *a != 0.0));
+        assert_eq!(turned(12), turned(30));
+        assert_ne!(turned(5), turned(8));
+        assert!(turned(12).iter().any(|a| *a != 0.0));
     }
 }

@@ -5,8 +5,10 @@
 use super::neighbours::CellGrid;
 use super::region::Edge;
 use super::{Orientation, Region};
+use crate::random::Random;
 use crate::shape::Shape;
 use lemons_core::plane::{Bounds, Disk, Pose, Rotation, Vec2, segments_cross, vec2};
+use std::f64::consts::TAU;
 
 /// \[m\] The list of near pairs is made again when something has moved by half of this. Results do not depend on it.
 const SKIN: f64 = 0.08;
@@ -25,6 +27,23 @@ pub enum Boundary<'a> {
     Region(&'a Region),
     /// A circle about the origin \[m\].
     Circle(f64),
+}
+
+impl Boundary<'_> {
+    /// The point at two fractions of the area. Evenly spread fractions give evenly spread points.
+    pub fn point_at(&self, u: f64, v: f64) -> Vec2 {
+        match self {
+            Boundary::Region(region) => region.point_at(u, v),
+            // From the centre outwards, and around.
+            Boundary::Circle(radius) => vec2(radius * u.sqrt(), 0.0).rotated(Rotation::by(TAU * v)),
+        }
+    }
+
+    /// A random point, evenly distributed.
+    pub fn random_point(&self, random: &mut Random) -> Vec2 {
+        let (u, v) = (random.unit(), random.unit());
+        self.point_at(u, v)
+    }
 }
 
 /// Along x, along y, and the turn × the lever of the body: all three in metres.
@@ -60,13 +79,6 @@ impl Body {
     }
 }
 
-/// The side of the boundary on which a point lies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Side {
-    Inside,
-    Outside,
-}
-
 /// Shapes, the forces on them, and lists of near pairs.
 #[derive(Debug, Clone)]
 pub struct SoftDisks<'a> {
@@ -85,8 +97,8 @@ pub struct SoftDisks<'a> {
     /// −∂E along the coordinates of each body.
     pub force: Vec<Coordinates>,
     pairs: Vec<(u32, u32)>,
-    /// For each body near the boundary: its index, the side of its origin, the range of its edges in `edges`.
-    near_edges: Vec<(u32, Side, std::ops::Range<usize>)>,
+    /// For each body near the boundary: its index, whether its origin is inside, the range of its edges in `edges`.
+    near_edges: Vec<(u32, bool, std::ops::Range<usize>)>,
     edges: Vec<Edge>,
     edge_grid: EdgeGrid,
     /// Positions and scale when the near pairs were listed.
@@ -140,26 +152,29 @@ impl<'a> SoftDisks<'a> {
         self.bodies.iter_mut().for_each(|b| b.position = b.position * factor);
     }
 
+    /// The disks of a body at an angle and a size, relative to its position.
+    fn turned(&self, who: usize, angle: f64, scale: f64) -> impl Iterator<Item = Disk> {
+        let (body, turn) = (&self.bodies[who], Rotation::by(angle));
+        self.disks[body.first..body.last]
+            .iter()
+            .map(move |disk| Disk { centre: disk.centre.rotated(turn) * scale, radius: disk.radius * scale })
+    }
+
     /// All disks at their present places and size.
     pub fn circles(&self) -> Vec<Disk> {
-        let mut circles = Vec::with_capacity(self.disks.len());
-        for body in &self.bodies {
-            let turn = Rotation::by(body.angle);
-            circles.extend(self.disks[body.first..body.last].iter().map(|d| Disk {
-                centre: body.position + d.centre.rotated(turn) * self.scale,
-                radius: d.radius * self.scale,
-            }));
-        }
-        circles
+        let of = |who: usize| {
+            let Body { position, angle, .. } = self.bodies[who];
+            self.turned(who, angle, self.scale)
+                .map(move |disk| Disk { centre: position + disk.centre, ..disk })
+        };
+        (0..self.bodies.len()).flat_map(of).collect()
     }
 
     /// Whether a body, at full size, has disks on both sides of a wall.
     pub fn is_across(&self, who: usize, region: &Region) -> bool {
         let body = &self.bodies[who];
-        let turn = Rotation::by(body.angle);
-        let own = self.disks[body.first..body.last].iter();
-        own.map(|disk| body.position + disk.centre.rotated(turn))
-            .any(|disk| region.parted(body.position, disk))
+        let mut own = self.turned(who, body.angle, 1.0);
+        own.any(|disk| region.parted(body.position, body.position + disk.centre))
     }
 
     /// Moves all bodies.
@@ -236,13 +251,10 @@ impl<'a> SoftDisks<'a> {
 
     /// \[m²\] Energy of a body at a pose, at most `bound`; `grid` contains the positions of the bodies.
     pub fn energy_at(&self, grid: &CellGrid, who: usize, position: Vec2, angle: f64, bound: f64) -> f64 {
-        let (body, turn) = (&self.bodies[who], Rotation::by(angle));
         let mut energy = 0.0;
         let pad = 0.5 * self.pad;
-        let own = self.disks[body.first..body.last].iter().map(|d| Disk {
-            centre: position + d.centre.rotated(turn) * self.scale,
-            radius: d.radius * self.scale + pad,
-        });
+        let own = self.turned(who, angle, self.scale);
+        let own = own.map(|disk| Disk { centre: position + disk.centre, radius: disk.radius + pad });
         for disk in own {
             let overlap = self.through(disk.centre, disk.radius).max(0.0);
             energy += 0.5 * overlap * overlap;
@@ -344,8 +356,7 @@ impl<'a> SoftDisks<'a> {
                 let own = region.edges().iter().copied().filter(|edge| !edge.is_wall);
                 self.edges.extend(own.min_by(|a, b| far(a).total_cmp(&far(b))));
             }
-            let side = if inside { Side::Inside } else { Side::Outside };
-            self.near_edges.push((k as u32, side, first..self.edges.len()));
+            self.near_edges.push((k as u32, inside, first..self.edges.len()));
         }
     }
 
@@ -387,12 +398,12 @@ impl<'a> SoftDisks<'a> {
     fn press_edges(&mut self, pressure: &mut Pressure) {
         // The boundary's half of the distance.
         let pad = 0.5 * self.pad;
-        for (k, side, own) in &self.near_edges {
+        for (k, origin_inside, own) in &self.near_edges {
             let body = &self.bodies[*k as usize];
             let edges = &self.edges[own.clone()];
             for disk in &self.placed[body.first..body.last] {
                 let centre = body.position + disk.centre;
-                let (side, nearest) = side_of(edges, centre, body.reach + SKIN, *side);
+                let (inside, nearest) = side_of(edges, centre, body.reach + SKIN, *origin_inside);
                 let radius = disk.radius + pad;
                 let mut push = |way: Vec2, overlap: f64| {
                     pressure.energy += overlap * overlap;
@@ -401,7 +412,7 @@ impl<'a> SoftDisks<'a> {
                     let f = if distance > 1e-12 { way * (overlap / distance) } else { Vec2::ZERO };
                     add(&mut self.force[*k as usize], f, disk.centre.cross(f));
                 };
-                if side == Side::Outside {
+                if !inside {
                     let way = nearest - centre;
                     push(way, radius + way.norm());
                     continue;
@@ -449,9 +460,9 @@ fn add(force: &mut Coordinates, push: Vec2, torque: f64) {
     force[2] += torque;
 }
 
-/// The side of the boundary on which a point lies, and the nearest point of the boundary. A region lies to the left of
-/// its edges. If no edge is within `within`, the point is on the same side as the origin of its body.
-fn side_of(edges: &[Edge], point: Vec2, within: f64, origin: Side) -> (Side, Vec2) {
+/// Whether a point is inside, and the nearest point of the boundary. A region lies to the left of its edges. If no edge
+/// is within `within`, the point is on the same side as the origin of its body.
+fn side_of(edges: &[Edge], point: Vec2, within: f64, origin_inside: bool) -> (bool, Vec2) {
     let mut nearest = (f64::INFINITY, point);
     let mut left_of = 0.0;
     for edge in edges.iter().filter(|edge| !edge.is_wall) {
@@ -467,14 +478,8 @@ fn side_of(edges: &[Edge], point: Vec2, within: f64, origin: Side) -> (Side, Vec
             left_of = left;
         }
     }
-    let side = if nearest.0 >= within * within {
-        origin
-    } else if left_of >= 0.0 {
-        Side::Inside
-    } else {
-        Side::Outside
-    };
-    (side, nearest.1)
+    let inside = if nearest.0 >= within * within { origin_inside } else { left_of >= 0.0 };
+    (inside, nearest.1)
 }
 
 /// Square cells with the edges near each of them.
@@ -484,10 +489,8 @@ struct EdgeGrid {
     cell: f64,
     columns: usize,
     rows: usize,
-    starts: Vec<u32>,
-    edges: Vec<u32>,
-    /// Whether the middle of a cell is inside. A cell without edges is completely inside or outside.
-    inside: Vec<bool>,
+    /// For each cell its edges and, if there are none, whether it is inside.
+    cells: Vec<(Vec<u32>, bool)>,
 }
 
 /// Largest number of cells of an [`EdgeGrid`].
@@ -501,10 +504,10 @@ impl EdgeGrid {
         let cell =
             (0.5 * distance).max((width * height / MOST_CELLS).sqrt()).max(width.max(height) / MOST_CELLS);
         let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
-        let mut grid = EdgeGrid { low, cell, columns, rows, ..EdgeGrid::default() };
+        let mut grid =
+            EdgeGrid { low, cell, columns, rows, cells: vec![(Vec::new(), false); columns * rows] };
         // Half the diagonal, rounded up.
         let wide = distance + 0.7072 * cell;
-        let mut found = vec![Vec::new(); columns * rows];
         for (k, edge) in region.edges().iter().enumerate() {
             let lowest = vec2(edge.start.x.min(edge.end.x) - wide, edge.start.y.min(edge.end.y) - wide);
             let highest = vec2(edge.start.x.max(edge.end.x) + wide, edge.start.y.max(edge.end.y) + wide);
@@ -513,17 +516,15 @@ impl EdgeGrid {
                 for column in left..=right {
                     let middle = grid.middle(column, row);
                     if (middle - edge.nearest(middle)).norm_squared() <= wide * wide {
-                        found[row * columns + column].push(k as u32);
+                        grid.cells[row * columns + column].0.push(k as u32);
                     }
                 }
             }
         }
-        grid.starts.push(0);
-        for (k, edges) in found.iter().enumerate() {
-            grid.edges.extend(edges);
-            grid.starts.push(grid.edges.len() as u32);
-            // This is used for cells without edges only.
-            grid.inside.push(edges.is_empty() && region.contains(grid.middle(k % columns, k / columns)));
+        for k in 0..grid.cells.len() {
+            // A cell without edges is completely inside or outside.
+            grid.cells[k].1 =
+                grid.cells[k].0.is_empty() && region.contains(grid.middle(k % columns, k / columns));
         }
         grid
     }
@@ -544,12 +545,11 @@ impl EdgeGrid {
             return (&[], true);
         }
         let (column, row) = self.place(point);
-        let home = row * self.columns + column;
         // A point beyond the grid is outside; the cell at the rim says nothing about it.
         let beyond = |low: f64, at: f64, cells: usize| at < low || at > low + cells as f64 * self.cell;
         let out = beyond(self.low.x, point.x, self.columns) || beyond(self.low.y, point.y, self.rows);
-        let edges = &self.edges[self.starts[home] as usize..self.starts[home + 1] as usize];
-        (edges, self.inside[home] && !out)
+        let (edges, inside) = &self.cells[row * self.columns + column];
+        (edges, *inside && !out)
     }
 }
 
