@@ -79,7 +79,7 @@ pub struct Progress {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Shapes grow to their full size.
-    Growing,
+    Growing = 0,
     /// Shapes of full size push each other apart.
     Spreading,
     /// Shapes that overlap are moved elsewhere.

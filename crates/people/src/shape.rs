@@ -179,38 +179,6 @@ mod tests {
         assert!(worst < 0.03e-3, "{worst}");
     }
 
-    /// The paper's formula (App. A.2) over a polygon of 10⁵ corners: where rays from the centroid leave the union.
-    fn polygon(shape: &Shape, mass: f64) -> f64 {
-        let count = 100_000;
-        let corners: Vec<Vec2> = (0..count)
-            .map(|k| {
-                let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / f64::from(count)).sin_cos();
-                let ray = vec2(cos, sin);
-                let leaves = |disk: &Disk| {
-                    let (along, across) = (disk.centre.dot(ray), disk.centre.cross(ray));
-                    along + (disk.radius.powi(2) - across.powi(2)).sqrt()
-                };
-                ray * shape.disks.iter().map(leaves).fold(0.0, f64::max)
-            })
-            .collect();
-        let (mut area, mut second) = (0.0, 0.0);
-        for (place, &a) in corners.iter().enumerate() {
-            let b = corners[(place + 1) % corners.len()];
-            area += 0.5 * a.cross(b);
-            second += a.cross(b) * (a.dot(a) + a.dot(b) + b.dot(b)) / 12.0;
-        }
-        mass * second / area
-    }
-
-    #[test]
-    fn inertia_is_that_of_the_papers_polygon_made_fine() {
-        for (breadth, depth) in [(0.49699, 0.273), (0.55, 0.25), (0.4, 0.3), (0.35, 0.34), (0.61718, 0.3)] {
-            let shape = Shape::fit(breadth, depth).unwrap();
-            let (exact, fine) = (shape.inertia(80.0), polygon(&shape, 80.0));
-            assert!((fine / exact - 1.0).abs() < 1e-6, "{breadth} {depth}: {exact} {fine}");
-        }
-    }
-
     /// App. C prints moments of inertia 1.1 to 1.9 % above those of its own disks (a count of 10⁶ grid points agrees
     /// with the exact ones to 4 digits): more than its three digits explain.
     #[test]

@@ -7,7 +7,7 @@ use super::region::Edge;
 use super::{Orientation, Region};
 use crate::random::Random;
 use crate::shape::Shape;
-use lemons_core::plane::{Bounds, Disk, Pose, Rotation, Vec2, segments_cross, vec2};
+use lemons_core::plane::{Disk, Pose, Rotation, Vec2, segments_cross, vec2};
 use std::f64::consts::TAU;
 
 /// \[m\] The list of near pairs is made again when something has moved by half of this. Results do not depend on it.
@@ -100,7 +100,6 @@ pub struct SoftDisks<'a> {
     /// For each body near the boundary: its index, whether its origin is inside, the range of its edges in `edges`.
     near_edges: Vec<(u32, bool, std::ops::Range<usize>)>,
     edges: Vec<Edge>,
-    edge_grid: EdgeGrid,
     /// Positions and scale when the near pairs were listed.
     listed: Vec<Vec2>,
     listed_scale: f64,
@@ -124,11 +123,6 @@ impl<'a> SoftDisks<'a> {
             let (position, reach) = (Vec2::ZERO, super::reach(shape));
             bodies.push(Body { position, angle: 0.0, reach, lever, first, last: disks.len() });
         }
-        let widest = bodies.iter().map(|b| b.reach).fold(0.0, f64::max);
-        let edge_grid = match boundary {
-            Boundary::Region(region) => EdgeGrid::new(region, edges_within(widest)),
-            Boundary::Circle(_) => EdgeGrid::default(),
-        };
         SoftDisks {
             boundary,
             turns: orientation.turns(),
@@ -140,7 +134,6 @@ impl<'a> SoftDisks<'a> {
             pairs: Vec::new(),
             near_edges: Vec::new(),
             edges: Vec::new(),
-            edge_grid,
             listed: Vec::new(),
             listed_scale: 0.0,
             bodies,
@@ -241,10 +234,7 @@ impl<'a> SoftDisks<'a> {
     fn through(&self, centre: Vec2, radius: f64) -> f64 {
         let radius = radius + 0.5 * self.pad;
         match self.boundary {
-            Boundary::Region(region) => match self.edge_grid.near(centre) {
-                ([], true) => 0.0,
-                _ => radius - region.depth(centre),
-            },
+            Boundary::Region(region) => radius - region.depth(centre),
             Boundary::Circle(outer) => centre.norm() + radius - outer,
         }
     }
@@ -329,15 +319,10 @@ impl<'a> SoftDisks<'a> {
         self.near_edges.clear();
         self.edges.clear();
         for (k, body) in self.bodies.iter().enumerate() {
-            let (near, inside) = self.edge_grid.near(body.position);
-            if near.is_empty() && inside {
-                continue;
-            }
             let first = self.edges.len();
             let wide = edges_within(body.reach);
             let mut nearest = f64::INFINITY;
-            for &edge in near {
-                let edge = region.edges()[edge as usize];
+            for &edge in region.edges() {
                 let square = (body.position - edge.nearest(body.position)).norm_squared();
                 nearest = nearest.min(square);
                 if square < wide * wide {
@@ -480,77 +465,6 @@ fn side_of(edges: &[Edge], point: Vec2, within: f64, origin_inside: bool) -> (bo
     }
     let inside = if nearest.0 >= within * within { origin_inside } else { left_of >= 0.0 };
     (inside, nearest.1)
-}
-
-/// Square cells with the edges near each of them.
-#[derive(Debug, Clone, Default)]
-struct EdgeGrid {
-    low: Vec2,
-    cell: f64,
-    columns: usize,
-    rows: usize,
-    /// For each cell its edges and, if there are none, whether it is inside.
-    cells: Vec<(Vec<u32>, bool)>,
-}
-
-/// Largest number of cells of an [`EdgeGrid`].
-const MOST_CELLS: f64 = 65536.0;
-
-impl EdgeGrid {
-    /// Makes a grid in which each point of a cell finds all edges within a distance \[m\].
-    fn new(region: &Region, distance: f64) -> EdgeGrid {
-        let Some(Bounds { low, high }) = region.bounds() else { return EdgeGrid::default() };
-        let (width, height) = (high.x - low.x, high.y - low.y);
-        let cell =
-            (0.5 * distance).max((width * height / MOST_CELLS).sqrt()).max(width.max(height) / MOST_CELLS);
-        let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
-        let mut grid =
-            EdgeGrid { low, cell, columns, rows, cells: vec![(Vec::new(), false); columns * rows] };
-        // Half the diagonal, rounded up.
-        let wide = distance + 0.7072 * cell;
-        for (k, edge) in region.edges().iter().enumerate() {
-            let lowest = vec2(edge.start.x.min(edge.end.x) - wide, edge.start.y.min(edge.end.y) - wide);
-            let highest = vec2(edge.start.x.max(edge.end.x) + wide, edge.start.y.max(edge.end.y) + wide);
-            let ((left, bottom), (right, top)) = (grid.place(lowest), grid.place(highest));
-            for row in bottom..=top {
-                for column in left..=right {
-                    let middle = grid.middle(column, row);
-                    if (middle - edge.nearest(middle)).norm_squared() <= wide * wide {
-                        grid.cells[row * columns + column].0.push(k as u32);
-                    }
-                }
-            }
-        }
-        for k in 0..grid.cells.len() {
-            // A cell without edges is completely inside or outside.
-            grid.cells[k].1 =
-                grid.cells[k].0.is_empty() && region.contains(grid.middle(k % columns, k / columns));
-        }
-        grid
-    }
-
-    fn place(&self, point: Vec2) -> (usize, usize) {
-        let place = (point - self.low) * (1.0 / self.cell);
-        ((place.x as usize).min(self.columns - 1), (place.y as usize).min(self.rows - 1))
-    }
-
-    fn middle(&self, column: usize, row: usize) -> Vec2 {
-        self.low + vec2(column as f64 + 0.5, row as f64 + 0.5) * self.cell
-    }
-
-    /// Returns all edges within the distance of a point, perhaps with others; and, if there are none, whether the point
-    /// is inside.
-    fn near(&self, point: Vec2) -> (&[u32], bool) {
-        if self.rows == 0 {
-            return (&[], true);
-        }
-        let (column, row) = self.place(point);
-        // A point beyond the grid is outside; the cell at the rim says nothing about it.
-        let beyond = |low: f64, at: f64, cells: usize| at < low || at > low + cells as f64 * self.cell;
-        let out = beyond(self.low.x, point.x, self.columns) || beyond(self.low.y, point.y, self.rows);
-        let (edges, inside) = &self.cells[row * self.columns + column];
-        (edges, *inside && !out)
-    }
 }
 
 #[cfg(test)]
