@@ -1,14 +1,9 @@
 //! Geometry of the plane for all other crates: vectors, poses, polygons, hulls, unions of disks.
 //!
-//! The feature `nalgebra` (off by default) adds `From` between [`Vec2`] and `nalgebra::Vector2`, [`Rotation`] and
-//! `nalgebra::UnitComplex`, [`Pose`] and `nalgebra::Isometry2`.
-//!
-//! SI units; angles in radians, counter-clockwise positive. This crate reads no files and knows nothing about crowds.
+//! SI units; angles in radians, counter-clockwise positive. This module reads no files and knows nothing about crowds.
 
 mod bounds;
 mod hull;
-#[cfg(any(test, feature = "nalgebra"))]
-mod nalgebra;
 mod pose;
 mod ring;
 mod segment;

@@ -107,7 +107,7 @@ impl Trial {
     /// # Errors
     /// Errors in its files, all of them.
     pub fn read(directory: &Path) -> Result<(Trial, Problems), Problems> {
-        Trial::read_named(directory, &FileNames::default())
+        Trial::read_from(&Disk, directory, &FileNames::default())
     }
 
     /// The files of which [`Trial::read`] reads a directory, whether they are there or not.
@@ -128,15 +128,7 @@ impl Trial {
         names.places(directory, &fixed, &moving)
     }
 
-    /// As [`Trial::read`], with other file names.
-    ///
-    /// # Errors
-    /// As [`Trial::read`].
-    pub fn read_named(directory: &Path, names: &FileNames) -> Result<(Trial, Problems), Problems> {
-        Trial::read_from(&Disk, directory, names)
-    }
-
-    /// As [`Trial::read_named`], from these files.
+    /// As [`Trial::read`], from these files, with these names.
     ///
     /// # Errors
     /// As [`Trial::read`].
