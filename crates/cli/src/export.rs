@@ -11,7 +11,7 @@ use lemons_core::trial::Trial;
 use lemons_decision::{Person, WISHES_FILE, Wishes};
 use lemons_master::{Fmu, Given, Kind, plan_of};
 use lemons_results::{
-    Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy_into, series, series_files, trial_at_end,
+    Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files, trial_at_end,
     walkable_area,
 };
 use std::io::Write;
@@ -108,7 +108,7 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             jupedsim(&run, &area, out)?;
             said.extend(area.said);
         }
-        Format::Pedpy => pedpy_into(&run, files::open(out)?, out)?,
+        Format::Pedpy => pedpy(&run, files::open(out)?, out)?,
         Format::Chaos => {
             claim_all(chaos_files(&run).iter().map(|name| out.join(name)))?;
             chaos(&run, out)?;
@@ -207,7 +207,7 @@ fn wishes_at_end(given: &Path, end: &Trial, said: &mut Vec<String>) -> Result<Op
 /// What the format or the record does not have.
 fn not_exported(to: Format, run: &Record, leaves: bool) -> Vec<String> {
     let mut said = Vec::new();
-    if matches!(to, Format::Jupedsim | Format::Pedpy) && !run.names().are_ids {
+    if matches!(to, Format::Jupedsim | Format::Pedpy) && run.numeric_ids().is_none() {
         said.push("Ids are not whole numbers: agents are numbered from 0, in the order of the source".into());
     }
     let without_contacts = !run.contacts();

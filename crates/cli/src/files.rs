@@ -230,7 +230,7 @@ pub fn claim_directory(directory: &Path) -> Result<()> {
 pub fn claim_series(directory: &Path) -> Result<Vec<PathBuf>> {
     claim_directory(directory)?;
     let there: Vec<PathBuf> =
-        series_in(directory, |_, _| true)?.into_iter().map(|name| directory.join(name)).collect();
+        series_in(directory)?.into_iter().map(|name| directory.join(name)).collect();
     there.iter().try_for_each(|path| claim(path))?;
     Ok(there)
 }

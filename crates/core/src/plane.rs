@@ -4,19 +4,19 @@
 
 mod bounds;
 mod hull;
+mod polygon;
 mod pose;
 mod ring;
 mod segment;
 mod simple;
 mod union;
 mod vec2;
-mod wkt;
 
 pub use bounds::Bounds;
 pub use hull::ConvexHull;
+pub use polygon::Polygon;
 pub use pose::{Motion, Pose, Twist, shown_orientation};
 pub use ring::{Foot, Ring};
 pub use segment::{nearest_on_segment, ray_crosses, segments_cross, segments_touch, turn};
 pub use union::{Disk, Moments, union};
 pub use vec2::{Rotation, SMALL_TURN, Vec2, vec2};
-pub use wkt::{polygon_from_wkt, polygon_to_wkt};

@@ -6,7 +6,7 @@ use crate::error::RecordError;
 use crate::record::Record;
 use crate::run::Frame;
 use lemons_core::files::{Staged, WriteError};
-use lemons_core::plane::Pose;
+use lemons_core::plane::{Bounds, Pose};
 use rusqlite::{Connection, OpenFlags, params};
 use std::io;
 use std::path::Path;
@@ -61,13 +61,14 @@ fn fill(file: &Path, record: &Record, area: &Area, rate: f64) -> Result<(), Faul
     };
     let mut database = begin().map_err(Fault::Database)?;
     let transaction = database.transaction().map_err(Fault::Database)?;
-    let hash = hash(&area.wkt);
-    head(&transaction, area, hash, rate).map_err(Fault::Database)?;
+    let wkt = area.polygon.to_wkt();
+    let hash = hash(&wkt);
+    head(&transaction, area, (&wkt, hash), rate).map_err(Fault::Database)?;
     {
         let prepared = |text| transaction.prepare(text).map_err(Fault::Database);
         let mut rows = prepared("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
         let mut frames = prepared("INSERT INTO frame_data VALUES (?, ?)")?;
-        let numbers = record.names().numbers;
+        let numbers = record.numbers();
         let mut insert = |at: usize, frame: &Frame| -> rusqlite::Result<()> {
             let at = at as i64;
             frames.execute([at, hash])?;
@@ -100,16 +101,17 @@ fn fill(file: &Path, record: &Record, area: &Area, rate: f64) -> Result<(), Faul
 }
 
 /// What stands before the rows.
-fn head(database: &Connection, area: &Area, hash: i64, rate: f64) -> rusqlite::Result<()> {
+fn head(database: &Connection, area: &Area, (wkt, hash): (&str, i64), rate: f64) -> rusqlite::Result<()> {
     let mut metadata = database.prepare("INSERT INTO metadata VALUES (?, ?)")?;
     metadata.execute(["version", "2"])?;
     metadata.execute(["fps", &format!("{rate:?}")])?;
-    let limits = [("xmin", area.low.x), ("xmax", area.high.x), ("ymin", area.low.y), ("ymax", area.high.y)];
+    let Bounds { low, high } = area.polygon.outer.bounds();
+    let limits = [("xmin", low.x), ("xmax", high.x), ("ymin", low.y), ("ymax", high.y)];
     for (key, value) in limits {
         metadata.execute([key, &format!("{value:?}")])?;
     }
     metadata.execute(["walkable_area", &area.said.join("; ")])?;
-    database.execute("INSERT INTO geometry VALUES (?, ?)", params![hash, area.wkt])?;
+    database.execute("INSERT INTO geometry VALUES (?, ?)", params![hash, wkt])?;
     Ok(())
 }
 

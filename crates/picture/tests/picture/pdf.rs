@@ -17,7 +17,7 @@ fn row() -> Trial {
 /// Cut by its view, with all that a picture may have: fills, forces, dashes, transparency, letters, a colour bar.
 fn full(trial: &Trial) -> String {
     let mut scene = Scene::at_start(trial);
-    scene.view = Some(View { low: vec2(-0.6, -1.2), high: vec2(2.8, 0.8) });
+    scene.view = Some(Bounds { low: vec2(-0.6, -1.2), high: vec2(2.8, 0.8) });
     scene.forces = vec![Force { from: vec2(0.0, 0.0), to: vec2(1.0, 0.0), normal_force: 900.0 }];
     let trail = |kind, y: f64| Trail {
         agent: Some(1),
@@ -27,7 +27,7 @@ fn full(trial: &Trial) -> String {
     scene.trails = vec![trail(TrailKind::Simulated, 0.4), trail(TrailKind::Measured, 0.5)];
     let pose = Pose { position: vec2(1.2, -0.6), orientation: 0.3 };
     scene.bicycles = vec![Bicycle { id: "b".into(), pose, wheels: (1.42, 0.06), rider: (0.61, 0.45) }];
-    svg(&scene, &Style { fill: Fill::BodyArea, ids: Visibility::Shown, time: Some(1.5), ..Style::default() })
+    svg(&scene, &Style { fill: Fill::BodyArea, ids: true, time: Some(1.5), ..Style::default() })
 }
 
 fn text(pdf: &[u8]) -> String {

@@ -76,13 +76,8 @@ fn forces_are_seen_on_every_fill() {
             let values = values(vec![end; 2], "", "", Some((0.0, 1.0)));
             let mut scene = Scene::at_start(&t);
             scene.forces = vec![force(0.0, 1.0, 100.0)];
-            scene.view = Some(View { low: vec2(-0.5, -0.5), high: vec2(1.5, 0.5) });
-            let style = Style {
-                theme,
-                fill: Fill::Values(values),
-                orientation: Visibility::Hidden,
-                ..Style::default()
-            };
+            scene.view = Some(Bounds { low: vec2(-0.5, -0.5), high: vec2(1.5, 0.5) });
+            let style = Style { theme, fill: Fill::Values(values), orientation: false, ..Style::default() };
             let picture = pixels(&svg(&scene, &style), 1600).unwrap();
             // 372 px of 400 are 2 m.
             let scale = 744.0;
@@ -186,7 +181,7 @@ fn bounds(d: &str) -> (f64, f64, f64, f64) {
 
 #[test]
 fn the_integral_of_density_is_the_number_of_people() {
-    let view = View { low: vec2(-4.0, -3.0), high: vec2(9.0, 5.0) };
+    let view = Bounds { low: vec2(-4.0, -3.0), high: vec2(9.0, 5.0) };
     let frames = [vec![vec2(0.0, 0.0), vec2(0.3, 1.0), vec2(5.123, 2.0)], vec![vec2(1.0, 1.0)], vec![]];
     for kernel in [0.05, DENSITY_KERNEL, 0.37] {
         let mut map = DensityMap::new(view, kernel, &[]);
@@ -198,13 +193,13 @@ fn the_integral_of_density_is_the_number_of_people() {
         assert!((people - 4.0 / 3.0).abs() < 1e-6, "{kernel}: {people}");
     }
     // A person alone: the Gaussian's own peak, and half a person where the map ends at them.
-    let mut map = DensityMap::new(View { low: vec2(-3.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
+    let mut map = DensityMap::new(Bounds { low: vec2(-3.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
     map.add([Vec2::ZERO]);
     let peak = map.values().into_iter().fold(0.0, f64::max);
     let expected = 1.0 / (std::f64::consts::TAU * 0.25);
     // A corner of four cells stands at the peak itself.
     assert!((peak / expected - 1.0).abs() < 0.03, "{peak}");
-    let mut map = DensityMap::new(View { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
+    let mut map = DensityMap::new(Bounds { low: vec2(0.0, -3.0), high: vec2(3.0, 3.0) }, 0.5, &[]);
     map.add([Vec2::ZERO]);
     let people: f64 = map.values().iter().sum::<f64>() * map.cell().x * map.cell().y;
     assert!((people - 0.5).abs() < 1e-6, "{people}");
@@ -219,7 +214,7 @@ fn density_does_not_go_through_walls() {
     ];
     let t = trial(vec![], rooms.to_vec());
     let people = [vec2(3.9, 1.5), vec2(3.8, 2.9), vec2(0.15, 0.15), vec2(2.0, 1.0), vec2(3.85, 0.7)];
-    let view = View { low: vec2(-2.0, -2.0), high: vec2(10.0, 5.0) };
+    let view = Bounds { low: vec2(-2.0, -2.0), high: vec2(10.0, 5.0) };
     for kernel in [0.1, DENSITY_KERNEL, 1.0] {
         let mut map = DensityMap::new(view, kernel, &t.geometry.walls);
         map.add(people);
@@ -253,7 +248,7 @@ fn density_does_not_go_through_walls() {
 fn the_map_is_below_the_outlines() {
     let t = row(3);
     let mut scene = Scene::at_start(&t);
-    scene.view = Some(View { low: vec2(-2.0, -2.0), high: vec2(4.0, 2.0) });
+    scene.view = Some(Bounds { low: vec2(-2.0, -2.0), high: vec2(4.0, 2.0) });
     let mut map = DensityMap::new(scene.view.unwrap(), 0.3, &[]);
     map.add(t.dynamics.iter().map(|d| d.position));
     scene.density = Some(map);
@@ -274,7 +269,7 @@ fn the_map_is_below_the_outlines() {
     };
     assert_eq!(on(vec2(1.0, 1.9)), viridis(0.5 / 24.0));
     assert_eq!(on(vec2(1.0, 0.0)), viridis(23.5 / 24.0));
-    let hidden = svg(&scene, &Style { bodies: Visibility::Hidden, ..Style::default() });
+    let hidden = svg(&scene, &Style { bodies: false, ..Style::default() });
     assert!(class(&Document::parse(&hidden).unwrap(), "bodies")[0].first_element_child().is_none());
 }
 
@@ -333,7 +328,7 @@ fn no_colour_of_density_beyond_a_wall() {
         let t =
             trial(people.clone().collect(), vec![vec![turned(vec2(-3.0, wall)), turned(vec2(3.0, wall))]]);
         let mut scene = Scene::at_start(&t);
-        let view = View { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };
+        let view = Bounds { low: vec2(-0.5, -0.5), high: vec2(0.5, 0.5) };
         let mut map = DensityMap::new(view, 0.3, &t.geometry.walls);
         map.add(scene.poses.iter().map(|pose| turned(pose.position)));
         (scene.view, scene.density) = (Some(view), Some(map));
@@ -354,7 +349,7 @@ fn no_colour_of_density_beyond_a_wall() {
 #[test]
 fn cut_panels_stand_apart() {
     let t = row(6);
-    let view = View { low: vec2(0.5, -0.5), high: vec2(2.5, 0.5) };
+    let view = Bounds { low: vec2(0.5, -0.5), high: vec2(2.5, 0.5) };
     let mut scene = Scene::at_start(&t);
     scene.view = Some(view);
     let scenes = vec![scene; 4];
@@ -380,7 +375,7 @@ fn ids_are_of_one_size() {
     let people = ids.iter().enumerate().map(|(k, id)| (pedestrian(id), vec2(k as f64, 0.0), 0.0)).collect();
     let t = trial(people, vec![]);
     let mut scene = Scene::at_start(&t);
-    let style = Style { ids: Visibility::Shown, ..Style::default() };
+    let style = Style { ids: true, ..Style::default() };
     let sizes = |text: &str| -> Vec<String> {
         let document = Document::parse(text).unwrap();
         let [group] = class(&document, "ids")[..] else { panic!("one group") };
@@ -476,8 +471,7 @@ fn nothing_panics() {
             for kind in [TrailKind::Simulated, TrailKind::Measured] {
                 scene.trails.push(Trail { agent: Some(usize::MAX), kind, points: points.clone() });
                 scene.trails.push(Trail { agent: None, kind, points: vec![] });
-                let style =
-                    Style { forces: Some(v), ids: Visibility::Shown, time: Some(w), ..Style::default() };
+                let style = Style { forces: Some(v), ids: true, time: Some(w), ..Style::default() };
                 let text = svg(&scene, &style);
                 Document::parse(&text).unwrap();
                 png(&text, 64).unwrap();
@@ -489,8 +483,8 @@ fn nothing_panics() {
 
 fn densities(t: &Trial, v: f64) {
     let mut scene = Scene::at_start(t);
-    let view = View { low: vec2(v, -1.0), high: vec2(1.0, v) };
-    for view in [view, scene.extent(), View { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }] {
+    let view = Bounds { low: vec2(v, -1.0), high: vec2(1.0, v) };
+    for view in [view, scene.extent(), Bounds { low: vec2(1.0, 1.0), high: vec2(-1.0, -1.0) }] {
         let mut map = DensityMap::new(view, v, &t.geometry.walls);
         map.add([vec2(0.5, v), Vec2::ZERO]);
         map.range = Some((v, 1.0));
