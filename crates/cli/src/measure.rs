@@ -16,7 +16,7 @@ use crate::pictures::look::{positive, seconds};
 use crate::pictures::plot::Format;
 use crate::pictures::source::Source;
 use crate::run::{Until, until};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use lemons_core::trial::Trial;
 use lemons_results::Record;
 use lemons_results::measure::{Line, MeasuringArea, Room};

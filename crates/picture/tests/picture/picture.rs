@@ -184,21 +184,6 @@ fn what_leaves_a_fixed_view_is_cut() {
 }
 
 #[test]
-fn ten_thousand_agents() {
-    let at = |k: u32| {
-        (
-            pedestrian(&k.to_string()),
-            vec2(f64::from(k % 100) * 0.51, f64::from(k / 100) * 0.511),
-            f64::from(k),
-        )
-    };
-    let t = trial((0..10_000).map(at).collect(), vec![box_of(-1.0, 52.0)]);
-    let text = svg(&Scene::at_start(&t), &Style { ids: true, fill: Fill::BodyArea, ..Style::default() });
-    assert!(text.len() < 8_000_000, "{}", text.len());
-    png(&text, 800).unwrap();
-}
-
-#[test]
 fn the_areas_of_people() {
     // Against a count of millimetre squares.
     let person = pedestrian("0");
