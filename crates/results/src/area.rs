@@ -343,15 +343,6 @@ mod tests {
         assert_eq!(inside(&gap, &[(1.0, 2.0), (4.1, 2.0)]), [true, false]);
     }
 
-    #[test]
-    fn a_room_with_a_way_out() {
-        let room = [(4.0, 2.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0), (4.0, 0.0), (4.0, 1.0)];
-        let open = area(&[wall("room", &room)], &[(1.0, 2.0)]);
-        assert_eq!(open.polygon.to_wkt(), "POLYGON ((4 2, 4 3, 0 3, 0 0, 4 0, 4 1, 4 2))");
-        let said = "walkable area: inside of wall \"room\", its opening of 1 m closed by a straight line";
-        assert_eq!(open.said, [said]);
-    }
-
     /// Whether points are in an area.
     fn inside(area: &Area, points: &[(f64, f64)]) -> Vec<bool> {
         points.iter().map(|&(x, y)| area.polygon.contains(vec2(x, y))).collect()
@@ -402,23 +393,14 @@ mod tests {
             given_area(" polygon((0 0, 4 0, 4 3, 0 3, 0 0), (2 2, 2.5 2, 2 2.5, 2 2))\n", people()).unwrap();
         assert_eq!(area.polygon.to_wkt(), "POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0), (2 2, 2.5 2, 2 2.5, 2 2))");
         for (text, expected) in [
-            ("", "is not a POLYGON"),
-            ("POLYGON", "is not a POLYGON"),
-            ("POLYGON ()", "no ring"),
-            ("POLYGON EMPTY", "is not a POLYGON"),
             ("POLYGONE ((0 0, 4 0, 4 3, 0 0))", "is not a POLYGON"),
-            ("POINT (0 0)", "is not a POLYGON"),
-            ("POLYGON ((0 0, 4 0, 4 3))", "is not closed"),
             ("POLYGON ((0 0, 4 0, 1e300 3, 0 0))", "the outer ring has a corner further than 1e6 m"),
-            ("POLYGON ((0 0, 4 0, 4 inf, 0 0))", "\"4 inf\" is not a corner"),
             ("POLYGON ((0 0, 4 4, 4 0, 0 4, 0 0))", "the outer ring crosses itself"),
             ("POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0), (5 5, 6 5, 5 6, 5 5))", "hole 1 is not inside"),
             (
                 "POLYGON ((0 0, 2 0, 2 3, 0 3, 0 0))",
                 "1 positions of people are not in it, the first at x = 3.0",
             ),
-            ("POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0) (2 2, 3 2, 2 3, 2 2))", "separated by commas"),
-            ("POLYGON ((0 0, é", "is not a POLYGON"),
         ] {
             let said = given_area(text, people()).unwrap_err();
             assert!(said.contains(expected), "{text}: {said}");
