@@ -13,7 +13,7 @@ mod union;
 mod vec2;
 
 pub use bounds::Bounds;
-pub use hull::ConvexHull;
+pub use hull::convex_hull;
 pub use polygon::Polygon;
 pub use pose::{Motion, Pose, Twist, shown_orientation};
 pub use ring::{Foot, Ring};

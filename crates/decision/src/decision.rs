@@ -476,7 +476,7 @@ mod tests {
             disks: Vec::new(),
         };
         let wishes = Wishes::from_toml(wishes).unwrap();
-        Decision::new(Plan::new(&[person], &wishes, 0.05).unwrap())
+        Decision::new(Plan::among(std::iter::empty(), &[person], &wishes, 0.05).unwrap())
     }
 
     #[test]

@@ -84,14 +84,6 @@ impl Plan {
         Plan::among(walls, &Person::all_of(trial), wishes, trial.parameters.time_step)
     }
 
-    /// Makes a plan from wishes for these people, where there are no walls.
-    ///
-    /// # Errors
-    /// Those of [`Plan::among`].
-    pub fn new(people: &[Person], wishes: &Wishes, time_step: f64) -> Result<Plan, PlanError> {
-        Plan::among(std::iter::empty(), people, wishes, time_step)
-    }
-
     /// Makes a plan from wishes for these people among walls.
     ///
     /// # Errors
@@ -228,7 +220,8 @@ mod tests {
 
     fn plan(wishes: &str) -> Result<Plan, String> {
         let wishes = Wishes::from_toml(wishes).map_err(|error| error.to_string())?;
-        Plan::new(&[person("0"), person("two words")], &wishes, 0.05).map_err(|error| error.to_string())
+        Plan::among(std::iter::empty(), &[person("0"), person("two words")], &wishes, 0.05)
+            .map_err(|error| error.to_string())
     }
 
     #[test]

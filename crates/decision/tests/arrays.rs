@@ -32,7 +32,7 @@ fn plan() -> Plan {
     let wishes = "waypoints = [{ x = 5, y = 2 }, { x = 6, y = -4, radius = 1 }]\n\
         [agents.\"two words\"]\nwaypoints = [{ x = -3, y = 1 }]\ndesired_speed = 0.9\n\
         [agents.7]\nwaypoints = [{ x = 2, y = 4 }, { x = 2.5, y = 4 }, { x = 9, y = 9 }]";
-    Plan::new(&people, &Wishes::from_toml(wishes).unwrap(), 0.05).unwrap()
+    Plan::among(std::iter::empty(), &people, &Wishes::from_toml(wishes).unwrap(), 0.05).unwrap()
 }
 
 fn reference(name: &str) -> u32 {

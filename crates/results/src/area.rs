@@ -4,7 +4,7 @@ use crate::outlines::{Outline, Outlines};
 use crate::shapes::{Contour, Shape, contour, overlay, ring};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
-use lemons_core::plane::{Bounds, ConvexHull, Polygon, Ring, Vec2, segments_touch, vec2};
+use lemons_core::plane::{Bounds, Polygon, Ring, Vec2, convex_hull, segments_touch, vec2};
 use lemons_core::trial::Wall;
 
 /// \[m\] Distance of a bounding box from people and walls: more than half of a person's breadth.
@@ -185,8 +185,7 @@ fn with_yards(
     for (mut yard, (a, b)) in yards.into_iter().zip(&bridges) {
         if !yard.is_empty() {
             yard.extend([*a, *b]);
-            let hull = ConvexHull::of(yard)?;
-            shapes.push(hull.corners().iter().map(|p| [p.x, p.y]).collect());
+            shapes.push(convex_hull(yard).iter().map(|p| [p.x, p.y]).collect());
             beyond += 1;
         }
     }

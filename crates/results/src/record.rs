@@ -238,19 +238,10 @@ impl Record {
 impl From<Run> for Record {
     fn from(run: Run) -> Record {
         let Run { source, ids, frames } = run;
-        Record {
-            times: frames.iter().map(|frame| frame.time).collect(),
-            first: frames.first().map(|frame| frame.agents.clone()).unwrap_or_default(),
-            contacts: frames.iter().all(|frame| frame.interactions.is_some()),
-            own_ids: ids.clone(),
-            ids: ids.clone(),
-            order: None,
-            every: 1,
-            source,
-            pass: Rc::new(move |each| {
-                frames.iter().try_for_each(|frame| each(frame.clone()))?;
-                Ok(ids.clone())
-            }),
-        }
+        let pass = move |each: &mut Each<'_>| {
+            frames.iter().try_for_each(|frame| each(frame.clone()))?;
+            Ok(ids.clone())
+        };
+        Record::new(&source, pass).expect("frames in memory are read without an error")
     }
 }

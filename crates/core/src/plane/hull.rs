@@ -2,45 +2,32 @@
 
 use crate::plane::{Vec2, turn};
 
-/// The smallest convex set that contains some points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ConvexHull {
-    corners: Vec<Vec2>,
-}
-
-impl ConvexHull {
-    /// Returns the hull of finite points \[m\] (A. M. Andrew, Inf. Process. Lett. 9 (1979) 216); `None` without any.
-    pub fn of(points: impl IntoIterator<Item = Vec2>) -> Option<ConvexHull> {
-        let mut points: Vec<Vec2> = points.into_iter().collect();
-        points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-        points.dedup();
-        if points.len() < 3 {
-            return (!points.is_empty()).then_some(ConvexHull { corners: points });
-        }
-        let half = |points: &mut dyn Iterator<Item = Vec2>| {
-            let mut side: Vec<Vec2> = Vec::new();
-            for p in points {
-                while let [.., a, b] = side[..]
-                    && turn(a, b, p) <= 0.0
-                {
-                    side.pop();
-                }
-                side.push(p);
+/// Returns the corners \[m\] of the smallest convex set that contains some finite points (A. M. Andrew, Inf. Process.
+/// Lett. 9 (1979) 216): counter-clockwise from the leftmost one (the lowest of several), without repeating it; none lies
+/// on the line between its neighbours. There is one if all points coincide, and there are two if they lie on a line.
+pub fn convex_hull(points: impl IntoIterator<Item = Vec2>) -> Vec<Vec2> {
+    let mut points: Vec<Vec2> = points.into_iter().collect();
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    points.dedup();
+    if points.len() < 3 {
+        return points;
+    }
+    let half = |points: &mut dyn Iterator<Item = Vec2>| {
+        let mut side: Vec<Vec2> = Vec::new();
+        for p in points {
+            while let [.., a, b] = side[..]
+                && turn(a, b, p) <= 0.0
+            {
+                side.pop();
             }
-            side
-        };
-        let mut corners = half(&mut points.iter().copied());
-        let upper = half(&mut points.iter().rev().copied());
-        corners.extend(&upper[1..upper.len() - 1]);
-        Some(ConvexHull { corners })
-    }
-
-    /// Returns the corners \[m\], counter-clockwise from the leftmost one (the lowest of several), without repeating it;
-    /// none lies on the line between its neighbours. There is one if all points coincide, and there are two if they lie
-    /// on a line.
-    pub fn corners(&self) -> &[Vec2] {
-        &self.corners
-    }
+            side.push(p);
+        }
+        side
+    };
+    let mut corners = half(&mut points.iter().copied());
+    let upper = half(&mut points.iter().rev().copied());
+    corners.extend(&upper[1..upper.len() - 1]);
+    corners
 }
 
 #[cfg(test)]
@@ -52,11 +39,9 @@ mod tests {
 
     #[test]
     fn of_few_points() {
-        assert_eq!(ConvexHull::of([]), None);
-        let corners = |points: &[Vec2]| ConvexHull::of(points.iter().copied()).unwrap().corners;
-        assert_eq!(corners(&[vec2(1.0, 2.0); 3]), [vec2(1.0, 2.0)]);
-        let line: Vec<Vec2> = (0..5).map(|k| vec2(f64::from(k), 0.0)).collect();
-        assert_eq!(corners(&line), [vec2(0.0, 0.0), vec2(4.0, 0.0)]);
+        assert_eq!(convex_hull([]), []);
+        assert_eq!(convex_hull([vec2(1.0, 2.0); 3]), [vec2(1.0, 2.0)]);
+        assert_eq!(convex_hull((0..5).map(|k| vec2(f64::from(k), 0.0))), [vec2(0.0, 0.0), vec2(4.0, 0.0)]);
     }
 
     proptest! {
@@ -66,14 +51,13 @@ mod tests {
         #[test]
         fn points_are_on_the_left_of_every_side(points in prop::collection::vec((-9i32..=9, -9i32..=9), 3..40)) {
             let points: Vec<Vec2> = points.iter().map(|&(x, y)| vec2(f64::from(x), f64::from(y))).collect();
-            let hull = ConvexHull::of(points.iter().copied()).unwrap();
-            let corners = hull.corners();
+            let corners = convex_hull(points.iter().copied());
             let n = corners.len();
             prop_assert!(corners.iter().all(|corner| points.contains(corner)));
             for k in 0..n {
                 let (a, b, c) = (corners[k], corners[(k + 1) % n], corners[(k + 2) % n]);
                 prop_assert!(n < 3 || turn(a, b, c) > 0.0);
-                prop_assert!(points.iter().all(|p| turn(a, b, *p) >= 0.0), "{:?}", hull);
+                prop_assert!(points.iter().all(|p| turn(a, b, *p) >= 0.0), "{:?}", corners);
             }
         }
     }

@@ -159,7 +159,7 @@ pub fn decision_toml(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(content) else { return };
     show_panics();
     let plan = if way % 2 == 0 {
-        Wishes::from_toml(text).and_then(|wishes| Plan::new(&people(), &wishes, 0.05))
+        Wishes::from_toml(text).and_then(|wishes| Plan::among(std::iter::empty(), &people(), &wishes, 0.05))
     } else {
         Plan::from_toml(text)
     };

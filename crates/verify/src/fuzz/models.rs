@@ -238,7 +238,7 @@ fn decision() -> Resources {
     let wishes =
         "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
     let wishes = Wishes::from_toml(wishes).expect("good wishes");
-    let plan = Plan::new(&people(), &wishes, 0.05).expect("a good plan");
+    let plan = Plan::among(std::iter::empty(), &people(), &wishes, 0.05).expect("a good plan");
     let text = plan.to_toml().expect("a plan can be written");
     std::fs::write(directory.path().join(PLAN_FILE), text).expect("a file can be written");
     let resources = directory.path().to_owned();
