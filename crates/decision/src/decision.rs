@@ -1,11 +1,11 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
 use crate::error::PlanError;
-use crate::gait::{Walking, Wanted};
-use crate::patience::{Advice, Patience};
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
+use crate::stuck::{StuckAction, StuckState};
 use crate::target::{Arrival, Destination, Ways};
+use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::files::input;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_fmi::location::{Location, LocationError};
@@ -69,7 +69,7 @@ pub struct Agent {
     left: bool,
     /// \[m\] Where the agent was at the last step.
     last: Option<[f64; 2]>,
-    patience: Patience,
+    patience: StuckState,
 }
 
 impl Agent {
@@ -111,7 +111,7 @@ pub struct Decision {
     /// Found when they are first needed; `None` inside if nobody needs any.
     ways: Option<Option<Arc<Ways>>>,
     /// What all agents want by the model at their present poses, if people see each other and nothing has changed since.
-    wanted: Option<Vec<Wanted>>,
+    wanted: Option<Vec<DesiredMotion>>,
 }
 
 impl Decision {
@@ -123,7 +123,7 @@ impl Decision {
             next: 0,
             left: false,
             last: None,
-            patience: Patience::default(),
+            patience: StuckState::default(),
         });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
@@ -167,7 +167,7 @@ impl Decision {
             let leaves = arrival == Some(Arrival::Leaves);
             // Who is at a goal is not stuck there.
             let goes = self.goes(i, ways.as_deref()).filter(|_| arrival.is_none());
-            let sees = self.plan.gait.sees_others();
+            let sees = self.plan.walking_model.sees_others();
             let queues = sees && self.wanted(i, ways.as_deref()).queues;
             let agent = &mut self.agents[i];
             let (next, way, at) = (agent.next(), agent.at() - agent.from(), agent.at());
@@ -250,7 +250,7 @@ impl Decision {
     /// The drive of an agent at its present pose.
     fn drive(&mut self, i: usize) -> Result<Propulsion, DecisionError> {
         let ways = self.ways()?;
-        if self.plan.gait.sees_others() {
+        if self.plan.walking_model.sees_others() {
             let wanted = self.wanted(i, ways.as_deref());
             return Ok(self.propulsion(i, wanted, ways.as_deref()));
         }
@@ -260,7 +260,7 @@ impl Decision {
             return Ok(agent.walker.drive(agent.next(), agent.pose));
         }
         let walking = self.walking(i, ways.as_deref());
-        let wanted = walking.map(|walking| self.plan.gait.wanted(&[Some(walking)], &[])[0]);
+        let wanted = walking.map(|walking| self.plan.walking_model.desired(&[Some(walking)], &[])[0]);
         Ok(self.propulsion(i, wanted.unwrap_or_default(), ways.as_deref()))
     }
 
@@ -287,28 +287,31 @@ impl Decision {
     }
 
     /// What an agent wants by a model in which people see each other.
-    fn wanted(&mut self, i: usize, ways: Option<&Ways>) -> Wanted {
+    fn wanted(&mut self, i: usize, ways: Option<&Ways>) -> DesiredMotion {
         if let Some(wanted) = &self.wanted {
             return wanted[i];
         }
         let people: Vec<Option<Walking<'_>>> =
             (0..self.agents.len()).map(|i| self.walking(i, ways)).collect();
-        let all = self.plan.gait.wanted(&people, &self.faces);
+        let all = self.plan.walking_model.desired(&people, &self.faces);
         let own = all[i];
         self.wanted = Some(all);
         own
     }
 
     /// The drive for what an agent wants by the model, or does because it is stuck.
-    fn propulsion(&self, i: usize, mut wanted: Wanted, ways: Option<&Ways>) -> Propulsion {
+    fn propulsion(&self, i: usize, mut wanted: DesiredMotion, ways: Option<&Ways>) -> Propulsion {
         let Agent { walker, pose, patience, .. } = &self.agents[i];
         if let Some((direction, speed)) = self.goes(i, ways) {
-            match patience.advice(direction, speed) {
-                Advice::Walk => {}
-                Advice::Step(velocity) => (wanted.velocity, wanted.force) = (velocity, Vec2::ZERO),
-                Advice::Insist(speed) => {
-                    wanted =
-                        Wanted { velocity: direction * speed, facing: Some(direction), ..Wanted::default() };
+            match patience.action(direction, speed) {
+                StuckAction::Walk => {}
+                StuckAction::Step(velocity) => (wanted.velocity, wanted.force) = (velocity, Vec2::ZERO),
+                StuckAction::Insist(speed) => {
+                    wanted = DesiredMotion {
+                        velocity: direction * speed,
+                        facing: Some(direction),
+                        ..DesiredMotion::default()
+                    };
                 }
             }
         }
@@ -462,8 +465,8 @@ impl Model for Decision {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::DecisionConfig;
     use crate::person::Person;
-    use crate::wishes::Wishes;
 
     fn decision(wishes: &str) -> Decision {
         let person = Person {
@@ -475,7 +478,7 @@ mod tests {
             pose: Pose::default(),
             disks: Vec::new(),
         };
-        let wishes = Wishes::from_toml(wishes).unwrap();
+        let wishes = DecisionConfig::from_toml(wishes).unwrap();
         Decision::new(Plan::among(std::iter::empty(), &[person], &wishes, 0.05).unwrap())
     }
 

@@ -177,11 +177,11 @@ mod tests {
         };
         let people: Vec<Person> = (0..3000).map(person).collect();
         let route = "{ x = 1, y = 2 },".repeat(4000);
-        let wishes = format!("waypoints = [{{ x = 1, y = 2 }}]\n[agents.7]\nwaypoints = [{route}]");
+        let config = format!("waypoints = [{{ x = 1, y = 2 }}]\n[agents.7]\nwaypoints = [{route}]");
         let plan = Plan::among(
             std::iter::empty(),
             &people,
-            &crate::wishes::Wishes::from_toml(&wishes).unwrap(),
+            &crate::config::DecisionConfig::from_toml(&config).unwrap(),
             0.05,
         )
         .unwrap();

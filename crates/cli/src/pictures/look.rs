@@ -10,8 +10,8 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_picture::{
-    Colour, ColourMap, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, Bounds,
-    body_area, ids_without_room,
+    Bounds, Colour, ColourMap, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, body_area,
+    ids_without_room,
 };
 use lemons_results::Run;
 use std::path::PathBuf;

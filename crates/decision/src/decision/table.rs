@@ -158,7 +158,7 @@ pub(super) fn needs(output: Quantity, on: AgentQuantity) -> bool {
 /// Whether an output depends on the inputs of all agents.
 pub(super) fn needs_all(plan: &Plan, output: Quantity) -> bool {
     use AgentQuantity::{FpX, FpY, Mp};
-    plan.gait.sees_others() && matches!(output, Quantity::Agent(_, FpX | FpY | Mp))
+    plan.walking_model.sees_others() && matches!(output, Quantity::Agent(_, FpX | FpY | Mp))
 }
 
 /// Returns the indices of the known variables on which an output depends, ascending; `None` if it is all of them.

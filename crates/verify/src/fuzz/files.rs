@@ -9,7 +9,7 @@ use crowd_mechanics::setup::{self, Setup};
 use crowd_mechanics::setup::{dynamics_of, interactions_of};
 use crowd_mechanics::variables::table;
 use lemons_core::trial::{FileNames, Trial};
-use lemons_decision::{Decision, Plan, Wishes};
+use lemons_decision::{Decision, DecisionConfig, Plan};
 use lemons_fmi::Model;
 use lemons_master::Fmu;
 use lemons_master::ssp::Archive;
@@ -159,7 +159,8 @@ pub fn decision_toml(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(content) else { return };
     show_panics();
     let plan = if way % 2 == 0 {
-        Wishes::from_toml(text).and_then(|wishes| Plan::among(std::iter::empty(), &people(), &wishes, 0.05))
+        DecisionConfig::from_toml(text)
+            .and_then(|wishes| Plan::among(std::iter::empty(), &people(), &wishes, 0.05))
     } else {
         Plan::from_toml(text)
     };

@@ -9,7 +9,7 @@ use lemons_core::plane::vec2;
 use lemons_core::trial::{Trial, Wall};
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{Decision, rule::Pose};
-use lemons_decision::{Person, Plan, Wishes};
+use lemons_decision::{DecisionConfig, Person, Plan};
 use lemons_fmi::Model;
 use lemons_fmi::v2::guid;
 use lemons_fmi::v3::arrays::{ArrayModel, Dimension, array_reference, size_reference, token};
@@ -237,7 +237,7 @@ fn decision() -> Resources {
     let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
     let wishes =
         "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
-    let wishes = Wishes::from_toml(wishes).expect("good wishes");
+    let wishes = DecisionConfig::from_toml(wishes).expect("good wishes");
     let plan = Plan::among(std::iter::empty(), &people(), &wishes, 0.05).expect("a good plan");
     let text = plan.to_toml().expect("a plan can be written");
     std::fs::write(directory.path().join(PLAN_FILE), text).expect("a file can be written");
