@@ -252,15 +252,15 @@ mod tests {
         // 25 µm deep at 1 m/s: it has lasted a quarter of the step. The tangent points to the left.
         let event = beginning(2.5e-5, 1.0, None, DT);
         assert!((event.since - 0.25 * DT).abs() < 1e-18 && event.whole && event.depth.abs() < 1e-18);
-        let (contact_force, ImpulseCorrection { normal, squeeze, tangential, .. }) =
+        let (force, ImpulseCorrection { normal, squeeze, tangential, .. }) =
             began(&geometry(2.5e-5, vec2(-0.4, -1.0)), event, 0.0, DT);
         // From 1000 N to 1050 N; half a step of 1050 N counts anyhow.
-        assert!((contact_force.reaction.normal - 1050.0).abs() < 1e-9);
+        assert!((force.reaction.normal - 1050.0).abs() < 1e-9);
         assert!((normal - (1025.0 * 0.25 - 1050.0 * 0.5) * DT).abs() < 1e-12);
         assert_eq!(squeeze, normal);
         // The damper is there at once, the spring is stretched since.
-        assert!((contact_force.reaction.elongation - 0.4 * 0.25 * DT).abs() < 1e-18);
-        assert!((contact_force.reaction.tangential + 410.0).abs() < 1e-9);
+        assert!((force.reaction.elongation - 0.4 * 0.25 * DT).abs() < 1e-18);
+        assert!((force.reaction.tangential + 410.0).abs() < 1e-9);
         assert!((tangential + (405.0 * 0.25 - 410.0 * 0.5) * DT).abs() < 1e-12);
     }
 
@@ -268,26 +268,22 @@ mod tests {
     #[test]
     fn a_contact_may_slide_from_its_first_instant() {
         let event = beginning(2.5e-5, 1.0, None, DT);
-        let (contact_force, _) = began(&geometry(2.5e-5, vec2(-0.8, -1.0)), event, 0.0, DT);
+        let (force, _) = began(&geometry(2.5e-5, vec2(-0.8, -1.0)), event, 0.0, DT);
         // 800 N of damping and a limit of 500 N to 525 N: γ_t ds/dt = F − k_t s.
         let (x, slope): (f64, f64) = (1e6 * 0.25 * DT / 1000.0, 25e-6 / (0.25 * DT) / 1000.0);
         let steady = |time: f64| 500e-6 + slope * 1000.0 * time - slope;
         let expected = steady(0.25 * DT) - steady(0.0) * (-x).exp();
-        assert!(
-            (contact_force.reaction.elongation - expected).abs() < 1e-12,
-            "{:?} {expected}",
-            contact_force.reaction
-        );
-        assert!((contact_force.reaction.tangential + 525.0).abs() < 1e-9);
+        assert!((force.reaction.elongation - expected).abs() < 1e-12, "{:?} {expected}", force.reaction);
+        assert!((force.reaction.tangential + 525.0).abs() < 1e-9);
     }
 
     #[test]
     fn at_a_corner_the_normal_force_goes_on() {
         let event = beginning(3e-3, 1.0, Some(0.1 * DT), DT);
         assert!((event.since - 0.1 * DT).abs() < 1e-18 && !event.whole);
-        let (contact_force, correction) = began(&geometry(3e-3, vec2(0.4, -1.0)), event, 0.0, DT);
+        let (force, correction) = began(&geometry(3e-3, vec2(0.4, -1.0)), event, 0.0, DT);
         assert_eq!((correction.normal, correction.squeeze), (0.0, 0.0));
-        let (first, now) = (400.0, contact_force.reaction.tangential);
+        let (first, now) = (400.0, force.reaction.tangential);
         assert!((correction.tangential - (0.5 * (first + now) * 0.1 - 0.5 * now) * DT).abs() < 1e-12);
         // It came to this part of the wall before it touched it.
         let before = beginning(2.5e-5, 1.0, Some(0.9 * DT), DT);
@@ -302,12 +298,12 @@ mod tests {
             Some(super::ended(&geometry(-gap, vec2(0.0, speed)), &spring, end(-gap, -speed, None, DT)?, DT))
         };
         // 75 µm away at 1 m/s: it ended three quarters of the step ago, when it pulled with 1000 N.
-        let (contact_force, correction) = ended(7.5e-5, 1.0).unwrap();
-        assert!((contact_force.reaction.normal + 1000.0).abs() < 1e-9);
+        let (force, correction) = ended(7.5e-5, 1.0).unwrap();
+        assert!((force.reaction.normal + 1000.0).abs() < 1e-9);
         // From −900 N to −1000 N over a quarter of the step; half a step of −900 N has counted.
         assert!((correction.normal + (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
         assert!((correction.squeeze - (950.0 * 0.25 - 900.0 * 0.5) * DT).abs() < 1e-13);
-        assert_eq!(contact_force.reaction.tangential, -1e6 * 1e-5);
+        assert_eq!(force.reaction.tangential, -1e6 * 1e-5);
         // Not longer ago than it was seen.
         assert!((ended(1.0, 1.0).unwrap().1.normal - 0.5 * DT * 900.0).abs() < 1e-13);
         // It comes back: when it ended is not known.

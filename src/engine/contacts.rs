@@ -130,14 +130,13 @@ pub(super) struct Sums<'a> {
 impl Sums<'_> {
     /// Each force is computed once and applied to both bodies with opposite signs: Newton's third law holds exactly.
     #[inline(always)]
-    fn add(&mut self, receiver: BodyId, giver: Option<BodyId>, contact_force: &ContactForce) {
+    fn add(&mut self, receiver: BodyId, giver: Option<BodyId>, force: &ContactForce) {
         self.work.contacts += 1;
-        self.work.sliding += u64::from(contact_force.reaction.regime == Regime::Sliding);
-        let (force, squeeze, depth) =
-            (contact_force.vector(), contact_force.reaction.normal.abs(), contact_force.overlap.depth);
-        self.give(receiver, Load { wrench: contact_force.on_receiver(force), squeeze }, depth);
+        self.work.sliding += u64::from(force.reaction.regime == Regime::Sliding);
+        let (vector, squeeze, depth) = (force.vector(), force.reaction.normal.abs(), force.overlap.depth);
+        self.give(receiver, Load { wrench: force.on_receiver(vector), squeeze }, depth);
         let Some(giver) = giver else { return };
-        self.give(giver, Load { wrench: contact_force.on_giver(force), squeeze }, depth);
+        self.give(giver, Load { wrench: force.on_giver(vector), squeeze }, depth);
     }
 
     #[inline(always)]
@@ -174,15 +173,12 @@ impl Sums<'_> {
         &mut self,
         receiver: BodyId,
         giver: Option<BodyId>,
-        (contact_force, by): &(ContactForce, ImpulseCorrection),
+        (force, by): &(ContactForce, ImpulseCorrection),
     ) {
         let ImpulseCorrection { normal, tangential, squeeze, peak } = *by;
-        let impulse =
-            contact_force.overlap.normal * normal + contact_force.overlap.normal.perp() * tangential;
-        let on_receiver =
-            Impulse { body: receiver, wrench: contact_force.on_receiver(impulse), squeeze, peak };
-        let on_giver =
-            giver.map(|body| Impulse { body, wrench: contact_force.on_giver(impulse), squeeze, peak });
+        let impulse = force.overlap.normal * normal + force.overlap.normal.perp() * tangential;
+        let on_receiver = Impulse { body: receiver, wrench: force.on_receiver(impulse), squeeze, peak };
+        let on_giver = giver.map(|body| Impulse { body, wrench: force.on_giver(impulse), squeeze, peak });
         for impulse in [Some(on_receiver), on_giver].into_iter().flatten() {
             let inside = impulse.body.index() - self.start < self.loads.len();
             let impulses = if inside { &mut *self.impulses } else { &mut *self.outgoing_impulses };
@@ -255,9 +251,9 @@ impl Instant<'_> {
                 let began = self.disks_began(&{ geometry }, step.dt);
                 *spring = sums.begin(receiver, giver, geometry.law, began, self.before + 1);
             } else {
-                let contact_force = contact_force(&geometry, continues.then_some(&*spring), update);
-                *spring = kept(geometry.law, &contact_force, self.before + 1);
-                sums.add(receiver, giver, &contact_force);
+                let force = contact_force(&geometry, continues.then_some(&*spring), update);
+                *spring = kept(geometry.law, &force, self.before + 1);
+                sums.add(receiver, giver, &force);
             }
             touching |= 1 << (k % AT_ONCE);
         }
@@ -311,12 +307,12 @@ impl Instant<'_> {
                     springs[k] = sums.begin(body, None, geometry.law, began, self.before + 1);
                 }
                 _ => {
-                    let contact_force = contact_force(&geometry, from.map(|from| &springs[from]), update);
+                    let force = contact_force(&geometry, from.map(|from| &springs[from]), update);
                     if let Some(from) = from {
                         springs[from] = Spring::RELAXED;
                     }
-                    springs[k] = kept(geometry.law, &contact_force, self.before + 1);
-                    sums.add(body, None, &contact_force);
+                    springs[k] = kept(geometry.law, &force, self.before + 1);
+                    sums.add(body, None, &force);
                 }
             }
         }
@@ -392,7 +388,7 @@ pub(super) fn contact_force(
 
 /// What the pair keeps of a contact of the evaluation `now`.
 #[inline(always)]
-fn kept(law: &PairLaw, contact_force: &ContactForce, now: u32) -> Spring {
-    let history = SpringHistory::after(law, &contact_force.reaction, contact_force.slip_speed);
-    Spring { history, part: contact_force.part, touched_at: now }
+fn kept(law: &PairLaw, force: &ContactForce, now: u32) -> Spring {
+    let history = SpringHistory::after(law, &force.reaction, force.slip_speed);
+    Spring { history, part: force.part, touched_at: now }
 }

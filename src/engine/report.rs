@@ -96,20 +96,20 @@ impl ContactReport {
     }
 
     /// Adds a contact and returns |F_n| \[N\].
-    fn add(&mut self, pair: Pair, contact_force: &ContactForce) -> f64 {
-        self.largest_overlap = self.largest_overlap.max(contact_force.overlap.depth);
+    fn add(&mut self, pair: Pair, force: &ContactForce) -> f64 {
+        self.largest_overlap = self.largest_overlap.max(force.overlap.depth);
         self.contacts.push(Contact {
             pair,
-            depth: contact_force.overlap.depth,
-            normal: contact_force.overlap.normal,
-            normal_force: contact_force.reaction.normal,
-            tangential_force: contact_force.reaction.tangential,
-            elongation: contact_force.reaction.elongation,
-            normal_speed: contact_force.normal_speed,
-            slip_speed: contact_force.slip_speed,
-            regime: contact_force.reaction.regime,
+            depth: force.overlap.depth,
+            normal: force.overlap.normal,
+            normal_force: force.reaction.normal,
+            tangential_force: force.reaction.tangential,
+            elongation: force.reaction.elongation,
+            normal_speed: force.normal_speed,
+            slip_speed: force.slip_speed,
+            regime: force.reaction.regime,
         });
-        contact_force.reaction.normal.abs()
+        force.reaction.normal.abs()
     }
 
     /// Adds a pair without a normal.
@@ -148,11 +148,11 @@ impl Instant<'_> {
                 Proximity::Touching(overlap) => {
                     let spring = (spring.touched_at == self.before).then_some(spring);
                     let geometry = self.disk_geometry(pair, detail, &separation, overlap);
-                    let contact_force = contact_force(&geometry, spring, SpringUpdate::Hold);
-                    let force = contact_force.vector();
-                    report.bodies[pair.first_body.index()].take(&contact_force.on_receiver(force));
-                    report.bodies[pair.second_body.index()].take(&contact_force.on_giver(force));
-                    report.add(who, &contact_force)
+                    let force = contact_force(&geometry, spring, SpringUpdate::Hold);
+                    let vector = force.vector();
+                    report.bodies[pair.first_body.index()].take(&force.on_receiver(vector));
+                    report.bodies[pair.second_body.index()].take(&force.on_giver(vector));
+                    report.add(who, &force)
                 }
             };
             let bodies = [pair.first_body, pair.second_body];
@@ -196,9 +196,9 @@ impl Instant<'_> {
                         walls.keeps(self.scene, of_disk, springs_of_disk, contact, disk.centre, self.before);
                     let geometry = self.face_geometry(&pair, contact.overlap, contact.part);
                     let spring = from.map(|from| &springs_of_disk[from]);
-                    let contact_force = contact_force(&geometry, spring, SpringUpdate::Hold);
-                    report.bodies[body.index()].take(&contact_force.on_receiver(contact_force.vector()));
-                    report.add(who, &contact_force)
+                    let force = contact_force(&geometry, spring, SpringUpdate::Hold);
+                    report.bodies[body.index()].take(&force.on_receiver(force.vector()));
+                    report.add(who, &force)
                 };
                 let body = &mut report.bodies[body.index()];
                 body.wall_contacts += 1;

@@ -87,17 +87,11 @@ impl Setup<'_> {
 
     /// Faces that lie on each other act like one: that is probably meant, but not their number.
     fn doubts_of_doubled_faces(&self, scene: &Scene) -> Option<String> {
-        // Of a wall that draws the same face again, the reader has warned with its line.
-        let again = |&&(one, other): &&(FaceId, FaceId)| {
-            let [one, other] = [one, other].map(|face| &scene.faces[face.index()]);
-            let ends = [other.start_corner, other.end_corner];
-            one.wall == other.wall && ends.contains(&one.start_corner) && ends.contains(&one.end_corner)
-        };
-        let doubled: Vec<_> = scene.doubled.iter().filter(|pair| !again(pair)).collect();
+        let doubled = &scene.doubled;
         let material =
             |face: FaceId| &self.geometry.walls[scene.faces[face.index()].wall.index()].material_id;
-        let differ = |pair: &&&(FaceId, FaceId)| material(pair.0) != material(pair.1);
-        let &&(one, other) = doubled.iter().find(differ).or(doubled.first())?;
+        let differ = |pair: &&(FaceId, FaceId)| material(pair.0) != material(pair.1);
+        let &(one, other) = doubled.iter().find(differ).or(doubled.first())?;
         let [first, second] = [one, other].map(|face| quoted(material(face)));
         let same = |corner: CornerId| {
             let face = &scene.faces[one.index()];

@@ -213,9 +213,7 @@ impl Trial {
     /// All errors in its files.
     pub fn read_dynamics(&self, path: &Path) -> Result<Vec<AgentDynamics>, Problems> {
         let ids = self.agent_ids();
-        let read = |root: Element<'_>| dynamics::read(root, Some((&self.agents, &ids)));
-        let read = checked(|problems| xml::read_file(&Disk, path, &dynamics::AGENTS, problems, read));
-        read.map(|(dynamics, _)| dynamics)
+        read_alone(path, &dynamics::AGENTS, |root| dynamics::read(root, Some((&self.agents, &ids))))
     }
 
     /// Reads an `AgentInteractions.xml` of this Trial's agents and walls.
@@ -226,10 +224,7 @@ impl Trial {
         let agents = self.agent_ids();
         let walls = xml::Ids::of(self.geometry.walls.iter().map(|wall| wall.id.as_str()));
         let (agents, walls) = ((&self.agents[..], &agents), (&self.geometry, &walls));
-        let read = |root: Element<'_>| interactions::read(root, agents, walls);
-        let schema = &interactions::INTERACTIONS;
-        let read = checked(|problems| xml::read_file(&Disk, path, schema, problems, read));
-        read.map(|(interactions, _)| interactions)
+        read_alone(path, &interactions::INTERACTIONS, |root| interactions::read(root, agents, walls))
     }
 
     fn agent_ids(&self) -> xml::Ids {
@@ -319,6 +314,15 @@ impl Trial {
             _ => Ok(()),
         }
     }
+}
+
+/// Reads one file of a Trial.
+fn read_alone<T>(
+    path: &Path,
+    schema: &'static Schema,
+    read: impl FnOnce(Element<'_>) -> T,
+) -> Result<T, Problems> {
+    checked(|problems| xml::read_file(&Disk, path, schema, problems, read)).map(|(read, _)| read)
 }
 
 /// Reads files of a Trial; where one cannot be read, the problem is told and the others are read nevertheless.

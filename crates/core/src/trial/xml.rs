@@ -337,11 +337,6 @@ impl<'a> Element<'a> {
     pub(crate) fn wrong(self, attribute: &str, message: &str) {
         self.report(self.inner.wrong(attribute, message));
     }
-
-    /// Reports a warning about an attribute.
-    pub(crate) fn doubtful(self, attribute: &str, message: &str) {
-        self.report(Problem { severity: Severity::Warning, ..self.inner.wrong(attribute, message) });
-    }
 }
 
 impl Seen<'_> {
