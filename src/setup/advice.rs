@@ -3,7 +3,7 @@
 use super::steps::{Fastest, rounded_down};
 use super::{Setup, WorldError};
 use crate::engine::{ContactReport, DiskId, Pair, Scene, World};
-use lemons_core::trial::{Places, Problem, Severity, quoted};
+use lemons_core::trial::{FileNames, Problem, Severity, quoted};
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -19,8 +19,8 @@ const DRIVEN_FOR: f64 = 10.0;
 impl Setup<'_> {
     /// Returns warnings about overlaps at the start without a spring from an earlier step, and about a mechanical step
     /// that does not resolve the shortest contact.
-    pub(super) fn advice(&self, places: &Places) -> Vec<Problem> {
-        let Places { parameters, dynamics, .. } = places;
+    pub(super) fn advice(&self, places: &FileNames) -> Vec<Problem> {
+        let FileNames { parameters, dynamics, .. } = places;
         let world = match self.world() {
             Ok(world) => world,
             Err(crowded @ WorldError::Crowded { .. }) => {
@@ -44,7 +44,7 @@ impl Setup<'_> {
     /// Returns the same warnings for a Trial whose numbers were edited after reading.
     pub fn advice_as_edited(&self) -> Vec<Problem> {
         let of = |name: &str| PathBuf::from(format!("{} ({name}, with the parameters as set)", self.name));
-        self.advice(&Places {
+        self.advice(&FileNames {
             parameters: of("Parameters.xml"),
             materials: of("Materials.xml"),
             agents: of("Agents.xml"),
@@ -252,7 +252,8 @@ mod tests {
         let [parameters, materials, agents, geometry, dynamics] =
             ["Parameters.xml", "Materials.xml", "Agents.xml", "Geometry.xml", "AgentDynamics.xml"]
                 .map(PathBuf::from);
-        let advice = Setup::of(trial).advice(&Places { parameters, materials, agents, geometry, dynamics });
+        let advice =
+            Setup::of(trial).advice(&FileNames { parameters, materials, agents, geometry, dynamics });
         advice.iter().map(ToString::to_string).collect()
     }
 

@@ -6,7 +6,7 @@ use super::advice::warning;
 use super::within::{Inside, outside_rooms, within_pillars};
 use crate::engine::{CornerId, Disk, FaceId, Scene, Vec2};
 use lemons_core::plane::Bounds;
-use lemons_core::trial::{Places, Problem, quoted};
+use lemons_core::trial::{FileNames, Problem, quoted};
 use std::path::Path;
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
@@ -33,7 +33,7 @@ const SAMPLE: usize = 50;
 
 impl Setup<'_> {
     /// Returns all doubts.
-    pub(super) fn doubts(&self, scene: &Scene, places: &Places) -> impl Iterator<Item = Problem> {
+    pub(super) fn doubts(&self, scene: &Scene, places: &FileNames) -> impl Iterator<Item = Problem> {
         let positions: Vec<Vec2> = self.dynamics.iter().map(|dynamics| dynamics.position).collect();
         let doubts = [
             (&places.agents, self.doubts_of_bodies(scene)),

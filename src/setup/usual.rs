@@ -4,14 +4,14 @@ use super::Setup;
 use super::advice::warning;
 use crate::engine::Vec2;
 use lemons_core::trial::{
-    Agent, AgentDynamics, Contact, DriveTable, Material, Places, Problem, Push, quoted,
+    Agent, AgentDynamics, Contact, DriveTable, FileNames, Material, Problem, Push, quoted,
 };
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
 /// An attribute, its usual values, and why others are not.
 struct Usual {
-    file: fn(&Places) -> &PathBuf,
+    file: fn(&FileNames) -> &PathBuf,
     element: &'static str,
     attribute: &'static str,
     /// Of the values.
@@ -317,7 +317,7 @@ impl Usual {
         Some((first.shown, format!("{whose}{range} is usual, because {}: {ask}", self.reason)))
     }
 
-    fn warning(&self, setup: &Setup<'_>, places: &Places) -> Option<Problem> {
+    fn warning(&self, setup: &Setup<'_>, places: &FileNames) -> Option<Problem> {
         let (shown, message) = self.doubt((self.values)(setup))?;
         Some(Problem {
             element: Some(self.element.into()),
@@ -340,7 +340,7 @@ fn told(number: f64) -> String {
 
 impl Setup<'_> {
     /// Returns a warning for each attribute with unusual values.
-    pub(super) fn unusual(&self, places: &Places) -> impl Iterator<Item = Problem> {
+    pub(super) fn unusual(&self, places: &FileNames) -> impl Iterator<Item = Problem> {
         USUAL.iter().filter_map(|usual| usual.warning(self, places))
     }
 }

@@ -36,7 +36,7 @@ pub struct Trial {
     pub interactions: Interactions,
 }
 
-/// Names of the Trial's files.
+/// Names of the Trial's files; of [`Trial::places`], their paths.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileNames {
     /// Relative to the Trial directory.
@@ -48,21 +48,6 @@ pub struct FileNames {
     /// Relative to the Static directory.
     pub agents: PathBuf,
     /// Relative to the Dynamic directory.
-    pub dynamics: PathBuf,
-}
-
-/// Paths of a Trial's files.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Places {
-    /// `Parameters.xml`
-    pub parameters: PathBuf,
-    /// `Materials.xml`
-    pub materials: PathBuf,
-    /// `Geometry.xml`
-    pub geometry: PathBuf,
-    /// `Agents.xml`
-    pub agents: PathBuf,
-    /// `AgentDynamics.xml`
     pub dynamics: PathBuf,
 }
 
@@ -141,10 +126,10 @@ impl Trial {
     }
 
     /// Where its files are, as messages name them.
-    pub fn places(&self, names: &FileNames) -> Places {
+    pub fn places(&self, names: &FileNames) -> FileNames {
         let fixed = self.directory.join(self.parameters.static_path());
         let moving = self.directory.join(self.parameters.dynamic_path());
-        Places {
+        FileNames {
             parameters: tidy(&self.directory.join(&names.parameters)),
             materials: tidy(&fixed.join(&names.materials)),
             geometry: tidy(&fixed.join(&names.geometry)),
