@@ -5,7 +5,7 @@ use crate::kind::Unexpected;
 use crowd_mechanics::pack::PackError;
 use lemons_core::trial::DriveError;
 use lemons_core::trial::Problems;
-use lemons_decision::WISHES_FILE;
+use lemons_decision::DECISION_FILE;
 use lemons_sim::ClockError;
 use std::collections::TryReserveError;
 use std::error::Error as StdError;
@@ -112,7 +112,7 @@ pub enum Error {
     #[error("the FMU has no variable with the value reference {0}, or not so many values in it")]
     NoReference(u32),
     /// A plan is given with an FMU.
-    #[error("a file like {WISHES_FILE} is for a Trial, and not for an FMU")]
+    #[error("a file like {DECISION_FILE} is for a Trial, and not for an FMU")]
     PlanOfFmu,
     /// A text is not a value of a variable's type.
     #[error("{name}={text}: {why}")]

@@ -159,9 +159,9 @@ fn exported(record: &Record, run: &Run, directory: &Path) {
     assert_eq!(record.ids(), run.ids);
     assert!(record.times().eq(run.frames.iter().map(|frame| frame.time)), "{run:?}");
     let positions: Vec<[f64; 2]> = run.frames.iter().flat_map(|frame| &frame.agents).map(place).collect();
-    let names = record.names();
     let path = directory.join("pedpy.txt");
-    match pedpy(record, &path) {
+    let file = lemons_core::files::Staged::beside(&path).expect("a file");
+    match pedpy(record, file, &path) {
         Ok(()) => {
             let text = std::fs::read_to_string(&path).expect("a text");
             let mut lines = text.lines();
@@ -174,7 +174,7 @@ fn exported(record: &Record, run: &Run, directory: &Path) {
             assert!(places.eq(positions.iter().copied()), "{text}\n{run:?}");
             for (k, row) in rows.iter().enumerate() {
                 let (frame, agent) = (k / run.ids.len(), k % run.ids.len());
-                assert_eq!(&row[..2], [names.numbers[agent] as f64, frame as f64]);
+                assert_eq!(&row[..2], [record.numbers()[agent] as f64, frame as f64]);
             }
         }
         Err(error) => {

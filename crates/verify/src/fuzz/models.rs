@@ -9,11 +9,11 @@ use lemons_core::plane::vec2;
 use lemons_core::trial::{Trial, Wall};
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{Decision, rule::Pose};
-use lemons_decision::{Person, Plan, Wishes};
+use lemons_decision::{DecisionConfig, Person, Plan};
 use lemons_fmi::variables::{Dimension, Kind};
 use lemons_fmi::{Model, guid, instantiation_token, reference};
-use lemons_verify::testing::Version;
-use lemons_verify::testing::instance::Functions;
+use crate::testing::Version;
+use crate::testing::instance::Functions;
 use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::path::PathBuf;
@@ -238,8 +238,8 @@ fn decision() -> Resources {
     let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
     let wishes =
         "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
-    let wishes = Wishes::from_toml(wishes).expect("good wishes");
-    let plan = Plan::new(&people(), &wishes, 0.05).expect("a good plan");
+    let wishes = DecisionConfig::from_toml(wishes).expect("good wishes");
+    let plan = Plan::among(std::iter::empty(), &people(), &wishes, 0.05).expect("a good plan");
     let text = plan.to_toml().expect("a plan can be written");
     std::fs::write(directory.path().join(PLAN_FILE), text).expect("a file can be written");
     let resources = directory.path().to_owned();

@@ -1,8 +1,8 @@
 //! Candidates, near pairs and their springs, as arrays.
 
+use super::body_kinematics::BodyKinematics;
 use super::circle::Circle;
-use super::contact_law::Grip;
-use super::standing::Standing;
+use super::contact_law::SpringHistory;
 use super::{BodyId, Disk, DiskId, DiskSpring, FaceId, FacePart, FaceSpring, Scene, State, Vec2};
 use std::iter::Peekable;
 use std::slice::Iter;
@@ -11,7 +11,7 @@ use std::slice::Iter;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spring {
     /// The contact at the last evaluation.
-    pub grip: Grip,
+    pub history: SpringHistory,
     /// The part of the face it touched; for two disks it is [`FacePart::Left`] by convention.
     pub part: FacePart,
     /// Number of the last evaluation in which the pair touched. It has a spring only if that was the previous one.
@@ -20,7 +20,7 @@ pub(super) struct Spring {
 
 impl Spring {
     /// A pair that never touched: evaluations are numbered from [`FIRST_EVALUATION`].
-    pub const RELAXED: Spring = Spring { grip: Grip::NONE, part: FacePart::Left, touched_at: 0 };
+    pub const RELAXED: Spring = Spring { history: SpringHistory::NONE, part: FacePart::Left, touched_at: 0 };
 }
 
 /// The number of the evaluation to which the springs of a state belong.
@@ -43,7 +43,7 @@ pub(super) struct DiskPair {
 
 /// The relative position of two disks.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Sight {
+pub(super) struct Separation {
     /// \[m\] Vector from the other's centre to the receiver's.
     pub between: Vec2,
     /// \[m\] Vector from the receiver's centre of mass to its disk's centre.
@@ -55,10 +55,10 @@ pub(super) struct Sight {
 impl DiskPair {
     /// Returns the relative position of the disks for the present poses.
     #[inline(always)]
-    pub fn seen(&self, standing: &[Standing]) -> Sight {
-        let (i, j) = (&standing[self.first_body.index()], &standing[self.second_body.index()]);
+    pub fn separation(&self, kinematics: &[BodyKinematics]) -> Separation {
+        let (i, j) = (&kinematics[self.first_body.index()], &kinematics[self.second_body.index()]);
         let (arm, other_arm) = (i.arm(self.first_offset), j.arm(self.second_offset));
-        Sight { between: (i.position + arm) - (j.position + other_arm), arm, other_arm }
+        Separation { between: (i.position + arm) - (j.position + other_arm), arm, other_arm }
     }
 }
 
@@ -98,7 +98,7 @@ pub(super) struct Candidates {
 /// The order makes sums independent of the time when the list was made: touching pairs are in the same order whatever
 /// other pairs are between them.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Pairs {
+pub(super) struct NearPairs {
     pub disks: Vec<DiskPair>,
     pub disk_details: Vec<DiskPairDetail>,
     pub disk_springs: Vec<Spring>,
@@ -109,11 +109,11 @@ pub(super) struct Pairs {
     /// Scratch space.
     pub overlapping: Overlapping,
     /// The previous list; scratch space.
-    old: Old,
+    old: OldPairs,
 }
 
 /// Among some disk pairs, those that overlap at the present instant, and their indices.
-pub(super) type Overlapping = [(usize, Sight); AT_ONCE];
+pub(super) type Overlapping = [(usize, Separation); AT_ONCE];
 
 /// Number of pairs that are processed together, so that intermediate results stay in the nearest cache.
 pub(super) const AT_ONCE: usize = u32::BITS as usize;
@@ -131,18 +131,18 @@ fn mark(touching: &mut Vec<u32>, k: usize, touches: bool) {
 
 /// The pairs that touched, and their springs.
 #[derive(Debug, Clone, Default)]
-struct Old {
+struct OldPairs {
     disks: Vec<((DiskId, DiskId), Spring)>,
     faces: Vec<((DiskId, FaceId), Spring)>,
 }
 
-impl Pairs {
+impl NearPairs {
     /// Replaces the near pairs by the candidates nearer than a margin \[m\], after an evaluation. Pairs that remain keep
     /// their springs; those that touched in this evaluation remain.
     pub fn renew(
         &mut self,
         scene: &Scene,
-        standing: &[Standing],
+        kinematics: &[BodyKinematics],
         candidates: &Candidates,
         margin: f64,
         evaluation: u32,
@@ -153,7 +153,7 @@ impl Pairs {
             let (a, b) = (&scene.disks[first.index()], &scene.disks[second.index()]);
             let reach = a.radius + b.radius + margin;
             let between =
-                standing[a.body.index()].centre(a.offset) - standing[b.body.index()].centre(b.offset);
+                kinematics[a.body.index()].centre(a.offset) - kinematics[b.body.index()].centre(b.offset);
             let spring = kept(&mut old, (first, second));
             if between.norm_squared() <= reach * reach || spring.is_some() {
                 push_disks(&mut self.disks, &mut self.disk_details, scene, first, second);
@@ -164,7 +164,7 @@ impl Pairs {
         let mut old = self.old.faces.iter().peekable();
         for &(disk, face) in &candidates.faces {
             let Disk { body, offset, radius, .. } = scene.disks[disk.index()];
-            let circle = Circle { centre: standing[body.index()].centre(offset), radius };
+            let circle = Circle { centre: kinematics[body.index()].centre(offset), radius };
             let spring = kept(&mut old, (disk, face));
             if circle.nears_face(&scene.faces, face, margin) || spring.is_some() {
                 self.face_springs.push(spring.unwrap_or(Spring::RELAXED));
@@ -223,11 +223,11 @@ impl Pairs {
         let touching = |spring: &Spring| spring.touched_at == evaluation;
         let disks = self.disk_details.iter().zip(&self.disk_springs);
         state.disk_springs.extend(disks.filter(|(_, spring)| touching(spring)).map(|(pair, spring)| {
-            DiskSpring { first: pair.first, second: pair.second, elongation: spring.grip.elongation }
+            DiskSpring { first: pair.first, second: pair.second, elongation: spring.history.elongation }
         }));
         let faces = self.faces.iter().zip(&self.face_springs);
         state.face_springs.extend(faces.filter(|(_, spring)| touching(spring)).map(|(pair, spring)| {
-            let elongation = spring.grip.elongation;
+            let elongation = spring.history.elongation;
             FaceSpring { disk: pair.disk, face: pair.face, part: spring.part, elongation }
         }));
     }
@@ -258,7 +258,11 @@ fn push_disks(
 }
 
 fn loaded(elongation: f64, part: FacePart) -> Spring {
-    Spring { grip: Grip { elongation, ..Grip::NONE }, part, touched_at: FIRST_EVALUATION }
+    Spring {
+        history: SpringHistory { elongation, ..SpringHistory::NONE },
+        part,
+        touched_at: FIRST_EVALUATION,
+    }
 }
 
 /// The pairs that touched in an evaluation, and their springs.

@@ -1,24 +1,24 @@
 //! Two things that touch: where, and how they move relative to each other.
 
+use super::body_kinematics::BodyKinematics;
 use super::circle::Circle;
 use super::contact_law::Reaction;
+use super::near_pairs::{DiskPair, DiskPairDetail, FacePair, Separation};
 use super::overlap::Overlap;
-use super::pairs::{DiskPair, DiskPairDetail, FacePair, Sight};
-use super::standing::Standing;
 use super::{FacePart, PairLaw, Scene, Vec2, Wrench};
 
 /// The instant at which contacts are evaluated.
 pub(super) struct Instant<'a> {
     pub scene: &'a Scene,
     /// One for each body.
-    pub standing: &'a [Standing],
+    pub kinematics: &'a [BodyKinematics],
     /// The number of the previous evaluation.
     pub before: u32,
 }
 
 /// Two touching things, before the law is applied.
 #[derive(Clone, Copy)]
-pub(super) struct Encounter<'a> {
+pub(super) struct ContactGeometry<'a> {
     pub law: &'a PairLaw,
     /// Index of the law in the table.
     pub law_at: u32,
@@ -33,7 +33,7 @@ pub(super) struct Encounter<'a> {
 }
 
 /// Two touching things, and the forces between them.
-pub(super) struct Touch {
+pub(super) struct ContactForce {
     pub overlap: Overlap,
     pub part: FacePart,
     /// \[m\] from the receiver's centre of mass to the contact point.
@@ -48,43 +48,43 @@ pub(super) struct Touch {
 impl Instant<'_> {
     /// Two disks with an overlap, which is negative where they do not touch.
     #[inline(always)]
-    pub fn disks_encounter(
+    pub fn disk_geometry(
         &self,
         pair: &DiskPair,
         detail: &DiskPairDetail,
-        sight: &Sight,
+        separation: &Separation,
         overlap: Overlap,
-    ) -> Encounter<'_> {
-        let (i, j) = (&self.standing[pair.first_body.index()], &self.standing[pair.second_body.index()]);
-        let arm = sight.arm + overlap.contact_point(detail.first_radius);
-        let other_arm = sight.other_arm - overlap.contact_point(detail.second_radius);
+    ) -> ContactGeometry<'_> {
+        let (i, j) = (&self.kinematics[pair.first_body.index()], &self.kinematics[pair.second_body.index()]);
+        let arm = separation.arm + overlap.contact_point(detail.first_radius);
+        let other_arm = separation.other_arm - overlap.contact_point(detail.second_radius);
         let velocity = i.velocity_at(arm) - j.velocity_at(other_arm);
         let (law, law_at) = (self.scene.law_at(detail.law), detail.law);
-        Encounter { law, law_at, overlap, part: FacePart::Left, arm, other_arm, velocity }
+        ContactGeometry { law, law_at, overlap, part: FacePart::Left, arm, other_arm, velocity }
     }
 
     /// The circle of a disk that may touch a face.
     #[inline(always)]
     pub fn circle(&self, pair: &FacePair) -> Circle {
         let disk = &self.scene.disks[pair.disk.index()];
-        let centre = self.standing[disk.body.index()].centre(disk.offset);
+        let centre = self.kinematics[disk.body.index()].centre(disk.offset);
         Circle { centre, radius: disk.radius }
     }
 
     /// A disk and a part of a face with an overlap, which is negative where they do not touch.
     #[inline(always)]
-    pub fn face_encounter(&self, pair: &FacePair, overlap: Overlap, part: FacePart) -> Encounter<'_> {
+    pub fn face_geometry(&self, pair: &FacePair, overlap: Overlap, part: FacePart) -> ContactGeometry<'_> {
         let (disk, wall) = (&self.scene.disks[pair.disk.index()], &self.scene.faces[pair.face.index()]);
-        let standing = &self.standing[disk.body.index()];
-        let arm = standing.arm(disk.offset) + overlap.contact_point(disk.radius);
+        let kinematics = &self.kinematics[disk.body.index()];
+        let arm = kinematics.arm(disk.offset) + overlap.contact_point(disk.radius);
         let law_at = self.scene.law_between(disk.material, wall.material);
         let law = self.scene.law_at(law_at);
-        let velocity = standing.velocity_at(arm);
-        Encounter { law, law_at, overlap, part, arm, other_arm: Vec2::ZERO, velocity }
+        let velocity = kinematics.velocity_at(arm);
+        ContactGeometry { law, law_at, overlap, part, arm, other_arm: Vec2::ZERO, velocity }
     }
 }
 
-impl Encounter<'_> {
+impl ContactGeometry<'_> {
     /// \[m/s\] along the normal, positive if they separate, and along the tangent.
     #[inline(always)]
     pub fn speeds(&self) -> (f64, f64) {
@@ -92,17 +92,17 @@ impl Encounter<'_> {
     }
 
     #[inline(always)]
-    pub fn touch(&self, reaction: Reaction) -> Touch {
+    pub fn with(&self, reaction: Reaction) -> ContactForce {
         let (normal_speed, slip_speed) = self.speeds();
-        let Encounter { overlap, part, arm, other_arm, .. } = *self;
-        Touch { overlap, part, arm, other_arm, normal_speed, slip_speed, reaction }
+        let ContactGeometry { overlap, part, arm, other_arm, .. } = *self;
+        ContactForce { overlap, part, arm, other_arm, normal_speed, slip_speed, reaction }
     }
 }
 
-impl Touch {
+impl ContactForce {
     /// \[N\] on the receiver.
     #[inline]
-    pub fn force(&self) -> Vec2 {
+    pub fn vector(&self) -> Vec2 {
         let normal = self.overlap.normal;
         normal * self.reaction.normal + normal.perp() * self.reaction.tangential
     }

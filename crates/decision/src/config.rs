@@ -1,4 +1,4 @@
-//! A user's wishes: `decision.toml` in a Trial's directory.
+//! A user's settings: `decision.toml` in a Trial's directory.
 //!
 //! Way-points, exits and speeds, for all agents or for some agents by their Id:
 //!
@@ -13,21 +13,21 @@
 //! ```
 
 use crate::error::PlanError;
-use crate::gait::{CollisionFreeSpeed, Gait, SocialForce};
 use crate::person::Person;
 use crate::rule::Waypoint;
+use crate::walking_model::{CollisionFreeSpeed, SocialForce, WalkingModel};
 use lemons_core::files::words;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
-/// Name of the wishes in a Trial directory.
-pub const WISHES_FILE: &str = "decision.toml";
+/// Name of the settings in a Trial directory.
+pub const DECISION_FILE: &str = "decision.toml";
 
 /// How people walk among others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum GaitName {
+pub enum WalkingModelName {
     /// Straight on, whoever is in the way.
     #[default]
     Straight,
@@ -40,34 +40,34 @@ pub enum GaitName {
 /// A user's settings for the FMU.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Wishes {
-    pub(crate) model: Option<GaitName>,
+pub struct DecisionConfig {
+    pub(crate) model: Option<WalkingModelName>,
     pub(crate) desired_speed: Option<f64>,
     pub(crate) seed: Option<u64>,
-    pub(crate) waypoints: Option<Vec<WantedWaypoint>>,
-    pub(crate) exits: Option<Vec<WantedTarget>>,
-    pub(crate) goals: Option<Vec<WantedTarget>>,
+    pub(crate) waypoints: Option<Vec<WaypointConfig>>,
+    pub(crate) exits: Option<Vec<TargetConfig>>,
+    pub(crate) goals: Option<Vec<TargetConfig>>,
     #[serde(rename = "collision-free-speed")]
     pub(crate) collision_free_speed: Option<CollisionFreeSpeed>,
     #[serde(rename = "social-force")]
     pub(crate) social_force: Option<SocialForce>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub(crate) agents: BTreeMap<String, Wish>,
+    pub(crate) agents: BTreeMap<String, AgentConfig>,
 }
 
 /// Settings of one agent; missing ones are those of all agents.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Wish {
+pub(crate) struct AgentConfig {
     pub desired_speed: Option<f64>,
-    pub waypoints: Option<Vec<WantedWaypoint>>,
+    pub waypoints: Option<Vec<WaypointConfig>>,
     pub exit: Option<String>,
     pub goal: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct WantedWaypoint {
+pub(crate) struct WaypointConfig {
     pub x: f64,
     pub y: f64,
     pub radius: Option<f64>,
@@ -76,7 +76,7 @@ pub(crate) struct WantedWaypoint {
 /// An exit, where people leave, or a goal, where they stay.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct WantedTarget {
+pub(crate) struct TargetConfig {
     pub name: Option<String>,
     /// \[m\] Ends of a line.
     #[serde(default, deserialize_with = "ends")]
@@ -107,35 +107,35 @@ fn ends<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[[f64; 2]; 2]>, D::
     Ok(Some(line))
 }
 
-impl Wishes {
+impl DecisionConfig {
     /// Reads TOML.
     ///
     /// # Errors
     /// The text is not TOML, or has unknown keys or values of the wrong type; with line and column.
-    pub fn from_toml(text: &str) -> Result<Wishes, PlanError> {
+    pub fn from_toml(text: &str) -> Result<DecisionConfig, PlanError> {
         toml::from_str(text).map_err(|error| PlanError::Toml(explained(&error)))
     }
 
     /// Returns TOML. Every number is read back as the same double.
     ///
     /// # Errors
-    /// The wishes cannot be written.
+    /// The settings cannot be written.
     pub fn to_toml(&self) -> Result<String, PlanError> {
         toml::to_string(self).map_err(|error| PlanError::Toml(error.to_string()))
     }
 
-    /// The same without wishes of those who are not among these people; `None` if there are none of others.
-    pub fn without_others(&self, people: &[Person]) -> Option<Wishes> {
+    /// The same without settings of those who are not among these people; `None` if there are none of others.
+    pub fn without_others(&self, people: &[Person]) -> Option<DecisionConfig> {
         let mut fewer = self.clone();
         fewer.agents.retain(|id, _| people.iter().any(|person| person.id == *id));
         (fewer != *self).then_some(fewer)
     }
 
     /// Everybody walks at one speed \[m/s\], on the way whose first point is nearest. `None` if no way has a point.
-    pub fn nearest_of(people: &[Person], speed: f64, ways: &[Vec<Waypoint>]) -> Option<Wishes> {
+    pub fn nearest_of(people: &[Person], speed: f64, ways: &[Vec<Waypoint>]) -> Option<DecisionConfig> {
         let ways: Vec<&Vec<Waypoint>> = ways.iter().filter(|way| !way.is_empty()).collect();
         let wanted = |way: &[Waypoint]| {
-            let point = |w: &Waypoint| WantedWaypoint { x: w.x, y: w.y, radius: Some(w.radius) };
+            let point = |w: &Waypoint| WaypointConfig { x: w.x, y: w.y, radius: Some(w.radius) };
             way.iter().map(point).collect::<Vec<_>>()
         };
         let first = ways.first()?;
@@ -144,28 +144,33 @@ impl Wishes {
             let far = |way: &Vec<Waypoint>| libm::hypot(way[0].x - pose.x, way[0].y - pose.y);
             let nearest = ways.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
             if nearest != first {
-                agents.insert(id.clone(), Wish { waypoints: Some(wanted(nearest)), ..Wish::default() });
+                agents.insert(
+                    id.clone(),
+                    AgentConfig { waypoints: Some(wanted(nearest)), ..AgentConfig::default() },
+                );
             }
         }
         let waypoints = Some(wanted(first));
-        Some(Wishes { desired_speed: Some(speed), waypoints, agents, ..Wishes::default() })
+        Some(DecisionConfig { desired_speed: Some(speed), waypoints, agents, ..DecisionConfig::default() })
     }
 
     /// The model with its constants.
-    pub(crate) fn gait(&self) -> Result<Gait, PlanError> {
+    pub(crate) fn walking_model(&self) -> Result<WalkingModel, PlanError> {
         let unused = |key: &'static str| PlanError::OtherModel { key };
         let (free, social) = (self.collision_free_speed, self.social_force);
         let model = self.model.unwrap_or_default();
-        if free.is_some() && model != GaitName::CollisionFreeSpeed {
+        if free.is_some() && model != WalkingModelName::CollisionFreeSpeed {
             return Err(unused("collision-free-speed"));
         }
-        if social.is_some() && model != GaitName::SocialForce {
+        if social.is_some() && model != WalkingModelName::SocialForce {
             return Err(unused("social-force"));
         }
         Ok(match model {
-            GaitName::Straight => Gait::Straight,
-            GaitName::CollisionFreeSpeed => Gait::CollisionFreeSpeed(free.unwrap_or_default()),
-            GaitName::SocialForce => Gait::SocialForce(social.unwrap_or_default()),
+            WalkingModelName::Straight => WalkingModel::Straight,
+            WalkingModelName::CollisionFreeSpeed => {
+                WalkingModel::CollisionFreeSpeed(free.unwrap_or_default())
+            }
+            WalkingModelName::SocialForce => WalkingModel::SocialForce(social.unwrap_or_default()),
         })
     }
 }
@@ -188,8 +193,9 @@ mod tests {
 
     #[test]
     fn lines_and_points_have_no_further_numbers() {
-        let said =
-            |target: &str| Wishes::from_toml(&format!("exits = [{{ {target} }}]")).map_err(|e| e.to_string());
+        let said = |target: &str| {
+            DecisionConfig::from_toml(&format!("exits = [{{ {target} }}]")).map_err(|e| e.to_string())
+        };
         assert!(
             said("line = [[1, 2], [3, 4]]").is_ok() && said("polygon = [[0, 0], [1, 0], [0, 1]]").is_ok()
         );

@@ -35,7 +35,7 @@ enum Manoeuvre {
 
 /// How somebody gets on.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Patience {
+pub struct StuckState {
     /// \[m/s\] Mean progress towards where the person wants to go.
     progress: f64,
     /// \[s\] For how long the person is stuck.
@@ -50,7 +50,7 @@ pub struct Patience {
 
 /// What a person should do, besides the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Advice {
+pub enum StuckAction {
     /// What the model says.
     Walk,
     /// Walk with this velocity \[m/s\], facing as before.
@@ -75,12 +75,12 @@ fn share(seed: u64, person: u64, count: u64) -> f64 {
     (draw(seed, person, count) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-impl Patience {
+impl StuckState {
     /// Follows a person over a step \[s\] by a way \[m\]. `wanted` is the direction and the desired speed \[m/s\], if the
     /// person wants to walk.
     pub fn follow(&mut self, step: f64, way: Vec2, wanted: Option<(Vec2, f64)>, seed: u64, person: u64) {
         let Some((direction, speed)) = wanted.filter(|(_, speed)| *speed > 0.0) else {
-            *self = Patience { times: self.times, ..Patience::default() };
+            *self = StuckState { times: self.times, ..StuckState::default() };
             return;
         };
         if let Some((_, left)) = &mut self.instead {
@@ -110,15 +110,15 @@ impl Patience {
     }
 
     /// What the person does who wants to go in a direction at a speed \[m/s\].
-    pub fn advice(&self, direction: Vec2, speed: f64) -> Advice {
+    pub fn action(&self, direction: Vec2, speed: f64) -> StuckAction {
         let slowly = SLOWLY * speed;
         match self.instead {
-            None => Advice::Walk,
-            Some((Manoeuvre::Back, _)) => Advice::Step(direction * -slowly),
-            Some((Manoeuvre::Left, _)) => Advice::Step(direction.perp() * slowly),
-            Some((Manoeuvre::Right, _)) => Advice::Step(direction.perp() * -slowly),
-            Some((Manoeuvre::Stand, _)) => Advice::Step(Vec2::ZERO),
-            Some((Manoeuvre::Insist, _)) => Advice::Insist(slowly),
+            None => StuckAction::Walk,
+            Some((Manoeuvre::Back, _)) => StuckAction::Step(direction * -slowly),
+            Some((Manoeuvre::Left, _)) => StuckAction::Step(direction.perp() * slowly),
+            Some((Manoeuvre::Right, _)) => StuckAction::Step(direction.perp() * -slowly),
+            Some((Manoeuvre::Stand, _)) => StuckAction::Step(Vec2::ZERO),
+            Some((Manoeuvre::Insist, _)) => StuckAction::Insist(slowly),
         }
     }
 
@@ -136,30 +136,30 @@ mod tests {
 
     const AHEAD: Vec2 = Vec2 { x: 1.0, y: 0.0 };
 
-    fn follow(patience: &mut Patience, speed: f64, seconds: f64, person: u64) -> Vec<Advice> {
+    fn follow(state: &mut StuckState, speed: f64, seconds: f64, person: u64) -> Vec<StuckAction> {
         let steps = (seconds / 0.05) as usize;
         (0..steps)
             .map(|_| {
-                patience.follow(0.05, vec2(0.05 * speed, 0.0), Some((AHEAD, 1.3)), 7, person);
-                patience.advice(AHEAD, 1.3)
+                state.follow(0.05, vec2(0.05 * speed, 0.0), Some((AHEAD, 1.3)), 7, person);
+                state.action(AHEAD, 1.3)
             })
             .collect()
     }
 
     #[test]
     fn who_gets_on_walks_and_who_does_not_gives_way_after_a_while() {
-        let mut patience = Patience::default();
-        assert!(follow(&mut patience, 1.0, 60.0, 0).iter().all(|advice| *advice == Advice::Walk));
-        let said = follow(&mut patience, 0.0, 60.0, 0);
-        let first = said.iter().position(|advice| *advice != Advice::Walk).unwrap();
+        let mut state = StuckState::default();
+        assert!(follow(&mut state, 1.0, 60.0, 0).iter().all(|action| *action == StuckAction::Walk));
+        let said = follow(&mut state, 0.0, 60.0, 0);
+        let first = said.iter().position(|action| *action != StuckAction::Walk).unwrap();
         // Two seconds until the mean is low, one or two of patience.
         assert!((50..100).contains(&first), "{first}");
-        let other = said.iter().filter(|advice| **advice != Advice::Walk).count();
+        let other = said.iter().filter(|action| **action != StuckAction::Walk).count();
         assert!((said.len() / 5..2 * said.len() / 3).contains(&other), "{other} of {}", said.len());
         // Not only one kind.
         for wanted in [AHEAD * -0.65, vec2(0.0, 0.65), vec2(0.0, -0.65), Vec2::ZERO] {
             let found = (0..20).any(|person| {
-                follow(&mut Patience::default(), 0.0, 30.0, person).contains(&Advice::Step(wanted))
+                follow(&mut StuckState::default(), 0.0, 30.0, person).contains(&StuckAction::Step(wanted))
             });
             assert!(found, "{wanted:?}");
         }
@@ -167,17 +167,17 @@ mod tests {
 
     #[test]
     fn people_do_not_all_do_the_same_but_each_always_the_same() {
-        let said = |person| follow(&mut Patience::default(), 0.0, 20.0, person);
+        let said = |person| follow(&mut StuckState::default(), 0.0, 20.0, person);
         assert_eq!(said(3), said(3));
         assert!((0..10).any(|person| said(person) != said(10)));
     }
 
     #[test]
     fn who_wants_nothing_is_not_stuck() {
-        let mut patience = Patience::default();
+        let mut state = StuckState::default();
         for _ in 0..200 {
-            patience.follow(0.05, Vec2::ZERO, None, 7, 0);
+            state.follow(0.05, Vec2::ZERO, None, 7, 0);
         }
-        assert_eq!(patience, Patience::default());
+        assert_eq!(state, StuckState::default());
     }
 }

@@ -63,7 +63,7 @@ impl Default for SocialForce {
 /// A model with its constants.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Gait {
+pub enum WalkingModel {
     /// Straight on.
     #[default]
     Straight,
@@ -94,7 +94,7 @@ pub struct Walking<'a> {
 
 /// What a person wants.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Wanted {
+pub struct DesiredMotion {
     /// \[m/s\] velocity.
     pub velocity: Vec2,
     /// \[N\] force besides that for the velocity.
@@ -117,17 +117,17 @@ const CLOSE: f64 = 0.5;
 /// \[m\] Gaps are not longer than this in any exponential.
 const TOUCHING: f64 = 0.0;
 
-impl Gait {
+impl WalkingModel {
     /// Whether people see others and walls.
     pub fn sees_others(&self) -> bool {
-        *self != Gait::Straight
+        *self != WalkingModel::Straight
     }
 
     /// Refuses constants that make no sense.
     pub(crate) fn check(&self) -> Result<(), PlanError> {
         match self {
-            Gait::Straight => Ok(()),
-            Gait::CollisionFreeSpeed(of) => {
+            WalkingModel::Straight => Ok(()),
+            WalkingModel::CollisionFreeSpeed(of) => {
                 let place = "collision-free-speed";
                 positive(place, "time_gap", of.time_gap)?;
                 moderate(place, "neighbour_strength", of.neighbour_strength)?;
@@ -135,7 +135,7 @@ impl Gait {
                 moderate(place, "wall_strength", of.wall_strength)?;
                 positive(place, "wall_range", of.wall_range)
             }
-            Gait::SocialForce(of) => {
+            WalkingModel::SocialForce(of) => {
                 moderate("social-force", "strength", of.strength)?;
                 positive("social-force", "range", of.range)
             }
@@ -143,43 +143,45 @@ impl Gait {
     }
 
     /// What everybody wants; `None` for those who are not there, whom nobody sees.
-    pub fn wanted(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<Wanted> {
+    pub fn desired(&self, people: &[Option<Walking<'_>>], faces: &[[Vec2; 2]]) -> Vec<DesiredMotion> {
         if !self.sees_others() {
             return people
                 .iter()
-                .map(|walking| walking.as_ref().map_or(Wanted::default(), straight))
+                .map(|walking| walking.as_ref().map_or(DesiredMotion::default(), straight))
                 .collect();
         }
         let furthest = people.iter().flatten().map(|walking| extent(walking)).fold(0.0, f64::max);
         let fastest = people.iter().flatten().map(|walking| walking.speed).fold(0.0, f64::max);
         let far = match self {
-            Gait::Straight => 0.0,
-            Gait::CollisionFreeSpeed(of) => {
+            WalkingModel::Straight => 0.0,
+            WalkingModel::CollisionFreeSpeed(of) => {
                 let ranges = FAR * of.neighbour_range.max(of.wall_range);
                 ranges.max(fastest * of.time_gap).max(CLOSE)
             }
-            Gait::SocialForce(of) => CLOSE.max(FAR * of.range),
+            WalkingModel::SocialForce(of) => CLOSE.max(FAR * of.range),
         };
         let cells = Cells::new(people, faces, 2.0 * furthest + far);
         let one = |(i, walking): (usize, &Option<Walking<'_>>)| {
-            let Some(walking) = walking else { return Wanted::default() };
+            let Some(walking) = walking else { return DesiredMotion::default() };
             let (others, walls) = cells.around(i, walking, people, faces);
             match self {
-                Gait::Straight => straight(walking),
-                Gait::CollisionFreeSpeed(of) => of.wanted(walking, &others, &walls),
-                Gait::SocialForce(of) => of.wanted(walking, &others, &walls),
+                WalkingModel::Straight => straight(walking),
+                WalkingModel::CollisionFreeSpeed(of) => of.desired(walking, &others, &walls),
+                WalkingModel::SocialForce(of) => of.desired(walking, &others, &walls),
             }
         };
         people.iter().enumerate().map(one).collect()
     }
 }
 
-fn straight(walking: &Walking<'_>) -> Wanted {
+fn straight(walking: &Walking<'_>) -> DesiredMotion {
     match walking.direction {
-        None => Wanted::default(),
-        Some(direction) => {
-            Wanted { velocity: direction * walking.speed, facing: Some(direction), ..Wanted::default() }
-        }
+        None => DesiredMotion::default(),
+        Some(direction) => DesiredMotion {
+            velocity: direction * walking.speed,
+            facing: Some(direction),
+            ..DesiredMotion::default()
+        },
     }
 }
 
@@ -224,8 +226,8 @@ fn queues(walking: &Walking<'_>, direction: Vec2, others: &[Near<'_>]) -> bool {
 }
 
 impl CollisionFreeSpeed {
-    fn wanted(&self, walking: &Walking<'_>, others: &[Near<'_>], walls: &[Near<'_>]) -> Wanted {
-        let Some(goal) = walking.direction else { return Wanted::default() };
+    fn desired(&self, walking: &Walking<'_>, others: &[Near<'_>], walls: &[Near<'_>]) -> DesiredMotion {
+        let Some(goal) = walking.direction else { return DesiredMotion::default() };
         let aside = |near: &[Near<'_>], strength: f64, range: f64| {
             near.iter().fold(Vec2::ZERO, |sum, near| sum + near.away * (strength * faded(near.gap, range)))
         };
@@ -238,18 +240,18 @@ impl CollisionFreeSpeed {
             in_front(walking, direction, others).map(|(near, _)| near.gap).fold(f64::INFINITY, f64::min);
         let speed = (headway / self.time_gap).clamp(0.0, walking.speed);
         let queues = queues(walking, goal, others);
-        Wanted { velocity: direction * speed, force: Vec2::ZERO, facing: Some(direction), queues }
+        DesiredMotion { velocity: direction * speed, force: Vec2::ZERO, facing: Some(direction), queues }
     }
 }
 
 impl SocialForce {
-    fn wanted(&self, walking: &Walking<'_>, others: &[Near<'_>], walls: &[Near<'_>]) -> Wanted {
+    fn desired(&self, walking: &Walking<'_>, others: &[Near<'_>], walls: &[Near<'_>]) -> DesiredMotion {
         let force = others
             .iter()
             .chain(walls)
             .fold(Vec2::ZERO, |sum, near| sum + near.away * (self.strength * faded(near.gap, self.range)));
         let queues = walking.direction.is_some_and(|goal| queues(walking, goal, others));
-        Wanted { force, queues, ..straight(walking) }
+        DesiredMotion { force, queues, ..straight(walking) }
     }
 }
 

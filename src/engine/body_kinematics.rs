@@ -6,7 +6,7 @@ use lemons_core::plane::SMALL_TURN;
 /// Pose and motion of a body at one instant: everything that an evaluation of its contacts needs, in one cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(super) struct Standing {
+pub(super) struct BodyKinematics {
     /// \[m\] Centre of mass.
     pub position: Vec2,
     /// \[rad\] Orientation.
@@ -17,17 +17,17 @@ pub(super) struct Standing {
     twist: Twist,
 }
 
-impl Default for Standing {
-    fn default() -> Standing {
-        Standing::at(Pose::default(), Twist::default())
+impl Default for BodyKinematics {
+    fn default() -> BodyKinematics {
+        BodyKinematics::at(Pose::default(), Twist::default())
     }
 }
 
-impl Standing {
+impl BodyKinematics {
     /// Makes it from a pose and a twist.
-    pub fn at(pose: Pose, twist: Twist) -> Standing {
+    pub fn at(pose: Pose, twist: Twist) -> BodyKinematics {
         let Pose { position, orientation } = pose;
-        Standing { position, orientation, turn: Rotation::by(orientation), twist }
+        BodyKinematics { position, orientation, turn: Rotation::by(orientation), twist }
     }
 
     #[inline]

@@ -8,7 +8,7 @@ use super::{CornerId, Face, FacePart, Scene, Vec2};
 
 /// The centre of a disk.
 #[derive(Clone, Copy)]
-pub(super) struct Passing<'a> {
+pub(super) struct CornerTransition<'a> {
     pub scene: &'a Scene,
     /// \[m\]
     pub centre: Vec2,
@@ -38,7 +38,7 @@ fn ends(face: &Face) -> [End; 2] {
     ]
 }
 
-impl Passing<'_> {
+impl CornerTransition<'_> {
     /// Returns the time \[s\] since the disk came to a part of a face, if it did so within the last step.
     pub fn coming(&self, face: &Face, part: FacePart) -> Option<f64> {
         match self.corner(face, part) {
@@ -103,25 +103,25 @@ mod tests {
         Scene::new(&[], &[WallSpec { material: 0, corners: corners.to_vec() }], &LawTable::new(1)).unwrap()
     }
 
-    fn passing(scene: &Scene, centre: Vec2, velocity: Vec2) -> Passing<'_> {
-        Passing { scene, centre, velocity, dt: 0.1 }
+    fn transition(scene: &Scene, centre: Vec2, velocity: Vec2) -> CornerTransition<'_> {
+        CornerTransition { scene, centre, velocity, dt: 0.1 }
     }
 
     #[test]
     fn the_time_since_a_disk_passed_an_end_is_known() {
         let scene = scene();
         // 3 cm beyond the first end, at 1 m/s.
-        let gone = passing(&scene, vec2(-0.03, 0.2), vec2(-1.0, 0.0));
+        let gone = transition(&scene, vec2(-0.03, 0.2), vec2(-1.0, 0.0));
         let first = &scene.faces[0];
         assert!((gone.leaving(first, FacePart::Left).unwrap() - 0.03).abs() < 1e-15);
         assert!((gone.coming(first, FacePart::Start).unwrap() - 0.03).abs() < 1e-15);
         assert_eq!(gone.coming(first, FacePart::Left), None);
         // And back.
-        let back = passing(&scene, vec2(0.03, 0.2), vec2(1.0, 0.0));
+        let back = transition(&scene, vec2(0.03, 0.2), vec2(1.0, 0.0));
         assert!((back.coming(first, FacePart::Left).unwrap() - 0.03).abs() < 1e-15);
         assert!((back.leaving(first, FacePart::Start).unwrap() - 0.03).abs() < 1e-15);
         // Longer ago than a step.
-        let slow = passing(&scene, vec2(-0.03, 0.2), vec2(-0.2, 0.0));
+        let slow = transition(&scene, vec2(-0.03, 0.2), vec2(-0.2, 0.0));
         assert_eq!(slow.leaving(first, FacePart::Left), None);
     }
 
@@ -129,14 +129,14 @@ mod tests {
     fn a_corner_is_touched_beyond_all_its_faces() {
         let scene = scene();
         // 1 cm beyond the one and 4 cm beyond the other, of the corner at (2, 0).
-        let at = passing(&scene, vec2(2.01, -0.04), vec2(1.0, -1.0));
+        let at = transition(&scene, vec2(2.01, -0.04), vec2(1.0, -1.0));
         assert!((at.coming(&scene.faces[1], FacePart::End).unwrap() - 0.01).abs() < 1e-15);
     }
 
     #[test]
     fn a_straight_wall_has_no_end_inside() {
         let scene = scene();
-        let at = passing(&scene, vec2(1.03, 0.2), vec2(1.0, 0.0));
+        let at = transition(&scene, vec2(1.03, 0.2), vec2(1.0, 0.0));
         assert_eq!(at.leaving(&scene.faces[0], FacePart::Left), None);
         assert_eq!(at.coming(&scene.faces[1], FacePart::Left), None);
     }

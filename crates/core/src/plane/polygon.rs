@@ -1,13 +1,54 @@
-//! Polygons as well-known text (OGC Simple Features).
+//! Polygons with holes, also as well-known text (OGC Simple Features).
 
 use crate::plane::{Ring, Vec2, vec2};
 use std::fmt::Write;
 
-/// Reads `POLYGON ((x y, …), (hole), …)` and returns its rings: the outer one, then the holes.
-///
-/// # Errors
-/// The text is not a POLYGON, a ring is not closed, or a coordinate is not a finite number. The error is a sentence.
-pub fn polygon_from_wkt(wkt: &str) -> Result<Vec<Ring>, String> {
+/// A ring and the holes in it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polygon {
+    /// The outer ring.
+    pub outer: Ring,
+    /// What is not part of it.
+    pub holes: Vec<Ring>,
+}
+
+impl Polygon {
+    /// Returns the outer ring, then the holes.
+    pub fn rings(&self) -> impl Iterator<Item = &Ring> {
+        std::iter::once(&self.outer).chain(&self.holes)
+    }
+
+    /// Returns whether a point \[m\] lies in it. On a rim the result may be either.
+    pub fn contains(&self, p: Vec2) -> bool {
+        self.outer.contains(p) && !self.holes.iter().any(|hole| hole.contains(p))
+    }
+
+    /// Reads `POLYGON ((x y, …), (hole), …)`.
+    ///
+    /// # Errors
+    /// The text is not a POLYGON, a ring is not closed, or a coordinate is not a finite number. The error is a sentence.
+    pub fn from_wkt(wkt: &str) -> Result<Polygon, String> {
+        let mut rings = rings_from_wkt(wkt)?.into_iter();
+        let outer = rings.next().ok_or("POLYGON has no rings")?;
+        Ok(Polygon { outer, holes: rings.collect() })
+    }
+
+    /// Returns `POLYGON ((x y, …), (hole), …)`. Numbers have no exponents and are read back exactly.
+    pub fn to_wkt(&self) -> String {
+        let mut text = String::from("POLYGON (");
+        for (k, ring) in self.rings().enumerate() {
+            text += if k > 0 { ", (" } else { "(" };
+            for (k, corner) in ring.closed().iter().enumerate() {
+                let comma = if k > 0 { ", " } else { "" };
+                let _ = write!(text, "{comma}{} {}", corner.x, corner.y);
+            }
+            text.push(')');
+        }
+        text + ")"
+    }
+}
+
+fn rings_from_wkt(wkt: &str) -> Result<Vec<Ring>, String> {
     let text = wkt.trim().trim_start_matches('\u{feff}');
     let keyword = text.get(..7).filter(|word| word.eq_ignore_ascii_case("POLYGON"));
     let inside = keyword.and_then(|_| text[7..].trim().strip_prefix('(')?.strip_suffix(')'));
@@ -34,7 +75,7 @@ pub fn polygon_from_wkt(wkt: &str) -> Result<Vec<Ring>, String> {
             None => return Err("rings of a POLYGON must be separated by commas".into()),
         };
     }
-    if rings.is_empty() { Err("POLYGON has no rings".into()) } else { Ok(rings) }
+    Ok(rings)
 }
 
 fn corner(text: &str) -> Result<Vec2, String> {
@@ -46,21 +87,6 @@ fn corner(text: &str) -> Result<Vec2, String> {
     }
 }
 
-/// Returns `POLYGON ((x y, …), (hole), …)` for an outer ring and its holes. Numbers have no exponents and are read back
-/// exactly.
-pub fn polygon_to_wkt<'a>(rings: impl IntoIterator<Item = &'a Ring>) -> String {
-    let mut text = String::from("POLYGON (");
-    for (k, ring) in rings.into_iter().enumerate() {
-        text += if k > 0 { ", (" } else { "(" };
-        for (k, corner) in ring.closed().iter().enumerate() {
-            let comma = if k > 0 { ", " } else { "" };
-            let _ = write!(text, "{comma}{} {}", corner.x, corner.y);
-        }
-        text.push(')');
-    }
-    text + ")"
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,10 +94,11 @@ mod tests {
     #[test]
     fn reads_back() {
         let text = "POLYGON ((0 0, 4 0, 4.1 3, 0 0), (1 0.1, 2 0.1, 2 0.2, 1 0.1))";
-        let rings = polygon_from_wkt(text).unwrap();
-        assert_eq!((rings.len(), rings[0].corners().len()), (2, 3));
-        assert_eq!(polygon_to_wkt(&rings), text);
-        assert_eq!(polygon_from_wkt(" polygon((0 0,4 0,4.1 3,0 0))\n").unwrap(), rings[..1]);
+        let polygon = Polygon::from_wkt(text).unwrap();
+        assert_eq!((polygon.holes.len(), polygon.outer.corners().len()), (1, 3));
+        assert_eq!(polygon.to_wkt(), text);
+        let whole = Polygon::from_wkt(" polygon((0 0,4 0,4.1 3,0 0))\n").unwrap();
+        assert_eq!(whole, Polygon { holes: Vec::new(), ..polygon });
     }
 
     #[test]
@@ -87,7 +114,7 @@ mod tests {
             ("POLYGON ((0 0, 2 0, 2 3, 0 0) (2 2, 3 2, 2 3, 2 2))", "separated by commas"),
             ("POLYGON ((0 0, é", "is not a POLYGON"),
         ] {
-            let said = polygon_from_wkt(text).unwrap_err();
+            let said = Polygon::from_wkt(text).unwrap_err();
             assert!(said.contains(expected), "{text}: {said}");
         }
     }

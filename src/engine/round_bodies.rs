@@ -3,7 +3,7 @@
 use super::{BodySpec, DiskSpec, LawTable, PairLaw, Scene, Vec2};
 
 /// One disk about the centre of mass, with a moment of inertia of 1 kg.m².
-pub(super) struct Ball {
+pub(super) struct RoundBody {
     /// \[kg\] mass.
     pub(super) mass: f64,
     /// \[m\] radius.
@@ -14,8 +14,8 @@ pub(super) struct Ball {
     pub(super) stiffness: f64,
 }
 
-impl Ball {
-    /// Makes a scene of `count` balls without walls.
+impl RoundBody {
+    /// Makes a scene of `count` bodies without walls.
     pub(super) fn scene(&self, count: usize) -> Scene {
         let mut laws = LawTable::new(1);
         let law = PairLaw {

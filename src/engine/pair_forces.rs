@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 /// The normal forces between two bodies, or between a body and a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Chain {
+pub struct PairForce {
     /// \[m\] Centre of a body.
     pub from: Vec2,
     /// \[m\] Centre of the other body, or the strongest contact point on the wall.
@@ -17,7 +17,7 @@ pub struct Chain {
 impl World {
     /// Returns the normal forces of the present contacts: pairs of bodies, then bodies at walls, both ascending. `poses`
     /// are where the bodies are drawn, one for each.
-    pub fn chains(&self, poses: &[Pose]) -> Vec<Chain> {
+    pub fn pair_forces(&self, poses: &[Pose]) -> Vec<PairForce> {
         let scene = self.scene();
         let mut pairs: BTreeMap<(usize, usize), f64> = BTreeMap::new();
         // The strongest contact says where a body leans on a wall.
@@ -44,12 +44,12 @@ impl World {
             }
         }
         let here = |body: usize| poses[body].position;
-        let between = pairs.into_iter().map(|((first, second), normal_force)| Chain {
+        let between = pairs.into_iter().map(|((first, second), normal_force)| PairForce {
             from: here(first),
             to: here(second),
             normal_force,
         });
-        let leaning = walls.into_iter().map(|((body, _), (normal_force, _, to))| Chain {
+        let leaning = walls.into_iter().map(|((body, _), (normal_force, _, to))| PairForce {
             from: here(body),
             to,
             normal_force,

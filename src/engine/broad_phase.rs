@@ -1,29 +1,29 @@
 //! Finds bodies that may meet: a cell grid over circles, and the sorted list of candidate pairs.
 
+use super::body_kinematics::BodyKinematics;
 use super::circle::Circle;
-use super::pairs::Candidates;
-use super::standing::Standing;
+use super::near_pairs::Candidates;
 use super::{BodyId, DiskId, FaceId, Scene, Vec2};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
 /// \[m\] Pairs nearer than this are candidates. The list is valid while no disk has moved by more than half of the
-/// difference to [`Near`]. A larger skin means longer lists that are made less often. The choice of free bodies, and
+/// difference to [`NearMargin`]. A larger skin means longer lists that are made less often. The choice of free bodies, and
 /// the time when one becomes active, depend on it; so do the last digits of results.
 pub(super) const SKIN: f64 = 0.02;
 
 /// \[m\] Candidates nearer than this are checked in every mechanical step. The list is valid while no disk has moved by
 /// more than half of this.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Near(pub f64);
+pub(super) struct NearMargin(pub f64);
 
-impl Default for Near {
-    fn default() -> Near {
-        Near(0.002)
+impl Default for NearMargin {
+    fn default() -> NearMargin {
+        NearMargin(0.002)
     }
 }
 
-impl Near {
+impl NearMargin {
     /// \[m\] Largest value, so that a mechanical step has fewer pairs to check than all candidates.
     const LARGEST: f64 = 0.5 * SKIN;
     /// \[m\] Smallest value.
@@ -34,12 +34,15 @@ impl Near {
     const PER_ROOT_OF_MOVEMENT: f64 = 0.42;
 
     /// Returns the best value if disks move by this distance \[m\] in a step.
-    pub fn for_movement(movement: f64) -> Near {
+    pub fn for_movement(movement: f64) -> NearMargin {
         if movement.is_nan() {
             // A step that fails must not change later ones.
-            return Near::default();
+            return NearMargin::default();
         }
-        Near((Near::PER_ROOT_OF_MOVEMENT * movement.sqrt()).clamp(Near::SMALLEST, Near::LARGEST))
+        NearMargin(
+            (NearMargin::PER_ROOT_OF_MOVEMENT * movement.sqrt())
+                .clamp(NearMargin::SMALLEST, NearMargin::LARGEST),
+        )
     }
 }
 
@@ -112,7 +115,7 @@ impl CellGrid {
     /// circle itself if it is in the grid.
     ///
     /// Neither the margin nor the circle may be larger than those for which the grid was made.
-    pub fn for_each_near(&self, circle: &Circle, margin: f64, mut meet: impl FnMut(usize)) {
+    pub fn for_each_near(&self, circle: &Circle, margin: f64, mut visit: impl FnMut(usize)) {
         let (row, column) = (self.cell(circle.centre.y), self.cell(circle.centre.x));
         for row in [row.wrapping_sub(1), row, row.wrapping_add(1)] {
             let first = self.place(row, column.wrapping_sub(1));
@@ -120,7 +123,7 @@ impl CellGrid {
                 let (from, to) = (self.starts[place as usize], self.starts[place as usize + 1]);
                 for (other, at) in &self.members[from as usize..to as usize] {
                     if circle.nears(at, margin) {
-                        meet(*other as usize);
+                        visit(*other as usize);
                     }
                 }
             }
@@ -151,15 +154,15 @@ pub struct Crowded {
 }
 
 /// The number of candidates that may still be listed, by all threads together.
-pub(super) struct Room {
+pub(super) struct PairLimit {
     most: usize,
     taken: AtomicUsize,
 }
 
-impl Room {
-    pub fn new(scene: &Scene) -> Room {
+impl PairLimit {
+    pub fn new(scene: &Scene) -> PairLimit {
         let most = MOST_PAIRS.max(MOST_PAIRS_PER_DISK * scene.disks.len());
-        Room { most, taken: AtomicUsize::new(0) }
+        PairLimit { most, taken: AtomicUsize::new(0) }
     }
 
     /// Reserves space for some pairs; returns whether there was enough. Whether it is enough for all does not depend on
@@ -205,12 +208,12 @@ pub(super) fn nears_a_face(scene: &Scene, circle: &Circle, margin: f64, found: &
 /// long as there is space. The circles of all bodies are in the grid.
 pub(super) fn list(
     scene: &Scene,
-    standing: &[Standing],
+    kinematics: &[BodyKinematics],
     grid: &CellGrid,
     circles: &[Circle],
     bodies: impl Iterator<Item = usize>,
     candidates: &mut Candidates,
-    room: &Room,
+    limit: &PairLimit,
 ) {
     candidates.disks.clear();
     candidates.faces.clear();
@@ -232,11 +235,11 @@ pub(super) fn list(
         for i in scene.bodies[a].disks.clone() {
             let before = candidates.disks.len() + candidates.faces.len();
             let disk = &scene.disks[i];
-            let own = Circle { centre: standing[a].centre(disk.offset), radius: disk.radius };
+            let own = Circle { centre: kinematics[a].centre(disk.offset), radius: disk.radius };
             for &b in later.iter().filter(|&&b| own.nears(&circles[b], SKIN)) {
                 for j in scene.bodies[b].disks.clone() {
                     let disk = &scene.disks[j];
-                    let other = Circle { centre: standing[b].centre(disk.offset), radius: disk.radius };
+                    let other = Circle { centre: kinematics[b].centre(disk.offset), radius: disk.radius };
                     if own.nears(&other, SKIN) {
                         candidates.disks.push((DiskId::from(i), DiskId::from(j)));
                     }
@@ -245,7 +248,7 @@ pub(super) fn list(
             let near = faces.iter().filter(|face| own.nears_face(&scene.faces, **face, SKIN));
             candidates.faces.extend(near.map(|&face| (DiskId::from(i), face)));
             let added = candidates.disks.len() + candidates.faces.len() - before;
-            if added > 0 && !room.take(added) {
+            if added > 0 && !limit.take(added) {
                 return;
             }
         }
