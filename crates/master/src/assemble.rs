@@ -47,7 +47,7 @@ fn assemble_archive(path: &Path, algorithm: Algorithm, further: &[(String, Strin
     for (place, described) in structure.components.iter().enumerate() {
         let wrong = |error: Error| {
             let (line, source, why) = (described.line, &described.source, error.whole());
-            Error::ssp(located(line, "Component", "source", source, why))
+            Error::from(located(line, "Component", "source", source, why))
         };
         let mut fmu = unpack(&mut archive, &described.source, &mut allowance).map_err(wrong)?;
         let parameters = texts(&structure, place, further);
@@ -86,16 +86,16 @@ fn texts<'a>(
 }
 
 fn unpack(archive: &mut Archive, source: &str, allowance: &mut Allowance) -> Result<Fmu> {
-    let scratch = Scratch::new().map_err(Error::io("cannot make a temporary directory"))?;
+    let scratch = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
     let path = scratch.path().join("component.fmu");
-    let mut file = File::create(&path).map_err(Error::io("cannot make a temporary file"))?;
+    let mut file = File::create(&path).map_err(Error::of("cannot make a temporary file"))?;
     archive.copy(source, &mut file, allowance)?;
     Fmu::unzip(&path, allowance)
 }
 
 /// Whether the FMU has the variable that a connector names, of that kind, type, unit and size.
 fn check(connector: &Connector, interface: &Interface, structure: &SystemStructure) -> Result<()> {
-    let wrong = |why: String| Error::ssp(located(connector.line, "Connector", "name", &connector.name, why));
+    let wrong = |why: String| Error::from(located(connector.line, "Connector", "name", &connector.name, why));
     let variable = variable_of(interface, &connector.name);
     let (variable, _) = variable.ok_or_else(|| wrong("the FMU has no such variable".into()))?;
     if variable.kind != Some(connector.kind) {
@@ -190,7 +190,7 @@ fn connect(system: &mut System, structure: &SystemStructure) -> Result<()> {
         let ((source, output), (_, input)) = (structure.port(connection.from), structure.port(connection.to));
         let wrong = |why: String| {
             let text = format!("{} of {:?}: {why}", output.name, source.name);
-            Error::ssp(located(line, "Connection", "endConnector", &input.name, format!("from {text}")))
+            Error::from(located(line, "Connection", "endConnector", &input.name, format!("from {text}")))
         };
         let (here, there) = (interface(connection.from.component), interface(connection.to.component));
         let (from, sent) = end(here, output, &connection.from_indices).map_err(wrong)?;
@@ -264,7 +264,7 @@ fn set_parameters(structure: &SystemStructure, components: &[Component]) -> Resu
         for parameter in &set.parameters {
             let wrong = |error: Error| {
                 let (file, line, why) = (&set.file, parameter.line, error.whole());
-                Error::Unusable(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
+                Error::new(format!("{file}:{line}: <Parameter> name={:?}: {why}", parameter.name))
             };
             let target = match owner {
                 Some(place) => Some((place, parameter.name.as_str())),
@@ -308,12 +308,12 @@ fn set_parameter(
                 (unit.as_deref(), unit.as_ref().and_then(defined)),
                 (own.as_deref(), own_definition),
             );
-            instance.set(&value_of, &[map.map_err(Error::Unusable)?.apply(*value)])
+            instance.set(&value_of, &[map.map_err(Error::new)?.apply(*value)])
         }
         (Value::Integer(value), Type::Real(_)) => instance.set(&value_of, &[f64::from(*value)]),
         (Value::Integer(value), Type::Integer) => instance.set(&value_of, &[*value]),
         (Value::Boolean(value), Type::Boolean) => instance.set(&value_of, &[*value]),
         (Value::String(value), Type::String) => instance.set(&value_of, std::slice::from_ref(value)),
-        (_, of) => Err(Error::Unusable(format!("the FMU's variable is of type {}", of.name()))),
+        (_, of) => Err(Error::new(format!("the FMU's variable is of type {}", of.name()))),
     }
 }

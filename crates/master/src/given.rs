@@ -35,7 +35,7 @@ impl Given {
         if !path.is_file() {
             return Ok(None);
         }
-        let scratch = Scratch::new().map_err(Error::io("cannot make a temporary directory"))?;
+        let scratch = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
         let found = unzip_trial(path, scratch.path()).place(|| path.display().to_string())?;
         Ok(found.map(|directory| Given { path: given, directory, unpacked: Some(scratch) }))
     }
@@ -167,7 +167,7 @@ pub fn documents_of(
         return given.documents(drive, plan);
     }
     if matches!(plan, PlanChoice::File(_)) {
-        return Err(Error::PlanOfFmu);
+        return Err(Error::new(format!("a file like {WISHES_FILE} is for a Trial, and not for an FMU")));
     }
     let fmu = Fmu::open(path)?;
     let trial = fmu.trial(None)?;

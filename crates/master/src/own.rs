@@ -55,7 +55,7 @@ fn binaries_in(beside: &Path, library: &str, wanted: &[String]) -> Result<Vec<Bi
 
 /// Where this program is.
 fn beside() -> Result<PathBuf> {
-    let program = std::env::current_exe().map_err(Error::io("where is this program?"))?;
+    let program = std::env::current_exe().map_err(Error::of("where is this program?"))?;
     Ok(program.parent().unwrap_or(Path::new(".")).to_owned())
 }
 

@@ -60,7 +60,7 @@ impl Selection {
                 Some(known) => *known,
                 None => {
                     let variable = interface.referenced(address.reference);
-                    let variable = variable.ok_or(Error::NoReference(address.reference))?;
+                    let variable = variable.ok_or_else(|| no_reference(address.reference))?;
                     let at = parts.iter().position(|part| part.of == variable.native).unwrap_or_else(|| {
                         let of = variable.native;
                         let references = Vec::new();
@@ -86,7 +86,7 @@ impl Selection {
             };
             let of_call = begin + address.element.unwrap_or(0) as usize;
             if of_call >= parts[at].length {
-                return Err(Error::NoReference(address.reference));
+                return Err(no_reference(address.reference));
             }
             places[at].push(Place { selected, of_call: of_call as u32 });
         }
@@ -161,4 +161,9 @@ impl Selection {
         }
         Ok(())
     }
+}
+
+fn no_reference(reference: u32) -> Error {
+    let what = "the FMU has no variable with the value reference";
+    Error::new(format!("{what} {reference}, or not so many values in it"))
 }

@@ -24,7 +24,7 @@ pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) ->
         if zip.index_for_name(STRUCTURE_FILE).is_some() {
             return Err(Error::IsSsp);
         }
-        return Err(Error::Unusable(format!("it contains no {DESCRIPTION_FILE}, so it is not an FMU")));
+        return Err(Error::new(format!("it contains no {DESCRIPTION_FILE}, so it is not an FMU")));
     }
     allowance.entries(zip.len())?;
     let mut zip = distinct(zip)?;
@@ -32,7 +32,7 @@ pub(crate) fn unzip(path: &Path, directory: &Path, allowance: &mut Allowance) ->
     let size = directory.join(DESCRIPTION_FILE).metadata()?.len();
     if size > LARGEST_DESCRIPTION {
         let most = LARGEST_DESCRIPTION / 1_000_000;
-        return Err(Error::Unusable(format!("{DESCRIPTION_FILE}: is refused: more than {most} MB")));
+        return Err(Error::new(format!("{DESCRIPTION_FILE}: is refused: more than {most} MB")));
     }
     Ok(())
 }
@@ -66,7 +66,7 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
         return Ok(None);
     }
     if zip.len() > TRIAL_ENTRIES {
-        return Err(Error::Unusable(format!("{} files are in it: no zip of a Trial", zip.len())));
+        return Err(Error::new(format!("{} files are in it: no zip of a Trial", zip.len())));
     }
     let mut zip = distinct(zip)?;
     let names = zip.file_names().map(|name| Ok(with_slashes(&name?)));
@@ -76,11 +76,11 @@ fn unzip_trial_within(path: &Path, directory: &Path, allowance: &mut Allowance) 
     let parameters = match &trials[..] {
         [] => {
             let why = format!("it contains no {PARAMETERS}, so it is not a zip of a Trial");
-            return Err(Error::Unusable(why));
+            return Err(Error::new(why));
         }
         [one] => one,
         [first, second, ..] => {
-            return Err(Error::Unusable(format!(
+            return Err(Error::new(format!(
                 "several Trials are in it ({first:?}, {second:?}, …): unpack it and name one of them"
             )));
         }
@@ -110,10 +110,10 @@ fn extract(
         let entry = zip.by_index(place).place(|| format!("entry {place}"))?;
         let name = entry.name()?.into_owned();
         if entry.enclosed_name().is_none() || leads_outside(&name) {
-            return Err(Error::Unusable(format!("the entry {name:?} leads outside of the archive")));
+            return Err(Error::new(format!("the entry {name:?} leads outside of the archive")));
         }
         if entry.is_symlink() {
-            return Err(Error::Unusable(format!("the entry {name:?} is a link, which is not served")));
+            return Err(Error::new(format!("the entry {name:?} is a link, which is not served")));
         }
         let name = with_slashes(&name);
         if !wanted(&name) {

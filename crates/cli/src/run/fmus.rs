@@ -136,7 +136,6 @@ impl Subject for FmuRun {
 
     fn states(&mut self) -> Result<States> {
         let states = self.run.system.states()?;
-        let states = states.iter().map(lemons_master::State::bytes).collect::<Result<Vec<_>, _>>()?;
         Ok((Saved::components(&self.run.system, &states), states))
     }
 

@@ -1,10 +1,10 @@
 //! `SystemStructure.ssd` and the `.ssv` files that it names -> [`SystemStructure`].
 
+use crate::error::Result;
 use crate::ssp::document::{
     Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
     SystemStructure, Type, Value,
 };
-use crate::ssp::error::Result;
 use crate::ssp::unit::{Affine, Unit};
 use lemons_core::xml::{Document, Element};
 use std::collections::hash_map::Entry;
@@ -323,7 +323,7 @@ fn read_bindings(owner: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) 
         }
         let prefix = binding.optional("prefix").unwrap_or_default();
         if let Some(source) = binding.optional("source") {
-            let bytes = load(source).map_err(|error| binding.wrong("source", error.to_string()))?;
+            let bytes = load(source).map_err(|error| binding.wrong("source", error.whole()))?;
             let document = Document::parse(Path::new(source), &bytes, NODES)?;
             sets.push(read_parameters(document.root("ParameterSet")?, prefix)?);
         } else {

@@ -1,8 +1,8 @@
 //! The variables of a description: single values in FMI 2.0, also arrays in FMI 3.0.
 
 use super::{Dimension, Fmi, Interface, Variable};
+use crate::error::Result;
 use crate::ssp::document::{Kind, Native, Type};
-use crate::ssp::error::Result;
 use lemons_core::xml::Element;
 use std::collections::HashMap;
 
