@@ -18,10 +18,9 @@ pub fn own_binary() -> Result<Binary> {
 /// # Errors
 /// It is in no such place, or FMI has no name for this platform.
 pub fn binary_beside(library: &str) -> Result<Binary> {
-    let platform = host_platform().ok_or(Error::NoPlatform)?;
-    let beside = beside()?;
-    let name = library_file(library, platform).ok_or(Error::NoPlatform)?;
-    own(&beside, library, platform).ok_or(Error::NoLibrary { name, beside, platform: platform.to_owned() })
+    let platform = host_platform().ok_or(Error::NoPlatform)?.to_owned();
+    let mut found = binaries_beside(library, &[platform])?;
+    found.pop().ok_or(Error::NoPlatform)
 }
 
 /// The shared library for this machine, and those for other platforms that lie in directories with FMI's names (`win64`,
@@ -39,13 +38,9 @@ fn binaries_in(beside: &Path, library: &str, wanted: &[String]) -> Result<Vec<Bi
         beside: beside.to_owned(),
         platform: platform.to_owned(),
     };
-    let host = host_platform();
-    let found = |platform: &str| match host {
-        Some(host) if host == platform => own(beside, library, host),
-        _ => other(beside, library, platform),
-    };
+    let found = |platform: &str| find(beside, library, platform);
     if wanted.is_empty() {
-        let host = host.ok_or(Error::NoPlatform)?;
+        let host = host_platform().ok_or(Error::NoPlatform)?;
         let own = found(host).ok_or_else(|| missing(host))?;
         let others = platforms().filter(|platform| *platform != host).filter_map(found);
         return Ok([own].into_iter().chain(others).collect());
@@ -59,18 +54,17 @@ fn beside() -> Result<PathBuf> {
     Ok(program.parent().unwrap_or(Path::new(".")).to_owned())
 }
 
-fn own(beside: &Path, library: &str, platform: &str) -> Option<Binary> {
+/// The library for a platform; that of this machine may also lie where Cargo puts it.
+fn find(beside: &Path, library: &str, platform: &str) -> Option<Binary> {
     let name = library_file(library, platform)?;
-    let places = [beside.join(&name), beside.join("deps").join(&name), beside.join(platform).join(&name)];
+    let mut places = vec![beside.join(platform).join(&name)];
+    if host_platform() == Some(platform) {
+        places.extend([beside.join(&name), beside.join("deps").join(&name)]);
+    }
     // Cargo may have left an older one in one of the places.
     let newest =
         places.into_iter().filter_map(|path| Some((path.metadata().ok()?.modified().ok()?, path))).max();
     newest.map(|(_, path)| Binary { platform: platform.to_owned(), path })
-}
-
-fn other(beside: &Path, library: &str, platform: &str) -> Option<Binary> {
-    let path = beside.join(platform).join(library_file(library, platform)?);
-    path.is_file().then(|| Binary { platform: platform.to_owned(), path })
 }
 
 #[cfg(test)]

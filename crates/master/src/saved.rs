@@ -2,7 +2,7 @@
 
 use crate::calls::LARGEST_STATE;
 use crate::error::{Error, Place, Result};
-use crate::ssp::{Allowance, distinct};
+use crate::ssp::{Allowance, sound};
 use crate::system::{Component, System};
 use lemons_core::files::Staged;
 use lemons_core::files::input;
@@ -178,7 +178,7 @@ impl Saved {
 
     fn read_archive(path: &Path) -> Result<(Saved, Vec<Vec<u8>>)> {
         let zip = ZipArchive::new(BufReader::new(input::open(path)?)).map_err(Error::of("is none"))?;
-        let mut zip = distinct(zip)?;
+        let mut zip = sound(zip)?;
         if zip.index_for_name(RUN).is_none() {
             return Err(Error::new(format!("it contains no {RUN}, so it is not a saved run")));
         }

@@ -21,11 +21,11 @@ mod unit;
 mod write;
 
 pub use allowance::Allowance;
-pub use archive::{Archive, distinct, leads_outside, write_archive};
+pub use archive::{Archive, sound, write_archive};
 pub use connect::{Connected, Participant, connect};
 pub use document::{
     Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
-    SystemStructure, Type, Value, located,
+    SystemStructure, Type, located,
 };
 pub use interface::{Address, CoSimulation, Dimension, Fmi, Interface, Single, Variable};
 pub use unit::{Affine, Unit, conversion};

@@ -2,7 +2,7 @@
 
 use super::{Calls, c_text};
 use crate::error::{Error, Result};
-use crate::ssp::{Fmi, Native};
+use crate::ssp::{Affine, Fmi, Native};
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::ptr::null;
 
@@ -19,6 +19,11 @@ pub trait Value: Clone + Default + PartialEq + 'static {
     /// # Errors
     /// The FMU lacks the function, or a value is none of the variables' type.
     fn set(calls: &Calls, of: Native, references: &[u32], values: &[Self]) -> Result<()>;
+
+    /// The value in the unit of the input to which it is sent; only Reals have units.
+    fn converted(&self, _: Affine) -> Self {
+        self.clone()
+    }
 }
 
 impl Calls {
@@ -41,6 +46,10 @@ impl Calls {
 }
 
 impl Value for f64 {
+    fn converted(&self, map: Affine) -> f64 {
+        map.apply(*self)
+    }
+
     fn get(calls: &Calls, of: Native, references: &[u32], values: &mut [f64]) -> Result<()> {
         match (calls.fmi, of) {
             (Fmi::V2, _) => calls.get("fmi2GetReal", references, values),

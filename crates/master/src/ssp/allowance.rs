@@ -53,21 +53,3 @@ impl Allowance {
         Ok(())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_just_fits_is_copied_and_a_byte_more_is_refused() {
-        let mut allowance = Allowance::new(10);
-        let mut copy = Vec::new();
-        allowance.copy("a", &[7; 6][..], &mut copy).unwrap();
-        allowance.copy("b", &[7; 4][..], &mut copy).unwrap();
-        assert_eq!(copy, [7; 10]);
-        allowance.copy("empty", io::empty(), &mut copy).unwrap();
-        let said = allowance.copy("endless", io::repeat(7), &mut copy).unwrap_err().to_string();
-        assert_eq!(said, "endless: is refused: more than 0.00001 MB to unpack in all");
-        assert_eq!(copy.len(), 11);
-    }
-}

@@ -27,14 +27,7 @@ impl Archive {
     pub fn open(path: &Path) -> Result<Archive> {
         let zip = ZipArchive::new(BufReader::new(input::open(path)?))?;
         Allowance::new(0).entries(zip.len())?;
-        let zip = distinct(zip)?;
-        for name in zip.file_names() {
-            let name = name?;
-            if leads_outside(&name) {
-                return Err(Error::new(format!("the entry {name:?} leads outside of the archive")));
-            }
-        }
-        Ok(Archive { zip })
+        Ok(Archive { zip: sound(zip)? })
     }
 
     /// The default structure, with the parameter files that it names.
@@ -74,22 +67,24 @@ impl Archive {
 }
 
 /// Of the name of an entry of an archive: absolute, with a drive, or with a step upwards.
-pub fn leads_outside(name: &str) -> bool {
+fn leads_outside(name: &str) -> bool {
     let drive = name.as_bytes().get(1) == Some(&b':');
     drive || name.starts_with(['/', '\\']) || name.split(['/', '\\']).any(|part| part == "..")
 }
 
-/// An archive whose entries have different names, on every system: `A` and `./a` are one name. Of two entries with one
-/// name, programs read one or the other.
+/// An archive whose entries all lie inside of it, and have different names on every system: `A` and `./a` are one name.
+/// Of two entries with one name, programs read one or the other.
 ///
 /// # Errors
-/// Two entries have one name; the text says which.
-pub fn distinct<R: Read + Seek>(zip: ZipArchive<R>) -> Result<ZipArchive<R>> {
+/// An entry leads outside, or two have one name; the text says which.
+pub fn sound<R: Read + Seek>(zip: ZipArchive<R>) -> Result<ZipArchive<R>> {
     let mut seen = HashMap::new();
     for name in zip.file_names() {
         let name = name?.into_owned();
-        let plain = plain(&name);
-        if let Some(other) = seen.insert(plain, name.clone()) {
+        if leads_outside(&name) {
+            return Err(Error::new(format!("the entry {name:?} leads outside of the archive")));
+        }
+        if let Some(other) = seen.insert(plain(&name), name.clone()) {
             return Err(Error::new(format!("the entries {other:?} and {name:?} have one name")));
         }
     }
@@ -143,7 +138,7 @@ mod tests {
             zip.write_all(b"text").unwrap();
         }
         let bytes = change(zip.finish().unwrap().into_inner());
-        let done = distinct(ZipArchive::new(Cursor::new(bytes)).unwrap());
+        let done = sound(ZipArchive::new(Cursor::new(bytes)).unwrap());
         done.map_or_else(|error| error.to_string(), |zip| zip.len().to_string())
     }
 

@@ -2,8 +2,8 @@
 //!
 //! The Trials are generated, and packed with the library that was built with this program.
 
-use crate::bench::{MASS, Numbers, RATE};
-use crate::checks::scenes::pedestrian;
+use crate::bench::{MASS, RATE, median};
+use crate::checks::scenes::{Random, pedestrian};
 use crate::checks::{Error, Result};
 use cpu_time::{ProcessTime, ThreadTime};
 use crowd_mechanics::pack::{Format, Package};
@@ -58,7 +58,7 @@ pub fn write_trial(agents: usize, spacing: Vec2, directory: &Path) -> Result<()>
         .iter()
         .map(|disk| Shape { radius: disk.radius, material_id: skin.clone(), position: disk.position })
         .collect();
-    let mut numbers = Numbers(30);
+    let mut numbers = Random(30);
     let corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height), (0.0, 0.0)];
     let trial = Trial {
         name: "crowd".into(),
@@ -99,14 +99,14 @@ pub fn write_trial(agents: usize, spacing: Vec2, directory: &Path) -> Result<()>
         dynamics: (0..agents)
             .map(|k| AgentDynamics {
                 position: vec2(
-                    spacing.x * ((k % columns) as f64 + 0.5) + 0.01 * numbers.next(),
-                    spacing.y * ((k / columns) as f64 + 0.5) + 0.01 * numbers.next(),
+                    spacing.x * ((k % columns) as f64 + 0.5) + 0.01 * numbers.signed(),
+                    spacing.y * ((k / columns) as f64 + 0.5) + 0.01 * numbers.signed(),
                 ),
                 velocity: Vec2::ZERO,
-                theta: 0.5 * numbers.next(),
+                theta: 0.5 * numbers.signed(),
                 omega: 0.0,
-                fp: vec2(100.0 * numbers.next(), 100.0 * numbers.next()),
-                mp: numbers.next(),
+                fp: vec2(100.0 * numbers.signed(), 100.0 * numbers.signed()),
+                mp: numbers.signed(),
             })
             .collect(),
         interactions: Interactions::default(),
@@ -178,11 +178,6 @@ pub fn processor_time<T>(calls: u64, mut call: impl FnMut() -> T) -> Duration {
     start.elapsed()
 }
 
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
-}
-
 /// The cost of getting and setting values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overhead {
@@ -218,10 +213,10 @@ pub fn overhead(agents: usize, runs: usize, format: Format) -> Result<Overhead> 
     set()?;
     get()?;
     let microseconds = |time: Duration| time.as_secs_f64() * 1e6 / CALLS as f64;
-    let (sets, gets) = (0..runs)
+    let (mut sets, mut gets): (Vec<f64>, Vec<f64>) = (0..runs)
         .map(|_| (microseconds(processor_time(CALLS, set)), microseconds(processor_time(CALLS, &mut get))))
         .unzip();
-    Ok(Overhead { set: median(sets), get: median(gets) })
+    Ok(Overhead { set: median(&mut sets), get: median(&mut gets) })
 }
 
 /// \[s\] Elapsed times of the stages before a crowd can be stepped.
@@ -254,7 +249,7 @@ pub fn loading(agents: usize, runs: usize) -> Result<Loading> {
             times.push(time);
         }
     }
-    let [read, pack, instantiate, initialize] = times.map(median);
+    let [read, pack, instantiate, initialize] = times.map(|mut times| median(&mut times));
     Ok(Loading { read, pack, instantiate, initialize })
 }
 
