@@ -18,7 +18,7 @@ use lemons_core::trial::{DriveChoice, DriveTable};
 use std::f64::consts::PI;
 use tempfile::TempDir;
 
-static PUSH: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_push");
+pub(crate) static PUSH: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_push");
 static DOOR: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../resources/Trial_door");
 
 /// \[s\] The step that counts as exact.
@@ -153,7 +153,7 @@ pub fn scenes() -> Result<Vec<Scene>> {
     Ok(vec![push()?, collisions()?, dense()?, door()?, walkers()?])
 }
 
-fn trial(files: &Dir<'_>) -> Result<(Trial, TempDir)> {
+pub(crate) fn trial(files: &Dir<'_>) -> Result<(Trial, TempDir)> {
     let directory = TempDir::with_prefix("lemons-bench-")?;
     files.extract(directory.path())?;
     let (trial, _) = setup::read(directory.path())?;

@@ -410,12 +410,12 @@ impl Session {
 
     /// The same of this instance and of the states that it may go to.
     fn all_in_their_place(&self) -> bool {
-        let own = |state: &*mut c_void| {
-            let bytes = self.instance.bytes_of(*state);
+        let own = |state: *mut c_void| {
+            let bytes = self.instance.bytes_of(state);
             (self.fmu.output_directory)(&bytes[HEADER..]).is_some_and(|name| self.is_ours(&name))
         };
-        let states = self.slots.iter().filter(|state| !state.is_null());
-        self.writes_in_its_place() && states.map(own).all(|own| own)
+        let mut states = self.slots.into_iter().filter(|state| !state.is_null());
+        self.writes_in_its_place() && states.all(own)
     }
 
     /// Whether an OutputDirectory is none, or one of ours.
