@@ -1,7 +1,7 @@
 //! Failures that have an exit code of their own, and how failures are told.
 
 use anyhow::Result;
-use lemons_master::{Kind, Unexpected};
+use lemons_master::{FileType, Unexpected};
 use std::error::Error;
 
 /// A Trial has errors; they have been printed.
@@ -78,7 +78,7 @@ fn advice(cause: &(dyn Error + 'static)) -> Option<Advice> {
         Some(lemons_master::Error::Unexpected(error)) => Some(error),
         _ => find::<Unexpected>(cause),
     };
-    if unexpected.is_some_and(|error| error.kind == Kind::SavedRun) {
+    if unexpected.is_some_and(|error| error.kind == FileType::SavedRun) {
         return Some(Advice::After("; lemons run --resume continues it"));
     }
     match of_master? {

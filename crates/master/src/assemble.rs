@@ -2,9 +2,9 @@
 
 use crate::channel::{Wire, channel_of};
 use crate::error::{Error, Place, Result};
+use crate::file_type::FileType;
 use crate::fmu::Fmu;
 use crate::instance::number;
-use crate::kind::Kind as FileKind;
 use crate::ssp::{
     Affine, Allowance, Archive, Connector, Extent, Interface, Kind, Parameter, ParameterSet, Single,
     SystemStructure, Type, Unit, Variable, conversion, located,
@@ -36,7 +36,7 @@ pub struct Assembled {
 /// # Errors
 /// The archive or one of its files is broken, holds what is not served, or does not fit together.
 pub fn assemble(path: &Path, algorithm: Algorithm, further: &[(String, String)]) -> Result<Assembled> {
-    FileKind::expect(path, &FileKind::ARCHIVES, "an SSP")?;
+    FileType::expect(path, &FileType::ARCHIVES, "an SSP")?;
     assemble_archive(path, algorithm, further).place(|| path.display().to_string())
 }
 

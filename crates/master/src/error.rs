@@ -1,7 +1,7 @@
 //! What can go wrong with FMUs, SSPs and runs.
 
 use crate::calls::Answer;
-use crate::kind::Unexpected;
+use crate::file_type::Unexpected;
 use crowd_mechanics::pack::PackError;
 use lemons_core::trial::{DriveError, Problems};
 use lemons_core::xml::Problem;

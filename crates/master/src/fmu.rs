@@ -2,8 +2,8 @@
 
 use crate::calls::{Calls, Made};
 use crate::error::{Error, Place, Result};
+use crate::file_type::FileType;
 use crate::instance::{Instance, Sizes, number};
-use crate::kind::Kind as FileKind;
 use crate::messages::{Messages, Names};
 use crate::ssp::{Allowance, Fmi, Interface, Kind, Type};
 use crate::unzip::{DESCRIPTION_FILE, unzip};
@@ -44,7 +44,7 @@ impl Fmu {
     /// # Errors
     /// There is no FMU.
     pub fn open(path: &Path) -> Result<Fmu> {
-        FileKind::expect(path, &FileKind::ARCHIVES, "an FMU")?;
+        FileType::expect(path, &FileType::ARCHIVES, "an FMU")?;
         let mut allowance = Allowance::new(Allowance::FMUS);
         let fmu = Self::unzip(path, &mut allowance).place(|| path.display().to_string())?;
         Ok(fmu.shown_as(&path.display().to_string()))

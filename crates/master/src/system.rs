@@ -14,7 +14,7 @@ use crate::channel::{Exchange, Wire, channel_of, channels};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::instance::Instance;
-use crate::refusal::Warning;
+use crate::prepare_error::Warning;
 use crate::ssp::{Single, Type};
 use lemons_core::trial::Trial;
 use lemons_sim::Algorithm;

@@ -9,7 +9,7 @@ use anyhow::{Context, Error, Result, anyhow, ensure};
 use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::variables::{Quantity, guid, table};
 use lemons_fmi::variables::{Kind as VariableKind, Variable};
-use lemons_master::{ComponentRecord, Given, PrepareError, Settings, Warning, read_saved};
+use lemons_master::{ComponentRecord, PrepareError, Settings, TrialInput, Warning, read_saved};
 use lemons_results::Frame;
 use lemons_results::columns::Groups;
 use lemons_sim::settings::{DECISION, Selection};
@@ -122,7 +122,7 @@ impl Subject for TrialRun {
 }
 
 /// Prepares a run of a Trial; outputs of Decision go to a table, if they are wanted. Warnings are printed.
-pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
+pub fn prepare(given: &TrialInput, settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
     settings.check().map_err(refused)?;
     let saved = settings.resume.as_deref().map(read_saved).transpose().map_err(refused)?;
     let (documents, problems, plan) = documents(given, settings)?;
@@ -227,7 +227,7 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
 
 /// The documents of a run; errors of a Trial are printed.
 pub fn documents(
-    given: &Given,
+    given: &TrialInput,
     settings: &Settings,
 ) -> Result<(Documents, lemons_core::trial::Problems, Option<PathBuf>)> {
     let read = given.documents(&settings.drive, &settings.plan);

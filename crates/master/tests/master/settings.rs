@@ -74,7 +74,7 @@ fn an_fmu_runs_to_the_bits_of_a_loop_by_hand() {
     assert_eq!(rows.len(), 40);
     assert!(rows == by_hand(&settings.input, 0.05, 40), "other bits");
     let moved = |i: usize| f64::from_bits(rows[39].1[3 * i]) - f64::from_bits(rows[0].1[3 * i]);
-    assert!(moved(0) > 0.1 && moved(1) > 0.01, "one pushes the next: {} m, {} m", moved(0), moved(1));
+    assert!(moved(0) > 0.1 && moved(1) > 0.01, "one feed the next: {} m, {} m", moved(0), moved(1));
 }
 
 /// Saves the run where it is.
@@ -91,7 +91,7 @@ fn save(run: &mut Prepared, index: u64, path: &Path) {
         every: run.every,
         algorithm: run.system.algorithm().to_string(),
         wiring: wiring_of(&run.system),
-        drive: run.pushes.drive.fingerprint(),
+        drive: run.feed.drive.fingerprint(),
         component: Saved::components(&run.system, &states),
         crowd: Vec::new(),
     };

@@ -1,6 +1,6 @@
 //! Sequences of FMI calls, and damaged states, of both versions of FMI: one driver over the table of functions.
 
-use crate::fuzz::models::{Fmu, OUTPUTS, Subject};
+use crate::fuzz::models::{Fmu, FuzzedModel, OUTPUTS};
 use crate::fuzz::show_panics;
 use crate::testing::functions::{Probe, Source};
 use crate::testing::instance::Arguments;
@@ -319,7 +319,7 @@ impl Drop for Session {
 }
 
 impl Session {
-    fn new(subject: Subject, version: Version, early_return: bool) -> Session {
+    fn new(subject: FuzzedModel, version: Version, early_return: bool) -> Session {
         show_panics();
         let fmu = Fmu::of(subject, version);
         let arguments = Arguments {
@@ -618,7 +618,7 @@ impl Session {
 pub fn calls(data: &[u8]) {
     let mut input = Unstructured::new(data);
     let Ok(way) = u8::arbitrary(&mut input) else { return };
-    let subject = if way & 1 == 0 { Subject::Crowd } else { Subject::Decision };
+    let subject = if way & 1 == 0 { FuzzedModel::Crowd } else { FuzzedModel::Decision };
     let version = if way & 2 == 0 { Version::V2 } else { Version::V3 };
     let mut session = Session::new(subject, version, way & 4 != 0);
     for _ in 0..CALLS {
@@ -657,7 +657,7 @@ struct Damaged {
 pub fn states(data: &[u8]) {
     let Some((&way, data)) = data.split_first() else { return };
     let Ok(damaged) = Damaged::arbitrary_take_rest(Unstructured::new(data)) else { return };
-    let subject = if way % 4 == 3 { Subject::Decision } else { Subject::Crowd };
+    let subject = if way % 4 == 3 { FuzzedModel::Decision } else { FuzzedModel::Crowd };
     let version = if way < 128 { Version::V2 } else { Version::V3 };
     let mut session = Session::new(subject, version, false);
     save(&mut session, damaged.saved);
@@ -745,7 +745,7 @@ mod tests {
     #[test]
     fn a_session_runs_saves_and_goes_back() {
         for version in Version::BOTH {
-            let mut session = Session::new(Subject::Crowd, version, false);
+            let mut session = Session::new(FuzzedModel::Crowd, version, false);
             if let Some(parts) = session.fmu.named("IntermediateSteps") {
                 assert_eq!(session.by("parts", |instance| instance.set_integer(&[parts], &[4])), Status::Ok);
             }
@@ -773,7 +773,7 @@ mod tests {
     /// Else no restored state would be looked at, or directories be made anywhere.
     #[test]
     fn the_output_directory_of_a_state_is_found() {
-        let session = Session::new(Subject::Crowd, Version::V2, false);
+        let session = Session::new(FuzzedModel::Crowd, Version::V2, false);
         let (output, own) = (session.fmu.named("OutputDirectory").unwrap(), &*session.fmu.texts[1]);
         assert_eq!(session.instance.set_string(&[output], &[Some(own)]), Status::Ok);
         for (bytes, place) in [(&session.pristine, 0), (&session.instance.bytes(), 1)] {

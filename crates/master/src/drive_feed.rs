@@ -6,7 +6,7 @@ use crate::selection::Selection;
 use lemons_core::trial::{Agent, DriveTable};
 
 /// A drive, into an instance of a crowd.
-pub struct Pushes {
+pub struct DriveFeed {
     /// Who is pushed when.
     pub drive: DriveTable,
     /// Of the agents that the drive names.
@@ -15,19 +15,19 @@ pub struct Pushes {
     inputs: Selection,
 }
 
-impl Pushes {
+impl DriveFeed {
     /// To the inputs of these agents of an instance; to none of them if it `plays` this drive itself.
     ///
     /// # Errors
     /// The instance has not the inputs of an agent that the drive names.
-    pub fn new(instance: &Instance, agents: &[Agent], drive: DriveTable, plays: bool) -> Result<Pushes> {
+    pub fn new(instance: &Instance, agents: &[Agent], drive: DriveTable, plays: bool) -> Result<DriveFeed> {
         let agents = agents.iter().enumerate();
         let driven = |id: &str| !plays && drive.rows(id).is_some();
         let driven: Vec<_> = agents.filter(|(_, agent)| driven(&agent.id)).collect();
         let names = driven
             .iter()
             .flat_map(|(i, _)| ["Fp.x", "Fp.y", "Mp"].map(move |name| format!("agent[{i}].{name}")));
-        Ok(Pushes {
+        Ok(DriveFeed {
             inputs: instance.select(names)?,
             ids: driven.iter().map(|(_, agent)| agent.id.clone()).collect(),
             drive,

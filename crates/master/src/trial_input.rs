@@ -2,8 +2,8 @@
 
 use crate::decider::{PlanChoice, plan_of};
 use crate::error::{Error, Place, Result};
+use crate::file_type::FileType;
 use crate::fmu::Fmu;
-use crate::kind::Kind;
 use crate::unzip::unzip_trial;
 use crowd_mechanics::pack::{Binary, Check, Draw, Format, PackError, Package};
 use crowd_mechanics::setup;
@@ -14,42 +14,42 @@ use lemons_decision::WISHES_FILE;
 use lemons_sim::Documents;
 use std::path::{Component, Path, PathBuf};
 
-/// A Trial that somebody has given. A zip is unpacked into a directory that exists as long as this does.
-pub struct Given {
+/// A Trial as input: its directory, or a zip of that. A zip is unpacked into a directory that exists as long as this does.
+pub struct TrialInput {
     /// As it was given.
     path: PathBuf,
     directory: PathBuf,
     unpacked: Option<Scratch>,
 }
 
-impl Given {
+impl TrialInput {
     /// `None` where there is neither a directory nor the zip of a Trial: perhaps an FMU.
     ///
     /// # Errors
     /// The zip of a Trial cannot be unpacked.
-    pub fn find(path: &Path) -> Result<Option<Given>> {
+    pub fn find(path: &Path) -> Result<Option<TrialInput>> {
         let given = path.to_owned();
         if path.is_dir() {
-            return Ok(Some(Given { directory: given.clone(), path: given, unpacked: None }));
+            return Ok(Some(TrialInput { directory: given.clone(), path: given, unpacked: None }));
         }
         if !path.is_file() {
             return Ok(None);
         }
         let scratch = Scratch::new().map_err(Error::of("cannot make a temporary directory"))?;
         let found = unzip_trial(path, scratch.path()).place(|| path.display().to_string())?;
-        Ok(found.map(|directory| Given { path: given, directory, unpacked: Some(scratch) }))
+        Ok(found.map(|directory| TrialInput { path: given, directory, unpacked: Some(scratch) }))
     }
 
     /// For what takes nothing but Trials.
     ///
     /// # Errors
     /// There is something else, or the zip of a Trial cannot be unpacked.
-    pub fn open(path: &Path) -> Result<Given> {
-        Kind::expect(path, &[Kind::Trial, Kind::Archive], "a Trial directory or a zip of one")?;
-        match Given::find(path)? {
+    pub fn open(path: &Path) -> Result<TrialInput> {
+        FileType::expect(path, &[FileType::Trial, FileType::Archive], "a Trial directory or a zip of one")?;
+        match TrialInput::find(path)? {
             Some(given) => Ok(given),
             // Why it cannot be read says the reader.
-            None => Ok(Given { path: path.to_owned(), directory: path.to_owned(), unpacked: None }),
+            None => Ok(TrialInput { path: path.to_owned(), directory: path.to_owned(), unpacked: None }),
         }
     }
 
@@ -153,7 +153,7 @@ impl Given {
     }
 }
 
-/// What a Trial, or the Trial that an FMU contains, is simulated with: as [`Given::documents`]. The mechanics are those of
+/// What a Trial, or the Trial that an FMU contains, is simulated with: as [`TrialInput::documents`]. The mechanics are those of
 /// this program, whichever has packed the FMU.
 ///
 /// # Errors
@@ -163,7 +163,7 @@ pub fn documents_of(
     drive: &DriveChoice,
     plan: &PlanChoice,
 ) -> Result<(Documents, Problems, Option<PathBuf>)> {
-    if let Some(given) = Given::find(path)? {
+    if let Some(given) = TrialInput::find(path)? {
         return given.documents(drive, plan);
     }
     if matches!(plan, PlanChoice::File(_)) {
@@ -181,7 +181,7 @@ pub fn documents_of(
 /// # Errors
 /// [`Error::Broken`] if a Trial has errors, with the names of files that the user knows; else [`PackError`].
 pub fn pack(
-    trials: &[Given],
+    trials: &[TrialInput],
     binaries: Vec<Binary>,
     format: Format,
     picture: Option<Draw>,

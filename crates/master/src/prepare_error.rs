@@ -1,7 +1,7 @@
 //! Why there is no run, and what is probably not meant.
 
 use crate::error::Error;
-use crate::kind::Unexpected;
+use crate::file_type::Unexpected;
 use lemons_core::trial::{DRIVE_FILE, Missed};
 use lemons_decision::WISHES_FILE;
 use std::fmt;
