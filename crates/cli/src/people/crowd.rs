@@ -20,7 +20,7 @@ use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
 use lemons_core::trial::Trial;
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
-use lemons_master::Given;
+use lemons_master::TrialInput;
 use lemons_people::{
     Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
     crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_zip,
@@ -376,7 +376,7 @@ impl TrialArguments {
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
             // Its warnings are those printed already.
             let written = write_fmu(
-                &[Given::open(&directory)?],
+                &[TrialInput::open(&directory)?],
                 binaries,
                 self.fmi.format(self.packing.naming()),
                 true,

@@ -9,7 +9,7 @@ use anyhow::{Context, Error, Result, anyhow, ensure};
 use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::quantities::{Quantity, guid};
 use lemons_fmi::variables::{Kind as VariableKind, Scalar};
-use lemons_master::{ComponentRecord, Given, PrepareError, Settings, Warning, read_saved};
+use lemons_master::{ComponentRecord, PrepareError, Settings, TrialInput, Warning, read_saved};
 use lemons_results::Frame;
 use lemons_results::columns::Groups;
 use lemons_sim::settings::{DECISION, Selection};
@@ -122,7 +122,7 @@ impl Subject for TrialRun {
 }
 
 /// Prepares a run of a Trial; outputs of Decision go to a table, if they are wanted. Warnings are printed.
-pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
+pub fn prepare(given: &TrialInput, settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
     settings.check().map_err(refused)?;
     let saved = settings.resume.as_deref().map(read_saved).transpose().map_err(refused)?;
     let (documents, problems, plan) = documents(given, settings)?;
@@ -158,7 +158,7 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
         }
         let component = [name.to_owned(), MODEL_NAME.to_owned(), guid.clone()];
         let checked = before.check(&[component], &settings.algorithm.to_string(), "");
-        checked.map_err(lemons_master::Error::from).with_context(of_saved)?;
+        checked.with_context(of_saved)?;
         ensure!(before.drive == drive.fingerprint(), refused(PrepareError::OtherDrive));
         simulation.restore(&states[0]).with_context(of_saved)?;
     }
@@ -227,7 +227,7 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
 
 /// The documents of a run; errors of a Trial are printed.
 pub fn documents(
-    given: &Given,
+    given: &TrialInput,
     settings: &Settings,
 ) -> Result<(Documents, lemons_core::trial::Problems, Option<PathBuf>)> {
     let read = given.documents(&settings.drive, &settings.plan);

@@ -12,8 +12,6 @@ use lemons_decision::{Decision, rule::Pose};
 use lemons_decision::{DecisionConfig, Person, Plan};
 use lemons_fmi::variables::{Dimension, Kind};
 use lemons_fmi::{Model, guid, instantiation_token, reference};
-use crate::testing::Version;
-use crate::testing::instance::Functions;
 use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::path::PathBuf;
@@ -62,7 +60,7 @@ const LONGEST: u64 = 256;
 
 /// A model to be fuzzed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Subject {
+pub(crate) enum FuzzedModel {
     Crowd,
     Decision,
 }
@@ -74,14 +72,14 @@ thread_local! {
 
 impl Fmu {
     /// Each thread has its directories, which are gone with it.
-    pub(crate) fn of(subject: Subject, version: Version) -> Fmu {
+    pub(crate) fn of(subject: FuzzedModel, version: Version) -> Fmu {
         match subject {
-            Subject::Crowd => {
+            FuzzedModel::Crowd => {
                 let resources = CROWD.with(Rc::clone);
                 let model = CrowdModel::load(lemons_fmi::location::Location::Path(&resources.path()));
                 Fmu::new(&resources, version, &model.expect("a crowd"), crowd_output_directory)
             }
-            Subject::Decision => {
+            FuzzedModel::Decision => {
                 let resources = DECISION.with(Rc::clone);
                 let model = Decision::load(lemons_fmi::location::Location::Path(&resources.path()));
                 Fmu::new(&resources, version, &model.expect("a decision"), |_| Some(String::new()))
