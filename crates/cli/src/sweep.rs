@@ -7,7 +7,7 @@ use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use lemons_sweep::{Finished, How, Progress, Spec, Swept, sweep as run};
+use lemons_sweep::{Finished, Options, Progress, Spec, Swept, sweep as run};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -145,9 +145,9 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     };
     let started = Instant::now();
     let by = BUILD.whole();
-    let how = How { threads, retry: arguments.retry_failed, by: &by };
+    let options = Options { threads, retry: arguments.retry_failed, by: &by };
     let may_end = spec.may_end();
-    let done = run(spec, &output, how, interrupt.flag(), tell);
+    let done = run(spec, &output, options, interrupt.flag(), tell);
     bar.finish_and_clear();
     let Swept { rows, progress: at, warnings } = match (done, newest.get()) {
         (Ok(done), _) => done,
@@ -179,7 +179,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
 /// Claims the directories where points write files themselves.
 fn claim_series(spec: &Spec) -> Result<()> {
     for (_, directory) in spec.points.output_directories() {
-        files::claim_series(Path::new(&directory)).context("OutputDirectory")?;
+        files::claim_series(Path::new(directory)).context("OutputDirectory")?;
     }
     Ok(())
 }
