@@ -1,13 +1,12 @@
 //! `lemons run`: an FMU, or FMUs coupled by an SSP, stepped like any FMI master would.
 
+mod accuracy;
 mod fmus;
 mod outputs;
 mod recorder;
 mod subject;
 mod trial;
-mod two_steps;
 
-use crate::compared::{Poses, Seen};
 use crate::decide::Walk;
 use crate::error::{Misused, and_then, said};
 use crate::files::{self, Force};
@@ -15,6 +14,7 @@ use crate::interrupt::{Interrupt, Interrupted};
 use crate::results::{Format, FormatName, Place};
 use crate::tell::{Interim, nobody_listens};
 use crate::version::BUILD;
+use accuracy::{Poses, run_for};
 use anyhow::{Context, Error, Result, bail, ensure};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -32,7 +32,6 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use subject::{Identity, Prepared, Subject};
 pub use trial::not_set;
-use two_steps::run_for;
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -155,8 +154,8 @@ pub struct Job {
     pub state: Option<PathBuf>,
     /// When it ends.
     pub ends: Ends,
-    /// What is done with the poses.
-    pub poses: Poses,
+    /// Whether the poses of all communication points are kept.
+    pub keeps_poses: bool,
 }
 
 impl Arguments {
@@ -179,7 +178,7 @@ impl Arguments {
             ..Settings::of(&self.input)
         };
         let ends = if self.until == Some(Until::Left) { Ends::Left } else { Ends::AtTime };
-        Ok(Job { settings, rows, outputs, state: self.state.clone(), ends, poses: Poses::Ignore })
+        Ok(Job { settings, rows, outputs, state: self.state.clone(), ends, keeps_poses: false })
     }
 }
 
@@ -235,8 +234,8 @@ fn length(text: &str) -> Result<f64, String> {
 
 /// What came of a run.
 pub struct Ended {
-    /// If poses are followed: those of each crowd, and the mechanical steps \[s\].
-    poses: Vec<Seen>,
+    /// If poses are kept: those of each crowd, and the mechanical steps \[s\].
+    poses: Vec<Poses>,
     mechanical_steps: Vec<(String, f64)>,
     /// \[s\] the communication step
     step: f64,
@@ -317,7 +316,7 @@ fn written_by(before: Option<&Saved>) -> String {
 
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
 pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
-    let Job { settings, rows, outputs, state, ends, mut poses } = job;
+    let Job { settings, rows, outputs, state, ends, keeps_poses } = job;
     let Prepared {
         mut subject,
         crowds,
@@ -334,7 +333,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     } = prepare(&settings, outputs.as_ref())?;
     subject.take_warnings().iter().for_each(|warning| note!("{warning}"));
     coupling.push(format!("communication step {:>10} s", clock.step));
-    if matches!(poses, Poses::Keep | Poses::Compare(..)) && mechanical_steps.is_empty() {
+    if keeps_poses && mechanical_steps.is_empty() {
         bail!(
             "--accuracy: nothing here has a parameter TimeStepMechanical, so no mechanical step can be chosen"
         );
@@ -346,7 +345,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let mut recorders = Vec::with_capacity(crowds.len());
     for crowd in &crowds {
         let to = if crowds.len() > 1 { rows.named(&crowd.file_name)? } else { rows.clone() };
-        recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), &mut poses)?);
+        recorders.push(CrowdRecorder::create(crowd, to, &about, before.as_ref(), keeps_poses)?);
     }
     let stop = match ends {
         Ends::AtTime => None,

@@ -1,7 +1,7 @@
 //! What the command says: the one place that prints. A closed pipe or a full disk is an error, never a panic.
 
 use lemons_core::files::reader_left;
-use std::fmt::{self, Display};
+use std::fmt;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -17,19 +17,12 @@ macro_rules! note {
 }
 
 /// Standard output cannot be written.
-#[derive(Debug)]
-struct NotSaid(io::Error);
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write to standard output: {0}")]
+struct OutputError(io::Error);
 
-impl Display for NotSaid {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "cannot write to standard output: {}", self.0)
-    }
-}
-
-impl std::error::Error for NotSaid {}
-
-fn not_said(error: io::Error) -> io::Error {
-    io::Error::new(error.kind(), NotSaid(error))
+fn own(error: io::Error) -> io::Error {
+    io::Error::new(error.kind(), OutputError(error))
 }
 
 /// Standard output is for results: what the command says goes to standard error.
@@ -54,7 +47,7 @@ pub fn out() -> Out {
 impl Write for Out {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Out::Own(out) => out.write(bytes).map_err(not_said),
+            Out::Own(out) => out.write(bytes).map_err(own),
             // As of everything that is said there: perhaps nobody hears it.
             Out::Aside => {
                 let _ = io::stderr().lock().write_all(bytes);
@@ -65,7 +58,7 @@ impl Write for Out {
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            Out::Own(out) => out.flush().map_err(not_said),
+            Out::Own(out) => out.flush().map_err(own),
             Out::Aside => Ok(()),
         }
     }
@@ -109,7 +102,7 @@ pub fn nobody_listens(error: &anyhow::Error) -> bool {
         return true;
     }
     error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).any(|error| {
-        let own = error.get_ref().is_some_and(|inner| inner.is::<NotSaid>());
+        let own = error.get_ref().is_some_and(|inner| inner.is::<OutputError>());
         own && error.kind() == io::ErrorKind::BrokenPipe
     })
 }

@@ -7,47 +7,36 @@ use lemons_core::trial::{Problems, Trial};
 use lemons_master::{Error, Given, PrepareError, Warning};
 use std::path::Path;
 
-const FIXED: &str = "the saved run contains its parameters, and they cannot be changed";
-
-/// Why a run cannot be prepared. Errors of a Trial are printed.
+/// Why a run cannot be prepared, with the option that means it. Errors of a Trial are printed.
 pub fn refused(error: PrepareError) -> anyhow::Error {
     use PrepareError as E;
-    match error {
-        E::Parameter { name, value } => {
-            Misused(format!("--set {name}={value} with --resume: {FIXED}")).into()
-        }
-        E::Threads(threads) => Misused(format!("--threads {threads} with --resume: {FIXED}")).into(),
-        E::Tolerance(tolerance) => Misused(format!("--accuracy {tolerance:?} with --resume: {FIXED}")).into(),
-        E::ThreadsOfCoupled(threads) => {
-            anyhow!("--threads is for a Trial or an FMU: in an SSP, --set NAME.Threads={threads}")
-        }
-        E::DriveOfCoupled => {
-            anyhow!("--drive is for a Trial or an FMU: in an SSP inputs are fed by connections")
-        }
+    let (before, after) = match error {
+        E::Run(error) => return trial_told(error.into()),
         E::OfOther { name, value, meant } => {
-            anyhow!("--set {name}={value}: there is no such variable; did you mean --set {meant}={value}?")
+            return anyhow!(
+                "--set {name}={value}: there is no such variable; did you mean --set {meant}={value}?"
+            );
         }
-        E::NowWalks(_) => anyhow!("{error}: give --no-plan to go on as before"),
-        E::NoLongerWalks => anyhow!("{error}: go on without --no-plan, and with the file as it was (--plan)"),
-        E::PlanWithoutTrial => Misused(format!("--plan: {error}")).into(),
-        E::NotSaved(_) => anyhow!("{error} (--state writes one)"),
-        E::Component { name, value, components } => anyhow!(
-            "--set {name}={value}: expected COMPONENT.NAME=VALUE; components are {}",
-            components.join(", ")
-        ),
-        E::CannotSave { .. } => anyhow!("{error} (--state, --resume)"),
-        E::Nothing { .. } => anyhow!("{error} (--until)"),
-        E::NoStep => anyhow!("{error}: give --step"),
-        E::OtherStep { step, saved } => {
-            anyhow!("--step {step:?}: the saved run has a communication step of {saved:?} s")
-        }
-        E::OtherEvery { every, saved } => anyhow!("--every {every}: the saved run has --every {saved}"),
-        E::Every => anyhow!("{error} (--every)"),
-        E::OtherDrive => {
-            anyhow!("{error}: give the same drive file as before, or --no-drive as before")
-        }
-        E::Run(error) => trial_told(error.into()),
-    }
+        E::Parameter { .. } | E::Threads(_) | E::Tolerance(_) => ("--resume: ", ""),
+        E::PlanWithoutTrial => ("--plan: ", ""),
+        E::ThreadsOfCoupled(_) => ("--threads: ", ""),
+        E::DriveOfCoupled => ("--drive: ", ""),
+        E::Component { .. } => ("--set ", ""),
+        E::OtherStep { .. } => ("--step: ", ""),
+        E::OtherEvery { .. } => ("--every: ", ""),
+        E::NowWalks(_) => ("", ": give --no-plan to go on as before"),
+        E::NoLongerWalks => ("", ": go on without --no-plan, and with the file as it was (--plan)"),
+        E::NotSaved(_) => ("", " (--state writes one)"),
+        E::CannotSave { .. } => ("", " (--state, --resume)"),
+        E::Nothing { .. } => ("", " (--until)"),
+        E::NoStep => ("", ": give --step"),
+        E::Every => ("", " (--every)"),
+        E::OtherDrive => ("", ": give the same drive file as before, or --no-drive as before"),
+    };
+    let is_misuse =
+        matches!(error, E::Parameter { .. } | E::Threads(_) | E::Tolerance(_) | E::PlanWithoutTrial);
+    let text = format!("{before}{error}{after}");
+    if is_misuse { Misused(text).into() } else { anyhow!(text) }
 }
 
 /// Prints the errors of a Trial; any other error is returned as it is.
