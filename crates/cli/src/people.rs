@@ -2,8 +2,8 @@
 
 pub mod crowd;
 mod crowd_files;
-mod crowd_outputs;
 mod leave;
+mod outputs;
 pub mod person;
 mod placing;
 mod regions;

@@ -6,6 +6,7 @@ use crate::spec::{ENDED, Spec};
 use crate::table::{Finished, Table};
 use std::io;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::Builder;
@@ -73,7 +74,9 @@ pub fn sweep(
     let mut progress =
         Progress { done, failed: if retry { 0 } else { failed }, total: points.count, before: done };
     report(progress);
-    simulate(&job, &left, threads, stop, |rows| {
+    let queue =
+        Arc::new(Queue { job, points: left, next: AtomicUsize::new(0), over: AtomicBool::new(false) });
+    simulate(&queue, threads, stop, |rows| {
         table.add(rows)?;
         progress.done += rows.len();
         progress.failed += rows.iter().filter(|row| row.outcome.is_err()).count();
@@ -85,41 +88,61 @@ pub fn sweep(
     Ok(Swept { rows, progress, warnings })
 }
 
-/// Simulates points in threads, and writes what is finished.
+/// Data shared by the threads of a sweep.
+struct Queue {
+    job: Job,
+    points: Vec<usize>,
+    /// Index of the next point in the list.
+    next: AtomicUsize,
+    /// Whether no further point is begun.
+    over: AtomicBool,
+}
+
+impl Queue {
+    fn work(&self, finished: &Sender<Finished>) {
+        let mut worker = Worker::new(&self.job);
+        while let Some(&point) = self.points.get(self.next.fetch_add(1, Ordering::Relaxed)) {
+            let outcome = worker.simulate(point, &self.over).map_err(|error| error.whole()).transpose();
+            let Some(outcome) = outcome else { return };
+            if finished.send(Finished { point, outcome }).is_err() || self.over.load(Ordering::Relaxed) {
+                return;
+            }
+        }
+    }
+}
+
+/// Simulates points in threads, and writes what is finished. Threads that are stopped are not waited for: a step may
+/// take long.
 fn simulate(
-    job: &Job,
-    points: &[usize],
+    queue: &Arc<Queue>,
     threads: usize,
     stop: &AtomicBool,
     write: impl FnMut(&[Finished]) -> Result<()>,
 ) -> Result<()> {
-    let (next, over) = (AtomicUsize::new(0), AtomicBool::new(false));
     let (finished, arrived) = channel();
-    let work = |finished: Sender<Finished>| {
-        let mut worker = Worker::new(job);
-        while let Some(&point) = points.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let outcome = worker.simulate(point, &over).map_err(|error| error.whole()).transpose();
-            let Some(outcome) = outcome else { return };
-            if finished.send(Finished { point, outcome }).is_err() || over.load(Ordering::Relaxed) {
-                return;
+    let begin = |_| {
+        let (queue, finished) = (queue.clone(), finished.clone());
+        Builder::new().name("sweep".into()).spawn(move || queue.work(&finished))
+    };
+    let workers: io::Result<Vec<_>> = (0..threads.min(queue.points.len())).map(begin).collect();
+    // The channel closes when all workers have ended.
+    drop(finished);
+    let done = workers.place(|| "cannot start a thread".into()).and_then(|workers| {
+        match collect(&arrived, stop, write)? {
+            Ended::Stopped => Ok(()),
+            Ended::Finished => {
+                workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| Error::Worker))
             }
         }
-    };
-    std::thread::scope(|scope| {
-        let begin = |_| {
-            let (work, finished) = (&work, finished.clone());
-            Builder::new().name("sweep".into()).spawn_scoped(scope, move || work(finished))
-        };
-        let workers: io::Result<Vec<_>> = (0..threads.min(points.len())).map(begin).collect();
-        // The channel closes when all workers have ended.
-        drop(finished);
-        let done = workers.place(|| "cannot start a thread".into()).and_then(|workers| {
-            collect(&arrived, stop, &over, write)?;
-            workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| Error::Worker))
-        });
-        over.store(true, Ordering::Relaxed);
-        done
-    })
+    });
+    queue.over.store(true, Ordering::Relaxed);
+    done
+}
+
+/// Why no more points are collected.
+enum Ended {
+    Finished,
+    Stopped,
 }
 
 /// How long it takes at most until a stop is noticed.
@@ -129,28 +152,28 @@ const LATENCY: Duration = Duration::from_millis(50);
 fn collect(
     arrived: &Receiver<Finished>,
     stop: &AtomicBool,
-    over: &AtomicBool,
     mut write: impl FnMut(&[Finished]) -> Result<()>,
-) -> Result<()> {
+) -> Result<Ended> {
     let (start, mut last) = (Instant::now(), Instant::now());
     let mut pending: Vec<Finished> = Vec::new();
     loop {
         let between = Duration::from_secs(1).max(start.elapsed() / 100);
         let message = arrived.recv_timeout(between.saturating_sub(last.elapsed()).min(LATENCY));
-        let ended = message == Err(RecvTimeoutError::Disconnected);
+        let ended = match message {
+            Err(RecvTimeoutError::Disconnected) => Some(Ended::Finished),
+            _ if stop.load(Ordering::Relaxed) => Some(Ended::Stopped),
+            _ => None,
+        };
         pending.extend(message);
-        if stop.load(Ordering::Relaxed) {
-            over.store(true, Ordering::Relaxed);
-        }
-        if (ended || last.elapsed() >= between) && !pending.is_empty() {
+        if (ended.is_some() || last.elapsed() >= between) && !pending.is_empty() {
             pending.extend(arrived.try_iter());
             pending.sort_by_key(|row| row.point);
             write(&pending)?;
             pending.clear();
             last = Instant::now();
         }
-        if ended {
-            return Ok(());
+        if let Some(ended) = ended {
+            return Ok(ended);
         }
     }
 }

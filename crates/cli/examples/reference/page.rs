@@ -19,6 +19,12 @@ cargo run -p lemons-cli --example reference -- completions DIRECTORY    # bash, 
 | --- | --- |
 ";
 
+/// A block of text, without blanks at the ends of lines.
+fn block(text: &str) -> String {
+    let lines: Vec<&str> = text.trim_end().lines().map(str::trim_end).collect();
+    format!("```text\n{}\n```\n", lines.join("\n"))
+}
+
 /// The help of all commands in their order.
 pub fn page(command: Command) -> String {
     // As wide as in a terminal of the usual width, wherever it is made.
@@ -30,7 +36,7 @@ pub fn page(command: Command) -> String {
         let (name, help) = (command.get_name().to_owned(), command.render_long_help());
         let about = command.get_about().map(ToString::to_string).unwrap_or_default();
         table += &format!("| [`lemons {name}`](#lemons-{name}) | {about} |\n");
-        chapters += &format!("\n## lemons {name}\n\n```text\n{}\n```\n", help.to_string().trim_end());
+        chapters += &format!("\n## lemons {name}\n\n{}", block(&help.to_string()));
     }
-    format!("{table}\n## lemons\n\n```text\n{}\n```\n{chapters}", general.to_string().trim_end())
+    format!("{table}\n## lemons\n\n{}{chapters}", block(&general.to_string()))
 }

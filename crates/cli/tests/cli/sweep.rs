@@ -132,7 +132,7 @@ fn a_sweep_of_long_steps_can_be_interrupted() {
         std::thread::sleep(Duration::from_millis(1));
     }
     std::thread::sleep(Duration::from_secs(1));
-    let signal = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status();
+    let signal = std::process::Command::new("kill").args(["-TERM", &running.id().to_string()]).status();
     assert!(signal.unwrap().success());
     let output = running.wait_with_output().unwrap();
     assert_code(&output, 130);
