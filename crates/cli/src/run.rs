@@ -30,7 +30,7 @@ use recorder::{CrowdRecorder, Look, Recorded, Target};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use subject::{Identity, Prepared, Subject};
+use subject::{Prepared, Subject};
 pub use trial::not_set;
 
 #[derive(clap::Args)]
@@ -301,17 +301,12 @@ impl About {
     fn of(clock: &Clock, every: u64, before: Option<&Saved>) -> About {
         let goes_on = before.is_some();
         let lines = vec![
-            ("lemons_version", written_by(before)),
+            ("lemons_version", writers(before.map_or("", |before| &before.lemons), &BUILD.whole())),
             ("communication_step", format!("{:?}", clock.step)),
             ("every", every.to_string()),
         ];
         About { lines, goes_on }
     }
-}
-
-/// The builds of this program that have written a run.
-fn written_by(before: Option<&Saved>) -> String {
-    writers(before.map_or("", |before| &before.lemons), &BUILD.whole())
 }
 
 /// Runs and records; warnings go to standard error. Ctrl-C ends the run after the step under way.
@@ -325,10 +320,8 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         mechanical_steps,
         output_directories,
         clock,
-        index,
-        every,
         drive_end,
-        identity,
+        record,
         before,
     } = prepare(&settings, outputs.as_ref())?;
     subject.take_warnings().iter().for_each(|warning| note!("{warning}"));
@@ -341,6 +334,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     if before.is_none() {
         output_directories.iter().try_for_each(|path| claim_series(path))?;
     }
+    let Saved { index, every, .. } = record;
     let about = About::of(&clock, every, before.as_ref());
     let mut recorders = Vec::with_capacity(crowds.len());
     for crowd in &crowds {
@@ -376,22 +370,8 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let saved = match (&done, file) {
         (Ok(()), Some((file, path))) => {
             let (component, states) = subject.states()?;
-            let Identity { algorithm, wiring, drive } = identity;
-            let saved = Saved {
-                format: Saved::FORMAT,
-                lemons: written_by(before.as_ref()),
-                start: clock.start,
-                step: clock.step,
-                until: clock.until,
-                index,
-                time,
-                every,
-                algorithm,
-                wiring,
-                drive,
-                component,
-                crowd: recorders.iter().map(CrowdRecorder::record).collect(),
-            };
+            let crowd = recorders.iter().map(CrowdRecorder::record).collect();
+            let saved = Saved { index, time, component, crowd, ..record };
             let shown = path.display();
             let written = saved.write(&states, file).with_context(|| format!("cannot write {shown}"));
             written.map(|()| Some(format!("saved run          {shown}   (at t = {time:.3} s)")))

@@ -2,14 +2,14 @@
 
 use super::About;
 use super::outputs::OutputTable;
-use super::subject::{CrowdInfo, Identity, Prepared, States, Subject};
+use super::subject::{CrowdInfo, Prepared, States, Subject, record_of};
 use crate::results::{Cell, Column, Kind, Place};
 use crate::words::{refused, warned};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::variables::{Quantity, guid, table};
 use lemons_fmi::variables::{Kind as VariableKind, Variable};
-use lemons_master::{ComponentRecord, Given, PrepareError, Settings, Warning, read_saved};
+use lemons_master::{ComponentRecord, Given, PrepareError, Saved, Settings, Warning, read_saved};
 use lemons_results::Frame;
 use lemons_results::columns::Groups;
 use lemons_sim::settings::{DECISION, Selection};
@@ -211,15 +211,13 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
             .map(PathBuf::from)
             .into_iter()
             .collect(),
-        index: before.as_ref().map_or(0, |before| before.index),
-        clock,
-        every,
-        drive_end,
-        identity: Identity {
+        record: Saved {
             algorithm: settings.algorithm.to_string(),
-            wiring: String::new(),
             drive: drive.fingerprint(),
+            ..record_of(&clock, every, before.as_ref())
         },
+        clock,
+        drive_end,
         before,
         subject: Box::new(TrialRun { simulation, outputs, name, guid }),
     })

@@ -91,7 +91,12 @@ fn a_signal_leaves_valid_results_and_the_run_goes_on_bit_for_bit() {
     assert!(table == read(at, "whole.csv"), "to the last byte");
     let line = |text: &str, name: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
     let summary = push(at, "--resume push.run --state push.run --until 100 -o - --step 9", 1);
-    assert!(summary.contains("--step: a communication step of 9.0 s: the saved run has a communication step of 0.05 s"), "{summary}");
+    assert!(
+        summary.contains(
+            "--step: a communication step of 9.0 s: the saved run has a communication step of 0.05 s"
+        ),
+        "{summary}"
+    );
     // The extremes are those of the whole run.
     let next = format!("--resume push.run --until {:?} -o rest.csv", (last + 21) as f64 * 0.05);
     let summary = push(at, &next, 0);
