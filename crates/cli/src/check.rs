@@ -1,7 +1,7 @@
 //! `lemons check`: all that is wrong with a Trial at once.
 
-use crate::error::{TrialHasErrors, said};
-use crate::words;
+use crate::error::{TrialHasErrors, full_message};
+use crate::messages;
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
 use lemons_core::plane::Vec2;
@@ -29,7 +29,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         let Report { lines, errors, summary } = match Given::open(path) {
             Ok(given) => report(&given),
             Err(error) => {
-                say!("{}", said(&error.into()))?;
+                say!("{}", full_message(&error.into()))?;
                 sound = false;
                 continue;
             }
@@ -99,11 +99,11 @@ fn report(given: &Given) -> Report {
         doubts_of_drive(drive).into_iter().for_each(|doubt| report.warn(&drive_file, doubt));
     }
     if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
-        report.lines.push(words::warned(&Warning::DriveOfWalkers { plan: plan_file }));
+        report.lines.push(messages::warning_text(&Warning::DriveOfWalkers { plan: plan_file }));
     }
     if let Ok(drive) = &drive {
         match (drive.missed(0.0, parameters.time_step), drive.between(0.0, parameters.time_step)) {
-            (Some(missed), _) => report.warn(&drive_file, words::missed(&missed, "TimeStep")),
+            (Some(missed), _) => report.warn(&drive_file, messages::missed(&missed, "TimeStep")),
             (None, (between @ 1.., of)) => report.note(
                 &drive_file,
                 format!(

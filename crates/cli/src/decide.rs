@@ -2,8 +2,8 @@
 
 use crate::binary::DECISION;
 use crate::files::{self, Force};
+use crate::messages::read_or_report;
 use crate::pack::{Fmi, FmuArguments, say_size};
-use crate::words::read_or_say;
 use anyhow::{Context, Result, bail};
 use lemons_core::trial::Trial;
 use lemons_decision::{Plan, WISHES_FILE};
@@ -39,7 +39,7 @@ pub struct Arguments {
 pub fn decide(arguments: &Arguments) -> Result<()> {
     let mut file = files::stage(&arguments.output)?;
     let given = Given::open(&arguments.trial)?;
-    let (trial, warnings) = read_or_say(&given)?;
+    let (trial, warnings) = read_or_report(&given)?;
     for warning in warnings.iter() {
         note!("{warning}");
     }

@@ -1,8 +1,8 @@
 //! `lemons describe`: the model description that a Trial's FMU would have, or its Decision FMU.
 
+use crate::messages::read_or_report;
 use crate::pack::Fmi;
-use crate::tell;
-use crate::words::read_or_say;
+use crate::print;
 use anyhow::{Context, Result};
 use crowd_mechanics::model_description::{model_description, model_description_3};
 use crowd_mechanics::pack::{Format, Naming};
@@ -24,7 +24,7 @@ pub struct Arguments {
 }
 
 pub fn describe(arguments: &Arguments) -> Result<()> {
-    let (trial, _) = read_or_say(&Given::open(&arguments.trial)?)?;
+    let (trial, _) = read_or_report(&Given::open(&arguments.trial)?)?;
     let format = arguments.fmi.format(Naming::Structured);
     let text = match (&arguments.plan, format) {
         (Some(plan), _) => {
@@ -34,5 +34,5 @@ pub fn describe(arguments: &Arguments) -> Result<()> {
         (None, Format::Fmi2(naming)) => model_description(&trial, naming),
         (None, Format::Fmi3) => model_description_3(&trial),
     };
-    Ok(tell::out().write_all(text.as_bytes())?)
+    Ok(print::out().write_all(text.as_bytes())?)
 }

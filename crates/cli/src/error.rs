@@ -19,7 +19,7 @@ pub struct Misused(pub String);
 pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
     match (done, next) {
         (Err(first), Err(second)) => {
-            note!("lemons: {}", said(&second));
+            note!("lemons: {}", full_message(&second));
             Err(first)
         }
         (done, next) => done.and(next),
@@ -27,9 +27,9 @@ pub fn and_then(done: Result<()>, next: Result<()>) -> Result<()> {
 }
 
 /// An error with its causes; many of them say their cause themselves, which is not said again.
-pub fn said(error: &anyhow::Error) -> String {
+pub fn full_message(error: &anyhow::Error) -> String {
     let mut text = String::new();
-    for cause in error.chain().map(in_words).filter(|cause| !cause.is_empty()) {
+    for cause in error.chain().map(with_option).filter(|cause| !cause.is_empty()) {
         if text.ends_with(&cause) {
             continue;
         }
@@ -42,7 +42,7 @@ pub fn said(error: &anyhow::Error) -> String {
 }
 
 /// The text of a library's error, and which option or command has to do with it: libraries know of none.
-fn in_words(cause: &(dyn Error + 'static)) -> String {
+fn with_option(cause: &(dyn Error + 'static)) -> String {
     let of_master = match find::<lemons_sweep::Error>(cause) {
         Some(lemons_sweep::Error::Master(error)) => Some(error),
         _ => find::<lemons_master::Error>(cause),

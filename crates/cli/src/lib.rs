@@ -7,7 +7,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 #[macro_use]
-mod tell;
+mod print;
 
 mod bench;
 mod binary;
@@ -36,11 +36,11 @@ mod sweep;
 mod verify;
 mod version;
 
-mod words;
+mod messages;
 
 use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use error::{Misused, TrialHasErrors, said};
+use error::{Misused, TrialHasErrors, full_message};
 use interrupt::{EXIT_CODE, Interrupted};
 use lemons_core::files::give_up;
 use std::ffi::OsString;
@@ -112,7 +112,7 @@ pub fn definition() -> clap::Command {
 
 /// The command `lemons`: reads the command line, does what it says, and returns the exit code.
 pub fn main() -> ExitCode {
-    let done = interrupt::prepare().and_then(|()| command()).and_then(|()| Ok(tell::out().flush()?));
+    let done = interrupt::prepare().and_then(|()| command()).and_then(|()| Ok(print::out().flush()?));
     if done.is_err() {
         interrupt::wait_if_ending();
     }
@@ -121,9 +121,9 @@ pub fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<TrialHasErrors>() => ExitCode::from(3),
-        Err(error) if tell::nobody_listens(&error) => ExitCode::SUCCESS,
+        Err(error) if print::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            note!("lemons: {}", said(&error));
+            note!("lemons: {}", full_message(&error));
             if error.is::<Misused>() {
                 return ExitCode::from(2);
             }
@@ -142,7 +142,7 @@ fn command() -> Result<()> {
         Ok(matches) => matches,
         // Where it was asked for, help goes where everything goes.
         Err(asked) if std::io::stdout().is_terminal() || asked.use_stderr() => asked.exit(),
-        Err(asked) => return Ok(write!(tell::out(), "{}", asked.render())?),
+        Err(asked) => return Ok(write!(print::out(), "{}", asked.render())?),
     };
     if let Some((name, matches)) = matches.subcommand()
         && let Some(command) = all.find_subcommand(name)

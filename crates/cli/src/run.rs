@@ -8,11 +8,11 @@ mod subject;
 mod trial;
 
 use crate::decide::Walk;
-use crate::error::{Misused, and_then, said};
+use crate::error::{Misused, and_then, full_message};
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
+use crate::print::{ProgressNotes, is_closed_pipe};
 use crate::results::{Format, FormatName, Place};
-use crate::tell::{Interim, nobody_listens};
 use crate::version::BUILD;
 use accuracy::{Poses, run_for};
 use anyhow::{Context, Error, Result, bail, ensure};
@@ -354,7 +354,7 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
     let bar = progress_bar(stop.as_ref(), clock.steps.saturating_sub(index))?;
     let started = Instant::now();
     let mut run =
-        Recording { recorders, stop, every, index, bar, interim: Interim::from(started), interrupt };
+        Recording { recorders, stop, every, index, bar, notes: ProgressNotes::from(started), interrupt };
     let mut done = run.see(&mut *subject, if before.is_none() { Look::Start } else { Look::Resumed });
     if done.is_ok() && !interrupt.pressed() {
         let stepped =
@@ -439,7 +439,7 @@ struct Recording<'a> {
     /// The last communication point of the clock that was reached.
     index: u64,
     bar: ProgressBar,
-    interim: Interim,
+    notes: ProgressNotes,
     interrupt: &'a Interrupt,
 }
 
@@ -474,7 +474,7 @@ impl Recording<'_> {
         let written = point.steps.is_multiple_of(self.every);
         self.see(subject, if written { Look::Written } else { Look::Passed })?;
         self.bar.set_message(format!("t = {:.2} s", point.time));
-        if self.bar.is_hidden() && self.interim.is_due(Instant::now()) {
+        if self.bar.is_hidden() && self.notes.is_due(Instant::now()) {
             note!("t = {:.2} s", point.time);
         }
         match self.stop.as_ref().and_then(StopCondition::left) {
@@ -592,12 +592,12 @@ fn pressing(
 /// The error of a run that stopped at a time \[s\], after what became of its files was told.
 fn stopped(error: Error, time: f64, placed: Result<()>) -> Error {
     let stopped = format!("stopped at t = {time:?} s");
-    let quiet = nobody_listens(&error);
+    let quiet = is_closed_pipe(&error);
     error.context(match placed {
         Ok(()) => format!("{stopped}; the results until then are written"),
         Err(why) => {
             if !quiet {
-                note!("lemons: {}", said(&why));
+                note!("lemons: {}", full_message(&why));
             }
             stopped
         }

@@ -2,9 +2,9 @@
 
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
-use crate::tell::Interim;
+use crate::messages::report_problems;
+use crate::print::ProgressNotes;
 use crate::version::BUILD;
-use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_sweep::{Finished, Options, Progress, Spec, Swept, sweep as run};
@@ -57,7 +57,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         ProgressStyle::with_template("{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left")?;
     let bar = ProgressBar::new(spec.points.count as u64).with_style(style);
     let newest = Cell::new(None);
-    let mut interim = Interim::from(Instant::now());
+    let mut notes = ProgressNotes::from(Instant::now());
     let tell = |at: Progress| {
         newest.set(Some(at));
         if at.failed > 0 {
@@ -69,7 +69,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
             bar.reset_eta();
         }
         bar.set_position(at.done as u64);
-        if bar.is_hidden() && interim.is_due(Instant::now()) {
+        if bar.is_hidden() && notes.is_due(Instant::now()) {
             note!("{} of {} points, {} failed", at.done, at.total, at.failed);
         }
     };
@@ -82,7 +82,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let Swept { rows, progress: at, warnings } = match (done, newest.get()) {
         (Ok(done), _) => done,
         (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
-        (Err(lemons_sweep::Error::Master(error)), None) => return Err(trial_told(error.into())),
+        (Err(lemons_sweep::Error::Master(error)), None) => return Err(report_problems(error.into())),
         (Err(error @ (lemons_sweep::Error::Spec(_) | lemons_sweep::Error::In { .. })), None) => {
             return Err(anyhow::Error::new(error).context(arguments.spec.display().to_string()));
         }

@@ -12,7 +12,7 @@ use crate::error::{Misused, TrialHasErrors, and_then};
 use crate::files;
 use crate::interrupt::Interrupt;
 use crate::pack::{Fmi, FmuArguments, write_fmu};
-use crate::tell;
+use crate::print;
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 use crowd_mechanics::pack::Binary;
@@ -297,7 +297,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         )?;
     }
     done = and_then(done, outputs.persist(|| interrupt.check(), &mut out));
-    let told = tell::out().write_all(&out);
+    let told = print::out().write_all(&out);
     done.and(Ok(told?))
 }
 

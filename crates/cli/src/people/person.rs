@@ -4,7 +4,7 @@ use super::outputs::Outputs;
 use super::{SexArgument, breadth, depth, line, mass, stature};
 use crate::error::Misused;
 use crate::files::Force;
-use crate::tell;
+use crate::print;
 use anyhow::Result;
 use lemons_core::plane::{Pose, vec2};
 use lemons_core::trial::Geometry;
@@ -118,7 +118,7 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         outputs.draw(&Scene::at_start(&trial), &Style::default())?;
     }
     let done = outputs.persist(|| Ok(()), &mut out);
-    let printed = tell::out().write_all(&out);
+    let printed = print::out().write_all(&out);
     done.and(Ok(printed?))
 }
 

@@ -3,8 +3,8 @@
 use super::outputs::Outputs;
 use super::subject::{CrowdInfo, Prepared, States, Subject, record_of};
 use crate::connect::plain_names;
+use crate::messages::{not_prepared, warning_text};
 use crate::results::{Column, Kind};
-use crate::words::{refused, warned};
 use anyhow::{Error, Result, anyhow};
 use lemons_core::trial::Trial;
 use lemons_master::ssp::{Interface, Kind as Causality, Type};
@@ -42,9 +42,9 @@ pub fn prepare(
     settings: &Settings,
     outputs: impl FnOnce(&System, Vec<usize>, (&Clock, u64), Option<&Saved>) -> Result<Option<Outputs>>,
 ) -> Result<Prepared> {
-    let mut run = lemons_master::Prepared::of(settings).map_err(refused)?;
+    let mut run = lemons_master::Prepared::of(settings).map_err(not_prepared)?;
     for warning in &run.warnings {
-        note!("{}", warned(warning));
+        note!("{}", warning_text(warning));
     }
     let (system, trials) = (&run.system, std::mem::take(&mut run.trials));
     let (mut readers, mut crowds, mut others) = (Vec::new(), Vec::new(), Vec::new());

@@ -8,10 +8,10 @@ use lemons_master::{Error, Given, PrepareError, Warning};
 use std::path::Path;
 
 /// Why a run cannot be prepared, with the option that means it. Errors of a Trial are printed.
-pub fn refused(error: PrepareError) -> anyhow::Error {
+pub fn not_prepared(error: PrepareError) -> anyhow::Error {
     use PrepareError as E;
     let (before, after) = match error {
-        E::Run(error) => return trial_told(error.into()),
+        E::Run(error) => return report_problems(error.into()),
         E::OfOther { name, value, meant } => {
             return anyhow!(
                 "--set {name}={value}: there is no such variable; did you mean --set {meant}={value}?"
@@ -40,28 +40,28 @@ pub fn refused(error: PrepareError) -> anyhow::Error {
 }
 
 /// Prints the errors of a Trial; any other error is returned as it is.
-pub fn trial_told(error: anyhow::Error) -> anyhow::Error {
+pub fn report_problems(error: anyhow::Error) -> anyhow::Error {
     match error.downcast() {
-        Ok(Error::Broken { path, problems }) => broken(&path, &problems),
+        Ok(Error::Broken { path, problems }) => report_broken(&path, &problems),
         Ok(error) => error.into(),
         Err(error) => error,
     }
 }
 
 /// A Trial with its warnings. Errors are printed.
-pub fn read_or_say(given: &Given) -> Result<(Trial, Problems)> {
-    given.read().map_err(|problems| broken(given.path(), &problems))
+pub fn read_or_report(given: &Given) -> Result<(Trial, Problems)> {
+    given.read().map_err(|problems| report_broken(given.path(), &problems))
 }
 
 /// Prints the errors of a Trial.
-pub fn broken(path: &Path, problems: &Problems) -> anyhow::Error {
+pub fn report_broken(path: &Path, problems: &Problems) -> anyhow::Error {
     note!("{problems}");
     note!("lemons: {} has errors", path.display());
     TrialHasErrors.into()
 }
 
 /// What is probably not meant.
-pub fn warned(warning: &Warning) -> String {
+pub fn warning_text(warning: &Warning) -> String {
     match warning {
         Warning::Ignored(_) | Warning::Differs { .. } => format!("warning: {warning}"),
         Warning::Overwritten { .. } => format!("warning: --set {warning}"),
