@@ -1,7 +1,7 @@
 //! `lemons person`, `lemons crowd`: people from anthropometric data, and what both commands share.
 
+mod bodies;
 pub mod crowd;
-mod crowd_files;
 mod leave;
 mod outputs;
 pub mod person;

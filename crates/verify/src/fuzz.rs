@@ -13,7 +13,6 @@
 //! - `table_csv`: any bytes as the table of a run
 //! - `sweep_toml`: any text as a `sweep.toml`, any bytes as the table of points that it names
 //! - `run_file`: any bytes as a saved run, or as its `run.toml`
-//! - `light_xml`: any text as a light XML file
 
 mod calls;
 mod files;
@@ -23,14 +22,14 @@ mod models;
 use crate::testing::Version;
 use calls::{calls, states};
 use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
-use inputs::{drive_csv, light_xml, run_file, sweep_toml, table_csv};
+use inputs::{drive_csv, run_file, sweep_toml, table_csv};
 use models::Subject;
 
 /// A fuzz target.
 pub type Target = fn(&[u8]);
 
 /// The targets, by the names of their fuzzers and of the directories of their inputs.
-pub const TARGETS: [(&str, Target); 15] = [
+pub const TARGETS: [(&str, Target); 14] = [
     ("fmi_calls", |data| calls(Subject::Crowd, Version::V2, data)),
     ("decision_calls", |data| calls(Subject::Decision, Version::V2, data)),
     ("states", |data| states(Version::V2, data)),
@@ -45,7 +44,6 @@ pub const TARGETS: [(&str, Target); 15] = [
     ("table_csv", table_csv),
     ("sweep_toml", sweep_toml),
     ("run_file", run_file),
-    ("light_xml", light_xml),
 ];
 
 /// The FMUs silence panics in their host; here a panic is what is looked for, and is shown.

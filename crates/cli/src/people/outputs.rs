@@ -1,6 +1,6 @@
 //! What `lemons crowd` writes beside the Trial, and `lemons person`: tables, meshes, pictures.
 
-use super::crowd_files::Bodies;
+use super::bodies::Bodies;
 use crate::error::and_then;
 use crate::output::Output;
 use anyhow::Result;

@@ -1,7 +1,7 @@
 //! What walls leave of a polygon: ground for people in a room with openings, in a part of a room, between obstacles.
 
-use super::region::Region;
-use super::region_error::{RegionError, SMALLEST_AREA};
+use super::region::{Region, SMALLEST_AREA};
+use crate::error::{PeopleError, Result, require};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
@@ -15,9 +15,9 @@ const ROUNDING: f64 = 1e-9;
 /// \[m\] A wall this near to a side of the polygon is the side.
 const BESIDE: f64 = 1e-9;
 
-/// A polygon among walls.
+/// A polygon without what walls take of it.
 #[derive(Debug, Clone)]
-pub struct Part {
+pub struct FreeSpace {
     /// Where people may stand.
     pub region: Region,
     /// Ids of the closed walls that it lies in.
@@ -41,11 +41,13 @@ impl Region {
     ///
     /// # Errors
     /// The polygon does not bound a region, or nothing is left of it.
-    pub fn among(outer: &[Vec2], walls: &Geometry, earlier: &[&Region]) -> Result<Part, RegionError> {
+    pub fn free_space(outer: &[Vec2], walls: &Geometry, earlier: &[&Region]) -> Result<FreeSpace> {
         let whole = Region::polygon(outer, &[])?;
         let mut shapes: Shapes = vec![whole.rings().iter().map(contour).collect()];
         let (mut rooms, mut obstacles, mut open) = (Vec::new(), Vec::new(), Vec::new());
-        let Some(bounds) = whole.bounds() else { return Err(RegionError::NoWalls) };
+        let Some(bounds) = whole.bounds() else {
+            return Err(PeopleError::new("no walls: nothing bounds the region"));
+        };
         let near = |wall: &&Wall| {
             Bounds::of(wall.corners.iter().copied()).is_some_and(|wall| bounds_meet(&bounds, &wall))
         };
@@ -70,9 +72,16 @@ impl Region {
         }
         let rings: Vec<Ring> = shapes.iter().flat_map(|shape| rings(shape)).collect();
         let left: f64 = rings.iter().map(Ring::signed_area).sum();
-        if left < SMALLEST_AREA {
-            return Err(RegionError::NothingLeft { obstacles });
-        }
+        require(left >= SMALLEST_AREA, || {
+            let why = match &obstacles[..] {
+                [] => "earlier regions cover it".to_owned(),
+                [one] => format!("the closed wall {one} is an obstacle"),
+                many => format!("the closed walls {} are obstacles", many.join(", ")),
+            };
+            format!(
+                "no ground is left: {why} (a closed wall is a room where it holds more than half of the region)"
+            )
+        })?;
         let mut sides = Vec::new();
         let mut within = Vec::new();
         for wall in open {
@@ -83,7 +92,7 @@ impl Region {
                 within.push(wall.id.clone());
             }
         }
-        Ok(Part { region: Region::left(rings, &sides, left), rooms, obstacles, walls: within })
+        Ok(FreeSpace { region: Region::left(rings, &sides, left), rooms, obstacles, walls: within })
     }
 }
 
@@ -152,9 +161,9 @@ mod tests {
         wall(id, &[(x, y), (x + side, y), (x + side, y + side), (x, y + side), (x, y)])
     }
 
-    fn part(outer: &[(f64, f64)], walls: Vec<Wall>) -> Result<Part, RegionError> {
+    fn part(outer: &[(f64, f64)], walls: Vec<Wall>) -> Result<FreeSpace> {
         let outer: Vec<Vec2> = outer.iter().map(|&(x, y)| vec2(x, y)).collect();
-        Region::among(&outer, &Geometry { dimensions: None, walls }, &[])
+        Region::free_space(&outer, &Geometry { dimensions: None, walls }, &[])
     }
 
     const BOX: [(f64, f64); 4] = [(0.0, 0.0), (8.0, 0.0), (8.0, 6.0), (0.0, 6.0)];
@@ -244,15 +253,11 @@ mod tests {
         let first = Region::rectangle(vec2(6.0, -1.0), vec2(9.0, 9.0)).unwrap();
         let outer: Vec<Vec2> = BOX.iter().map(|&(x, y)| vec2(x, y)).collect();
         let open = Geometry { dimensions: None, walls: vec![] };
-        let part = Region::among(&outer, &open, &[&first]).unwrap();
-        assert!((part.region.area() - 36.0).abs() < 1e-6);
+        let free = Region::free_space(&outer, &open, &[&first]).unwrap();
+        assert!((free.region.area() - 36.0).abs() < 1e-6);
         let all = Region::rectangle(vec2(-1.0, -1.0), vec2(9.0, 9.0)).unwrap();
-        let none = Region::among(&outer, &open, &[&all]).unwrap_err();
+        let none = Region::free_space(&outer, &open, &[&all]).unwrap_err();
         assert!(none.to_string().starts_with("no ground is left: earlier regions cover it"), "{none}");
-    }
-
-    #[test]
-    fn rooms_beside_each_other_are_no_ground() {
         let none = part(&BOX, vec![square("a", -2.0, 0.0, 6.0), square("b", 4.0, 0.0, 6.0)]).unwrap_err();
         assert!(none.to_string().contains("the closed walls a, b are obstacles"), "{none}");
     }

@@ -1,6 +1,6 @@
 //! Files to keep: a Trial as a zip, as an FMU; tables, pictures, bodies.
 
-use crate::driven::{Driven, parts};
+use crate::base::{Driven, split};
 use crate::frame::frame;
 use crate::run::Run;
 use crate::{Refused, Reply};
@@ -28,7 +28,7 @@ const LARGEST_TABLE: u64 = 500_000_000;
 /// A file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "file", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Wanted {
+pub enum FileRequest {
     /// The Trial's directory in a zip.
     Trial {},
     /// An FMU. The bytes are its binaries, one after the other.
@@ -39,7 +39,7 @@ pub enum Wanted {
         binaries: Vec<(String, usize)>,
     },
     /// A picture of a frame. The bytes are the frame, and a number for each agent: what its colour shows.
-    Svg(Look),
+    Svg(PictureStyle),
     /// Everybody's measures, as CSV.
     Population {},
     /// Everybody's body in a frame (the bytes).
@@ -57,7 +57,7 @@ pub enum Wanted {
 /// How a picture is drawn.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Look {
+pub struct PictureStyle {
     /// The number at the upper end of the colours.
     pub most: f64,
     /// What the colours show.
@@ -84,43 +84,43 @@ pub enum MeshFormat {
 ///
 /// # Errors
 /// It cannot be made of this run, the bytes are not what is said, or `watch` stopped it.
-pub fn take(wanted: &Wanted, run: &Run, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
+pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) -> Result<Reply, Refused> {
     let of = run.driven();
     let Driven { trial, drive, wishes, people, .. } = of;
     let named = |end: &str, bytes: Vec<u8>| {
         Ok(Reply { value: json!({ "name": format!("{}{end}", trial.name) }), bytes })
     };
     match wanted {
-        Wanted::Trial {} => {
+        FileRequest::Trial {} => {
             let others = [(DRIVE_FILE, &**drive), (WISHES_FILE, &**wishes)];
             let others: Vec<_> = others.into_iter().filter(|(_, text)| !text.is_empty()).collect();
-            let zip = zip_trial(trial, &others, Cursor::new(Vec::new())).map_err(Refused::of)?;
+            let zip = zip_trial(trial, &others, Cursor::new(Vec::new()))?;
             named(".zip", zip.into_inner())
         }
-        Wanted::Fmu { version, binaries } => {
+        FileRequest::Fmu { version, binaries } => {
             let format = match version {
                 2 => Format::Fmi2(Naming::default()),
                 3 => Format::Fmi3,
                 _ => return Err(Refused(format!("FMI {version}: the versions are 2 and 3"))),
             };
-            named(".fmu", fmu(of, format, &parts(binaries, bytes)?)?)
+            named(".fmu", fmu(of, format, &split(binaries, bytes)?)?)
         }
-        Wanted::Population {} => {
+        FileRequest::Population {} => {
             let people = people.as_ref().ok_or_else(|| {
                 Refused("only the measures of people that the lab has drawn are known: make a crowd".into())
             })?;
             let agents: Vec<Agent> = people.iter().copied().map(Agent::Pedestrian).collect();
             named("_people.csv", crowd_csv(&agents).into_bytes())
         }
-        Wanted::Mesh { format } => {
+        FileRequest::Mesh { format } => {
             let (end, file) = match format {
                 MeshFormat::Obj => (".obj", mesh(run, bytes, |parts, file| write_obj(parts, file))?),
                 MeshFormat::Stl => (".stl", mesh(run, bytes, |parts, file| write_stl(parts, file))?),
             };
             named(end, file)
         }
-        Wanted::Svg(look) => named(".svg", svg(look, run, bytes)?.into_bytes()),
-        Wanted::Trajectories { steps } => named(".csv", table(of, *steps, watch)?),
+        FileRequest::Svg(style) => named(".svg", svg(style, run, bytes)?.into_bytes()),
+        FileRequest::Trajectories { steps } => named(".csv", table(of, *steps, watch)?),
     }
 }
 
@@ -144,7 +144,7 @@ fn fmu(of: &Driven, format: Format, binaries: &[(&str, &[u8])]) -> Result<Vec<u8
         package.binaries.push(Binary { platform: (*platform).to_owned(), path });
     }
     let mut fmu = Cursor::new(Vec::new());
-    package.write_to(&files, Path::new("the FMU"), &mut fmu).map_err(Refused::of)?;
+    package.write_to(&files, Path::new("the FMU"), &mut fmu)?;
     Ok(fmu.into_inner())
 }
 
@@ -171,12 +171,12 @@ fn mesh(
         parts.extend(of_one.map(|part| MeshPart { name: format!("agent_{id}_{}", part.name), ..part }));
     }
     let mut file = Vec::new();
-    write(&parts, &mut file).map_err(Refused::of)?;
+    write(&parts, &mut file)?;
     Ok(file)
 }
 
 /// A picture of a frame, and a number for each agent.
-fn svg(look: &Look, run: &Run, bytes: &[u8]) -> Result<String, Refused> {
+fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused> {
     let (trial, people) = (&run.driven().trial, run.people());
     let short = || Refused("the picture needs a frame, and a number for each agent".into());
     let (shown, values) = bytes.split_at_checked(bytes.len().saturating_sub(8 * people)).ok_or_else(short)?;
@@ -184,14 +184,14 @@ fn svg(look: &Look, run: &Run, bytes: &[u8]) -> Result<String, Refused> {
     let (values, _) = values.as_chunks::<8>();
     let values = values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
     let mut scene = Scene::new(trial, poses);
-    if look.forces {
+    if wanted.forces {
         let force = |of: Chain| Force { from: of.from, to: of.to, normal_force: of.normal_force };
         scene.forces = run.chains(shown)?.into_iter().map(force).collect();
     }
-    let range = Some((0.0, look.most)).filter(|_| look.most > 0.0);
-    let (label, unit) = (look.label.clone(), look.unit.clone());
+    let range = Some((0.0, wanted.most)).filter(|_| wanted.most > 0.0);
+    let (label, unit) = (wanted.label.clone(), wanted.unit.clone());
     let fill = Fill::Values(Values { values, label, unit, range, ..Values::default() });
-    let style = Style { width: 800.0, fill, time: Some(look.time), ..Style::default() };
+    let style = Style { width: 800.0, fill, time: Some(wanted.time), ..Style::default() };
     Ok(lemons_picture::svg(&scene, &style))
 }
 
@@ -208,14 +208,13 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     let groups = Groups { contacts: true, of_step: true, active: of.plan.is_some(), totals: true };
     let content = Content { columns: groups.columns(), about: Vec::new() };
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
-    let writer =
-        TableWriter::create(file, path, lemons_results::Format::Csv, &content).map_err(Refused::of)?;
+    let writer = TableWriter::create(file, path, lemons_results::Format::Csv, &content)?;
     let ids = of.trial.agents.iter().map(|agent| agent.id.clone()).collect();
-    let mut writer = FrameWriter::new(writer, ids, groups).map_err(Refused::of)?;
-    writer.frame(&run.observed()).map_err(Refused::of)?;
+    let mut writer = FrameWriter::new(writer, ids, groups)?;
+    writer.frame(&run.observed())?;
     for step in 1..=steps {
         run.step()?;
-        writer.frame(&run.observed()).map_err(Refused::of)?;
+        writer.frame(&run.observed())?;
         let (iteration, limit) = (u64::from(step), u64::from(steps));
         // Without a stage of its own: the page knows it by the overlap.
         let progress = Progress { stage: Stage::Growing, iteration, limit, overlap: f64::NAN, density: 0.0 };
@@ -223,5 +222,5 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
             return Err(Refused("the table was stopped".into()));
         }
     }
-    Ok(writer.finish().map_err(Refused::of)?.into_inner())
+    Ok(writer.finish()?.into_inner())
 }

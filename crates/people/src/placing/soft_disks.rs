@@ -5,8 +5,10 @@
 use super::neighbours::CellGrid;
 use super::region::Edge;
 use super::{Orientation, Region};
+use crate::random::Random;
 use crate::shape::Shape;
-use lemons_core::plane::{Bounds, Disk, Pose, Rotation, Vec2, segments_cross, vec2};
+use lemons_core::plane::{Disk, Pose, Rotation, Vec2, segments_cross, vec2};
+use std::f64::consts::TAU;
 
 /// \[m\] The list of near pairs is made again when something has moved by half of this. Results do not depend on it.
 const SKIN: f64 = 0.08;
@@ -25,6 +27,23 @@ pub enum Boundary<'a> {
     Region(&'a Region),
     /// A circle about the origin \[m\].
     Circle(f64),
+}
+
+impl Boundary<'_> {
+    /// The point at two fractions of the area. Evenly spread fractions give evenly spread points.
+    pub fn point_at(&self, u: f64, v: f64) -> Vec2 {
+        match self {
+            Boundary::Region(region) => region.point_at(u, v),
+            // From the centre outwards, and around.
+            Boundary::Circle(radius) => vec2(radius * u.sqrt(), 0.0).rotated(Rotation::by(TAU * v)),
+        }
+    }
+
+    /// A random point, evenly distributed.
+    pub fn random_point(&self, random: &mut Random) -> Vec2 {
+        let (u, v) = (random.unit(), random.unit());
+        self.point_at(u, v)
+    }
 }
 
 /// Along x, along y, and the turn × the lever of the body: all three in metres.
@@ -60,16 +79,9 @@ impl Body {
     }
 }
 
-/// The side of the boundary on which a point lies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Side {
-    Inside,
-    Outside,
-}
-
 /// Shapes, the forces on them, and lists of near pairs.
 #[derive(Debug, Clone)]
-pub struct Pile<'a> {
+pub struct SoftDisks<'a> {
     pub boundary: Boundary<'a>,
     pub bodies: Vec<Body>,
     /// Whether the shapes may turn.
@@ -85,18 +97,22 @@ pub struct Pile<'a> {
     /// −∂E along the coordinates of each body.
     pub force: Vec<Coordinates>,
     pairs: Vec<(u32, u32)>,
-    /// For each body near the boundary: its index, the side of its origin, the range of its edges in `edges`.
-    near_edges: Vec<(u32, Side, std::ops::Range<usize>)>,
+    /// For each body near the boundary: its index, whether its origin is inside, the range of its edges in `edges`.
+    near_edges: Vec<(u32, bool, std::ops::Range<usize>)>,
     edges: Vec<Edge>,
-    edge_grid: EdgeGrid,
     /// Positions and scale when the near pairs were listed.
     listed: Vec<Vec2>,
     listed_scale: f64,
 }
 
-impl<'a> Pile<'a> {
+impl<'a> SoftDisks<'a> {
     /// Makes shapes at the origin. Each keeps a distance `pad` \[m\] from the others and from the boundary.
-    pub fn new(shapes: &[Shape], boundary: Boundary<'a>, orientation: Orientation, pad: f64) -> Pile<'a> {
+    pub fn new(
+        shapes: &[Shape],
+        boundary: Boundary<'a>,
+        orientation: Orientation,
+        pad: f64,
+    ) -> SoftDisks<'a> {
         let mut bodies = Vec::with_capacity(shapes.len());
         let mut disks = Vec::new();
         for shape in shapes {
@@ -107,14 +123,9 @@ impl<'a> Pile<'a> {
             let (position, reach) = (Vec2::ZERO, super::reach(shape));
             bodies.push(Body { position, angle: 0.0, reach, lever, first, last: disks.len() });
         }
-        let widest = bodies.iter().map(|b| b.reach).fold(0.0, f64::max);
-        let edge_grid = match boundary {
-            Boundary::Region(region) => EdgeGrid::new(region, edges_within(widest)),
-            Boundary::Circle(_) => EdgeGrid::default(),
-        };
-        Pile {
+        SoftDisks {
             boundary,
-            turns: !matches!(orientation, Orientation::Fixed(_)),
+            turns: orientation.turns(),
             scale: 1.0,
             pad,
             placed: disks.clone(),
@@ -123,7 +134,6 @@ impl<'a> Pile<'a> {
             pairs: Vec::new(),
             near_edges: Vec::new(),
             edges: Vec::new(),
-            edge_grid,
             listed: Vec::new(),
             listed_scale: 0.0,
             bodies,
@@ -135,26 +145,29 @@ impl<'a> Pile<'a> {
         self.bodies.iter_mut().for_each(|b| b.position = b.position * factor);
     }
 
+    /// The disks of a body at an angle and a size, relative to its position.
+    fn turned(&self, who: usize, angle: f64, scale: f64) -> impl Iterator<Item = Disk> {
+        let (body, turn) = (&self.bodies[who], Rotation::by(angle));
+        self.disks[body.first..body.last]
+            .iter()
+            .map(move |disk| Disk { centre: disk.centre.rotated(turn) * scale, radius: disk.radius * scale })
+    }
+
     /// All disks at their present places and size.
     pub fn circles(&self) -> Vec<Disk> {
-        let mut circles = Vec::with_capacity(self.disks.len());
-        for body in &self.bodies {
-            let turn = Rotation::by(body.angle);
-            circles.extend(self.disks[body.first..body.last].iter().map(|d| Disk {
-                centre: body.position + d.centre.rotated(turn) * self.scale,
-                radius: d.radius * self.scale,
-            }));
-        }
-        circles
+        let of = |who: usize| {
+            let Body { position, angle, .. } = self.bodies[who];
+            self.turned(who, angle, self.scale)
+                .map(move |disk| Disk { centre: position + disk.centre, ..disk })
+        };
+        (0..self.bodies.len()).flat_map(of).collect()
     }
 
     /// Whether a body, at full size, has disks on both sides of a wall.
     pub fn is_across(&self, who: usize, region: &Region) -> bool {
         let body = &self.bodies[who];
-        let turn = Rotation::by(body.angle);
-        let own = self.disks[body.first..body.last].iter();
-        own.map(|disk| body.position + disk.centre.rotated(turn))
-            .any(|disk| region.parted(body.position, disk))
+        let mut own = self.turned(who, body.angle, 1.0);
+        own.any(|disk| region.parted(body.position, body.position + disk.centre))
     }
 
     /// Moves all bodies.
@@ -221,23 +234,17 @@ impl<'a> Pile<'a> {
     fn through(&self, centre: Vec2, radius: f64) -> f64 {
         let radius = radius + 0.5 * self.pad;
         match self.boundary {
-            Boundary::Region(region) => match self.edge_grid.near(centre) {
-                ([], true) => 0.0,
-                _ => radius - region.depth(centre),
-            },
+            Boundary::Region(region) => radius - region.depth(centre),
             Boundary::Circle(outer) => centre.norm() + radius - outer,
         }
     }
 
     /// \[m²\] Energy of a body at a pose, at most `bound`; `grid` contains the positions of the bodies.
     pub fn energy_at(&self, grid: &CellGrid, who: usize, position: Vec2, angle: f64, bound: f64) -> f64 {
-        let (body, turn) = (&self.bodies[who], Rotation::by(angle));
         let mut energy = 0.0;
         let pad = 0.5 * self.pad;
-        let own = self.disks[body.first..body.last].iter().map(|d| Disk {
-            centre: position + d.centre.rotated(turn) * self.scale,
-            radius: d.radius * self.scale + pad,
-        });
+        let own = self.turned(who, angle, self.scale);
+        let own = own.map(|disk| Disk { centre: position + disk.centre, radius: disk.radius + pad });
         for disk in own {
             let overlap = self.through(disk.centre, disk.radius).max(0.0);
             energy += 0.5 * overlap * overlap;
@@ -264,7 +271,7 @@ impl<'a> Pile<'a> {
         energy
     }
 
-    /// Makes a grid of the bodies for [`Pile::energy_at`].
+    /// Makes a grid of the bodies for [`SoftDisks::energy_at`].
     pub fn grid(&mut self) -> CellGrid {
         self.place_disks();
         let widest = self.bodies.iter().map(|b| b.reach).fold(0.0, f64::max);
@@ -312,15 +319,10 @@ impl<'a> Pile<'a> {
         self.near_edges.clear();
         self.edges.clear();
         for (k, body) in self.bodies.iter().enumerate() {
-            let (near, inside) = self.edge_grid.near(body.position);
-            if near.is_empty() && inside {
-                continue;
-            }
             let first = self.edges.len();
             let wide = edges_within(body.reach);
             let mut nearest = f64::INFINITY;
-            for &edge in near {
-                let edge = region.edges()[edge as usize];
+            for &edge in region.edges() {
                 let square = (body.position - edge.nearest(body.position)).norm_squared();
                 nearest = nearest.min(square);
                 if square < wide * wide {
@@ -339,8 +341,7 @@ impl<'a> Pile<'a> {
                 let own = region.edges().iter().copied().filter(|edge| !edge.is_wall);
                 self.edges.extend(own.min_by(|a, b| far(a).total_cmp(&far(b))));
             }
-            let side = if inside { Side::Inside } else { Side::Outside };
-            self.near_edges.push((k as u32, side, first..self.edges.len()));
+            self.near_edges.push((k as u32, inside, first..self.edges.len()));
         }
     }
 
@@ -382,12 +383,12 @@ impl<'a> Pile<'a> {
     fn press_edges(&mut self, pressure: &mut Pressure) {
         // The boundary's half of the distance.
         let pad = 0.5 * self.pad;
-        for (k, side, own) in &self.near_edges {
+        for (k, origin_inside, own) in &self.near_edges {
             let body = &self.bodies[*k as usize];
             let edges = &self.edges[own.clone()];
             for disk in &self.placed[body.first..body.last] {
                 let centre = body.position + disk.centre;
-                let (side, nearest) = side_of(edges, centre, body.reach + SKIN, *side);
+                let (inside, nearest) = side_of(edges, centre, body.reach + SKIN, *origin_inside);
                 let radius = disk.radius + pad;
                 let mut push = |way: Vec2, overlap: f64| {
                     pressure.energy += overlap * overlap;
@@ -396,7 +397,7 @@ impl<'a> Pile<'a> {
                     let f = if distance > 1e-12 { way * (overlap / distance) } else { Vec2::ZERO };
                     add(&mut self.force[*k as usize], f, disk.centre.cross(f));
                 };
-                if side == Side::Outside {
+                if !inside {
                     let way = nearest - centre;
                     push(way, radius + way.norm());
                     continue;
@@ -444,9 +445,9 @@ fn add(force: &mut Coordinates, push: Vec2, torque: f64) {
     force[2] += torque;
 }
 
-/// The side of the boundary on which a point lies, and the nearest point of the boundary. A region lies to the left of
-/// its edges. If no edge is within `within`, the point is on the same side as the origin of its body.
-fn side_of(edges: &[Edge], point: Vec2, within: f64, origin: Side) -> (Side, Vec2) {
+/// Whether a point is inside, and the nearest point of the boundary. A region lies to the left of its edges. If no edge
+/// is within `within`, the point is on the same side as the origin of its body.
+fn side_of(edges: &[Edge], point: Vec2, within: f64, origin_inside: bool) -> (bool, Vec2) {
     let mut nearest = (f64::INFINITY, point);
     let mut left_of = 0.0;
     for edge in edges.iter().filter(|edge| !edge.is_wall) {
@@ -462,96 +463,14 @@ fn side_of(edges: &[Edge], point: Vec2, within: f64, origin: Side) -> (Side, Vec
             left_of = left;
         }
     }
-    let side = if nearest.0 >= within * within {
-        origin
-    } else if left_of >= 0.0 {
-        Side::Inside
-    } else {
-        Side::Outside
-    };
-    (side, nearest.1)
-}
-
-/// Square cells with the edges near each of them.
-#[derive(Debug, Clone, Default)]
-struct EdgeGrid {
-    low: Vec2,
-    cell: f64,
-    columns: usize,
-    rows: usize,
-    starts: Vec<u32>,
-    edges: Vec<u32>,
-    /// Whether the middle of a cell is inside. A cell without edges is completely inside or outside.
-    inside: Vec<bool>,
-}
-
-/// Largest number of cells of an [`EdgeGrid`].
-const MOST_CELLS: f64 = 65536.0;
-
-impl EdgeGrid {
-    /// Makes a grid in which each point of a cell finds all edges within a distance \[m\].
-    fn new(region: &Region, distance: f64) -> EdgeGrid {
-        let Some(Bounds { low, high }) = region.bounds() else { return EdgeGrid::default() };
-        let (width, height) = (high.x - low.x, high.y - low.y);
-        let cell =
-            (0.5 * distance).max((width * height / MOST_CELLS).sqrt()).max(width.max(height) / MOST_CELLS);
-        let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
-        let mut grid = EdgeGrid { low, cell, columns, rows, ..EdgeGrid::default() };
-        // Half the diagonal, rounded up.
-        let wide = distance + 0.7072 * cell;
-        let mut found = vec![Vec::new(); columns * rows];
-        for (k, edge) in region.edges().iter().enumerate() {
-            let lowest = vec2(edge.start.x.min(edge.end.x) - wide, edge.start.y.min(edge.end.y) - wide);
-            let highest = vec2(edge.start.x.max(edge.end.x) + wide, edge.start.y.max(edge.end.y) + wide);
-            let ((left, bottom), (right, top)) = (grid.place(lowest), grid.place(highest));
-            for row in bottom..=top {
-                for column in left..=right {
-                    let middle = grid.middle(column, row);
-                    if (middle - edge.nearest(middle)).norm_squared() <= wide * wide {
-                        found[row * columns + column].push(k as u32);
-                    }
-                }
-            }
-        }
-        grid.starts.push(0);
-        for (k, edges) in found.iter().enumerate() {
-            grid.edges.extend(edges);
-            grid.starts.push(grid.edges.len() as u32);
-            // This is used for cells without edges only.
-            grid.inside.push(edges.is_empty() && region.contains(grid.middle(k % columns, k / columns)));
-        }
-        grid
-    }
-
-    fn place(&self, point: Vec2) -> (usize, usize) {
-        let place = (point - self.low) * (1.0 / self.cell);
-        ((place.x as usize).min(self.columns - 1), (place.y as usize).min(self.rows - 1))
-    }
-
-    fn middle(&self, column: usize, row: usize) -> Vec2 {
-        self.low + vec2(column as f64 + 0.5, row as f64 + 0.5) * self.cell
-    }
-
-    /// Returns all edges within the distance of a point, perhaps with others; and, if there are none, whether the point
-    /// is inside.
-    fn near(&self, point: Vec2) -> (&[u32], bool) {
-        if self.rows == 0 {
-            return (&[], true);
-        }
-        let (column, row) = self.place(point);
-        let home = row * self.columns + column;
-        // A point beyond the grid is outside; the cell at the rim says nothing about it.
-        let beyond = |low: f64, at: f64, cells: usize| at < low || at > low + cells as f64 * self.cell;
-        let out = beyond(self.low.x, point.x, self.columns) || beyond(self.low.y, point.y, self.rows);
-        let edges = &self.edges[self.starts[home] as usize..self.starts[home + 1] as usize];
-        (edges, self.inside[home] && !out)
-    }
+    let inside = if nearest.0 >= within * within { origin_inside } else { left_of >= 0.0 };
+    (inside, nearest.1)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::random::Random;
     use super::*;
+    use crate::random::Random;
 
     /// Forces are −∂E: by central differences, in a polygon with a hole, and in a circle; some stand outside.
     #[test]
@@ -567,28 +486,28 @@ mod tests {
                 |random: &mut Random| Disk { radius: 0.1 + 0.1 * random.unit(), centre: random.vector(0.2) };
             let shapes: Vec<Shape> =
                 (0..12).map(|_| Shape { disks: (0..3).map(|_| disk(&mut random)).collect() }).collect();
-            let mut pile = Pile::new(&shapes, boundary, Orientation::Free, 1e-3);
-            pile.scale = 0.9;
-            for body in &mut pile.bodies {
+            let mut disks = SoftDisks::new(&shapes, boundary, Orientation::Free, 1e-3);
+            disks.scale = 0.9;
+            for body in &mut disks.bodies {
                 (body.position, body.angle) = (random.vector(1.1), random.within(3.0));
             }
-            assert!(pile.press().energy > 0.01);
-            let force = pile.force.clone();
+            assert!(disks.press().energy > 0.01);
+            let force = disks.force.clone();
             for (k, force) in force.iter().enumerate() {
                 for c in 0..3 {
                     let mut at = |way: f64| {
                         let mut step = [0.0; 3];
                         step[c] = way;
-                        pile.shift(|j| if j == k { step } else { [0.0; 3] });
-                        let energy = pile.press().energy;
-                        pile.shift(|j| if j == k { step.map(|s| -s) } else { [0.0; 3] });
+                        disks.shift(|j| if j == k { step } else { [0.0; 3] });
+                        let energy = disks.press().energy;
+                        disks.shift(|j| if j == k { step.map(|s| -s) } else { [0.0; 3] });
                         energy
                     };
                     let slope = (at(1e-6) - at(-1e-6)) / 2e-6;
                     assert!((force[c] + slope).abs() < 1e-5, "body {k}, {c}: {} {}", force[c], -slope);
                 }
             }
-            let sum: f64 = pile.loads().iter().map(|l| l.0).sum();
+            let sum: f64 = disks.loads().iter().map(|l| l.0).sum();
             assert!(sum > 0.01);
         }
     }
@@ -604,20 +523,20 @@ mod tests {
             ],
         };
         let shapes = vec![shape; 3];
-        let mut pile = Pile::new(&shapes, Boundary::Region(&region), Orientation::Free, 1e-3);
+        let mut disks = SoftDisks::new(&shapes, Boundary::Region(&region), Orientation::Free, 1e-3);
         let places = [(0.5, 0.5), (0.6, 0.7), (0.08, 0.4)];
-        for (body, (x, y)) in pile.bodies.iter_mut().zip(places) {
+        for (body, (x, y)) in disks.bodies.iter_mut().zip(places) {
             (body.position, body.angle) = (vec2(x, y), x);
         }
-        let before = pile.press().energy;
-        let grid = pile.grid();
+        let before = disks.press().energy;
+        let grid = disks.grid();
         let (at, angle) = (vec2(0.3, 0.6), 1.0);
-        let change = pile.energy_at(&grid, 1, at, angle, f64::INFINITY)
-            - pile.energy_at(&grid, 1, pile.bodies[1].position, pile.bodies[1].angle, f64::INFINITY);
-        (pile.bodies[1].position, pile.bodies[1].angle) = (at, angle);
-        let after = pile.press().energy;
+        let change = disks.energy_at(&grid, 1, at, angle, f64::INFINITY)
+            - disks.energy_at(&grid, 1, disks.bodies[1].position, disks.bodies[1].angle, f64::INFINITY);
+        (disks.bodies[1].position, disks.bodies[1].angle) = (at, angle);
+        let after = disks.press().energy;
         assert!((after - before - change).abs() < 1e-15 && change.abs() > 1e-4, "{before} {after} {change}");
-        let shared: f64 = pile.loads().iter().map(|l| l.0).sum();
+        let shared: f64 = disks.loads().iter().map(|l| l.0).sum();
         assert!((shared - after).abs() < 1e-15, "{shared} {after}");
     }
 }
