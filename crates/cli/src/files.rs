@@ -7,7 +7,7 @@
 //! - `-` is standard output, for a text or a picture; the command's messages go to standard error then.
 
 use crate::error::Misused;
-use crate::tell;
+use crate::print;
 use anyhow::{Context, Result, bail};
 use clap::{ArgMatches, Command};
 use crowd_mechanics::pack::Binary;
@@ -276,7 +276,7 @@ impl Files {
         if std::mem::replace(&mut self.streams, true) {
             bail!("cannot write -: another result goes there");
         }
-        tell::speak_aside();
+        print::use_standard_error();
         Ok(())
     }
 

@@ -2,8 +2,8 @@
 
 use crate::binary::{CROWD, Library};
 use crate::files::{self, Force};
+use crate::messages::report_problems;
 use crate::version::BUILD;
-use crate::words::trial_told;
 use anyhow::{Result, anyhow, bail};
 use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
 use lemons_core::trial::Trial;
@@ -138,7 +138,7 @@ pub fn write_fmu(
     output: &Path,
 ) -> Result<Vec<String>> {
     let packed = lemons_master::pack(trials, binaries, format, Some(picture), drives, output);
-    packed.map_err(|error| trial_told(error.into()))
+    packed.map_err(|error| report_problems(error.into()))
 }
 
 /// `model.png`; a Trial that cannot be drawn has none.

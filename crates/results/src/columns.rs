@@ -67,6 +67,18 @@ impl Field<'_> {
         Ok(())
     }
 
+    /// Sets the value of an FMU, whose doubles may be anything.
+    ///
+    /// # Errors
+    /// What the number must be.
+    pub fn set_any(self, number: f64) -> Result<(), &'static str> {
+        match self {
+            Field::Real(value) | Field::Size(value) => *value = number,
+            other => return other.set(number),
+        }
+        Ok(())
+    }
+
     /// Returns the value as a cell.
     ///
     /// # Errors
@@ -228,7 +240,7 @@ impl Groups {
     }
 
     /// The quantities of an agent, in the order of the columns.
-    fn of_agent(self) -> impl Iterator<Item = &'static Quantity> {
+    pub(crate) fn of_agent(self) -> impl Iterator<Item = &'static Quantity> {
         let contacts = CONTACTS.iter().chain([&SQUEEZE]).filter(move |_| self.contacts);
         let of_step = OF_STEP.iter().filter(move |_| self.contacts && self.of_step);
         let active = [&ACTIVE].into_iter().filter(move |_| self.active);
@@ -236,13 +248,28 @@ impl Groups {
     }
 
     /// The quantities of the whole crowd, which come last.
-    fn of_crowd(self) -> impl Iterator<Item = &'static Quantity> {
+    pub(crate) fn of_crowd(self) -> impl Iterator<Item = &'static Quantity> {
         TOTALS.iter().filter(move |_| self.totals)
     }
 
     /// All columns after time and Id, in their order.
     pub(crate) fn quantities(self) -> impl Iterator<Item = &'static Quantity> {
         self.of_agent().chain(self.of_crowd())
+    }
+
+    /// Returns the variables of an FMU that these columns are, in their order: of each agent, then of the crowd; with their
+    /// types.
+    pub fn variables(self, agents: usize) -> Vec<(String, Kind)> {
+        // In a table there are numbers.
+        let kind = |quantity: &Quantity| {
+            if quantity.name == ACTIVE.name { Kind::Boolean } else { quantity.kind() }
+        };
+        let of_agent = |i: usize| {
+            let name = move |quantity: &Quantity| format!("agent[{i}].{}", quantity.variable);
+            self.of_agent().map(move |quantity| (name(quantity), kind(quantity)))
+        };
+        let of_crowd = self.of_crowd().map(|quantity| (quantity.variable.to_owned(), quantity.kind()));
+        (0..agents).flat_map(of_agent).chain(of_crowd).collect()
     }
 
     /// All columns of the table.

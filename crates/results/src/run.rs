@@ -1,6 +1,6 @@
 //! What was recorded of a crowd.
 
-use crate::columns::{AgentRow, Groups};
+use crate::columns::{AgentRow, Groups, Quantity};
 use crate::error::RecordError;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{Interactions, Trial};
@@ -88,6 +88,27 @@ impl Frame {
     /// Those who are there, with their places.
     pub fn present(&self) -> impl Iterator<Item = (usize, &Motion)> + Clone {
         self.agents.iter().enumerate().filter(|(place, _)| self.is_there(*place))
+    }
+
+    /// Makes a frame of the values of an FMU at a time \[s\], in the order of [`Groups::variables`].
+    ///
+    /// # Errors
+    /// A sentence with a number that cannot be.
+    pub fn of_values(time: f64, agents: usize, groups: Groups, values: &[f64]) -> Result<Frame, String> {
+        let mut values = values.iter().copied();
+        let mut rows = vec![AgentRow::default(); agents];
+        let mut set = |row: &mut AgentRow, quantity: &Quantity| {
+            let value = values.next().unwrap_or(f64::NAN);
+            let wrong = |must| format!("{}: {value:?} is not {must}", quantity.variable);
+            (quantity.field)(row).set_any(value).map_err(wrong)
+        };
+        for row in &mut rows {
+            groups.of_agent().try_for_each(|quantity| set(row, quantity))?;
+        }
+        if let Some(first) = rows.first_mut() {
+            groups.of_crowd().try_for_each(|quantity| set(first, quantity))?;
+        }
+        Ok(Frame { place: format!("t = {time:?} s"), ..Frame::of_rows(time, &rows, groups) })
     }
 
     /// Makes a frame of the rows of all agents, with these groups of columns.

@@ -1,8 +1,8 @@
 //! `lemons crowd`: people drawn, placed and written.
 
-use super::crowd_files::Bodies;
-use super::crowd_outputs::{Outputs, PICTURE, say};
+use super::bodies::Bodies;
 use super::leave::LeaveArguments;
+use super::outputs::{Outputs, of_crowds, say};
 use super::placing::PlacingArguments;
 use super::regions::REGION_HELP;
 use super::source::{CUSTOM_HELP, Mixed, SourceArguments};
@@ -12,7 +12,7 @@ use crate::error::{Misused, TrialHasErrors, and_then};
 use crate::files;
 use crate::interrupt::Interrupt;
 use crate::pack::{Fmi, FmuArguments, write_fmu};
-use crate::tell;
+use crate::print;
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 use crowd_mechanics::pack::Binary;
@@ -25,7 +25,7 @@ use lemons_people::{
     Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
     crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_zip,
 };
-use lemons_picture::{Fill, Scene};
+use lemons_picture::Scene;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -277,7 +277,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         let step = made.parameters.time_step_mechanical;
         let note = format!("s   (of a TimeStep of {} s)", made.parameters.time_step);
         writeln!(out, "mechanical step    {step:>10} {note}")?;
-        outputs.draw(&Scene::at_start(&made), Fill::BodyArea)?;
+        outputs.draw(&Scene::at_start(&made), &of_crowds())?;
         let ways = placing.ways_out(&place, &packing.poses);
         let wishes = leaving.wanted().then(|| leaving.text(&ways, trial.speed));
         if let Some(text) = &wishes {
@@ -296,8 +296,8 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
             "nothing was written: give -o TRIAL, --fmu, --zip, or another file (lemons crowd --help)"
         )?;
     }
-    done = and_then(done, outputs.persist(&interrupt, &mut out));
-    let told = tell::out().write_all(&out);
+    done = and_then(done, outputs.persist(|| interrupt.check(), &mut out));
+    let told = print::out().write_all(&out);
     done.and(Ok(told?))
 }
 
@@ -463,9 +463,9 @@ impl Arguments {
             ("--sections-wkt", "sections", sections_wkt),
             ("--obj", "bodies", obj),
             ("--stl", "bodies", stl),
-            ("--svg", PICTURE, svg),
-            ("--pdf", PICTURE, pdf),
-            ("--png", PICTURE, png),
+            ("--svg", "picture", svg),
+            ("--pdf", "picture", pdf),
+            ("--png", "picture", png),
         ])
     }
 }

@@ -13,7 +13,7 @@ use lemons_results::{
     chaos_files, pedpy,
 };
 use lemons_sim::Clock;
-use lemons_sweep::{Finished, Points, Spec, Table, Values};
+use lemons_sweep::{Finished, Parameter, Points, Spec, Table};
 use std::collections::HashSet;
 use std::fs::File;
 use std::path::Path;
@@ -216,7 +216,6 @@ fn written(run: &Run, path: &Path, format: Format) -> bool {
 /// be simulated: finite, of different names, no more than the memory takes. They read back from a table of points,
 /// and from the tables of their results.
 pub fn sweep_toml(data: &[u8]) {
-    const CELLS: usize = 100_000_000;
     let Some((&way, content)) = data.split_first() else { return };
     show_panics();
     let directory = directory();
@@ -243,32 +242,45 @@ pub fn sweep_toml(data: &[u8]) {
             && until.latest().is_finite()
             && step.is_none_or(|step| step > 0.0 && step.is_finite())
     );
-    assert!(points.count > 0 && points.count * points.columns.len() <= CELLS);
+    assert!(points.count > 0);
     let measures: Vec<String> = measures.into_iter().map(|(name, _)| name).collect();
-    let mut names: Vec<&String> = points.columns.iter().map(|(name, _)| name).chain(&measures).collect();
+    let mut names: Vec<&String> =
+        points.parameters.iter().map(|parameter| &parameter.name).chain(&measures).collect();
     let all = names.len();
     names.sort();
     names.dedup();
     assert_eq!(names.len(), all, "{names:?}");
-    for (name, values) in &points.columns {
-        assert_eq!(values.len(), points.count, "{name}");
-        if let Values::Reals(values) = values {
-            assert!(values.iter().all(|value| value.is_finite()), "{name}: {values:?}");
-        }
+    // Numbers are written as everywhere else; in texts, infinity is refused later.
+    let is_number = |text: &String| text.parse::<f64>().is_ok_and(|number| format!("{number:?}") == *text);
+    for parameter in &points.parameters {
+        assert!(parameter.values().contains(&parameter.at(points.count - 1).to_owned()));
     }
     if points.count <= 1000 {
         assert_eq!(points.sha256().len(), 64);
         // In a table a text that looks like a number is one, and blanks around it are not seen.
-        let texts = points.columns.iter().any(|(_, values)| matches!(values, Values::Texts(_)));
-        let plain = |name: &str| name.trim() == name && !name.starts_with('\u{feff}');
-        if (way % 2 == 1 || !texts) && points.columns.iter().all(|(name, _)| plain(name)) {
+        let is_plain = |name: &str| name.trim() == name && !name.starts_with('\u{feff}');
+        let plain = |parameter: &Parameter| {
+            let integer = |text: &String| text.parse().is_ok_and(|number: i64| number.to_string() == *text);
+            let values = parameter.values();
+            is_plain(&parameter.name)
+                && (way % 2 == 1 || values.iter().all(integer) || values.iter().all(is_number))
+        };
+        if points.parameters.iter().all(plain) {
             as_points(&points, &table);
             std::fs::write(&path, OF_A_TABLE).expect("a file");
             match Spec::read(&path) {
-                Ok(back) => assert_eq!(back.points, points),
+                Ok(back) => {
+                    assert_eq!(back.points.count, points.count);
+                    for (read, written) in back.points.parameters.iter().zip(&points.parameters) {
+                        assert_eq!(read.name, written.name);
+                        (0..points.count).for_each(|point| assert_eq!(read.at(point), written.at(point)));
+                    }
+                }
                 Err(error) => {
-                    let far = points.columns.iter().any(|(name, _)| name == FAR);
-                    assert!(far, "{error:?}");
+                    let far = points.parameters.iter().any(|parameter| parameter.name == FAR);
+                    // What is not finite is refused in a table at once.
+                    let infinite = error.whole().contains("must be a finite number");
+                    assert!(far || infinite, "{error:?}");
                 }
             }
         }
@@ -288,9 +300,9 @@ const FAR: &str = "far";
 fn as_points(points: &Points, path: &Path) {
     let file = File::create(path).expect("a file");
     let mut out = csv::WriterBuilder::new().comment(Some(b'#')).from_writer(file);
-    out.write_record(points.columns.iter().map(|(name, _)| name)).expect("a row");
+    out.write_record(points.parameters.iter().map(|parameter| &parameter.name)).expect("a row");
     for point in 0..points.count {
-        out.write_record(points.columns.iter().map(|(_, values)| values.text(point))).expect("a row");
+        out.write_record(points.parameters.iter().map(|parameter| parameter.at(point))).expect("a row");
     }
     out.flush().expect("a file");
 }

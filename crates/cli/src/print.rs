@@ -1,62 +1,59 @@
 //! What the command says: the one place that prints. A closed pipe or a full disk is an error, never a panic.
 
 use lemons_core::files::reader_left;
-use std::fmt::{self, Display};
+use std::fmt;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// A line on standard output; its error is that of [`line()`].
 macro_rules! say {
-    ($($text:tt)*) => { $crate::tell::line(format_args!($($text)*)) };
+    ($($text:tt)*) => { $crate::print::line(format_args!($($text)*)) };
 }
 
 /// A line on standard error: a warning, or what went wrong.
 macro_rules! note {
-    ($($text:tt)*) => { $crate::tell::aside(format_args!($($text)*)) };
+    ($($text:tt)*) => { $crate::print::aside(format_args!($($text)*)) };
 }
 
 /// Standard output cannot be written.
-#[derive(Debug)]
-struct NotSaid(io::Error);
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write to standard output: {0}")]
+struct OutputError(io::Error);
 
-impl Display for NotSaid {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "cannot write to standard output: {}", self.0)
-    }
-}
-
-impl std::error::Error for NotSaid {}
-
-fn not_said(error: io::Error) -> io::Error {
-    io::Error::new(error.kind(), NotSaid(error))
+fn own(error: io::Error) -> io::Error {
+    io::Error::new(error.kind(), OutputError(error))
 }
 
 /// Standard output is for results: what the command says goes to standard error.
-static ASIDE: AtomicBool = AtomicBool::new(false);
+static TO_STANDARD_ERROR: AtomicBool = AtomicBool::new(false);
 
 /// From now on nothing but results goes to standard output.
-pub fn speak_aside() {
-    ASIDE.store(true, Ordering::Relaxed);
+pub fn use_standard_error() {
+    TO_STANDARD_ERROR.store(true, Ordering::Relaxed);
 }
 
 /// Standard output, whose errors say that they are its own.
 pub enum Out {
-    Own(io::StdoutLock<'static>),
-    Aside,
+    StandardOutput(io::StdoutLock<'static>),
+    StandardError,
 }
 
 /// To write more than a line.
 pub fn out() -> Out {
-    if ASIDE.load(Ordering::Relaxed) { Out::Aside } else { Out::Own(io::stdout().lock()) }
+    if TO_STANDARD_ERROR.load(Ordering::Relaxed) {
+        Out::StandardError
+    } else {
+        Out::StandardOutput(io::stdout().lock())
+    }
 }
 
 impl Write for Out {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Out::Own(out) => out.write(bytes).map_err(not_said),
+            Out::StandardOutput(out) => out.write(bytes).map_err(own),
             // As of everything that is said there: perhaps nobody hears it.
-            Out::Aside => {
+            Out::StandardError => {
                 let _ = io::stderr().lock().write_all(bytes);
                 Ok(bytes.len())
             }
@@ -65,8 +62,8 @@ impl Write for Out {
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            Out::Own(out) => out.flush().map_err(not_said),
-            Out::Aside => Ok(()),
+            Out::StandardOutput(out) => out.flush().map_err(own),
+            Out::StandardError => Ok(()),
         }
     }
 }
@@ -82,20 +79,20 @@ pub fn aside(text: fmt::Arguments) {
 }
 
 /// How far a long command is, for who sees no progress bar: a line every half minute, as in Python.
-pub struct Interim {
+pub struct ProgressNotes {
     last: Instant,
 }
 
-impl Interim {
+impl ProgressNotes {
     const BETWEEN: Duration = Duration::from_secs(30);
 
-    pub fn from(begin: Instant) -> Interim {
-        Interim { last: begin }
+    pub fn from(begin: Instant) -> ProgressNotes {
+        ProgressNotes { last: begin }
     }
 
     /// Whether it is time for a line.
     pub fn is_due(&mut self, now: Instant) -> bool {
-        let due = now.duration_since(self.last) >= Interim::BETWEEN;
+        let due = now.duration_since(self.last) >= ProgressNotes::BETWEEN;
         if due {
             self.last = now;
         }
@@ -104,12 +101,12 @@ impl Interim {
 }
 
 /// Whether somebody closed the pipe (`lemons info … | head`): they have what they wanted.
-pub fn nobody_listens(error: &anyhow::Error) -> bool {
+pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
     if reader_left() {
         return true;
     }
     error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).any(|error| {
-        let own = error.get_ref().is_some_and(|inner| inner.is::<NotSaid>());
+        let own = error.get_ref().is_some_and(|inner| inner.is::<OutputError>());
         own && error.kind() == io::ErrorKind::BrokenPipe
     })
 }
@@ -121,9 +118,9 @@ mod tests {
     #[test]
     fn a_line_is_due_every_half_minute() {
         let begin = Instant::now();
-        let mut interim = Interim::from(begin);
+        let mut notes = ProgressNotes::from(begin);
         let seconds = [1, 29, 30, 31, 59, 61, 62, 200, 229, 230];
-        let due = seconds.map(|second| interim.is_due(begin + Duration::from_secs(second)));
+        let due = seconds.map(|second| notes.is_due(begin + Duration::from_secs(second)));
         assert_eq!(due, [false, false, true, false, false, true, false, true, false, true]);
     }
 }

@@ -1,18 +1,20 @@
-//! What a point simulates: the documents of a Trial, and what a sweep sets and reads of them.
+//! A model that is loaded: the documents of a Trial, and what a sweep sets and reads of them.
 
 use crate::error::{Error, Place, Result};
 use crate::measure::Measure;
-use crate::models::{Plan, Simulated};
+use crate::models::{Model, Plan};
 use crate::output::{Of, Reading};
-use crate::points::Values;
+use crate::points::hex;
 use crate::spec::{End, Spec};
 use lemons_core::trial::Trial;
 use lemons_master::documents_of;
 use lemons_sim::{Clock, Documents, Simulation};
+use serde_json::{Map, Value, json};
+use sha2::{Digest, Sha256};
 use std::collections::HashSet;
 
 /// A Trial, ready for any number of points in any number of threads.
-pub struct Subject {
+pub struct LoadedModel {
     pub documents: Documents,
     pub clock: Clock,
     /// What each measure reads.
@@ -21,6 +23,8 @@ pub struct Subject {
     pub stop: Option<Reading>,
     /// A point ends when so many have left.
     pub leave: Option<usize>,
+    /// What must be equal to continue a sweep.
+    pub identity: Map<String, Value>,
     /// What is probably not meant.
     pub warnings: Vec<String>,
 }
@@ -29,13 +33,13 @@ pub struct Subject {
 pub enum Reads {
     /// Variables.
     Output(Reading),
-    /// The whole crowd, of which these agents count.
-    Crowd(Vec<usize>),
+    /// Whole frames, in which these agents count; of lines and areas all do.
+    Agents(Vec<usize>),
 }
 
-impl Subject {
+impl LoadedModel {
     /// Loads it, and checks that it has all variables that are set and read.
-    pub fn open(spec: &Spec, (path, plan): &Simulated) -> Result<Subject> {
+    pub fn open(spec: &Spec, (path, plan): &Model) -> Result<LoadedModel> {
         let (documents, problems, walks) = documents_of(path, &spec.drive, plan)?;
         let mut warnings: Vec<String> = problems.iter().map(ToString::to_string).collect();
         match walks {
@@ -66,9 +70,9 @@ impl Subject {
                 }
                 Measure::Squeeze(of) => {
                     let found = places(trial, &of.agents).place(named)?;
-                    of.check(found.len()).map(|()| Reads::Crowd(found))
+                    of.check(found.len()).map(|()| Reads::Agents(found))
                 }
-                Measure::Line(_) | Measure::Area(_) => Ok(Reads::Crowd(Vec::new())),
+                Measure::Line(_) | Measure::Area(_) => Ok(Reads::Agents(Vec::new())),
             };
             ready.map_err(|what| Error::Spec(format!("{}: {what}", named())))
         });
@@ -76,8 +80,25 @@ impl Subject {
         let stop = spec.stop.as_ref().map(|stop| reading(&stop.of, &stop.agents).place(|| "stop".into()));
         let stop = stop.transpose()?;
         let leave = if spec.until == End::Left { Some(who_leaves(&documents)?) } else { None };
-        Ok(Subject { documents, clock, measures, stop, leave, warnings })
+        let identity = identity(spec, &documents, &clock)?;
+        Ok(LoadedModel { documents, clock, measures, stop, leave, identity, warnings })
     }
+}
+
+/// Of a Trial, its drive, its communication step; and of people who walk, their plan.
+fn identity(spec: &Spec, documents: &Documents, clock: &Clock) -> Result<Map<String, Value>> {
+    let mut all = Map::new();
+    let Documents { trial, drive, plan } = documents;
+    let fingerprint = format!("{:032x}", trial.fingerprint());
+    all.insert("trial".into(), json!({ "name": trial.name, "fingerprint": fingerprint }));
+    if let Some(plan) = plan {
+        let text = plan.to_toml().map_err(|error| Error::Spec(error.to_string()))?;
+        all.insert("plan".into(), hex(&Sha256::digest(text)).into());
+        all.insert("algorithm".into(), spec.algorithm.to_string().into());
+    }
+    all.insert("drive".into(), drive.fingerprint().into());
+    all.insert("step".into(), json!(clock.step));
+    Ok(all)
 }
 
 /// How many people have an exit.
@@ -93,12 +114,12 @@ fn who_leaves(documents: &Documents) -> Result<usize> {
 /// Checks that parameters set something, each something else.
 fn check_parameters(spec: &Spec, simulation: &Simulation) -> Result<()> {
     let mut all: HashSet<Vec<String>> = HashSet::new();
-    for (column, (parameter, values)) in spec.points.columns.iter().enumerate() {
-        let wrong = |why: String| Error::Spec(format!("parameters: {parameter}: {why}"));
-        if spec.only_chooses(column) {
+    for (place, parameter) in spec.points.parameters.iter().enumerate() {
+        let wrong = |why: String| Error::Spec(format!("parameters: {}: {why}", parameter.name));
+        if spec.only_chooses(place) {
             continue;
         }
-        let names = simulation.resolve(parameter).map_err(|meant| {
+        let names = simulation.resolve(&parameter.name).map_err(|meant| {
             let better = meant.map_or("see lemons info".into(), |meant| format!("did you mean {meant:?}?"));
             wrong(format!("there is no such variable; {better}"))
         })?;
@@ -112,11 +133,9 @@ fn check_parameters(spec: &Spec, simulation: &Simulation) -> Result<()> {
             return Err(wrong(format!("overwritten by the connection that feeds {input}")));
         }
         // A text that is a number is used as a number.
-        if let Values::Texts(texts) = values {
-            let endless = |text: &&String| text.parse().is_ok_and(|value: f64| !value.is_finite());
-            if let Some(text) = texts.iter().find(endless) {
-                return Err(wrong(format!("{text}: must be a finite number")));
-            }
+        let endless = |text: &&String| text.parse().is_ok_and(|value: f64| !value.is_finite());
+        if let Some(text) = parameter.values().iter().find(endless) {
+            return Err(wrong(format!("{text}: must be a finite number")));
         }
         // Of some agents, a later parameter may replace an earlier one of all.
         let (crowd, decision): (Vec<_>, Vec<_>) =

@@ -1,8 +1,7 @@
-//! What is written beside the Trial of a crowd: tables, meshes, pictures.
+//! What `lemons crowd` writes beside the Trial, and `lemons person`: tables, meshes, pictures.
 
-use super::crowd_files::Bodies;
+use super::bodies::Bodies;
 use crate::error::and_then;
-use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::Result;
 use lemons_core::files::Staged;
@@ -13,8 +12,6 @@ use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, pdf, png, svg
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// What pictures are called in the summary.
-pub const PICTURE: &str = "picture";
 /// \[px\]
 const PICTURE_WIDTH: u32 = 1200;
 
@@ -23,7 +20,7 @@ pub struct Outputs(Vec<File>);
 
 struct File {
     option: &'static str,
-    /// As the summary calls it.
+    /// As the summary calls it; empty if it names only the path.
     what: &'static str,
     output: Output,
 }
@@ -71,7 +68,7 @@ impl Outputs {
     }
 
     pub fn has_pictures(&self) -> bool {
-        self.0.iter().any(|file| file.what == PICTURE)
+        self.0.iter().any(|file| ["--svg", "--pdf", "--png"].contains(&file.option))
     }
 
     /// Pedestrians as a Trial has them, bicycles beside them; all under their places in the crowd.
@@ -101,14 +98,15 @@ impl Outputs {
         let fill = if people.is_empty() { Fill::Single(Colour::BODY) } else { Fill::BodyArea };
         let mut scene = Scene::at_start(&trial);
         scene.bicycles = bicycles;
-        self.draw(&scene, fill)
+        self.draw(&scene, &Style { fill, ..of_crowds() })
     }
 
-    pub fn draw(&mut self, scene: &Scene, fill: Fill) -> Result<()> {
+    /// Draws the pictures that are wanted.
+    pub fn draw(&mut self, scene: &Scene, style: &Style) -> Result<()> {
         if !self.has_pictures() {
             return Ok(());
         }
-        let text = svg(scene, &Style { width: PICTURE_WIDTH.into(), fill, ..Style::default() });
+        let text = svg(scene, style);
         self.fill("--svg", |file| file.write_all(text.as_bytes()))?;
         if let Some(output) = self.of("--pdf") {
             let picture = pdf(&text)?;
@@ -122,10 +120,10 @@ impl Outputs {
     }
 
     /// Puts each in its place, also when that of another cannot be taken.
-    pub fn persist(self, interrupt: &Interrupt, out: &mut impl Write) -> Result<()> {
+    pub fn persist(self, goes_on: impl Fn() -> Result<()>, out: &mut impl Write) -> Result<()> {
         let mut done = Ok(());
         for File { what, output, .. } in self.0 {
-            interrupt.check()?;
+            goes_on()?;
             let path = output.path().to_owned();
             let placed = output.persist().and_then(|()| Ok(say(out, what, &path)?));
             done = and_then(done, placed);
@@ -134,7 +132,13 @@ impl Outputs {
     }
 }
 
+/// The style of pictures of crowds.
+pub fn of_crowds() -> Style {
+    Style { width: PICTURE_WIDTH.into(), fill: Fill::BodyArea, ..Style::default() }
+}
+
 /// Says what was written where.
 pub fn say(out: &mut impl Write, what: &str, path: &Path) -> io::Result<()> {
-    writeln!(out, "{what:<18} {}", path.display())
+    let path = path.display();
+    if what.is_empty() { writeln!(out, "{path}") } else { writeln!(out, "{what:<18} {path}") }
 }
