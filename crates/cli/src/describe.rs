@@ -1,13 +1,13 @@
 //! `lemons describe`: the model description that a Trial's FMU would have, or its Decision FMU.
 
+use crate::messages::read_or_report;
 use crate::pack::Fmi;
-use crate::tell;
-use crate::words::read_or_say;
+use crate::print;
 use anyhow::{Context, Result};
 use crowd_mechanics::model_description::model_description;
 use crowd_mechanics::pack::Naming;
 use lemons_decision::pack::description;
-use lemons_master::{Given, plan_of};
+use lemons_master::{TrialInput, plan_of};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -24,7 +24,7 @@ pub struct Arguments {
 }
 
 pub fn describe(arguments: &Arguments) -> Result<()> {
-    let (trial, _) = read_or_say(&Given::open(&arguments.trial)?)?;
+    let (trial, _) = read_or_report(&TrialInput::open(&arguments.trial)?)?;
     let format = arguments.fmi.format(Naming::Structured);
     let text = match &arguments.plan {
         Some(plan) => {
@@ -33,5 +33,5 @@ pub fn describe(arguments: &Arguments) -> Result<()> {
         }
         None => model_description(&trial, format),
     };
-    Ok(tell::out().write_all(text.as_bytes())?)
+    Ok(print::out().write_all(text.as_bytes())?)
 }

@@ -102,8 +102,14 @@ mod tests {
         };
         let people: Vec<Person> = (0..3000).map(person).collect();
         let route = "{ x = 1, y = 2 },".repeat(4000);
-        let wishes = format!("waypoints = [{{ x = 1, y = 2 }}]\n[agents.7]\nwaypoints = [{route}]");
-        let plan = Plan::new(&people, &crate::wishes::Wishes::from_toml(&wishes).unwrap(), 0.05).unwrap();
+        let config = format!("waypoints = [{{ x = 1, y = 2 }}]\n[agents.7]\nwaypoints = [{route}]");
+        let plan = Plan::among(
+            std::iter::empty(),
+            &people,
+            &crate::config::DecisionConfig::from_toml(&config).unwrap(),
+            0.05,
+        )
+        .unwrap();
         let error = write_fmu(&plan, Format::Fmi3, &[], std::io::Cursor::new(Vec::new())).unwrap_err();
         assert!(matches!(error, PackError::TooLarge { agents: 3000, waypoints: 4000 }), "{error}");
     }

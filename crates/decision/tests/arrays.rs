@@ -3,7 +3,7 @@
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::pack::description;
 use lemons_decision::rule::Pose;
-use lemons_decision::{Decision, Person, Plan, Wishes};
+use lemons_decision::{Decision, DecisionConfig, Person, Plan};
 use lemons_fmi::Status::{self, Ok as OK};
 use lemons_fmi::{self as fmi, Format, Model, Slave};
 use lemons_verify::testing::instance::{Arguments, Functions};
@@ -32,7 +32,7 @@ fn plan() -> Plan {
     let wishes = "waypoints = [{ x = 5, y = 2 }, { x = 6, y = -4, radius = 1 }]\n\
         [agents.\"two words\"]\nwaypoints = [{ x = -3, y = 1 }]\ndesired_speed = 0.9\n\
         [agents.7]\nwaypoints = [{ x = 2, y = 4 }, { x = 2.5, y = 4 }, { x = 9, y = 9 }]";
-    Plan::new(&people, &Wishes::from_toml(wishes).unwrap(), 0.05).unwrap()
+    Plan::among(std::iter::empty(), &people, &DecisionConfig::from_toml(wishes).unwrap(), 0.05).unwrap()
 }
 
 fn reference(name: &str) -> u32 {

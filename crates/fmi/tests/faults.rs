@@ -121,7 +121,7 @@ fn a_panic_is_fatal_and_told_and_the_instance_can_be_freed() {
     let probes = fmi2::Functions::probes();
     assert_eq!(probes.len(), 30, "all but those that make and free instances, and two that tell the version");
     for probe in probes {
-        assert_eq!((probe.call)(instance.v2(), instance.raw, None), Some(Status::Fatal), "{}", probe.name);
+        assert_eq!(probe.call(instance.v2(), instance.raw, None), Some(Status::Fatal), "{}", probe.name);
         fatal(&instance.take_messages(), [probe.name, ""]);
     }
     drop(instance);

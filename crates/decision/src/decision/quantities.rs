@@ -171,7 +171,7 @@ impl Decision {
 
     /// Returns whether an output depends on the inputs of all agents.
     pub(super) fn needs_all(&self, output: Quantity) -> bool {
-        self.plan.gait.sees_others() && matches!(output, Quantity::Fp | Quantity::Mp)
+        self.plan.walking_model.sees_others() && matches!(output, Quantity::Fp | Quantity::Mp)
     }
 
     /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the
