@@ -72,7 +72,8 @@ pub fn advance_files(parameters: &Path, names: &FileNames) -> Result<(), CallErr
 ///
 /// # Safety
 /// `files` is NULL or points to five pointers, each of them NULL or pointing to a text that ends with a zero.
-#[unsafe(no_mangle)]
+// See lib.rs: unit tests link it twice.
+#[cfg_attr(not(test), unsafe(no_mangle))]
 pub unsafe extern "C" fn CrowdMechanics(files: *const *const c_char) -> c_int {
     lemons_fmi::silence_panics();
     let result = catch_unwind(|| {
