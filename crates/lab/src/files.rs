@@ -4,11 +4,11 @@ use crate::base::{Driven, split};
 use crate::frame::frame;
 use crate::run::Run;
 use crate::{Refused, Reply, require};
-use crowd_mechanics::engine::Chain;
+use crowd_mechanics::engine::PairForce;
 use crowd_mechanics::pack::{Binary, Format, Naming, Package, THIRD_PARTY};
 use lemons_core::files::source::Memory;
 use lemons_core::trial::DRIVE_FILE;
-use lemons_decision::WISHES_FILE;
+use lemons_decision::DECISION_FILE;
 use lemons_people::placing::{Progress, Stage, Watch};
 use lemons_people::{Agent, MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
 use lemons_picture::{Fill, Force, Scene, Style, Values};
@@ -91,7 +91,7 @@ pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) ->
     };
     match wanted {
         FileRequest::Trial {} => {
-            let others = [(DRIVE_FILE, &**drive), (WISHES_FILE, &**wishes)];
+            let others = [(DRIVE_FILE, &**drive), (DECISION_FILE, &**wishes)];
             let others: Vec<_> = others.into_iter().filter(|(_, text)| !text.is_empty()).collect();
             let zip = zip_trial(trial, &others, Cursor::new(Vec::new()))?;
             named(".zip", zip.into_inner())
@@ -184,8 +184,8 @@ fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused
     let values = values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
     let mut scene = Scene::new(trial, poses);
     if wanted.forces {
-        let force = |of: Chain| Force { from: of.from, to: of.to, normal_force: of.normal_force };
-        scene.forces = run.chains(shown)?.into_iter().map(force).collect();
+        let force = |of: PairForce| Force { from: of.from, to: of.to, normal_force: of.normal_force };
+        scene.forces = run.pair_forces(shown)?.into_iter().map(force).collect();
     }
     let range = Some((0.0, wanted.most)).filter(|_| wanted.most > 0.0);
     let (label, unit) = (wanted.label.clone(), wanted.unit.clone());

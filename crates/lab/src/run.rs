@@ -4,7 +4,7 @@ use crate::base::Driven;
 use crate::body;
 use crate::frame::{COLUMNS, frame};
 use crate::{Refused, Reply, require};
-use crowd_mechanics::engine::{BodyId, Chain, State, Vec2, World, vec2};
+use crowd_mechanics::engine::{BodyId, PairForce, State, Vec2, World, vec2};
 use crowd_mechanics::setup::Setup;
 use lemons_people::Body3d;
 use lemons_results::Frame;
@@ -157,7 +157,7 @@ impl Run {
     /// # Errors
     /// It is not a frame of these people.
     pub fn forces(&self, bytes: &[u8]) -> Result<Reply, Refused> {
-        let forces = self.chains(bytes)?.into_iter();
+        let forces = self.pair_forces(bytes)?.into_iter();
         let numbers = forces.flat_map(|of| [of.from.x, of.from.y, of.to.x, of.to.y, of.normal_force]);
         Ok(Reply { value: json!({}), bytes: numbers.flat_map(f64::to_le_bytes).collect() })
     }
@@ -166,7 +166,7 @@ impl Run {
     ///
     /// # Errors
     /// It is not a frame of these people.
-    pub fn chains(&self, bytes: &[u8]) -> Result<Vec<Chain>, Refused> {
+    pub fn pair_forces(&self, bytes: &[u8]) -> Result<Vec<PairForce>, Refused> {
         let (mut poses, twists): (Vec<_>, Vec<_>) =
             frame(bytes, self.people())?.into_iter().map(|motion| (motion.pose, motion.twist)).unzip();
         let mut shadow = Setup::of(&self.driven.trial).world()?;
@@ -176,7 +176,7 @@ impl Run {
         }
         let crowded = shadow.restore(State::new(poses.clone(), twists));
         crowded.map_err(|crowded| Setup::of(&self.driven.trial).too_crowded(crowded))?;
-        Ok(shadow.chains(&poses))
+        Ok(shadow.pair_forces(&poses))
     }
 
     /// What the rows of the table of `lemons run` say.

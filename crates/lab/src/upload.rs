@@ -6,7 +6,7 @@ use crowd_mechanics::setup;
 use lemons_core::files::input::{self, Bounded};
 use lemons_core::files::source::{Memory, Source};
 use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Parameters};
-use lemons_decision::WISHES_FILE;
+use lemons_decision::DECISION_FILE;
 use serde_json::Value;
 use std::io::{Cursor, Read as _};
 use std::path::{Component, Path, PathBuf};
@@ -63,7 +63,8 @@ impl Found {
     /// Whether the lab reads a file of this name.
     fn wants(&mut self, path: &Path) -> bool {
         let is_xml = path.extension().is_some_and(|extension| extension == "xml");
-        let wanted = is_xml || path.file_name().is_some_and(|name| name == DRIVE_FILE || name == WISHES_FILE);
+        let wanted =
+            is_xml || path.file_name().is_some_and(|name| name == DRIVE_FILE || name == DECISION_FILE);
         if !wanted {
             self.others.push(path.to_owned());
         }
@@ -200,7 +201,7 @@ fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Basis, R
         String::from_utf8(bytes).map_err(|error| Refused(format!("{}: {error}", path.display())))
     };
     let mut driven =
-        Driven { drive: text(DRIVE_FILE)?, wishes: text(WISHES_FILE)?, ..Driven::alone(trial, None) };
+        Driven { drive: text(DRIVE_FILE)?, wishes: text(DECISION_FILE)?, ..Driven::alone(trial, None) };
     if !driven.drive.is_empty() {
         let table = DriveTable::from_csv(driven.drive.as_bytes())
             .and_then(|table| table.check_agents(Some(&driven.trial)).map(|()| table));

@@ -5,10 +5,11 @@
 //! points that are not yet in its [`Table`] and appends their results as they finish; a sweep that was killed goes on
 //! there.
 
+mod accumulators;
 mod axes;
-mod courses;
 mod error;
 mod identity;
+mod loaded;
 mod measure;
 mod models;
 mod output;
@@ -17,7 +18,6 @@ mod points;
 mod simulate;
 mod spec;
 mod stop;
-mod subject;
 mod sweep;
 mod table;
 mod template;
@@ -29,12 +29,12 @@ pub use measure::area::InArea;
 pub use measure::line::{OverLine, Width};
 pub use measure::output::{OfOutput, Take};
 pub use measure::squeeze::{Exposed, OfSqueeze};
-pub use models::Plan;
+pub use models::{Model, Plan};
 pub use output::Of;
 pub use places::Places;
-pub use points::{Points, Values};
+pub use points::{Parameter, Points};
 pub use spec::{End, Spec};
 pub use stop::Stop;
-pub use sweep::{How, Progress, Swept, sweep};
+pub use sweep::{Options, Progress, Swept, sweep};
 pub use table::{Finished, Table};
 pub use template::Template;

@@ -10,7 +10,7 @@ use crate::points::Points;
 use lemons_core::files::Staged;
 use serde_json::{Map, Value};
 use std::fs::{File, TryLockError};
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// What the first line begins with.
@@ -65,7 +65,7 @@ impl Table {
             Err(TryLockError::Error(error)) => return Err(error).place(at),
         }
         let mut head = format!("{BEGIN}{}\n", serde_json::to_string(identity)?).into_bytes();
-        let parameters = points.columns.iter().map(|(name, _)| name.as_str());
+        let parameters = points.parameters.iter().map(|parameter| parameter.name.as_str());
         let names = ["point"].into_iter().chain(parameters).chain(measures.iter().map(String::as_str));
         head.extend(line(names.chain(["status", "error"]).map(str::to_owned))?);
         let mut table = Table {
@@ -88,7 +88,8 @@ impl Table {
 
     /// Reads the file. Returns how many of its bytes are whole lines.
     fn read(&mut self, identity: &Map<String, Value>) -> Result<u64> {
-        let at = || self.path.display().to_string();
+        let path = self.path.clone();
+        let at = || path.display().to_string();
         let mut file = BufReader::new(self.file.try_clone().place(at)?);
         let mut first = Vec::new();
         file.by_ref().take(LARGEST_IDENTITY).read_until(b'\n', &mut first).place(at)?;
@@ -106,37 +107,34 @@ impl Table {
         if !differ.is_empty() {
             return Err(Error::OtherSweep { table: self.path.clone(), keys: differ });
         }
+        let mut rows = Vec::new();
+        file.read_to_end(&mut rows).place(at)?;
         let names = &self.head[first.len()..];
-        let mut second = Vec::new();
-        file.by_ref().take(names.len() as u64).read_to_end(&mut second).place(at)?;
-        if second != names {
-            let cut_off = names.starts_with(&second);
+        let Some(rows) = rows.strip_prefix(names) else {
+            let cut_off = names.starts_with(&rows);
             return if cut_off {
                 Ok(0)
             } else {
                 Err(Error::Damaged("its columns are others".into())).place(at)
             };
-        }
-        let lines = self.read_rows(file).place(|| {
-            format!(
-                "{}: cannot be used; if you remove it, all points are simulated again",
-                self.path.display()
-            )
+        };
+        let lines = self.read_rows(rows);
+        let lines = lines.place(|| {
+            format!("{}: cannot be used; if you remove it, all points are simulated again", at())
         })?;
-        Ok(self.head.len() as u64 + lines)
+        Ok((self.head.len() + lines) as u64)
     }
 
-    /// Reads the rows. Returns how many bytes of them are whole lines.
-    fn read_rows(&mut self, rows: impl Read) -> Result<u64> {
-        let width = 1 + self.points.columns.len() + self.measures + 2;
-        let length = self.file.metadata()?.len();
+    /// Reads the rows. Returns how many bytes of them are whole rows.
+    fn read_rows(&mut self, rows: &[u8]) -> Result<usize> {
+        let width = 1 + self.points.parameters.len() + self.measures + 2;
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(rows);
         let mut row = csv::StringRecord::new();
         let mut whole = 0;
         while reader.read_record(&mut row)? {
-            let end = reader.position().byte();
-            let last = self.head.len() as u64 + end >= length;
-            if last && (row.len() != width || !self.ends_with_line()?) {
+            let end = reader.position().byte() as usize;
+            // The last one may be cut off.
+            if end == rows.len() && (row.len() != width || !rows.ends_with(b"\n")) {
                 break;
             }
             let wrong = |why| Error::Damaged(format!("row {}: {why}", self.written + 1));
@@ -147,15 +145,6 @@ impl Table {
         Ok(whole)
     }
 
-    fn ends_with_line(&self) -> Result<bool> {
-        let (mut file, mut end) = (&self.file, [0]);
-        let before = file.stream_position()?;
-        file.seek(SeekFrom::End(-1))?;
-        file.read_exact(&mut end)?;
-        file.seek(SeekFrom::Start(before))?;
-        Ok(end == *b"\n")
-    }
-
     /// What a row says.
     fn finished(&self, row: &csv::StringRecord, width: usize) -> Result<Finished, String> {
         if row.len() != width {
@@ -164,12 +153,13 @@ impl Table {
         let point = row[0].parse().ok().filter(|point: &usize| *point < self.points.count);
         let point = point.ok_or_else(|| format!("there is no point {:?}", &row[0]))?;
         // Both the number and the values of a point must be those of this sweep.
-        for (cell, (name, values)) in row.iter().skip(1).zip(&self.points.columns) {
-            if cell != values.text(point) {
+        for (cell, parameter) in row.iter().skip(1).zip(&self.points.parameters) {
+            if cell != parameter.at(point) {
+                let name = &parameter.name;
                 return Err(format!("column {name}: {cell:?} is not the value of point {point}"));
             }
         }
-        let first = 1 + self.points.columns.len();
+        let first = 1 + self.points.parameters.len();
         let outcome = match (&row[width - 2], &row[width - 1]) {
             (OK, "") => Ok((first..width - 2).map(|k| number(&row[k])).collect::<Result<_, _>>()?),
             (FAILED, message) => Err(message.to_owned()),
@@ -237,7 +227,7 @@ impl Table {
 
     /// A row as it is written. Numbers are read back as the same doubles; a missing value is an empty cell.
     fn line_of(&self, Finished { point, outcome }: &Finished) -> Result<Vec<u8>> {
-        let parameters = self.points.columns.iter().map(|(_, values)| values.text(*point));
+        let parameters = self.points.parameters.iter().map(|parameter| parameter.at(*point).to_owned());
         let none = vec![None; self.measures];
         let (measured, status, error) = match outcome {
             Ok(values) => (values, OK, String::new()),
@@ -267,13 +257,11 @@ fn line(cells: impl Iterator<Item = String>) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::Values;
 
     fn points() -> Points {
         let names = ["a, \"b\"", "# no comment", "line\nbreak", ""].map(str::to_owned).to_vec();
-        let masses = Values::Reals(vec![60.0, 0.1 + 0.2, 5e-324, 80.0]);
-        let columns = vec![("mass".to_owned(), masses), ("name".to_owned(), Values::Texts(names))];
-        Points { columns, count: 4 }
+        let masses = [60.0, 0.1 + 0.2, 5e-324, 80.0].map(|mass: f64| format!("{mass:?}")).to_vec();
+        Points::of_rows(vec![("mass".to_owned(), masses), ("name".to_owned(), names)])
     }
 
     fn row(point: usize) -> Finished {

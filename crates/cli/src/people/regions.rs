@@ -11,18 +11,7 @@ use lemons_people::placing::{FreeSpace, Region};
 /// More are a mistake.
 const MOST: f64 = 1e6;
 
-pub const REGION_HELP: &str = "\
-Regions: in the shell, a region with a space or a semicolon is put between quotes.
-
-  --region 0,0,8,6 --number 40                 # a box
-  --region \"0,0 8,0 8,6 0,6\" --density 3       # a polygon
-  --region \"0,0,4,6; number=40\" --region \"4,0,8,6; density=3\"
-
-A region without a number of its own gets its part of --number, by area, or --density. People stand \
-within the region and overlap no wall. A closed wall that holds more than half of the region is a \
-room: people stand inside it. Other closed walls are obstacles: nobody stands inside them. An open \
-wall may go through a region: nobody stands across it. Where regions overlap, the ground belongs to \
-the first of them.";
+pub const REGION_HELP: &str = include_str!("../help/regions.txt");
 
 /// How many people stand on a ground.
 #[derive(Debug, Clone, Copy, PartialEq)]

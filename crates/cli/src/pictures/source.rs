@@ -2,7 +2,6 @@
 
 use super::look::positive;
 use super::moment::Footage;
-use crate::compared::Poses;
 use crate::decide::Walk;
 use crate::error::Misused;
 use crate::export::{expect_table, trial_of};
@@ -238,7 +237,7 @@ impl Source {
             End::Still => Ends::Still,
             End::Left => Ends::Left,
         };
-        let job = Job { settings, rows, outputs: None, state: None, ends, poses: Poses::Ignore };
+        let job = Job { settings, rows, outputs: None, state: None, ends, keeps_poses: false };
         let mut ended = simulate(job, interrupt)?;
         ended.complete()?;
         if ended.stopped.is_some() {
