@@ -3,7 +3,7 @@
 use super::outputs::Outputs;
 use super::subject::{CrowdInfo, Identity, Prepared, States, Subject};
 use crate::connect::plain_names;
-use crate::results::{Column, Kind};
+use crate::results::{CellType, Column};
 use crate::words::{refused, warned};
 use anyhow::{Context, Error, Result};
 use lemons_core::plane::{Motion, Pose, Twist, vec2};
@@ -270,7 +270,7 @@ fn has_steps(description: &Interface, agents: usize) -> bool {
 fn columns_of(description: &Interface, groups: Groups) -> Vec<Column> {
     let mut all = groups.columns();
     // What the FMU itself says comes first: it might count in other units.
-    for column in all.iter_mut().filter(|column| column.kind == Kind::Real) {
+    for column in all.iter_mut().filter(|column| column.kind == CellType::Real) {
         if let Some(name) = column.variable.strip_prefix("agent[i].") {
             let own = description.single(&format!("agent[0].{name}"));
             let said = own.and_then(|own| own.variable.of.unit()).map(str::to_owned);

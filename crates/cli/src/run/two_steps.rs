@@ -6,7 +6,7 @@ use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
 use lemons_master::Settings;
-use lemons_results::Wanted;
+use lemons_results::KeptFrames;
 
 /// The parameter that is chosen.
 const STEP: &str = "TimeStepMechanical";
@@ -24,7 +24,7 @@ pub fn run_for(accuracy: f64, job: Job, interrupt: &Interrupt) -> Result<Ended> 
     // XML is written by the finer run only.
     parameters.retain(|(name, _)| !named(name, "OutputDirectory"));
     let settings = Settings { parameters, tolerance: Some(accuracy), saves: false, ..job.settings.clone() };
-    let rows = Target::Memory(Wanted::Around(Vec::new()));
+    let rows = Target::Memory(KeptFrames::Around(Vec::new()));
     let first = Job { settings, rows, outputs: None, state: None, poses: Poses::Keep, ends: job.ends };
     let coarse = simulate(first, interrupt)?;
     if let Some(time) = coarse.stopped {
