@@ -10,7 +10,7 @@ use lemons_core::trial::DRIVE_FILE;
 use lemons_core::trial::Problems;
 use lemons_core::trial::Trial;
 use lemons_decision::{DECISION_FILE, Plan};
-use lemons_master::{Given, Warning, plan_of};
+use lemons_master::{TrialInput, Warning, plan_of};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
     let mut out = tell::out();
     let mut broken = false;
     for path in &arguments.trials {
-        let given = match Given::open(path) {
+        let given = match TrialInput::open(path) {
             Ok(given) => given,
             Err(error) => {
                 broken = true;

@@ -1,7 +1,7 @@
 //! Failures that have an exit code of their own, and how failures are told.
 
 use anyhow::Result;
-use lemons_master::{Kind, SavedError, Unexpected};
+use lemons_master::{FileType, Unexpected};
 use std::error::Error;
 
 /// A Trial has errors; they have been printed.
@@ -78,16 +78,13 @@ fn advice(cause: &(dyn Error + 'static)) -> Option<Advice> {
         Some(lemons_master::Error::Unexpected(error)) => Some(error),
         _ => find::<Unexpected>(cause),
     };
-    if unexpected.is_some_and(|error| error.kind == Kind::SavedRun) {
+    if unexpected.is_some_and(|error| error.kind == FileType::SavedRun) {
         return Some(Advice::After("; lemons run --resume continues it"));
     }
     match of_master? {
         lemons_master::Error::NoVariable(_) => Some(Advice::After("; see lemons info")),
         lemons_master::Error::IsSsp => Some(Advice::After(": lemons run FILE.ssp")),
-        lemons_master::Error::Saved(SavedError::NoArchive(_) | SavedError::NoRun(_)) => {
-            Some(Advice::After(" (--state writes one)"))
-        }
-        lemons_master::Error::Saved(SavedError::Algorithm { .. }) => Some(Advice::Before("--algorithm: ")),
+        lemons_master::Error::Algorithm { .. } => Some(Advice::Before("--algorithm: ")),
         _ => None,
     }
 }

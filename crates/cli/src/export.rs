@@ -9,7 +9,7 @@ use crowd_mechanics::setup;
 use lemons_core::files::input;
 use lemons_core::trial::Trial;
 use lemons_decision::{DECISION_FILE, DecisionConfig, Person};
-use lemons_master::{Fmu, Given, Kind, plan_of};
+use lemons_master::{FileType, Fmu, TrialInput, plan_of};
 use lemons_results::{
     Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy, series, series_files, trial_at_end,
     walkable_area,
@@ -181,7 +181,7 @@ impl Arguments {
     fn lets_leave(&self, trial: Option<&Trial>) -> Result<bool> {
         let Some(trial) = trial else { return Ok(false) };
         let given = self.trial.as_deref().unwrap_or(&trial.directory);
-        let Some(path) = Given::find(given)?.and_then(|given| given.wishes()) else { return Ok(false) };
+        let Some(path) = TrialInput::find(given)?.and_then(|given| given.wishes()) else { return Ok(false) };
         let plan = plan_of(trial, &path).with_context(|| given.join(DECISION_FILE).display().to_string())?;
         Ok(plan.leaving().contains(&true))
     }
@@ -189,7 +189,7 @@ impl Arguments {
 
 /// The `decision.toml` of a Trial for those who are there at the end of its run, if it has one.
 fn wishes_at_end(given: &Path, end: &Trial, said: &mut Vec<String>) -> Result<Option<String>> {
-    let Some(path) = Given::find(given)?.and_then(|given| given.wishes()) else { return Ok(None) };
+    let Some(path) = TrialInput::find(given)?.and_then(|given| given.wishes()) else { return Ok(None) };
     let shown = || given.join(DECISION_FILE).display().to_string();
     let text = input::read_text(&path, input::LARGEST_SETTINGS).with_context(shown)?;
     let wishes = DecisionConfig::from_toml(&text).with_context(shown)?;
@@ -240,8 +240,15 @@ fn not_exported(to: Format, run: &Record, leaves: bool) -> Vec<String> {
 
 /// That a file can be the table of a run; what is in it is read later.
 pub fn expect_table(path: &Path) -> Result<()> {
-    let tables = [Kind::Text, Kind::Binary, Kind::Parquet, Kind::Stream, Kind::Trial, Kind::Directory];
-    Ok(Kind::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")?)
+    let tables = [
+        FileType::Text,
+        FileType::Binary,
+        FileType::Parquet,
+        FileType::Stream,
+        FileType::Trial,
+        FileType::Directory,
+    ];
+    Ok(FileType::expect(path, &tables, "a table that lemons run wrote (CSV, Parquet)")?)
 }
 
 /// \[bytes\] A polygon of more is a mistake.
@@ -278,7 +285,7 @@ pub fn trial_of(source: &Path, given: Option<&Path>) -> Result<Option<Trial>> {
             })
             .transpose();
     };
-    if let Some(given) = Given::find(path)? {
+    if let Some(given) = TrialInput::find(path)? {
         return Ok(Some(given.read()?.0));
     }
     let fmu = Fmu::open(path)?;

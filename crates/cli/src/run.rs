@@ -20,7 +20,7 @@ use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_core::trial::DriveChoice;
 use lemons_decision::walking_model::WalkingModel;
-use lemons_master::{Given, Kind, Saved, Settings, writers};
+use lemons_master::{FileType, Saved, Settings, TrialInput, writers};
 use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_results::{Frame, Run};
 use lemons_sim::stop::{Still, StopCondition};
@@ -280,9 +280,9 @@ fn interrupted(why: String) -> Error {
 
 /// Prepares a run of a Trial, an FMU or an SSP.
 fn prepare(settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
-    let runs = [Kind::Trial, Kind::Fmu, Kind::Ssp, Kind::Archive];
-    Kind::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
-    match Given::find(&settings.input)? {
+    let runs = [FileType::Trial, FileType::Fmu, FileType::Ssp, FileType::Archive];
+    FileType::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
+    match TrialInput::find(&settings.input)? {
         Some(given) => trial::prepare(&given, settings, outputs),
         None => fmus::prepare(settings, |system, others, (clock, every), before| match outputs {
             Some(place) => outputs::Outputs::create(system, others, place, &About::of(clock, every, before)),

@@ -4,7 +4,7 @@ use crate::error::{Misused, TrialHasErrors};
 use anyhow::{Result, anyhow};
 use lemons_core::trial::Missed;
 use lemons_core::trial::{Problems, Trial};
-use lemons_master::{Error, Given, PrepareError, Warning};
+use lemons_master::{Error, PrepareError, TrialInput, Warning};
 use std::path::Path;
 
 const FIXED: &str = "the saved run contains its parameters, and they cannot be changed";
@@ -60,7 +60,7 @@ pub fn trial_told(error: anyhow::Error) -> anyhow::Error {
 }
 
 /// A Trial with its warnings. Errors are printed.
-pub fn read_or_say(given: &Given) -> Result<(Trial, Problems)> {
+pub fn read_or_say(given: &TrialInput) -> Result<(Trial, Problems)> {
     given.read().map_err(|problems| broken(given.path(), &problems))
 }
 

@@ -21,7 +21,7 @@
 //! - [`walking_model`]: how people walk among others
 //! - [`config`]: a user's `decision.toml`
 //! - [`plan`]: the data before the start, of everybody
-//! - [`decision`]: the model of the FMU; [`decision::table`](mod@decision::table), [`decision::arrays`]: its variables
+//! - [`decision`]: the model of the FMU; [`decision::quantities`]: its variables
 //!   in FMI 2.0 and 3.0
 //! - [`pack`]: writes an `.fmu` from a plan and binaries
 

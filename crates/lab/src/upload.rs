@@ -1,7 +1,7 @@
 //! A zip or a folder -> a Trial; and the Trials that come with the lab.
 
 use crate::Refused;
-use crate::driven::{Basis, Driven};
+use crate::base::{Basis, Driven};
 use crowd_mechanics::setup;
 use lemons_core::files::input::{self, Bounded};
 use lemons_core::files::source::{Memory, Source};
@@ -187,7 +187,7 @@ fn with_parameters(found: &mut Found, notes: &mut Vec<String>) -> Result<PathBuf
 }
 
 fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Basis, Refused> {
-    let (trial, warnings) = setup::read_from(files, place, &FileNames::default()).map_err(Refused::of)?;
+    let (trial, warnings) = setup::read_from(files, place, &FileNames::default())?;
     if trial.agents.len() > MOST_PEOPLE {
         let people = trial.agents.len();
         return Err(Refused(format!("{people} people are too many for a page: at most {MOST_PEOPLE}")));
@@ -197,7 +197,7 @@ fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Basis, R
         if files.lacks(&path) {
             return Ok(String::new());
         }
-        let bytes = files.read(&path, LARGEST_CONTENT).map_err(Refused::of)?;
+        let bytes = files.read(&path, LARGEST_CONTENT)?;
         String::from_utf8(bytes).map_err(|error| Refused(format!("{}: {error}", path.display())))
     };
     let mut driven =
@@ -205,7 +205,7 @@ fn read(files: &Memory, place: &Path, mut notes: Vec<String>) -> Result<Basis, R
     if !driven.drive.is_empty() {
         let table = DriveTable::from_csv(driven.drive.as_bytes())
             .and_then(|table| table.check_agents(Some(&driven.trial)).map(|()| table));
-        driven.table = table.map_err(|error| Refused::of(error.of_file(&place.join(DRIVE_FILE))))?;
+        driven.table = table.map_err(|error| error.of_file(&place.join(DRIVE_FILE)))?;
     }
     notes.extend(warnings.iter().map(ToString::to_string));
     Ok(Basis { driven, notes, made: Value::Null })

@@ -1,6 +1,6 @@
 //! `lemons crowd`: people drawn, placed and written.
 
-use super::crowd_files::{Bodies, light};
+use super::crowd_files::Bodies;
 use super::crowd_outputs::{Outputs, PICTURE, say};
 use super::leave::LeaveArguments;
 use super::placing::PlacingArguments;
@@ -20,10 +20,10 @@ use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
 use lemons_core::trial::Trial;
 use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
-use lemons_master::Given;
+use lemons_master::TrialInput;
 use lemons_people::{
     Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
-    crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_with, write_trial_zip,
+    crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_zip,
 };
 use lemons_picture::{Fill, Scene};
 use std::io::Write;
@@ -256,7 +256,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
 
     outputs.fill("--population", |file| file.write_all(crowd_csv(&agents).as_bytes()))?;
     if let Some(output) = outputs.of("--light-xml") {
-        let text = light_xml(&light(&agents, &shapes, &packing.poses))?;
+        let text = light_xml(&agents, &shapes, &packing.poses);
         output.fill(|file| file.write_all(text.as_bytes()))?;
     }
     let bodies = Bodies { agents: &agents, poses: &packing.poses, interrupt: &interrupt };
@@ -355,7 +355,7 @@ impl TrialArguments {
         }
         let scratch = Scratch::new().context("cannot make a temporary directory")?;
         let directory = scratch.path().join(&trial.name);
-        write_trial(trial, &directory, Overwrite::Trials)?;
+        write_trial(trial, &[], &directory, Overwrite::Trials)?;
         match setup::read(&directory) {
             Ok((_, warnings)) => warnings.iter().for_each(|warning| {
                 // The file's name without the place where it lies for the moment.
@@ -376,7 +376,7 @@ impl TrialArguments {
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
             // Its warnings are those printed already.
             let written = write_fmu(
-                &[Given::open(&directory)?],
+                &[TrialInput::open(&directory)?],
                 binaries,
                 self.fmi.format(self.packing.naming()),
                 true,
@@ -396,7 +396,7 @@ impl TrialArguments {
         }
         interrupt.check()?;
         if let Some(directory) = &self.output {
-            let written = write_trial_with(trial, beside, directory, self.overwrite());
+            let written = write_trial(trial, beside, directory, self.overwrite());
             wrote("Trial", directory, written.map_err(Into::into));
         }
         Ok(done)

@@ -93,11 +93,11 @@ pub fn prepare(
         clock: run.clock,
         index: run.before.as_ref().map_or(0, |before| before.index),
         every: run.every,
-        drive_end: run.pushes.drive.end(),
+        drive_end: run.feed.drive.end(),
         identity: Identity {
             algorithm: algorithm.to_string(),
             wiring: wiring_of(system),
-            drive: run.pushes.drive.fingerprint(),
+            drive: run.feed.drive.fingerprint(),
         },
         before: run.before.take(),
         subject: Box::new(FmuRun { run, crowds: readers, outputs }),
@@ -136,7 +136,6 @@ impl Subject for FmuRun {
 
     fn states(&mut self) -> Result<States> {
         let states = self.run.system.states()?;
-        let states = states.iter().map(lemons_master::State::bytes).collect::<Result<Vec<_>, _>>()?;
         Ok((Saved::components(&self.run.system, &states), states))
     }
 

@@ -7,9 +7,9 @@ use crate::results::{Cell, CellType, Column, Place};
 use crate::words::{refused, warned};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use crowd_mechanics::model_description::MODEL_NAME;
-use crowd_mechanics::variables::{Quantity, guid, table};
-use lemons_fmi::variables::{Kind as VariableKind, Variable};
-use lemons_master::{ComponentRecord, Given, PrepareError, Settings, Warning, read_saved};
+use crowd_mechanics::quantities::{Quantity, guid};
+use lemons_fmi::variables::{Kind as VariableKind, Scalar};
+use lemons_master::{ComponentRecord, PrepareError, Settings, TrialInput, Warning, read_saved};
 use lemons_results::Frame;
 use lemons_results::columns::Groups;
 use lemons_sim::settings::{DECISION, Selection};
@@ -44,19 +44,19 @@ impl DecisionOutputs {
         if variables.is_empty() {
             return Ok(None);
         }
-        let column = |variable: &Variable<_>| Column {
-            name: format!("{DECISION}.{}", variable.name),
-            kind: match variable.kind {
+        let column = |scalar: &Scalar<_>| Column {
+            name: format!("{DECISION}.{}", scalar.name),
+            kind: match scalar.variable.kind {
                 VariableKind::Real(_) => CellType::Real,
                 VariableKind::Integer => CellType::Integer,
                 _ => CellType::Boolean,
             },
-            unit: match variable.kind {
+            unit: match scalar.variable.kind {
                 VariableKind::Real(unit) => Some(unit.name.to_owned()),
                 _ => None,
             },
-            variable: variable.name.clone(),
-            description: variable.description.clone(),
+            variable: scalar.name.clone(),
+            description: scalar.description.clone(),
         };
         let columns: Vec<Column> = variables.iter().map(column).collect();
         let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
@@ -122,7 +122,7 @@ impl Subject for TrialRun {
 }
 
 /// Prepares a run of a Trial; outputs of Decision go to a table, if they are wanted. Warnings are printed.
-pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
+pub fn prepare(given: &TrialInput, settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
     settings.check().map_err(refused)?;
     let saved = settings.resume.as_deref().map(read_saved).transpose().map_err(refused)?;
     let (documents, problems, plan) = documents(given, settings)?;
@@ -148,7 +148,7 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
     let until = settings.until_of(before.as_ref(), 0.0, None).map_err(refused)?;
     simulation.begin(0.0, settings.tolerance)?;
     let name = if walking.is_some() { WALKERS } else { CROWD };
-    let guid = guid(&table(&trial)).braced().to_string();
+    let guid = guid(&trial).braced().to_string();
     let of_saved = || format!("saved run {}", settings.resume.as_deref().unwrap_or(given.path()).display());
     if let (Some(before), Some(states)) = (&before, &states) {
         match (&plan, before.component[0].name.as_str()) {
@@ -158,7 +158,7 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
         }
         let component = [name.to_owned(), MODEL_NAME.to_owned(), guid.clone()];
         let checked = before.check(&[component], &settings.algorithm.to_string(), "");
-        checked.map_err(lemons_master::Error::from).with_context(of_saved)?;
+        checked.with_context(of_saved)?;
         ensure!(before.drive == drive.fingerprint(), refused(PrepareError::OtherDrive));
         simulation.restore(&states[0]).with_context(of_saved)?;
     }
@@ -227,7 +227,7 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
 
 /// The documents of a run; errors of a Trial are printed.
 pub fn documents(
-    given: &Given,
+    given: &TrialInput,
     settings: &Settings,
 ) -> Result<(Documents, lemons_core::trial::Problems, Option<PathBuf>)> {
     let read = given.documents(&settings.drive, &settings.plan);

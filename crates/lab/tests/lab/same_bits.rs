@@ -8,7 +8,9 @@ use lemons_decision::{DecisionConfig, Plan, pack};
 use lemons_lab::Lab;
 use lemons_lab::frame::COLUMNS;
 use lemons_master::ssp::{Participant, write_archive};
-use lemons_master::{Error, Given, PlanChoice, Prepared, Settings, binary_beside, documents_of, own_binary};
+use lemons_master::{
+    Error, PlanChoice, Prepared, Settings, TrialInput, binary_beside, documents_of, own_binary,
+};
 use lemons_results::Frame;
 use lemons_sim::{Algorithm, Clock, Documents, SimError, Simulation};
 use lemons_verify::testing::{repository, trial_push};
@@ -48,7 +50,7 @@ fn of_simulation(documents: &Documents, algorithm: Algorithm, clock: &Clock) -> 
 fn of_fmus(scene: &Scene, format: Format, algorithm: Algorithm, clock: &Clock) -> Bits {
     let directory = TempDir::new().unwrap();
     let crowd = directory.path().join("crowd.fmu");
-    let given = Given::open(&scene.directory).unwrap();
+    let given = TrialInput::open(&scene.directory).unwrap();
     lemons_master::pack(&[given], vec![own_binary().unwrap()], format, None, true, &crowd).unwrap();
     let input = match &scene.documents.plan {
         None => crowd,

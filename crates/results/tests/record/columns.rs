@@ -1,7 +1,7 @@
 //! The table of columns beside the FMU's table of variables: the same outputs, units and types.
 
+use crowd_mechanics::quantities::{Kind, Role, scalars};
 use crowd_mechanics::setup;
-use crowd_mechanics::variables::{Kind, Role, table};
 use lemons_results::columns::{CONTACTS, Column, Groups, MOTION, OF_STEP, Quantity, SQUEEZE, TOTALS};
 use std::collections::HashSet;
 use std::path::Path;
@@ -14,10 +14,10 @@ fn is_output(role: Role) -> bool {
 fn columns_are_outputs_of_the_fmu_in_its_units() {
     let push = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
     let (trial, _) = setup::read(&push).unwrap();
-    let table = table(&trial);
+    let table = scalars(&trial);
     let check = |quantity: &Quantity, name: &str| {
         let variable =
-            table.iter().find(|variable| variable.name == name).unwrap_or_else(|| panic!("{name}"));
+            table.iter().find(|scalar| scalar.name == name).unwrap_or_else(|| panic!("{name}")).variable;
         assert!(is_output(variable.role), "{name}");
         match variable.kind {
             Kind::Real(unit) => assert_eq!(Some(unit.name), quantity.unit, "{name}"),
@@ -31,8 +31,8 @@ fn columns_are_outputs_of_the_fmu_in_its_units() {
     TOTALS.iter().for_each(|quantity| check(quantity, quantity.variable));
     // Nothing that the FMU says of an agent is left out.
     let known: HashSet<&str> = of_agents.iter().map(|quantity| quantity.variable).collect();
-    let outputs = table.iter().filter(|variable| is_output(variable.role));
-    for name in outputs.filter_map(|variable| variable.name.strip_prefix("agent[0].")) {
+    let outputs = table.iter().filter(|scalar| is_output(scalar.variable.role));
+    for name in outputs.filter_map(|scalar| scalar.name.strip_prefix("agent[0].")) {
         assert!(known.contains(name), "agent[0].{name} is no column");
     }
 }

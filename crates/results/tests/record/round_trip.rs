@@ -2,12 +2,12 @@
 
 use crowd_mechanics::engine::{State, World};
 use crowd_mechanics::model::CrowdModel;
+use crowd_mechanics::quantities::Quantity;
 use crowd_mechanics::setup::{self, Setup};
-use crowd_mechanics::variables::Quantity;
 use lemons_core::plane::vec2;
 use lemons_core::trial::Trial;
-use lemons_fmi::Model;
 use lemons_fmi::location::Location;
+use lemons_fmi::{Model, Part};
 use lemons_results::{Record, RecordError, Run, series, trial_at_end};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -31,12 +31,12 @@ fn pushed(at: &Path) -> Trial {
 /// What the FMU does of 30 steps, and a world that did the same, after each.
 fn run(at: &Path, trial: &Trial) -> Vec<World> {
     let mut crowd = CrowdModel::load(Location::Path(at.join("trials").to_str().unwrap())).unwrap();
-    crowd.set_strings(&[(Quantity::OutputDirectory, at.join("out").to_str().unwrap())]).unwrap();
+    crowd.set_texts(&[(Quantity::OutputDirectory, at.join("out").to_str().unwrap())]).unwrap();
     crowd.initialize(0.0).unwrap();
     let mut world = Setup::of(trial).world().unwrap();
     (1..=30)
         .map(|k| {
-            crowd.advance(f64::from(k - 1) * 0.05, 0.05).unwrap_or_else(|_| panic!("step {k}"));
+            crowd.advance(Part::whole(f64::from(k - 1) * 0.05, 0.05)).unwrap_or_else(|_| panic!("step {k}"));
             world.advance(0.05).unwrap();
             let mut seen = Setup::of(trial).world().unwrap();
             seen.restore(world.state().clone()).unwrap();
