@@ -4,7 +4,7 @@ use super::About;
 use super::outputs::OutputTable;
 use super::subject::{CrowdInfo, Prepared, States, Subject, record_of};
 use crate::messages::{not_prepared, warning_text};
-use crate::results::{Cell, Column, Kind, Place};
+use crate::results::{Cell, CellType, Column, Place};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::quantities::{Quantity, guid};
@@ -34,7 +34,7 @@ struct TrialRun {
 /// The outputs of Decision, and which of them are Reals, Integers or Booleans.
 struct DecisionOutputs {
     selection: Selection,
-    kinds: Vec<Kind>,
+    kinds: Vec<CellType>,
     table: OutputTable,
 }
 
@@ -47,9 +47,9 @@ impl DecisionOutputs {
         let column = |scalar: &Scalar<_>| Column {
             name: format!("{DECISION}.{}", scalar.name),
             kind: match scalar.variable.kind {
-                VariableKind::Real(_) => Kind::Real,
-                VariableKind::Integer => Kind::Integer,
-                _ => Kind::Boolean,
+                VariableKind::Real(_) => CellType::Real,
+                VariableKind::Integer => CellType::Integer,
+                _ => CellType::Boolean,
             },
             unit: match scalar.variable.kind {
                 VariableKind::Real(unit) => Some(unit.name.to_owned()),
@@ -91,9 +91,9 @@ impl Subject for TrialRun {
     fn write_outputs(&mut self) -> Result<()> {
         let Some(DecisionOutputs { selection, kinds, table }) = &mut self.outputs else { return Ok(()) };
         let values = self.simulation.read(selection)?;
-        let cell = |(value, kind): (f64, &Kind)| match kind {
-            Kind::Real => Cell::Real(value),
-            Kind::Integer => Cell::Integer(value as i32),
+        let cell = |(value, kind): (f64, &CellType)| match kind {
+            CellType::Real => Cell::Real(value),
+            CellType::Integer => Cell::Integer(value as i32),
             _ => Cell::Boolean(value != 0.0),
         };
         table.row(self.simulation.time(), values.into_iter().zip(kinds.iter()).map(cell).collect())
