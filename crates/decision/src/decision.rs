@@ -351,8 +351,8 @@ impl Model for Decision {
         Ok(Decision::new(Plan::from_toml(&text).map_err(|error| DecisionError::Plan { path, error })?))
     }
 
-    fn sizes(&self) -> Vec<u64> {
-        vec![self.agents.len() as u64, self.most_waypoints as u64]
+    fn size(&self, place: usize) -> u64 {
+        [self.agents.len(), self.most_waypoints][place] as u64
     }
 
     fn scalars(&self) -> Vec<Scalar<Quantity>> {
