@@ -210,7 +210,7 @@ fn every_function_is_in_a_table_or_is_not_offered() {
         }
         let message = crowd.refused(probe.call(crowd.v3(), crowd.raw, None).unwrap());
         let said =
-            ["without events and clocks", "no variable of type", "Derivatives is false", "no variable"];
+            ["without events and clocks", "no variable of type", "Derivatives are false", "no variable"];
         assert!(said.iter().any(|words| message.contains(words)), "{message}");
     }
     crowd.steps(0, 1);

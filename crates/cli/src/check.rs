@@ -9,7 +9,7 @@ use lemons_core::plane::Vec2;
 use lemons_core::trial::DRIVE_FILE;
 use lemons_core::trial::Problems;
 use lemons_core::trial::Trial;
-use lemons_decision::{Plan, WISHES_FILE};
+use lemons_decision::{DECISION_FILE, Plan};
 use lemons_master::{TrialInput, Warning, plan_of};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     .flatten()
                     .collect();
                 for doubt in &doubts {
-                    writeln!(out, "warning: {}: {doubt}", path.join(WISHES_FILE).display())?;
+                    writeln!(out, "warning: {}: {doubt}", path.join(DECISION_FILE).display())?;
                 }
                 let driven = given.drive(&trial);
                 let parameters = &trial.parameters;
@@ -64,7 +64,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
                     writeln!(out, "warning: {}: {doubt}", path.join(DRIVE_FILE).display())?;
                 }
                 if wishes.is_some() && given.directory().join(DRIVE_FILE).exists() {
-                    let plan = path.join(WISHES_FILE);
+                    let plan = path.join(DECISION_FILE);
                     writeln!(out, "{}", words::warned(&Warning::DriveOfWalkers { plan }))?;
                 }
                 if let Some(missed) = &missed {

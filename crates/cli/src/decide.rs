@@ -6,7 +6,7 @@ use crate::pack::{Fmi, FmuArguments, say_size};
 use crate::words::read_or_say;
 use anyhow::{Context, Result, bail};
 use lemons_core::trial::Trial;
-use lemons_decision::{Plan, WISHES_FILE};
+use lemons_decision::{DECISION_FILE, Plan};
 use lemons_master::{PlanChoice, TrialInput, plan_of};
 use std::path::{Path, PathBuf};
 
@@ -77,7 +77,7 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
 
 /// What the people of a Trial do by the wishes in a file; by default, that of the Trial.
 fn wanted(given: &TrialInput, trial: &Trial, plan: Option<&Path>) -> Result<Plan> {
-    let own = given.path().join(WISHES_FILE);
+    let own = given.path().join(DECISION_FILE);
     let (path, named) = match (plan, given.wishes()) {
         (Some(plan), _) => (plan.to_owned(), plan.to_owned()),
         (None, Some(path)) => (path, own),

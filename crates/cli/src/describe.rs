@@ -4,8 +4,8 @@ use crate::pack::Fmi;
 use crate::tell;
 use crate::words::read_or_say;
 use anyhow::{Context, Result};
-use crowd_mechanics::model_description::{model_description, model_description_3};
-use crowd_mechanics::pack::{Format, Naming};
+use crowd_mechanics::model_description::model_description;
+use crowd_mechanics::pack::Naming;
 use lemons_decision::pack::description;
 use lemons_master::{TrialInput, plan_of};
 use std::io::Write;
@@ -26,13 +26,12 @@ pub struct Arguments {
 pub fn describe(arguments: &Arguments) -> Result<()> {
     let (trial, _) = read_or_say(&TrialInput::open(&arguments.trial)?)?;
     let format = arguments.fmi.format(Naming::Structured);
-    let text = match (&arguments.plan, format) {
-        (Some(plan), _) => {
+    let text = match &arguments.plan {
+        Some(plan) => {
             let plan = plan_of(&trial, plan).with_context(|| plan.display().to_string())?;
             description(&plan, format)
         }
-        (None, Format::Fmi2(naming)) => model_description(&trial, naming),
-        (None, Format::Fmi3) => model_description_3(&trial),
+        None => model_description(&trial, format),
     };
     Ok(tell::out().write_all(text.as_bytes())?)
 }

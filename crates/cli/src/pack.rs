@@ -7,7 +7,7 @@ use crate::words::trial_told;
 use anyhow::{Result, anyhow, bail};
 use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
 use lemons_core::trial::Trial;
-use lemons_decision::WISHES_FILE;
+use lemons_decision::DECISION_FILE;
 use lemons_master::{Error, TrialInput, binaries_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
 use std::path::{Path, PathBuf};
@@ -116,7 +116,7 @@ pub fn pack(arguments: &Arguments) -> Result<()> {
     for trial in trials.iter().filter(|trial| trial.wishes().is_some()) {
         let path = trial.path().display();
         note!(
-            "note: {path}/{WISHES_FILE} is not in this FMU, which is the crowd alone: lemons decide {path} -o FILE.fmu makes \
+            "note: {path}/{DECISION_FILE} is not in this FMU, which is the crowd alone: lemons decide {path} -o FILE.fmu makes \
              the FMU that says where people walk, and lemons connect couples both"
         );
     }

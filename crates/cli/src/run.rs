@@ -19,7 +19,7 @@ use anyhow::{Context, Error, Result, bail, ensure};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_core::trial::DriveChoice;
-use lemons_decision::gait::Gait;
+use lemons_decision::walking_model::WalkingModel;
 use lemons_master::{FileType, Saved, Settings, TrialInput, writers};
 use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_results::{Frame, Run};
@@ -404,7 +404,9 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         _ => Ok(None),
     };
     let pressing = match (&done, &plans[..], &recorders[..]) {
-        (Ok(()), [plan], [crowd]) if plan.gait == Gait::Straight => pressing(&mut *subject, plan, crowd)?,
+        (Ok(()), [plan], [crowd]) if plan.walking_model == WalkingModel::Straight => {
+            pressing(&mut *subject, plan, crowd)?
+        }
         _ => None,
     };
     // What was simulated before a failure is worth having.

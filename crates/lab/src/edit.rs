@@ -1,7 +1,7 @@
 //! Changes by hand: people are moved, copied, taken away.
 
 use crate::Refused;
-use crate::driven::Driven;
+use crate::base::Driven;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::AgentDynamics;
 use serde::Deserialize;

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 /// A person's sex and measures.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Wanted {
+pub struct PersonRequest {
     /// "male" or "female".
     pub sex: Sex,
     /// \[m\] bideltoid breadth; `None`: the survey's median, as for the others.
@@ -24,7 +24,7 @@ pub struct Wanted {
     pub altitude: Option<f64>,
 }
 
-impl Wanted {
+impl PersonRequest {
     fn measures(&self) -> [f64; 4] {
         let survey = ansur(self.sex);
         let given = [self.breadth, self.depth, self.stature, self.mass];
@@ -52,10 +52,10 @@ impl Wanted {
 ///
 /// # Errors
 /// A measure is not a person's, or the chest is deeper than the shoulders are broad.
-pub fn person(wanted: &Wanted) -> Result<Reply, Refused> {
+pub fn person(wanted: &PersonRequest) -> Result<Reply, Refused> {
     let (sex, measures, person) = (wanted.sex, wanted.measures(), wanted.person()?);
     let survey = ansur(sex);
-    let shape = Shape::of(&person).map_err(Refused::of)?;
+    let shape = Shape::of(&person)?;
     let about = |(k, measure): (usize, &Measure)| {
         let of = &survey.measures[k];
         json!({
@@ -80,9 +80,10 @@ pub fn bicycle() -> Reply {
     let corners = |(length, width): (f64, f64)| {
         [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| [0.5 * x * length, 0.5 * y * width])
     };
-    let measures = BICYCLE_MEASURES.into_iter().zip(bicycle.measures()).map(|(name, value)| {
-        json!({ "name": name, "unit": if name == "mass" { "kg" } else { "m" }, "value": value })
-    });
+    let measures = BICYCLE_MEASURES
+        .into_iter()
+        .zip(bicycle.measures())
+        .map(|((name, unit), value)| json!({ "name": name, "unit": unit, "value": value }));
     Reply::of(json!({
         "rectangles": bicycle.rectangles().map(corners), "measures": measures.collect::<Vec<_>>(),
     }))

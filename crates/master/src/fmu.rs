@@ -7,9 +7,9 @@ use crate::instance::{Instance, Sizes, number};
 use crate::messages::{Messages, Names};
 use crate::ssp::{Allowance, Fmi, Interface, Kind, Type};
 use crate::unzip::{DESCRIPTION_FILE, unzip};
-use crowd_mechanics::arrays;
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
 use crowd_mechanics::pack::{host_directory, host_platform};
+use crowd_mechanics::quantities;
 use crowd_mechanics::resources::{Resources, ResourcesError};
 use lemons_core::files::{Scratch, input};
 use lemons_core::trial::Trial;
@@ -225,7 +225,7 @@ impl Fmu {
             return known;
         }
         let Ok(trial) = self.trial(self.chosen.as_deref()) else { return Vec::new() };
-        let elements = arrays::of_materials(&trial, name).into_iter().filter_map(|(array, element)| {
+        let elements = quantities::of_materials(&trial, name).into_iter().filter_map(|(array, element)| {
             let variable = self.description.variable(array).filter(|array| element < array.count())?;
             Some(self.description.name_of(variable, element))
         });
@@ -259,7 +259,7 @@ impl Fmu {
                 let trial = self.trial(Some(text))?;
                 self.chosen = Some(text.to_owned());
                 self.materials = Mutex::default();
-                let sizes = arrays::SIZES.iter().zip(arrays::sizes(&trial));
+                let sizes = quantities::SIZES.iter().zip(quantities::sizes(&trial));
                 chosen.extend(sizes.map(|(size, value)| (size.name.to_owned(), value)));
             }
             if self.is_structural(name) {

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::file_type::Unexpected;
 use lemons_core::trial::{DRIVE_FILE, Missed};
-use lemons_decision::WISHES_FILE;
+use lemons_decision::DECISION_FILE;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -73,7 +73,7 @@ impl fmt::Display for Warning {
             Warning::DriveReplaced(component) => write!(
                 f,
                 "{component}: the {DRIVE_FILE} in it does not act on people whose Fp or Mp is connected; of a Trial with \
-                 {WISHES_FILE}, lemons run TRIAL adds it to the forces with which they walk"
+                 {DECISION_FILE}, lemons run TRIAL adds it to the forces with which they walk"
             ),
             Warning::Between { time, step } => write!(
                 f,
@@ -82,7 +82,7 @@ impl fmt::Display for Warning {
             ),
             Warning::Still => write!(
                 f,
-                "nobody is driven: neither {WISHES_FILE} (where people walk) nor {DRIVE_FILE} is used, and \
+                "nobody is driven: neither {DECISION_FILE} (where people walk) nor {DRIVE_FILE} is used, and \
                  AgentDynamics.xml has no force and no speed"
             ),
         }
@@ -113,7 +113,7 @@ pub enum PrepareError {
     #[error("a drive is for a Trial or an FMU: in an SSP inputs are fed by connections")]
     DriveOfCoupled,
     /// Only people of a Trial walk by a file.
-    #[error("a file like {WISHES_FILE} is for a Trial, and not for an FMU or an SSP")]
+    #[error("a file like {DECISION_FILE} is for a Trial, and not for an FMU or an SSP")]
     PlanWithoutTrial,
     /// What goes on is not a saved run.
     #[error(transparent)]
@@ -188,7 +188,7 @@ pub enum PrepareError {
     #[error("nobody walked by a file in the saved run, but now people would walk ({})", .0.display())]
     NowWalks(PathBuf),
     /// In the saved run people walked.
-    #[error("people walked by a file like {WISHES_FILE} in the saved run, but now nobody would")]
+    #[error("people walked by a file like {DECISION_FILE} in the saved run, but now nobody would")]
     NoLongerWalks,
     /// An FMU, an SSP, the drive or the saved run.
     #[error(transparent)]

@@ -10,7 +10,7 @@ use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
 use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_core::trial::{Problem, Problems, Severity, Trial};
-use lemons_decision::WISHES_FILE;
+use lemons_decision::DECISION_FILE;
 use lemons_sim::Documents;
 use std::path::{Component, Path, PathBuf};
 
@@ -66,7 +66,7 @@ impl TrialInput {
     /// Its file that says where its people walk, if there is one: a link that leads nowhere, too, which is an error for
     /// whoever reads it, and must not mean that nobody walks.
     pub fn wishes(&self) -> Option<PathBuf> {
-        Some(self.directory.join(WISHES_FILE)).filter(|path| path.symlink_metadata().is_ok())
+        Some(self.directory.join(DECISION_FILE)).filter(|path| path.symlink_metadata().is_ok())
     }
 
     /// The Trial with its warnings.
@@ -123,7 +123,7 @@ impl TrialInput {
         let plan = match plan {
             PlanChoice::None => None,
             PlanChoice::File(path) => Some((path.clone(), path.clone())),
-            PlanChoice::Own => self.wishes().map(|path| (path, self.path.join(WISHES_FILE))),
+            PlanChoice::Own => self.wishes().map(|path| (path, self.path.join(DECISION_FILE))),
         };
         let read = plan.as_ref();
         let read = read.map(|(path, known)| plan_of(&trial, path).place(|| known.display().to_string()));
@@ -167,7 +167,7 @@ pub fn documents_of(
         return given.documents(drive, plan);
     }
     if matches!(plan, PlanChoice::File(_)) {
-        return Err(Error::new(format!("a file like {WISHES_FILE} is for a Trial, and not for an FMU")));
+        return Err(Error::new(format!("a file like {DECISION_FILE} is for a Trial, and not for an FMU")));
     }
     let fmu = Fmu::open(path)?;
     let trial = fmu.trial(None)?;

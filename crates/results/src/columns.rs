@@ -3,7 +3,7 @@
 
 use crate::cell::Cell;
 pub use crate::cell::Kind;
-use crate::run::{Observed, OfStep, Totals};
+use crate::run::{Observed, Totals};
 use lemons_core::plane::Motion;
 
 /// A column of the table of a run, which is an output of the FMU.
@@ -33,7 +33,6 @@ impl Quantity {
 pub(crate) struct AgentRow {
     pub motion: Motion,
     pub observed: Observed,
-    pub of_step: OfStep,
     pub active: bool,
     pub totals: Totals,
 }
@@ -154,26 +153,23 @@ pub const SQUEEZE: Quantity = quantity(
 /// first versions have none of these outputs.
 pub const OF_STEP: [Quantity; 3] = [
     quantity("mean_normal_force", "MeanNormalForce", Some("N"), "mean squeeze since the row before", |row| {
-        Field::Size(&mut row.of_step.mean_normal_force)
+        Field::Size(&mut row.observed.of_step.get_or_insert_default().mean_normal_force)
     }),
     quantity(
         "peak_normal_force",
         "PeakNormalForce",
         Some("N"),
         "largest squeeze since the row before",
-        |row| Field::Size(&mut row.of_step.peak_normal_force),
+        |row| Field::Size(&mut row.observed.of_step.get_or_insert_default().peak_normal_force),
     ),
     quantity(
         "peak_overlap",
         "PeakOverlap",
         Some("m"),
         "deepest overlap of a contact since the row before",
-        |row| Field::Size(&mut row.of_step.peak_overlap),
+        |row| Field::Size(&mut row.observed.of_step.get_or_insert_default().peak_overlap),
     ),
 ];
-
-/// \[N\] Time average of the squeeze since the row before.
-pub const MEAN_SQUEEZE: Quantity = OF_STEP[0];
 
 /// 1 if the agent is there, 0 if not: it touches nothing and stands where it was last.
 pub const ACTIVE: Quantity = quantity(

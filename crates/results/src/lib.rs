@@ -22,6 +22,7 @@ mod record;
 mod recorder;
 mod run;
 mod series;
+mod shapes;
 mod table;
 mod text;
 
@@ -32,10 +33,10 @@ pub use error::RecordError;
 pub use jupedsim::jupedsim;
 pub use record::Record;
 pub use recorder::{Recorder, Wanted};
-pub use run::{Frame, Names, Observed, OfStep, Run, Totals};
-pub use series::{series, series_files, series_in, series_time, trial_at_end};
+pub use run::{Frame, Observed, OfStep, Run, Totals};
+pub use series::{series, series_files, series_in, trial_at_end};
 pub use table::{Content, Format, FrameWriter, TableWriter};
-pub use text::{chaos, chaos_files, pedpy, pedpy_into};
+pub use text::{chaos, chaos_files, pedpy};
 
 /// As with the feature `sqlite`, without which there is no SQLite.
 ///

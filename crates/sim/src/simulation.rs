@@ -3,13 +3,13 @@
 use crate::settings::{DecisionNames, Names};
 use crowd_mechanics::engine::{Pose, World, Wrench, vec2};
 use crowd_mechanics::model::{CrowdModel, ModelError, Saved as SavedCrowd};
-use crowd_mechanics::variables::{AgentQuantity, Quantity};
+use crowd_mechanics::quantities::Quantity;
 use lemons_core::plane::Motion;
 use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::decision::{Act, DecisionError, Saved as SavedDecision};
 use lemons_decision::rule::Pose as SeenPose;
 use lemons_decision::{Decision, Plan};
-use lemons_fmi::{Model, Phase, StepError, fingerprint};
+use lemons_fmi::{Model, Part, Phase, StepError, fingerprint};
 use lemons_results::{Frame, Observed, OfStep, Totals};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -130,10 +130,10 @@ impl Simulation {
             None => (drive, DriveTable::default()),
             Some(_) => (DriveTable::default(), drive),
         };
-        let crowd = CrowdModel::of_trial(trial, played)?;
+        let crowd = CrowdModel::of_trial(trial, played);
         let decision = plan.map(Decision::new);
-        let decision_names = decision.as_ref().map(|decision| Names::of(decision.table()));
-        let crowd_names = Names::of(crowd.table());
+        let decision_names = decision.as_ref().map(|decision| Names::of(decision.scalars()));
+        let crowd_names = Names::of(crowd.scalars());
         let acts = Vec::new();
         Ok(Simulation {
             crowd,
@@ -156,14 +156,17 @@ impl Simulation {
     pub fn begin(&mut self, start: f64, tolerance: Option<f64>) -> Result<(), SimError> {
         self.time = start;
         self.crowd.set_tolerance(tolerance);
-        self.adds = self.crowd.integer(Quantity::PlayDrive)? != 0;
+        self.adds = self.crowd.number(Quantity::PlayDrive, 0)? != 0.0;
         if let Some(decision) = &mut self.decision {
             decision.initialize(start)?;
             let mut poses = Vec::with_capacity(self.ids.len());
-            for i in 0..self.ids.len() as u32 {
-                let mut real = |quantity| self.crowd.real(Quantity::Agent(i, quantity));
-                use AgentQuantity::{PositionX, PositionY, Theta};
-                poses.push(SeenPose { x: real(PositionX)?, y: real(PositionY)?, theta: real(Theta)? });
+            for i in 0..self.ids.len() {
+                let mut number = |quantity, element| self.crowd.number(quantity, element);
+                poses.push(SeenPose {
+                    x: number(Quantity::Position, 2 * i)?,
+                    y: number(Quantity::Position, 2 * i + 1)?,
+                    theta: number(Quantity::Theta, i)?,
+                });
             }
             decision.see(poses.into_iter());
             self.acts = decision.acts()?;
@@ -230,7 +233,7 @@ impl Simulation {
 
     /// Returns the value of a parameter of the crowd that is a text.
     pub fn text(&self, quantity: Quantity) -> &str {
-        self.crowd.string(quantity)
+        self.crowd.text(quantity, 0)
     }
 
     /// Returns the warnings since the last call.
@@ -301,20 +304,24 @@ impl Simulation {
 
     /// Drives the crowd as those who walk do, with what is added.
     fn drive_crowd(&mut self, phase: Phase) {
-        for (i, act) in (0..).zip(&self.acts) {
+        for (i, act) in self.acts.iter().enumerate() {
             let [x, y] = act.drive.force;
             let mut drive = Wrench { force: vec2(x, y), torque: act.drive.torque };
             if phase == Phase::StepComplete
                 && self.adds
-                && let Some([x, y, torque]) = self.added.at(&self.ids[i as usize], self.time)
+                && let Some([x, y, torque]) = self.added.at(&self.ids[i], self.time)
             {
                 drive = Wrench { force: drive.force + vec2(x, y), torque: drive.torque + torque };
             }
-            use AgentQuantity::{Active, FpX, FpY, Mp};
-            for (quantity, value) in [(FpX, drive.force.x), (FpY, drive.force.y), (Mp, drive.torque)] {
-                self.crowd.set_real(Quantity::Agent(i, quantity), value, phase);
+            let Wrench { force, torque } = drive;
+            for (quantity, element, value) in [
+                (Quantity::Fp, 2 * i, force.x),
+                (Quantity::Fp, 2 * i + 1, force.y),
+                (Quantity::Mp, i, torque),
+                (Quantity::Active, i, act.active.into()),
+            ] {
+                self.crowd.set(quantity, element, value, phase);
             }
-            self.crowd.set_integer(Quantity::Agent(i, Active), act.active.into(), phase);
         }
     }
 
@@ -355,13 +362,13 @@ impl crate::run::Model for Simulation {
         match self.algorithm {
             Algorithm::Jacobi => {
                 self.drive_crowd(Phase::StepComplete);
-                self.crowd.advance(from, step)?;
+                self.crowd.advance(Part::whole(from, step))?;
                 self.decide(&poses, step)?;
             }
             Algorithm::GaussSeidel => {
                 self.decide(&poses, step)?;
                 self.drive_crowd(Phase::StepComplete);
-                self.crowd.advance(from, step)?;
+                self.crowd.advance(Part::whole(from, step))?;
             }
         }
         self.time = time;

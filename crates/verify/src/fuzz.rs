@@ -12,7 +12,6 @@
 //! - `table_csv`: any bytes as the table of a run
 //! - `sweep_toml`: any text as a `sweep.toml`, any bytes as the table of points that it names
 //! - `run_file`: any bytes as a saved run, or as its `run.toml`
-//! - `light_xml`: any text as a light XML file
 
 mod calls;
 mod files;
@@ -21,13 +20,13 @@ mod models;
 
 use calls::{calls, states};
 use files::{decision_toml, fmu_archive, ssp_archive, trial_xml};
-use inputs::{drive_csv, light_xml, run_file, sweep_toml, table_csv};
+use inputs::{drive_csv, run_file, sweep_toml, table_csv};
 
 /// A fuzz target.
 pub type Target = fn(&[u8]);
 
 /// The targets, by the names of their fuzzers and of the directories of their inputs.
-pub const TARGETS: [(&str, Target); 11] = [
+pub const TARGETS: [(&str, Target); 10] = [
     ("calls", calls),
     ("states", states),
     ("trial_xml", trial_xml),
@@ -38,7 +37,6 @@ pub const TARGETS: [(&str, Target); 11] = [
     ("table_csv", table_csv),
     ("sweep_toml", sweep_toml),
     ("run_file", run_file),
-    ("light_xml", light_xml),
 ];
 
 /// The FMUs silence panics in their host; here a panic is what is looked for, and is shown.

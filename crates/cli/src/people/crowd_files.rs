@@ -1,33 +1,11 @@
-//! A crowd's bodies and its light XML.
+//! A crowd's bodies.
 
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::output::Output;
 use anyhow::{Context, Result};
 use lemons_core::plane::Pose;
-use lemons_people::{
-    Agent, Along, Body3d, CrowdSection, LightAgent, LightSettings, MeshPart, Placed, Shape, section,
-    write_obj, write_stl,
-};
+use lemons_people::{Agent, Body3d, CrowdSection, MeshPart, section, write_obj, write_stl};
 use std::io::Write;
-
-/// Ids are places in the crowd. Bicycles stand along an axis.
-pub fn light(agents: &[Agent], shapes: &[Shape], poses: &[Pose]) -> Vec<LightAgent> {
-    let settings = LightSettings::default();
-    let of = |(id, ((agent, shape), pose)): (usize, ((&Agent, &Shape), &Pose))| {
-        let Pose { position, orientation } = *pose;
-        match agent {
-            Agent::Pedestrian(person) => {
-                LightAgent::pedestrian(id as u64, shape, person.mass, position, orientation, &settings)
-            }
-            Agent::Bicycle(bicycle) => {
-                let upright = orientation.sin().abs() > orientation.cos().abs();
-                let along = if upright { Along::Y } else { Along::X };
-                LightAgent::bicycle(id as u64, bicycle, position, along, &settings)
-            }
-        }
-    };
-    agents.iter().zip(shapes).zip(poses).enumerate().map(of).collect()
-}
 
 /// The pedestrians' bodies, made one after the other: those of a large crowd would not go into memory together.
 pub struct Bodies<'a> {
@@ -58,7 +36,7 @@ impl Bodies<'_> {
         for body in self.each() {
             let (place, body, pose) = body?;
             for all in &mut sections {
-                let one = section(&[Placed { body: &body, pose }], all.altitude);
+                let one = section(&[(&body, pose)], all.altitude);
                 all.bodies[place] = one.bodies.into_iter().flatten().collect();
             }
         }

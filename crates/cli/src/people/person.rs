@@ -9,8 +9,7 @@ use anyhow::Result;
 use lemons_core::plane::{Pose, vec2};
 use lemons_core::trial::Geometry;
 use lemons_people::{
-    Body3d, Placed, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj, write_stl,
-    write_wkt,
+    Body3d, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj, write_stl, write_wkt,
 };
 use lemons_picture::{Scene, Style, pdf, svg};
 use std::io::Write;
@@ -104,7 +103,7 @@ pub fn person(arguments: &Arguments) -> Result<()> {
         let mesh = body.mesh();
         add(obj, &|output| output.fill(|file| write_obj(&mesh.parts, file)))?;
         add(stl, &|output| output.fill(|file| write_stl(&mesh.parts, file)))?;
-        let placed = [Placed { body: &body, pose: ORIGIN }];
+        let placed = [(&body, ORIGIN)];
         let stack = body.stack(arguments.slice_height / 100.0);
         let sections: Vec<_> = stack.iter().map(|(altitude, _)| section(&placed, *altitude)).collect();
         add(geojson, &|output| output.fill(|file| write_geojson(&sections, file)))?;

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use lemons_core::plane::{Vec2, vec2};
 use lemons_core::trial::{FARTHEST, Geometry};
 use lemons_people::Door;
-use lemons_people::placing::{Part, Region};
+use lemons_people::placing::{FreeSpace, Region};
 
 /// More are a mistake.
 const MOST: f64 = 1e6;
@@ -109,16 +109,17 @@ pub fn grounds(regions: &[RegionArgument], geometry: &Geometry, place: &str) -> 
     for (k, RegionArgument { corners, amount }) in regions.iter().enumerate() {
         let name = format!("region {k} of {place}");
         let earlier: Vec<&Region> = drawn.iter().collect();
-        let part = Region::among(corners, geometry, &earlier).with_context(|| format!("--region: {name}"))?;
+        let free =
+            Region::free_space(corners, geometry, &earlier).with_context(|| format!("--region: {name}"))?;
         drawn.push(Region::polygon(corners, &[]).context("--region")?);
-        let said = described(&part);
-        let Part { region, rooms, obstacles, .. } = part;
+        let said = described(&free);
+        let FreeSpace { region, rooms, obstacles, .. } = free;
         grounds.push(Ground { region, name, amount: *amount, rooms, obstacles, said });
     }
     Ok(grounds)
 }
 
-fn described(Part { rooms, obstacles, walls, .. }: &Part) -> String {
+fn described(FreeSpace { rooms, obstacles, walls, .. }: &FreeSpace) -> String {
     let few = |what: &str, ids: &[String]| match ids {
         [] => None,
         [one] => Some(format!("{what} {one}")),

@@ -12,7 +12,7 @@ use crate::output::Output;
 use crate::run::{Until, until};
 use anyhow::{Result, bail};
 use lemons_picture::{
-    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, Style, Visibility, chart_svg, pdf, png, sheet, svg,
+    ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, Style, chart_svg, pdf, png, sheet, svg,
 };
 use lemons_results::measure::within;
 use std::io::Write;
@@ -201,7 +201,6 @@ fn density(arguments: &Arguments, interrupt: &Interrupt) -> Result<String> {
     map.range = look.range();
     note!("density: {}", map.described());
     scene.density = Some(map);
-    let bodies = if one { Visibility::Shown } else { Visibility::Hidden };
     let time = one.then_some(moment.time);
-    Ok(svg(&scene, &Style { bodies, time, ..looks.style(&moment) }))
+    Ok(svg(&scene, &Style { bodies: one, time, ..looks.style(&moment) }))
 }

@@ -7,8 +7,8 @@ use crate::results::{Cell, Column, Kind, Place};
 use crate::words::{refused, warned};
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use crowd_mechanics::model_description::MODEL_NAME;
-use crowd_mechanics::variables::{Quantity, guid, table};
-use lemons_fmi::variables::{Kind as VariableKind, Variable};
+use crowd_mechanics::quantities::{Quantity, guid};
+use lemons_fmi::variables::{Kind as VariableKind, Scalar};
 use lemons_master::{ComponentRecord, PrepareError, Settings, TrialInput, Warning, read_saved};
 use lemons_results::Frame;
 use lemons_results::columns::Groups;
@@ -44,19 +44,19 @@ impl DecisionOutputs {
         if variables.is_empty() {
             return Ok(None);
         }
-        let column = |variable: &Variable<_>| Column {
-            name: format!("{DECISION}.{}", variable.name),
-            kind: match variable.kind {
+        let column = |scalar: &Scalar<_>| Column {
+            name: format!("{DECISION}.{}", scalar.name),
+            kind: match scalar.variable.kind {
                 VariableKind::Real(_) => Kind::Real,
                 VariableKind::Integer => Kind::Integer,
                 _ => Kind::Boolean,
             },
-            unit: match variable.kind {
+            unit: match scalar.variable.kind {
                 VariableKind::Real(unit) => Some(unit.name.to_owned()),
                 _ => None,
             },
-            variable: variable.name.clone(),
-            description: variable.description.clone(),
+            variable: scalar.name.clone(),
+            description: scalar.description.clone(),
         };
         let columns: Vec<Column> = variables.iter().map(column).collect();
         let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
@@ -148,7 +148,7 @@ pub fn prepare(given: &TrialInput, settings: &Settings, outputs: Option<&Place>)
     let until = settings.until_of(before.as_ref(), 0.0, None).map_err(refused)?;
     simulation.begin(0.0, settings.tolerance)?;
     let name = if walking.is_some() { WALKERS } else { CROWD };
-    let guid = guid(&table(&trial)).braced().to_string();
+    let guid = guid(&trial).braced().to_string();
     let of_saved = || format!("saved run {}", settings.resume.as_deref().unwrap_or(given.path()).display());
     if let (Some(before), Some(states)) = (&before, &states) {
         match (&plan, before.component[0].name.as_str()) {

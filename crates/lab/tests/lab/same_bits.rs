@@ -4,7 +4,7 @@ use crate::{ask, numbers, ok, opened};
 use crowd_mechanics::pack::Format;
 use lemons_core::plane::Motion;
 use lemons_core::trial::DriveChoice;
-use lemons_decision::{Plan, Wishes, pack};
+use lemons_decision::{DecisionConfig, Plan, pack};
 use lemons_lab::Lab;
 use lemons_lab::frame::COLUMNS;
 use lemons_master::ssp::{Participant, write_archive};
@@ -177,7 +177,7 @@ fn people_who_leave_have_the_same_bits_everywhere() {
     trial.write(&place).unwrap();
     let exit = "exits = [{ name = \"door\", line = [[6.5, 1.0], [6.5, 4.0]] }]";
     let wishes = format!("model = \"collision-free-speed\"\nseed = 7\n{exit}");
-    Wishes::from_toml(&wishes).unwrap();
+    DecisionConfig::from_toml(&wishes).unwrap();
     std::fs::write(place.join("decision.toml"), wishes).unwrap();
     let scene = Scene::of(place);
     scene.check(6.0);

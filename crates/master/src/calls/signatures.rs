@@ -11,7 +11,10 @@ type Logger3 = unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_
 type IntermediateUpdate = unsafe extern "C" fn();
 
 macro_rules! types {
-    ($($name:ident = $body:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*) => {
+    (
+        $($name:ident = $module:ident::$body:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*
+        $([not offered] $($other:ident($($unused:ident: $unused_type:ty),*);)*)?
+    ) => {
         $(pub(super) type $name = unsafe extern "C" fn($($type),*) $(-> $result)?;)*
     };
 }

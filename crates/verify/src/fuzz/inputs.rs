@@ -7,8 +7,6 @@ use lemons_core::files::Staged;
 use lemons_core::plane::{Motion, Pose, Twist};
 use lemons_core::trial::{DriveChoice, DriveTable};
 use lemons_master::{Error, Saved};
-use lemons_people::{LightAgent, LightDisk, LightRectangle, LightShapes};
-use lemons_people::{light_xml as write_light_xml, read_light_xml};
 use lemons_results::columns::Groups;
 use lemons_results::{
     Content, Format, FrameWriter, Observed, Record, RecordError, Run, TableWriter, Totals, chaos,
@@ -142,7 +140,8 @@ fn exported(record: &Record, run: &Run, directory: &Path) {
     assert_eq!(record.ids(), run.ids);
     assert!(record.times().eq(run.frames.iter().map(|frame| frame.time)), "{run:?}");
     let path = directory.join("pedpy.txt");
-    match pedpy(record, &path) {
+    let file = lemons_core::files::Staged::beside(&path).expect("a file");
+    match pedpy(record, file, &path) {
         Ok(()) => {
             let text = std::fs::read_to_string(&path).expect("a text");
             assert_eq!(text.lines().count(), 2 + run.ids.len() * run.frames.len(), "{text}\n{run:?}");
@@ -386,48 +385,5 @@ fn sound(saved: &Saved) {
         && until > time
     {
         assert!(clock.end(index) > time, "the next step goes forward: {saved:?}");
-    }
-}
-
-/// A light XML file: refused in words that name the line, or agents that can be, are written and read back, to the same
-/// text.
-pub fn light_xml(data: &[u8]) {
-    let Ok(text) = std::str::from_utf8(data) else { return };
-    show_panics();
-    let agents = match read_light_xml(text) {
-        Ok(agents) => agents,
-        Err(error) => {
-            return assert!(error.to_string().starts_with("line "), "{error}");
-        }
-    };
-    let ids: HashSet<u64> = agents.iter().map(|agent| agent.id).collect();
-    assert_eq!(ids.len(), agents.len(), "{agents:?}");
-    agents.iter().for_each(possible);
-    let written = write_light_xml(&agents).unwrap_or_else(|error| panic!("{error} of {agents:?}"));
-    let back = read_light_xml(&written);
-    assert_eq!(back.as_ref(), Ok(&agents), "{written}");
-    assert_eq!(write_light_xml(&agents), Ok(written));
-}
-
-fn possible(agent: &LightAgent) {
-    let positive = |value: f64| value > 0.0 && value.is_finite();
-    let dampings = [agent.floor_damping, agent.angular_damping];
-    assert!(dampings.iter().all(|value| (0.0..f64::INFINITY).contains(value)), "{agent:?}");
-    assert!(positive(agent.moment_of_inertia), "{agent:?}");
-    match &agent.shapes {
-        LightShapes::Pedestrian(disks) => {
-            assert!(!disks.is_empty());
-            for LightDisk { disk, material } in disks {
-                assert!(positive(disk.radius), "{agent:?}");
-                assert!(disk.centre.x.is_finite() && disk.centre.y.is_finite(), "{agent:?}");
-                assert!(!material.is_empty() && material.trim() == material);
-            }
-        }
-        LightShapes::Bicycle { bike, rider } => {
-            for LightRectangle { min, max, .. } in [bike, rider] {
-                assert!([min.x, min.y, max.x, max.y].into_iter().all(f64::is_finite), "{agent:?}");
-                assert!(min.x < max.x && min.y < max.y, "{agent:?}");
-            }
-        }
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! # Safety
 //! All functions have FMI's contract: an instance is one that was instantiated and is not freed, arrays have the length
-//! that is given, texts end with a zero. See [`lemons_fmi::v2::component`] and [`lemons_fmi::v3::component`].
+//! that is given, texts end with a zero. See [`lemons_fmi::calls`].
 
-use lemons_fmi::Status;
+use lemons_fmi::{Model, Status};
+use libloading::{Library, Symbol};
 use std::any::TypeId;
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
@@ -121,17 +122,21 @@ macro_rules! probe {
 }
 
 macro_rules! functions {
-    ($version:ident $model:path; $($name:ident = $body:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*) => {
+    (
+        $($name:ident = $module:ident::$body:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?;)*
+        $([not offered] $($other:ident(instance: $instance:ty $(, $unused:ident: $unused_type:ty)*);)*)?
+    ) => {
         /// All functions of this version.
         #[allow(non_snake_case, missing_docs)] // the standard's own names
         #[derive(Clone, Copy)]
         pub struct Functions {
             $(pub $name: unsafe extern "C" fn($($type),*) $(-> $result)?,)*
+            $($(pub $other: unsafe extern "C" fn($instance $(, $unused_type)*) -> Status,)*)?
         }
 
         impl Functions {
             /// Their names.
-            pub const NAMES: &[&str] = &[$(stringify!($name)),*];
+            pub const NAMES: &[&str] = &[$(stringify!($name),)* $($(stringify!($other)),*)?];
 
             /// Those of a shared library, which must stay loaded while they are called.
             ///
@@ -140,29 +145,57 @@ macro_rules! functions {
             pub fn of(library: &Library) -> Functions {
                 Functions {
                     // SAFETY: the library exports them with the standard's signatures.
-                    $($name: *unsafe { library.get(stringify!($name)) }
-                        .unwrap_or_else(|error| panic!("{} is not exported: {error}", stringify!($name))),)*
+                    $($name: *unsafe { exported(library, stringify!($name)) },)*
+                    $($($other: *unsafe { exported(library, stringify!($other)) },)*)?
                 }
             }
 
             /// Those of a model, without a library.
-            pub fn of_model<M: $model>() -> Functions {
-                Functions { $($name: lemons_fmi::$version::component::$body::<M>,)* }
+            #[allow(non_snake_case)] // the standard's own names
+            pub fn of_model<M: Model>() -> Functions {
+                $(
+                    unsafe extern "C" fn $name<M: Model>($($argument: $type),*) $(-> $result)? {
+                        // SAFETY: the caller keeps FMI's contract, which is the body's.
+                        unsafe { lemons_fmi::$module::$body::<M>(stringify!($name), $($argument),*) }
+                    }
+                )*
+                $($(
+                    unsafe extern "C" fn $other<M: Model>(
+                        instance: $instance $(, $unused: $unused_type)*
+                    ) -> Status {
+                        $(let _ = $unused;)*
+                        // SAFETY: as above.
+                        unsafe { lemons_fmi::v3::not_offered::<M>(stringify!($other), instance) }
+                    }
+                )*)?
+                Functions { $($name: $name::<M>,)* $($($other: $other::<M>,)*)? }
             }
 
             /// Calls of all functions that take an instance and return a status.
             pub fn probes() -> Vec<Probe<Functions>> {
-                [$(probe!($name, $($argument: $type),*)),*].into_iter().flatten().collect()
+                let all = [
+                    $(probe!($name, $($argument: $type),*),)*
+                    $($(probe!($other, instance: $instance $(, $unused: $unused_type)*),)*)?
+                ];
+                all.into_iter().flatten().collect()
             }
         }
     };
+}
+
+/// Returns a function of a shared library.
+///
+/// # Safety
+/// The library exports it with this type.
+unsafe fn exported<'a, F>(library: &'a Library, name: &str) -> Symbol<'a, F> {
+    // SAFETY: as the caller promises.
+    unsafe { library.get(name) }.unwrap_or_else(|error| panic!("{name} is not exported: {error}"))
 }
 
 /// The 34 functions of FMI 2.0 co-simulation.
 pub mod fmi2 {
     use super::*;
     pub use lemons_fmi::v2::CallbackFunctions;
-    use libloading::Library;
     use std::ffi::{c_int, c_uint};
 
     /// `fmi2CoSimulation`
@@ -177,14 +210,13 @@ pub mod fmi2 {
         component_environment: null_mut(),
     };
 
-    lemons_fmi::fmi2_functions! { [functions] v2 lemons_fmi::Model; }
+    lemons_fmi::fmi2_functions! { [functions] }
 }
 
 /// The 75 functions of FMI 3.0.
 pub mod fmi3 {
     use super::*;
-    use lemons_fmi::v3::component::{IntermediateUpdate, Logger3};
-    use libloading::Library;
+    use lemons_fmi::v3::{IntermediateUpdate, Logger3};
 
-    lemons_fmi::fmi3_functions! { [functions] v3 lemons_fmi::v3::ArrayModel; }
+    lemons_fmi::fmi3_functions! { [functions] }
 }
