@@ -352,7 +352,7 @@ impl PlacingArguments {
                 let settings = Paper { orientation, seed, ..Paper::default() };
                 paper(&wider(shapes), region, &settings, &mut watch)
             }
-            PackingArgument::Grid => grid(shapes, region, &Grid { orientation, seed, ..Grid::default() }),
+            PackingArgument::Grid => grid(shapes, region, &Grid { orientation, seed }),
         };
         bar.0.finish_and_clear();
         let count = shapes.len();
