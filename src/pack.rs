@@ -135,10 +135,7 @@ impl Package {
     ) -> Result<(), ArchiveError> {
         let Contents { trials, description, .. } = contents;
         let (version, picture) = (self.format.version(), self.picture.and_then(|draw| draw(&trials[0])));
-        let documentation = match version {
-            Version::V2 => documentation(&trials[0]),
-            Version::V3 => documentation_3(&trials[0]),
-        };
+        let documentation = documentation(&trials[0], version);
         let mut archive = Archive::begin(file, version, description, &documentation)?;
         archive.add_binaries(files, MODEL_IDENTIFIER, &self.binaries)?;
         if version == Version::V3 {
@@ -276,27 +273,18 @@ fn add_trial<W: Write + Seek>(
 }
 
 /// `documentation/index.html`
-fn documentation(trial: &Trial) -> String {
+fn documentation(trial: &Trial, version: Version) -> String {
+    let (page, token) = match version {
+        Version::V2 => (include_str!("documentation.html"), guid(trial)),
+        Version::V3 => (include_str!("documentation_3.html"), instantiation_token::<CrowdModel>()),
+    };
     let parameters = &trial.parameters;
-    include_str!("documentation.html")
-        .replace("{version}", env!("CARGO_PKG_VERSION"))
+    page.replace("{version}", env!("CARGO_PKG_VERSION"))
         .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
         .replace("{agents}", &trial.agents.len().to_string())
         .replace("{last}", &(trial.agents.len().saturating_sub(1)).to_string())
         .replace("{time_step}", &format!("{:?}", parameters.time_step))
         .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))
-        .replace("{guid}", &guid(trial).braced().to_string())
-}
-
-/// `documentation/index.html` of FMI 3.0.
-fn documentation_3(trial: &Trial) -> String {
-    let parameters = &trial.parameters;
-    include_str!("documentation_3.html")
-        .replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
-        .replace("{agents}", &trial.agents.len().to_string())
-        .replace("{time_step}", &format!("{:?}", parameters.time_step))
-        .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))
-        .replace("{token}", &instantiation_token::<CrowdModel>().braced().to_string())
+        .replace("{token}", &token.braced().to_string())
         .replace("{variables}", &rows_html::<CrowdModel>())
 }

@@ -1,19 +1,20 @@
-//! The quantities of a crowd: one table with the name, unit, causality, shape and domain of each. FMI 3.0 has each row as
-//! one array, FMI 2.0 has the elements.
+//! The quantities of a crowd: one table with the name, unit, causality, shape and domain of each.
+//! FMI 3.0 has each row as one array, FMI 2.0 has the elements.
 //!
-//! Names use the words of the XML formats. An array of agents has an element for each agent, in the order of Agents.xml;
-//! one of materials for each `<Material>` of Materials.xml; one of pairs for each two materials, a symmetric matrix.
+//! Names use the words of the XML formats. An array of agents has an element for each agent, in the
+//! order of Agents.xml; one of materials for each `<Material>` of Materials.xml; one of pairs for
+//! each two materials, a symmetric matrix.
 
 use lemons_core::plane::Vec2;
 use lemons_core::trial::{Contact, Materials, Trial};
-use lemons_fmi::variables::rows::*;
 use lemons_fmi::variables::units::*;
-use lemons_fmi::variables::{Dimension, Domain, Scalar, Size, Variable};
+use lemons_fmi::variables::{Dimension, Domain, Scalar, Size, Variable, row};
 pub use lemons_fmi::variables::{Kind, Role};
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-/// Default of `MostMechanicalSteps`. So many steps take some minutes for five people, half a day for a thousand.
+/// Default of `MostMechanicalSteps`. So many steps take some minutes for five people, half a day
+/// for a thousand.
 pub const MOST_MECHANICAL_STEPS: f64 = 1e9;
 
 /// A quantity: a row of [`QUANTITIES`].
@@ -70,194 +71,82 @@ const VECTORS: &[Dimension] = &[Dimension::Size(0), Dimension::Fixed(2)];
 const MATERIALS: &[Dimension] = &[Dimension::Size(1)];
 const PAIRS: &[Dimension] = &[Dimension::Size(1), Dimension::Size(1)];
 
-/// The table. Where an array of agents has the name that FMI 2.0 gives a number of the whole crowd, the number is called a
-/// total.
+/// The table. Where an array of agents has the name that FMI 2.0 gives a number of the whole crowd,
+/// the number is called a total.
 pub static QUANTITIES: [Variable<Quantity>; 36] = {
     use Domain::*;
     use Kind::*;
     use Quantity::*;
     [
-        parameter(
-            TimeStepMechanical,
-            "TimeStepMechanical",
-            ONE_VALUE,
-            Real(SECOND),
-            Positive,
-            "longest step of the integrator",
-        ),
-        parameter(
-            MostMechanicalSteps,
-            "MostMechanicalSteps",
-            ONE_VALUE,
-            Real(ONE),
+        row(TimeStepMechanical, "TimeStepMechanical", ONE_VALUE, Real(SECOND))
+            .parameter(Positive, "longest step of the integrator"),
+        row(MostMechanicalSteps, "MostMechanicalSteps", ONE_VALUE, Real(ONE)).parameter(
             Positive,
             "a communication step of more mechanical steps is refused: nobody could cancel it",
         ),
-        parameter(
-            IntermediateSteps,
-            "IntermediateSteps",
-            ONE_VALUE,
-            Integer,
+        row(IntermediateSteps, "IntermediateSteps", ONE_VALUE, Integer).parameter(
             NonNegative,
             "mechanical steps between intermediate updates within a communication step; 0: none",
         ),
-        parameter(
-            Threads,
-            "Threads",
-            ONE_VALUE,
-            Integer,
+        row(Threads, "Threads", ONE_VALUE, Integer).parameter(
             Positive,
             "threads this instance may use, up to one for each 512 agents; results do not depend on it",
         ),
-        parameter(Trial, "Trial", ONE_VALUE, String, Finite, "which packed Trial to load"),
-        parameter(
-            PlayDrive,
-            "PlayDrive",
-            ONE_VALUE,
-            Boolean,
+        row(Trial, "Trial", ONE_VALUE, String).parameter(Finite, "which packed Trial to load"),
+        row(PlayDrive, "PlayDrive", ONE_VALUE, Boolean).parameter(
             Finite,
-            "whether the drive.csv of the packed Trial, if it has one, drives its agents; not those whose Fp or Mp is set",
+            "whether the drive.csv of the packed Trial, if it has one, drives its \
+             agents; not those whose Fp or Mp is set",
         ),
-        parameter(
-            OutputDirectory,
-            "OutputDirectory",
-            ONE_VALUE,
-            String,
-            Finite,
-            "if not empty: XML files are written there after every step",
-        ),
-        calculated(
-            TotalAgentContacts,
-            "TotalAgentContacts",
-            ONE_VALUE,
-            Integer,
-            "disk-disk contacts of the crowd, each pair once",
-        ),
-        calculated(
-            TotalWallContacts,
-            "TotalWallContacts",
-            ONE_VALUE,
-            Integer,
-            "disk-face contacts of the crowd",
-        ),
-        calculated(
-            CoincidentContacts,
-            "CoincidentContacts",
-            ONE_VALUE,
-            Integer,
-            "of these contacts, those of centres at one place: no force acts between them",
-        ),
-        calculated(
-            LargestOverlap,
-            "LargestOverlap",
-            ONE_VALUE,
-            Real(METRE),
-            "largest PeakOverlap: deepest overlap of the crowd within the last step",
-        ),
-        input(Fp, "Fp", VECTORS, Real(NEWTON), "propulsion force along x and y"),
-        input(Mp, "Mp", AGENTS, Real(NEWTON_METRE), "propulsion torque"),
-        input(
-            Active,
-            "Active",
-            AGENTS,
-            Boolean,
-            "whether it is there from the next step on; if not, it touches nothing and does not move",
-        ),
-        exact(Position, "Position", VECTORS, Real(METRE), "x and y of the centre of mass"),
-        exact(Theta, "Theta", AGENTS, Real(RADIAN), "orientation: angle from the x axis to the gaze"),
-        exact(Velocity, "Velocity", VECTORS, Real(METRE_PER_SECOND), "velocity along x and y"),
-        exact(Omega, "Omega", AGENTS, Real(RADIAN_PER_SECOND), "angular velocity"),
-        calculated(AgentContacts, "AgentContacts", AGENTS, Integer, "disk-disk contacts"),
-        calculated(WallContacts, "WallContacts", AGENTS, Integer, "disk-face contacts"),
-        calculated(ContactingAgents, "ContactingAgents", AGENTS, Integer, "different agents that touch it"),
-        calculated(
-            NormalForce,
-            "NormalForce",
-            AGENTS,
-            Real(NEWTON),
-            "squeeze at the communication point: sum of |Fn| over its contacts",
-        ),
-        calculated(
-            MeanNormalForce,
-            "MeanNormalForce",
-            AGENTS,
-            Real(NEWTON),
-            "mean squeeze: time average of NormalForce over the last step",
-        ),
-        calculated(
-            PeakNormalForce,
-            "PeakNormalForce",
-            AGENTS,
-            Real(NEWTON),
-            "peak squeeze: largest NormalForce within the last step",
-        ),
-        calculated(
-            PeakOverlap,
-            "PeakOverlap",
-            AGENTS,
-            Real(METRE),
-            "deepest overlap of its contacts within the last step",
-        ),
-        parameter(Mass, "Mass", AGENTS, Real(KILOGRAM), Positive, "mass"),
-        parameter(
-            MomentOfInertia,
-            "MomentOfInertia",
-            AGENTS,
-            Real(KILOGRAM_METRE_SQUARED),
-            Positive,
-            "moment of inertia about the centre of mass",
-        ),
-        parameter(
-            FloorDamping,
-            "FloorDamping",
-            AGENTS,
-            Real(PER_SECOND),
-            NonNegative,
-            "relaxation rate of the velocity, 1/t_transl",
-        ),
-        parameter(
-            AngularDamping,
-            "AngularDamping",
-            AGENTS,
-            Real(PER_SECOND),
-            NonNegative,
-            "relaxation rate of the angular velocity, 1/t_rot",
-        ),
-        parameter(
-            YoungModulus,
-            "YoungModulus",
-            MATERIALS,
-            Real(NEWTON_PER_METRE),
-            Positive,
-            "2D Young modulus",
-        ),
-        parameter(
-            ShearModulus,
-            "ShearModulus",
-            MATERIALS,
-            Real(NEWTON_PER_METRE),
-            Positive,
-            "2D shear modulus",
-        ),
-        parameter(
-            GammaNormal,
-            "GammaNormal",
-            PAIRS,
-            Real(KILOGRAM_PER_SECOND),
-            NonNegative,
-            "damping along the normal",
-        ),
-        parameter(
-            GammaTangential,
-            "GammaTangential",
-            PAIRS,
-            Real(KILOGRAM_PER_SECOND),
-            NonNegative,
-            "damping along the tangent",
-        ),
-        parameter(KineticFriction, "KineticFriction", PAIRS, Real(ONE), NonNegative, "Coulomb's coefficient"),
-        calculated_parameter(AgentId, "AgentId", AGENTS, String, "Ids of the agents"),
-        calculated_parameter(MaterialId, "MaterialId", MATERIALS, String, "Ids of the materials"),
+        row(OutputDirectory, "OutputDirectory", ONE_VALUE, String)
+            .parameter(Finite, "if not empty: XML files are written there after every step"),
+        row(TotalAgentContacts, "TotalAgentContacts", ONE_VALUE, Integer)
+            .calculated("disk-disk contacts of the crowd, each pair once"),
+        row(TotalWallContacts, "TotalWallContacts", ONE_VALUE, Integer)
+            .calculated("disk-face contacts of the crowd"),
+        row(CoincidentContacts, "CoincidentContacts", ONE_VALUE, Integer)
+            .calculated("of these contacts, those of centres at one place: no force acts between them"),
+        row(LargestOverlap, "LargestOverlap", ONE_VALUE, Real(METRE))
+            .calculated("largest PeakOverlap: deepest overlap of the crowd within the last step"),
+        row(Fp, "Fp", VECTORS, Real(NEWTON)).input("propulsion force along x and y"),
+        row(Mp, "Mp", AGENTS, Real(NEWTON_METRE)).input("propulsion torque"),
+        row(Active, "Active", AGENTS, Boolean)
+            .input("whether it is there from the next step on; if not, it touches nothing and does not move"),
+        row(Position, "Position", VECTORS, Real(METRE)).exact("x and y of the centre of mass"),
+        row(Theta, "Theta", AGENTS, Real(RADIAN)).exact("orientation: angle from the x axis to the gaze"),
+        row(Velocity, "Velocity", VECTORS, Real(METRE_PER_SECOND)).exact("velocity along x and y"),
+        row(Omega, "Omega", AGENTS, Real(RADIAN_PER_SECOND)).exact("angular velocity"),
+        row(AgentContacts, "AgentContacts", AGENTS, Integer).calculated("disk-disk contacts"),
+        row(WallContacts, "WallContacts", AGENTS, Integer).calculated("disk-face contacts"),
+        row(ContactingAgents, "ContactingAgents", AGENTS, Integer)
+            .calculated("different agents that touch it"),
+        row(NormalForce, "NormalForce", AGENTS, Real(NEWTON))
+            .calculated("squeeze at the communication point: sum of |Fn| over its contacts"),
+        row(MeanNormalForce, "MeanNormalForce", AGENTS, Real(NEWTON))
+            .calculated("mean squeeze: time average of NormalForce over the last step"),
+        row(PeakNormalForce, "PeakNormalForce", AGENTS, Real(NEWTON))
+            .calculated("peak squeeze: largest NormalForce within the last step"),
+        row(PeakOverlap, "PeakOverlap", AGENTS, Real(METRE))
+            .calculated("deepest overlap of its contacts within the last step"),
+        row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
+        row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
+            .parameter(Positive, "moment of inertia about the centre of mass"),
+        row(FloorDamping, "FloorDamping", AGENTS, Real(PER_SECOND))
+            .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl"),
+        row(AngularDamping, "AngularDamping", AGENTS, Real(PER_SECOND))
+            .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
+        row(YoungModulus, "YoungModulus", MATERIALS, Real(NEWTON_PER_METRE))
+            .parameter(Positive, "2D Young modulus"),
+        row(ShearModulus, "ShearModulus", MATERIALS, Real(NEWTON_PER_METRE))
+            .parameter(Positive, "2D shear modulus"),
+        row(GammaNormal, "GammaNormal", PAIRS, Real(KILOGRAM_PER_SECOND))
+            .parameter(NonNegative, "damping along the normal"),
+        row(GammaTangential, "GammaTangential", PAIRS, Real(KILOGRAM_PER_SECOND))
+            .parameter(NonNegative, "damping along the tangent"),
+        row(KineticFriction, "KineticFriction", PAIRS, Real(ONE))
+            .parameter(NonNegative, "Coulomb's coefficient"),
+        row(AgentId, "AgentId", AGENTS, String).calculated_parameter("Ids of the agents"),
+        row(MaterialId, "MaterialId", MATERIALS, String).calculated_parameter("Ids of the materials"),
     ]
 };
 
@@ -297,8 +186,8 @@ pub fn scalars(trial: &Trial) -> Vec<Scalar<Quantity>> {
     scalars
 }
 
-/// Returns the variables of a Trial's materials. A quantity of a pair of materials has one, for the pair as it is in
-/// Materials.xml.
+/// Returns the variables of a Trial's materials. A quantity of a pair of materials has one, for the
+/// pair as it is in Materials.xml.
 fn scalars_of_materials(trial: &Trial) -> Vec<Scalar<Quantity>> {
     let of = |dimensions| {
         QUANTITIES.iter().filter(move |row| row.dimensions == dimensions && row.kind != Kind::String)
@@ -324,8 +213,8 @@ pub fn guid(trial: &Trial) -> Uuid {
     lemons_fmi::guid(&scalars(trial))
 }
 
-/// Returns the elements that a quantity of materials has in FMI 3.0, by its name in FMI 2.0: names of arrays, and places in
-/// them. A quantity of two materials has two.
+/// Returns the elements that a quantity of materials has in FMI 3.0, by its name in FMI 2.0: names
+/// of arrays, and places in them. A quantity of two materials has two.
 pub fn of_materials(trial: &Trial, name: &str) -> Vec<(&'static str, usize)> {
     let found = scalars_of_materials(trial).into_iter().find(|scalar| scalar.name == name);
     let Some(Scalar { variable, element, .. }) = found else { return Vec::new() };
@@ -339,10 +228,11 @@ pub fn of_materials(trial: &Trial, name: &str) -> Vec<(&'static str, usize)> {
     elements.into_iter().map(|element| (variable.name, element)).collect()
 }
 
-/// Returns an Id as a part of a structured name: itself if it is a plain identifier, else a quoted name.
+/// Returns an Id as a part of a structured name: itself if it is a plain identifier, else a quoted
+/// name.
 ///
-/// Quoted names may contain only some ASCII characters. All others, and `%` itself, are written as percent escapes of
-/// their UTF-8 bytes, so that different Ids have different names.
+/// Quoted names may contain only some ASCII characters. All others, and `%` itself, are written as
+/// percent escapes of their UTF-8 bytes, so that different Ids have different names.
 fn quoted(id: &str) -> String {
     let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let plain = id.starts_with(letter) && id.chars().all(|c| letter(c) || c.is_ascii_digit());
@@ -366,8 +256,8 @@ fn quoted(id: &str) -> String {
     name
 }
 
-/// Returns the element of a quantity in a Trial's documents; `None` if it is not there: it is computed, or belongs to the
-/// instance.
+/// Returns the element of a quantity in a Trial's documents; `None` if it is not there: it is
+/// computed, or belongs to the instance.
 pub(crate) fn field(trial: &mut Trial, quantity: Quantity, element: usize) -> Option<&mut f64> {
     use Quantity::*;
     let i = if quantity.row().is_vector() { element / 2 } else { element };
@@ -401,7 +291,8 @@ fn contact(materials: &mut Materials, element: usize) -> Option<&mut Contact> {
     materials.binary.get_mut(place)
 }
 
-/// Returns the place in Materials.xml of a pair of materials, an element of a matrix; `None` if they never touch.
+/// Returns the place in Materials.xml of a pair of materials, an element of a matrix; `None` if
+/// they never touch.
 pub(crate) fn place_of_contact(materials: &Materials, element: usize) -> Option<usize> {
     let [one, other] = ids_of_pair(materials, element)?;
     let is_it =

@@ -8,8 +8,8 @@ use lemons_core::plane::Vec2;
 use lemons_core::trial::DRIVE_FILE;
 use lemons_core::trial::Problems;
 use lemons_core::trial::Trial;
-use lemons_decision::{Plan, WISHES_FILE};
-use lemons_master::{Given, Warning, plan_of};
+use lemons_decision::{DECISION_FILE, Plan};
+use lemons_master::{TrialInput, Warning, plan_of};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ pub struct Arguments {
 pub fn check(arguments: &Arguments) -> Result<()> {
     let mut sound = true;
     for path in &arguments.trials {
-        let Report { lines, errors, summary } = match Given::open(path) {
+        let Report { lines, errors, summary } = match TrialInput::open(path) {
             Ok(given) => report(&given),
             Err(error) => {
                 say!("{}", full_message(&error.into()))?;
@@ -71,7 +71,7 @@ impl Report {
 /// What a line begins with that is no warning.
 const NOTE: &str = "note: ";
 
-fn report(given: &Given) -> Report {
+fn report(given: &TrialInput) -> Report {
     let mut report = Report::default();
     let trial = match given.read() {
         Ok((trial, warnings)) => {
@@ -83,7 +83,7 @@ fn report(given: &Given) -> Report {
             return report;
         }
     };
-    let [plan_file, drive_file] = [WISHES_FILE, DRIVE_FILE].map(|name| given.path().join(name));
+    let [plan_file, drive_file] = [DECISION_FILE, DRIVE_FILE].map(|name| given.path().join(name));
     let wishes = given.wishes();
     let plan = wishes
         .as_deref()

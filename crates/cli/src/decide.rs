@@ -6,11 +6,11 @@ use crate::messages::read_or_report;
 use crate::pack::{Fmi, FmuArguments, say_size};
 use anyhow::{Context, Result, bail};
 use lemons_core::trial::Trial;
-use lemons_decision::{Plan, WISHES_FILE};
-use lemons_master::{Given, PlanChoice, plan_of};
+use lemons_decision::{DECISION_FILE, Plan};
+use lemons_master::{PlanChoice, TrialInput, plan_of};
 use std::path::{Path, PathBuf};
 
-/// Wishes of everybody, as short as they can be.
+/// DecisionConfig of everybody, as short as they can be.
 const SHORTEST: &str = "  desired_speed = 1.34
   waypoints = [{ x = 6.0, y = 2.5 }]";
 
@@ -38,7 +38,7 @@ pub struct Arguments {
 
 pub fn decide(arguments: &Arguments) -> Result<()> {
     let mut file = files::stage(&arguments.output)?;
-    let given = Given::open(&arguments.trial)?;
+    let given = TrialInput::open(&arguments.trial)?;
     let (trial, warnings) = read_or_report(&given)?;
     for warning in warnings.iter() {
         note!("{warning}");
@@ -58,8 +58,8 @@ pub fn decide(arguments: &Arguments) -> Result<()> {
 }
 
 /// What the people of a Trial do by the wishes in a file; by default, that of the Trial.
-fn wanted(given: &Given, trial: &Trial, plan: Option<&Path>) -> Result<Plan> {
-    let own = given.path().join(WISHES_FILE);
+fn wanted(given: &TrialInput, trial: &Trial, plan: Option<&Path>) -> Result<Plan> {
+    let own = given.path().join(DECISION_FILE);
     let (path, named) = match (plan, given.wishes()) {
         (Some(plan), _) => (plan.to_owned(), plan.to_owned()),
         (None, Some(path)) => (path, own),

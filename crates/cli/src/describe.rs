@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use crowd_mechanics::model_description::model_description;
 use crowd_mechanics::pack::Naming;
 use lemons_decision::pack::description;
-use lemons_master::{Given, plan_of};
+use lemons_master::{TrialInput, plan_of};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -24,7 +24,7 @@ pub struct Arguments {
 }
 
 pub fn describe(arguments: &Arguments) -> Result<()> {
-    let (trial, _) = read_or_report(&Given::open(&arguments.trial)?)?;
+    let (trial, _) = read_or_report(&TrialInput::open(&arguments.trial)?)?;
     let format = arguments.fmi.format(Naming::Structured);
     let text = match &arguments.plan {
         Some(plan) => {

@@ -1,7 +1,7 @@
 //! Failures that have an exit code of their own, and how failures are told.
 
 use anyhow::Result;
-use lemons_master::{Kind, SavedError, Unexpected};
+use lemons_master::{FileType, Unexpected};
 use std::error::Error;
 
 /// A Trial has errors; they have been printed.
@@ -52,15 +52,12 @@ fn with_option(cause: &(dyn Error + 'static)) -> String {
         _ => find::<Unexpected>(cause),
     };
     let (before, after) = match of_master {
-        _ if unexpected.is_some_and(|error| error.kind == Kind::SavedRun) => {
+        _ if unexpected.is_some_and(|error| error.kind == FileType::SavedRun) => {
             ("", "; lemons run --resume continues it")
         }
         Some(lemons_master::Error::NoVariable(_)) => ("", "; see lemons info"),
         Some(lemons_master::Error::IsSsp) => ("", ": lemons run FILE.ssp"),
-        Some(lemons_master::Error::Saved(SavedError::NoArchive(_) | SavedError::NoRun(_))) => {
-            ("", " (--state writes one)")
-        }
-        Some(lemons_master::Error::Saved(SavedError::Algorithm { .. })) => ("--algorithm: ", ""),
+        Some(lemons_master::Error::Algorithm { .. }) => ("--algorithm: ", ""),
         _ => ("", ""),
     };
     format!("{before}{cause}{after}")

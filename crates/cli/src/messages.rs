@@ -4,7 +4,7 @@ use crate::error::{Misused, TrialHasErrors};
 use anyhow::{Result, anyhow};
 use lemons_core::trial::Missed;
 use lemons_core::trial::{Problems, Trial};
-use lemons_master::{Error, Given, PrepareError, Warning};
+use lemons_master::{Error, PrepareError, TrialInput, Warning};
 use std::path::Path;
 
 /// Why a run cannot be prepared, with the option that means it. Errors of a Trial are printed.
@@ -49,7 +49,7 @@ pub fn report_problems(error: anyhow::Error) -> anyhow::Error {
 }
 
 /// A Trial with its warnings. Errors are printed.
-pub fn read_or_report(given: &Given) -> Result<(Trial, Problems)> {
+pub fn read_or_report(given: &TrialInput) -> Result<(Trial, Problems)> {
     given.read().map_err(|problems| report_broken(given.path(), &problems))
 }
 

@@ -19,8 +19,8 @@ use anyhow::{Context, Error, Result, bail, ensure};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use lemons_core::trial::DriveChoice;
-use lemons_decision::gait::Gait;
-use lemons_master::{Given, Kind, Saved, Settings, writers};
+use lemons_decision::walking_model::WalkingModel;
+use lemons_master::{FileType, Saved, Settings, TrialInput, writers};
 use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_results::{Frame, Run};
 use lemons_sim::stop::{Still, StopCondition};
@@ -279,9 +279,9 @@ fn interrupted(why: String) -> Error {
 
 /// Prepares a run of a Trial, an FMU or an SSP.
 fn prepare(settings: &Settings, outputs: Option<&Place>) -> Result<Prepared> {
-    let runs = [Kind::Trial, Kind::Fmu, Kind::Ssp, Kind::Archive];
-    Kind::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
-    match Given::find(&settings.input)? {
+    let runs = [FileType::Trial, FileType::Fmu, FileType::Ssp, FileType::Archive];
+    FileType::expect(&settings.input, &runs, "a Trial directory, an FMU or an SSP")?;
+    match TrialInput::find(&settings.input)? {
         Some(given) => trial::prepare(&given, settings, outputs),
         None => fmus::prepare(settings, |system, others, (clock, every), before| match outputs {
             Some(place) => outputs::Outputs::create(system, others, place, &About::of(clock, every, before)),
@@ -382,7 +382,9 @@ pub fn simulate(job: Job, interrupt: &Interrupt) -> Result<Ended> {
         _ => Ok(None),
     };
     let stuck = match (&done, &plans[..], &recorders[..]) {
-        (Ok(()), [plan], [crowd]) if plan.gait == Gait::Straight => stuck_warning(&mut *model, plan, crowd)?,
+        (Ok(()), [plan], [crowd]) if plan.walking_model == WalkingModel::Straight => {
+            stuck_warning(&mut *model, plan, crowd)?
+        }
         _ => None,
     };
     // What was simulated before a failure is worth having.

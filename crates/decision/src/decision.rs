@@ -1,11 +1,11 @@
 //! The model of the FMU: poses are inputs, drives are outputs.
 
 use crate::error::PlanError;
-use crate::gait::{Walking, Wanted};
-use crate::patience::{Advice, Patience};
 use crate::plan::Plan;
 use crate::rule::{Pose, Propulsion, Walker};
+use crate::stuck::{StuckAction, StuckState};
 use crate::target::{Arrival, Destination, Ways};
+use crate::walking_model::{DesiredMotion, Walking};
 use lemons_core::files::input;
 use lemons_core::plane::{Vec2, vec2};
 use lemons_fmi::location::{Location, LocationError};
@@ -68,7 +68,7 @@ pub struct Agent {
     left: bool,
     /// \[m\] Where the agent was at the last step.
     last: Option<[f64; 2]>,
-    patience: Patience,
+    stuck: StuckState,
 }
 
 impl Agent {
@@ -110,7 +110,7 @@ pub struct Decision {
     /// Found when they are first needed; `None` inside if nobody needs any.
     ways: Option<Option<Arc<Ways>>>,
     /// What all agents want by the model at their present poses, if people see each other and nothing has changed since.
-    wanted: Option<Vec<Wanted>>,
+    wanted: Option<Vec<DesiredMotion>>,
 }
 
 impl Decision {
@@ -122,7 +122,7 @@ impl Decision {
             next: 0,
             left: false,
             last: None,
-            patience: Patience::default(),
+            stuck: StuckState::default(),
         });
         let fingerprint = fingerprint(format!("{plan:?}").as_bytes());
         let most = plan.agents.iter().map(|agent| agent.walker.waypoints.len()).max();
@@ -166,14 +166,14 @@ impl Decision {
             let leaves = arrival == Some(Arrival::Leaves);
             // Who is at a goal is not stuck there.
             let goes = self.goes(i, ways.as_deref()).filter(|_| arrival.is_none());
-            let sees = self.plan.gait.sees_others();
+            let sees = self.plan.walking_model.sees_others();
             let queues = sees && self.wanted(i, ways.as_deref()).queues;
             let agent = &mut self.agents[i];
             let (next, way, at) = (agent.next(), agent.at() - agent.from(), agent.at());
-            // The paper's rule has no patience; and who queues is not stuck.
+            // The paper's rule does not see it; and who queues is not stuck.
             if agent.next == agent.walker.waypoints.len() || sees {
                 let moved = agent.last.is_some();
-                agent.patience.follow(step, way, goes.filter(|_| moved && !queues), self.plan.seed, i as u64);
+                agent.stuck.follow(step, way, goes.filter(|_| moved && !queues), self.plan.seed, i as u64);
             }
             (agent.next, agent.left, agent.last) = (next, leaves, Some([at.x, at.y]));
         }
@@ -249,7 +249,7 @@ impl Decision {
     /// The drive of an agent at its present pose.
     fn drive(&mut self, i: usize) -> Result<Propulsion, DecisionError> {
         let ways = self.ways()?;
-        if self.plan.gait.sees_others() {
+        if self.plan.walking_model.sees_others() {
             let wanted = self.wanted(i, ways.as_deref());
             return Ok(self.propulsion(i, wanted, ways.as_deref()));
         }
@@ -259,7 +259,7 @@ impl Decision {
             return Ok(agent.walker.drive(agent.next(), agent.pose));
         }
         let walking = self.walking(i, ways.as_deref());
-        let wanted = walking.map(|walking| self.plan.gait.wanted(&[Some(walking)], &[])[0]);
+        let wanted = walking.map(|walking| self.plan.walking_model.desired(&[Some(walking)], &[])[0]);
         Ok(self.propulsion(i, wanted.unwrap_or_default(), ways.as_deref()))
     }
 
@@ -286,28 +286,31 @@ impl Decision {
     }
 
     /// What an agent wants by a model in which people see each other.
-    fn wanted(&mut self, i: usize, ways: Option<&Ways>) -> Wanted {
+    fn wanted(&mut self, i: usize, ways: Option<&Ways>) -> DesiredMotion {
         if let Some(wanted) = &self.wanted {
             return wanted[i];
         }
         let people: Vec<Option<Walking<'_>>> =
             (0..self.agents.len()).map(|i| self.walking(i, ways)).collect();
-        let all = self.plan.gait.wanted(&people, &self.faces);
+        let all = self.plan.walking_model.desired(&people, &self.faces);
         let own = all[i];
         self.wanted = Some(all);
         own
     }
 
     /// The drive for what an agent wants by the model, or does because it is stuck.
-    fn propulsion(&self, i: usize, mut wanted: Wanted, ways: Option<&Ways>) -> Propulsion {
-        let Agent { walker, pose, patience, .. } = &self.agents[i];
+    fn propulsion(&self, i: usize, mut wanted: DesiredMotion, ways: Option<&Ways>) -> Propulsion {
+        let Agent { walker, pose, stuck, .. } = &self.agents[i];
         if let Some((direction, speed)) = self.goes(i, ways) {
-            match patience.advice(direction, speed) {
-                Advice::Walk => {}
-                Advice::Step(velocity) => (wanted.velocity, wanted.force) = (velocity, Vec2::ZERO),
-                Advice::Insist(speed) => {
-                    wanted =
-                        Wanted { velocity: direction * speed, facing: Some(direction), ..Wanted::default() };
+            match stuck.action(direction, speed) {
+                StuckAction::Walk => {}
+                StuckAction::Step(velocity) => (wanted.velocity, wanted.force) = (velocity, Vec2::ZERO),
+                StuckAction::Insist(speed) => {
+                    wanted = DesiredMotion {
+                        velocity: direction * speed,
+                        facing: Some(direction),
+                        ..DesiredMotion::default()
+                    };
                 }
             }
         }
@@ -348,8 +351,8 @@ impl Model for Decision {
         Ok(Decision::new(Plan::from_toml(&text).map_err(|error| DecisionError::Plan { path, error })?))
     }
 
-    fn sizes(&self) -> Vec<u64> {
-        vec![self.agents.len() as u64, self.most_waypoints as u64]
+    fn size(&self, place: usize) -> u64 {
+        [self.agents.len(), self.most_waypoints][place] as u64
     }
 
     fn scalars(&self) -> Vec<Scalar<Quantity>> {
@@ -440,7 +443,7 @@ impl Model for Decision {
         let alike = |(a, b): (&Agent, &Agent)| {
             let count = b.walker.waypoints.len();
             let last = a.last.unwrap_or_default().iter().all(|number| number.is_finite());
-            a.walker.waypoints.len() == count && a.next <= count && last && a.patience.is_sound()
+            a.walker.waypoints.len() == count && a.next <= count && last && a.stuck.is_sound()
         };
         if saved.len() != self.agents.len() || !saved.iter().zip(&self.agents).all(alike) {
             return Err(DecisionError::Saved);
@@ -462,8 +465,8 @@ impl Model for Decision {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::DecisionConfig;
     use crate::person::Person;
-    use crate::wishes::Wishes;
 
     fn decision(wishes: &str) -> Decision {
         let person = Person {
@@ -475,8 +478,8 @@ mod tests {
             pose: Pose::default(),
             disks: Vec::new(),
         };
-        let wishes = Wishes::from_toml(wishes).unwrap();
-        Decision::new(Plan::new(&[person], &wishes, 0.05).unwrap())
+        let wishes = DecisionConfig::from_toml(wishes).unwrap();
+        Decision::new(Plan::among(std::iter::empty(), &[person], &wishes, 0.05).unwrap())
     }
 
     #[test]

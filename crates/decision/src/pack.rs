@@ -53,10 +53,7 @@ pub fn write_fmu(
         check_size(plan)?;
     }
     let (version, description) = (format.version(), description(plan, format));
-    let documentation = match version {
-        Version::V2 => documentation(plan),
-        Version::V3 => documentation_3(plan),
-    };
+    let documentation = documentation(plan, version);
     let mut archive = Archive::begin(file, version, &description, &documentation)?;
     archive.add_binaries(&Disk, Decision::IDENTIFIER, binaries)?;
     if version == Version::V3 {
@@ -74,20 +71,15 @@ fn check_size(plan: &Plan) -> Result<(), PackError> {
 }
 
 /// `documentation/index.html`
-fn documentation(plan: &Plan) -> String {
-    include_str!("documentation.html")
-        .replace("{version}", env!("CARGO_PKG_VERSION"))
+fn documentation(plan: &Plan, version: Version) -> String {
+    let (page, token) = match version {
+        Version::V2 => (include_str!("documentation.html"), guid(&Decision::new(plan.clone()).scalars())),
+        Version::V3 => (include_str!("documentation_3.html"), instantiation_token::<Decision>()),
+    };
+    page.replace("{version}", env!("CARGO_PKG_VERSION"))
         .replace("{agents}", &plan.agents.len().to_string())
         .replace("{last}", &plan.agents.len().saturating_sub(1).to_string())
-        .replace("{guid}", &guid(&Decision::new(plan.clone()).scalars()).braced().to_string())
-}
-
-/// `documentation/index.html` of FMI 3.0.
-fn documentation_3(plan: &Plan) -> String {
-    include_str!("documentation_3.html")
-        .replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{agents}", &plan.agents.len().to_string())
-        .replace("{token}", &instantiation_token::<Decision>().braced().to_string())
+        .replace("{token}", &token.braced().to_string())
         .replace("{variables}", &rows_html::<Decision>())
 }
 
@@ -110,8 +102,14 @@ mod tests {
         };
         let people: Vec<Person> = (0..3000).map(person).collect();
         let route = "{ x = 1, y = 2 },".repeat(4000);
-        let wishes = format!("waypoints = [{{ x = 1, y = 2 }}]\n[agents.7]\nwaypoints = [{route}]");
-        let plan = Plan::new(&people, &crate::wishes::Wishes::from_toml(&wishes).unwrap(), 0.05).unwrap();
+        let config = format!("waypoints = [{{ x = 1, y = 2 }}]\n[agents.7]\nwaypoints = [{route}]");
+        let plan = Plan::among(
+            std::iter::empty(),
+            &people,
+            &crate::config::DecisionConfig::from_toml(&config).unwrap(),
+            0.05,
+        )
+        .unwrap();
         let error = write_fmu(&plan, Format::Fmi3, &[], std::io::Cursor::new(Vec::new())).unwrap_err();
         assert!(matches!(error, PackError::TooLarge { agents: 3000, waypoints: 4000 }), "{error}");
     }

@@ -3,8 +3,8 @@
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::pack::description;
 use lemons_decision::rule::Pose;
-use lemons_decision::{Decision, Person, Plan, Wishes};
-use lemons_fmi::Status::{self, Error as ERROR, Ok as OK};
+use lemons_decision::{Decision, DecisionConfig, Person, Plan};
+use lemons_fmi::Status::{self, Ok as OK};
 use lemons_fmi::{self as fmi, Format, Model, Slave};
 use lemons_verify::testing::instance::{Arguments, Functions};
 use lemons_verify::testing::{Instance, Version};
@@ -32,7 +32,7 @@ fn plan() -> Plan {
     let wishes = "waypoints = [{ x = 5, y = 2 }, { x = 6, y = -4, radius = 1 }]\n\
         [agents.\"two words\"]\nwaypoints = [{ x = -3, y = 1 }]\ndesired_speed = 0.9\n\
         [agents.7]\nwaypoints = [{ x = 2, y = 4 }, { x = 2.5, y = 4 }, { x = 9, y = 9 }]";
-    Plan::new(&people, &Wishes::from_toml(wishes).unwrap(), 0.05).unwrap()
+    Plan::among(std::iter::empty(), &people, &DecisionConfig::from_toml(wishes).unwrap(), 0.05).unwrap()
 }
 
 fn reference(name: &str) -> u32 {
@@ -125,42 +125,6 @@ fn the_descriptions_are_those_that_importers_know() {
             std::fs::write(&path, &own).unwrap();
         }
         assert!(own == std::fs::read_to_string(&path).unwrap(), "{file}");
-    }
-}
-
-/// What is of this model: which of its variables can be read and set when. The rest is in tests/fmi/lifecycle.rs.
-#[test]
-fn values_can_be_read_and_set_where_they_may() {
-    type Call = fn(&Walkers) -> Status;
-    type Enter = fn(&Walkers);
-    let table: [(&str, Call); 7] = [
-        ("- x x x x", |i| i.get_real(&[reference("Fp")], 2 * AGENTS).0),
-        ("- x x x x", |i| i.get_integer(&[reference("Arrived")], 1).0),
-        ("- x x x x", |i| i.get_size(&[reference("Waypoints")], 1).0),
-        ("- x x x x", |i| i.get_string(&[reference("AgentId")], AGENTS).0),
-        ("x - x x -", |i| i.try_set("Theta", &[1.0; AGENTS])),
-        ("x - x - -", |i| i.try_set("DesiredSpeed", &[1.0; AGENTS])),
-        ("- - - x -", |i| i.try_step(0.0)),
-    ];
-    let states: [(&str, Enter); 5] = [
-        ("instantiated", |_| ()),
-        ("configuration", |i| i.must(i.enter_configuration())),
-        ("initialization", |i| i.must(i.enter(None, 0.0, None))),
-        ("step complete", |i| i.initialize()),
-        ("terminated", |i| {
-            i.initialize();
-            i.must(i.terminate());
-        }),
-    ];
-    for (row, (cells, call)) in table.into_iter().enumerate() {
-        for ((state, enter), cell) in states.iter().zip(cells.split(' ')) {
-            let instance = Walkers::new();
-            enter(&instance);
-            let before = instance.bytes();
-            let status = call(&instance);
-            assert_eq!(status, if cell == "x" { OK } else { ERROR }, "row {row}, {state}");
-            assert!(status == OK || instance.bytes() == before, "row {row}, {state}: something has changed");
-        }
     }
 }
 

@@ -1,12 +1,14 @@
-//! The bodies of the C functions that both versions of FMI have, for any model: pointers in, statuses out, nothing else.
-//! Each body gets the name of its function, for messages; `export_fmi2!` and `export_fmi3!` make functions of them.
+//! The bodies of the C functions that both versions of FMI have, for any model: pointers in,
+//! statuses out, nothing else. Each body gets the name of its function, for messages;
+//! `export_fmi2!` and `export_fmi3!` make functions of them.
 //!
-//! Nothing here panics, prints, exits or leaks across the boundary: a panic inside becomes "fatal" with a message, and
-//! from then on the instance refuses all calls but the one that frees it.
+//! Nothing here panics, prints, exits or leaks across the boundary: a panic inside becomes "fatal"
+//! with a message, and from then on the instance refuses all calls but the one that frees it.
 //!
 //! # Safety
-//! All functions take pointers as FMI defines them: an instance is one that was instantiated and is not freed, arrays hold
-//! as many elements as said, strings end in a zero, states come from functions of FMI. NULL is checked everywhere.
+//! All functions take pointers as FMI defines them: an instance is one that was instantiated and is
+//! not freed, arrays hold as many elements as said, strings end in a zero, states come from
+//! functions of FMI. NULL is checked everywhere.
 
 #![allow(unsafe_code)] // the C boundary
 #![allow(clippy::missing_safety_doc)] // said once, above
@@ -398,9 +400,10 @@ pub unsafe fn deserialize_state<M: Model>(
     })
 }
 
-/// Does a communication step. If the model wants values to be seen within it, and the importer has given a callback for
-/// that, it is done in parts. No borrow of the instance is held while the callback runs: it reads values by calls of its
-/// own. Returns the time that was reached, and whether the importer asked for an early return.
+/// Does a communication step. If the model wants values to be seen within it, and the importer has
+/// given a callback for that, it is done in parts. No borrow of the instance is held while the
+/// callback runs: it reads values by calls of its own. Returns the time that was reached, and
+/// whether the importer asked for an early return.
 pub(crate) fn do_step<M: Model>(
     name: &str,
     instance: *mut c_void,

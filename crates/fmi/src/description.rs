@@ -1,4 +1,5 @@
-//! The table of variables as XML and HTML: `modelDescription.xml`, `terminalsAndIcons.xml`, rows of the documentation.
+//! The table of variables as XML and HTML: `modelDescription.xml`, `terminalsAndIcons.xml`, rows of
+//! the documentation.
 
 use crate::boundary::LOG_CATEGORIES;
 use crate::model::{Model, guid, instantiation_token, reference};
@@ -72,7 +73,7 @@ const UNKNOWNS: [(&str, IsWanted, Known); 2] = [
 ];
 
 fn of_arrays<M: Model>(model: &mut M) -> Result<String, M::Error> {
-    let sizes = model.sizes();
+    let sizes: Vec<u64> = (0..M::SIZES.len()).map(|place| model.size(place)).collect();
     let mut starts = Vec::with_capacity(M::VARIABLES.len());
     for variable in M::VARIABLES {
         let length = variable.dimensions.iter().map(|dimension| match *dimension {
@@ -265,8 +266,8 @@ fn write_array<M: Model>(out: &mut Out, model: &M, variable: &Variable<M::Quanti
     });
 }
 
-/// Writes the unknowns of FMI 2.0, which counts variables from 1, with the known ones on which they depend. Where each
-/// depends on all, no list is written.
+/// Writes the unknowns of FMI 2.0, which counts variables from 1, with the known ones on which they
+/// depend. Where each depends on all, no list is written.
 fn write_unknowns<M: Model>(
     out: &mut Out,
     model: &M,
@@ -324,9 +325,9 @@ fn compact(values: &[f64], kind: Kind) -> String {
     }
 }
 
-/// Returns `terminalsAndIcons.xml` with a terminal `crowd`, and the icon `icon.png` if there is one. A crowd and what
-/// drives it are connected at these terminals: variables with the same names. Not all need to be there: the matching rule
-/// is `bus`.
+/// Returns `terminalsAndIcons.xml` with a terminal `crowd`, and the icon `icon.png` if there is
+/// one. A crowd and what drives it are connected at these terminals: variables with the same names.
+/// Not all need to be there: the matching rule is `bus`.
 pub fn terminals_xml<M: Model>(description: &str, names: &[&str], icon: bool) -> String {
     let root = [("fmiVersion", "3.0")];
     Out::document(Layout::STANDARD, "fmiTerminalsAndIcons", &root, |out| {
@@ -356,7 +357,8 @@ pub fn terminals_xml<M: Model>(description: &str, names: &[&str], icon: bool) ->
     })
 }
 
-/// Returns a row of HTML for each variable of FMI 3.0: name with sizes, causality, unit, description.
+/// Returns a row of HTML for each variable of FMI 3.0: name with sizes, causality, unit,
+/// description.
 pub fn rows_html<M: Model>() -> String {
     let row = |variable: &Variable<M::Quantity>| {
         let sizes = variable.dimensions.iter().map(|dimension| match *dimension {

@@ -19,8 +19,8 @@ pub enum Format {
     Fmi3,
 }
 
-/// `variableNamingConvention` of FMI 2.0. The names are the same in both cases. Tools that check structured names are
-/// slow if there are thousands of them.
+/// `variableNamingConvention` of FMI 2.0. The names are the same in both cases. Tools that check
+/// structured names are slow if there are thousands of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Naming {
     /// "structured"

@@ -3,7 +3,8 @@
 use crate::Version;
 use serde::{Deserialize, Serialize};
 
-/// The states of a slave (FMI 2.0, section 4.2.4; FMI 3.0, section 4.2.1). A slave with synchronous steps has no others.
+/// The states of a slave (FMI 2.0, section 4.2.4; FMI 3.0, section 4.2.1). A slave with synchronous
+/// steps has no others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// After it was made or reset.
@@ -50,8 +51,8 @@ pub enum Function {
 
 /// Returns whether a version of FMI allows a function in a phase.
 pub fn allowed(function: Function, version: Version, phase: Phase) -> bool {
-    // A letter for each phase, in their order; FMI 2.0 has neither Configuration nor Intermediate. A synchronous slave is
-    // never in the middle of a step, so that there is nothing to cancel.
+    // A letter for each phase, in their order; FMI 2.0 has neither Configuration nor Intermediate.
+    // A synchronous slave is never in the middle of a step, so that there is nothing to cancel.
     let [of_2, of_3] = match function {
         Function::SetDebugLogging => ["I-IS-TE", "ICISITE"],
         Function::SetupExperiment => ["I------", "-------"],

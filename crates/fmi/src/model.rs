@@ -8,7 +8,8 @@ use std::error::Error;
 use std::fmt::Debug;
 use uuid::Uuid;
 
-/// Returns a hash of a content. A saved state contains it, to check that it is restored into the same model.
+/// Returns a hash of a content. A saved state contains it, to check that it is restored into the
+/// same model.
 pub fn fingerprint(content: &[u8]) -> u128 {
     Uuid::new_v5(&Uuid::NAMESPACE_OID, content).as_u128()
 }
@@ -19,15 +20,16 @@ fn token(lines: impl Iterator<Item = String>) -> Uuid {
     Uuid::new_v5(&NAMESPACE, lines.collect::<String>().as_bytes())
 }
 
-/// Returns the GUID of an FMI 2.0 interface. It depends on names, types, value references and causalities only.
+/// Returns the GUID of an FMI 2.0 interface. It depends on names, types, value references and
+/// causalities only.
 pub fn guid<Q>(scalars: &[Scalar<Q>]) -> Uuid {
     token(scalars.iter().enumerate().map(|(reference, Scalar { name, variable, .. })| {
         format!("{reference} {name} {} {:?}\n", variable.kind.name(), variable.role)
     }))
 }
 
-/// Returns the instantiation token of FMI 3.0. It depends on names, types, dimensions, value references and causalities
-/// only.
+/// Returns the instantiation token of FMI 3.0. It depends on names, types, dimensions, value
+/// references and causalities only.
 pub fn instantiation_token<M: Model>() -> Uuid {
     let sizes = M::SIZES.iter().map(|size| format!("{}\n", size.name));
     let variables = M::VARIABLES.iter().map(|Variable { name, kind, dimensions, role, .. }| {
@@ -36,7 +38,8 @@ pub fn instantiation_token<M: Model>() -> Uuid {
     token(["FMI 3.0\n".to_owned()].into_iter().chain(sizes).chain(variables))
 }
 
-/// Returns the value reference of a quantity in FMI 3.0, after those of `time` (0) and of the structural parameters.
+/// Returns the value reference of a quantity in FMI 3.0, after those of `time` (0) and of the
+/// structural parameters.
 pub fn reference<M: Model>(quantity: M::Quantity) -> Option<u32> {
     let place = M::VARIABLES.iter().position(|variable| variable.quantity == quantity)?;
     Some((1 + M::SIZES.len() + place) as u32)
@@ -65,7 +68,8 @@ pub struct Part {
 }
 
 impl Part {
-    /// Returns a whole communication step, from a communication point and over a length, both \[s\].
+    /// Returns a whole communication step, from a communication point and over a length, both
+    /// \[s\].
     pub fn whole(from: f64, length: f64) -> Part {
         Part { from, length, so_far: 0.0, at_end: Some(from + length) }
     }
@@ -76,8 +80,9 @@ impl Part {
     }
 }
 
-/// The model behind an FMU, called by [`Slave`](crate::Slave). The slave checks lifecycle, value references, types,
-/// lengths, domains and times. The model gets only calls that are allowed and well-formed.
+/// The model behind an FMU, called by [`Slave`](crate::Slave). The slave checks lifecycle, value
+/// references, types, lengths, domains and times. The model gets only calls that are allowed and
+/// well-formed.
 ///
 /// Values are elements of the variables of [`Model::VARIABLES`], numbers of any type are `f64`.
 pub trait Model: Sized + Send {
@@ -115,8 +120,9 @@ pub trait Model: Sized + Send {
     /// The resources are missing or damaged.
     fn load(location: Location<'_>) -> Result<Self, Self::Error>;
 
-    /// Returns the values of the structural parameters for what is loaded.
-    fn sizes(&self) -> Vec<u64>;
+    /// Returns the value of the structural parameter at a place of [`Model::SIZES`] for what is
+    /// loaded.
+    fn size(&self, place: usize) -> u64;
 
     /// Returns the variables of FMI 2.0. They never change during the life of the model.
     fn scalars(&self) -> Vec<Scalar<Self::Quantity>>;
@@ -175,7 +181,8 @@ pub trait Model: Sized + Send {
     /// [`Model::INTERPOLATES_INPUTS`].
     fn set_rate(&mut self, _input: Self::Quantity, _element: usize, _rate: f64) {}
 
-    /// Returns the known elements on which the elements of an output depend at a communication point.
+    /// Returns the known elements on which the elements of an output depend at a communication
+    /// point.
     fn dependencies(&self, _output: Self::Quantity, _known: Known) -> Vec<Dependency<Self::Quantity>> {
         Vec::new()
     }
@@ -185,18 +192,20 @@ pub trait Model: Sized + Send {
         false
     }
 
-    /// Takes the tolerance of the experiment, a positive and finite number, or none if the importer defines none. Called
-    /// before initialization begins. A model that has no use for it ignores it.
+    /// Takes the tolerance of the experiment, a positive and finite number, or none if the importer
+    /// defines none. Called before initialization begins. A model that has no use for it ignores
+    /// it.
     fn set_tolerance(&mut self, _tolerance: Option<f64>) {}
 
-    /// Ends initialization: the model is built from the values that were set. The simulation begins at `start` \[s\].
+    /// Ends initialization: the model is built from the values that were set. The simulation begins
+    /// at `start` \[s\].
     ///
     /// # Errors
     /// The values that were set do not fit together.
     fn initialize(&mut self, start: f64) -> Result<(), Self::Error>;
 
-    /// Returns the lengths \[s\] of the parts of a communication step \[s\] after which values are wanted; one part if
-    /// none are wanted.
+    /// Returns the lengths \[s\] of the parts of a communication step \[s\] after which values are
+    /// wanted; one part if none are wanted.
     fn parts(&self, step: f64) -> Vec<f64> {
         vec![step]
     }

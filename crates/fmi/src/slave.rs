@@ -1,4 +1,5 @@
-//! One FMU instance without the C interface, of either version of FMI: lifecycle, variables, stepping, states.
+//! One FMU instance without the C interface, of either version of FMI: lifecycle, variables,
+//! stepping, states.
 //!
 //! A call that is refused does not change the instance.
 
@@ -85,7 +86,8 @@ pub struct Snapshot<S> {
     model: S,
 }
 
-/// A variable that a value reference leads to, without what only messages need: calls read thousands of them.
+/// A variable that a value reference leads to, without what only messages need: calls read
+/// thousands of them.
 #[derive(Clone, Copy)]
 struct Row<Q> {
     /// `None` for the time and the structural parameters of FMI 3.0.
@@ -114,8 +116,8 @@ pub struct Slave<M: Model> {
     pub(crate) model: M,
     version: Version,
     token: Uuid,
-    /// The variables by value reference. In FMI 2.0 each is an element; in FMI 3.0 the time, the structural parameters,
-    /// and whole variables.
+    /// The variables by value reference. In FMI 2.0 each is an element; in FMI 3.0 the time, the
+    /// structural parameters, and whole variables.
     rows: Vec<Row<M::Quantity>>,
     /// FMI 2.0: the variables, for messages.
     scalars: Vec<Scalar<M::Quantity>>,
@@ -135,23 +137,21 @@ impl<M: Model> Slave<M> {
     /// # Errors
     /// The token is not that of the model.
     pub fn new(model: M, version: Version, given: &str) -> Answer<M, Slave<M>> {
-        let (mut scalars, mut sizes) = (Vec::new(), Vec::new());
+        let mut scalars = Vec::new();
         let (rows, token, word) = match version {
             Version::V2 => {
                 scalars = model.scalars();
                 let row = |scalar: &Scalar<M::Quantity>| Row::new(scalar.variable, scalar.element);
                 (scalars.iter().map(row).collect(), guid(&scalars), "GUID")
             }
-            Version::V3 => {
-                sizes = model.sizes();
-                (rows_of_arrays::<M>(), instantiation_token::<M>(), "instantiationToken")
-            }
+            Version::V3 => (rows_of_arrays::<M>(), instantiation_token::<M>(), "instantiationToken"),
         };
         let bare = |text: &str| text.trim_matches(['{', '}']).to_ascii_lowercase();
         if bare(given) != token.to_string() {
             let expected = token.braced().to_string();
             return Err(SlaveError::Token { word, given: given.to_owned(), expected });
         }
+        let sizes = sizes(&model, version);
         let (phase, time, experiment) = (Phase::Instantiated, 0.0, None);
         Ok(Slave { model, version, token, rows, scalars, sizes, phase, time, experiment })
     }
@@ -178,10 +178,12 @@ impl<M: Model> Slave<M> {
         }
     }
 
-    /// `fmi2SetupExperiment`: start time and, if given, stop time of the simulation \[s\], and tolerance.
+    /// `fmi2SetupExperiment`: start time and, if given, stop time of the simulation \[s\], and
+    /// tolerance.
     ///
     /// # Errors
-    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not positive and finite.
+    /// Wrong phase; times that are not finite or are in the wrong order; a tolerance that is not
+    /// positive and finite.
     pub fn setup_experiment(
         &mut self,
         start: f64,
@@ -242,7 +244,8 @@ impl<M: Model> Slave<M> {
     /// Leaves Initialization Mode.
     ///
     /// # Errors
-    /// Wrong phase; structural parameters that are not the sizes of what is loaded; values that do not fit together.
+    /// Wrong phase; structural parameters that are not the sizes of what is loaded; values that do
+    /// not fit together.
     pub fn exit_initialization(&mut self) -> Answer<M, ()> {
         self.check(Function::ExitInitializationMode)?;
         (0..self.sizes.len()).try_for_each(|place| self.check_size(place))?;
@@ -268,16 +271,14 @@ impl<M: Model> Slave<M> {
     pub fn reset(&mut self) -> Answer<M, ()> {
         self.check(Function::Reset)?;
         self.model.reset()?;
-        if self.version == Version::V3 {
-            self.sizes = self.model.sizes();
-        }
+        self.sizes = sizes(&self.model, self.version);
         (self.phase, self.time, self.experiment) = (Phase::Instantiated, 0.0, None);
         Ok(())
     }
 
     /// Refuses a structural parameter that is not the size of what is loaded.
     fn check_size(&self, place: usize) -> Answer<M, ()> {
-        let (declared, loaded) = (self.sizes[place], self.model.sizes()[place]);
+        let (declared, loaded) = (self.sizes[place], self.model.size(place));
         if declared == loaded {
             return Ok(());
         }
@@ -316,7 +317,8 @@ impl<M: Model> Slave<M> {
         Ok(length)
     }
 
-    /// Checks types, and that the number of elements of all variables together is that of the values.
+    /// Checks types, and that the number of elements of all variables together is that of the
+    /// values.
     fn check_count(&self, references: &[u32], of: Type, given: usize) -> Answer<M, ()> {
         if self.version == Version::V2 {
             return Ok(());
@@ -348,9 +350,10 @@ impl<M: Model> Slave<M> {
     /// Reads Reals.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, a wrong number of values; in initialization, values that do not fit together.
+    /// Wrong phase, unknown references, a wrong number of values; in initialization, values that do
+    /// not fit together.
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Answer<M, ()> {
-        self.get(references, Type::Real, values)
+        self.get(references, Type::Real, values, |number| number)
     }
 
     /// Reads Integers.
@@ -358,10 +361,7 @@ impl<M: Model> Slave<M> {
     /// # Errors
     /// Those of [`Slave::get_real`].
     pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Answer<M, ()> {
-        let mut numbers = vec![0.0; values.len()];
-        self.get(references, Type::Integer, &mut numbers)?;
-        values.iter_mut().zip(numbers).for_each(|(value, number)| *value = number as i32);
-        Ok(())
+        self.get(references, Type::Integer, values, |number| number as i32)
     }
 
     /// Reads Booleans.
@@ -369,24 +369,35 @@ impl<M: Model> Slave<M> {
     /// # Errors
     /// Those of [`Slave::get_real`].
     pub fn get_boolean(&mut self, references: &[u32], values: &mut [impl From<bool>]) -> Answer<M, ()> {
-        let mut numbers = vec![0.0; values.len()];
-        self.get(references, Type::Boolean, &mut numbers)?;
-        values.iter_mut().zip(numbers).for_each(|(value, number)| *value = (number != 0.0).into());
-        Ok(())
+        self.get(references, Type::Boolean, values, |number| (number != 0.0).into())
     }
 
-    fn get(&mut self, references: &[u32], of: Type, values: &mut [f64]) -> Answer<M, ()> {
+    fn get<T>(
+        &mut self,
+        references: &[u32],
+        of: Type,
+        values: &mut [T],
+        from: impl Fn(f64) -> T,
+    ) -> Answer<M, ()> {
         self.check(Function::Get)?;
-        self.check_count(references, of, values.len())?;
-        let mut rest = values;
-        for &reference in references {
-            let row = self.row(reference, of)?;
-            let (these, others) = rest.split_at_mut(self.length(reference)?);
-            match (row.quantity, these) {
-                (Some(quantity), [value]) => *value = self.model.number(quantity, row.element as usize)?,
-                (Some(quantity), these) => self.model.numbers(quantity, these)?,
-                (None, these) => these.fill(self.time),
+        if self.version == Version::V2 {
+            for (&reference, value) in references.iter().zip(values) {
+                if let Row { quantity: Some(quantity), element, .. } = self.row(reference, of)? {
+                    *value = from(self.model.number(quantity, element as usize)?);
+                }
             }
+            return Ok(());
+        }
+        self.check_count(references, of, values.len())?;
+        let (mut rest, mut numbers) = (values, Vec::new());
+        for &reference in references {
+            let (these, others) = rest.split_at_mut(self.length(reference)?);
+            numbers.clear();
+            numbers.resize(these.len(), self.time);
+            if let Some(quantity) = self.row(reference, of)?.quantity {
+                self.model.numbers(quantity, &mut numbers)?;
+            }
+            these.iter_mut().zip(&numbers).for_each(|(value, number)| *value = from(*number));
             rest = others;
         }
         Ok(())
@@ -426,8 +437,8 @@ impl<M: Model> Slave<M> {
     /// `fmi3SetUInt64`: structural parameters, in Configuration Mode.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, a wrong number of values, or a value that is 0 or far too large. Then none of
-    /// them is set.
+    /// Wrong phase, unknown references, a wrong number of values, or a value that is 0 or far too
+    /// large. Then none of them is set.
     pub fn set_size(&mut self, references: &[u32], values: &[u64]) -> Answer<M, ()> {
         self.check(Function::Set)?;
         self.check_count(references, Type::Size, values.len())?;
@@ -463,8 +474,8 @@ impl<M: Model> Slave<M> {
     /// Sets Reals.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, a wrong number of values, or values outside their domain. Then none of them is
-    /// set.
+    /// Wrong phase, unknown references, a wrong number of values, or values outside their domain.
+    /// Then none of them is set.
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Answer<M, ()> {
         self.set(references, Type::Real, values)
     }
@@ -540,8 +551,8 @@ impl<M: Model> Slave<M> {
     /// Reads derivatives with respect to time, of order 1.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, a wrong number of values, other orders, or variables whose derivative is not
-    /// known. Then the values are unchanged.
+    /// Wrong phase, unknown references, a wrong number of values, other orders, or variables whose
+    /// derivative is not known. Then the values are unchanged.
     pub fn get_output_derivatives(
         &self,
         references: &[u32],
@@ -566,12 +577,12 @@ impl<M: Model> Slave<M> {
         Ok(())
     }
 
-    /// `fmi2SetRealInputDerivatives`: over the next step the inputs vary linearly, at these rates per
-    /// second, from their values at its start. A rate is used for one step.
+    /// `fmi2SetRealInputDerivatives`: over the next step the inputs vary linearly, at these rates
+    /// per second, from their values at its start. A rate is used for one step.
     ///
     /// # Errors
-    /// Wrong phase, unknown references, variables that are not inputs, orders other than 1, rates that are not finite,
-    /// or a model that does not interpolate inputs. Then nothing is set.
+    /// Wrong phase, unknown references, variables that are not inputs, orders other than 1, rates
+    /// that are not finite, or a model that does not interpolate inputs. Then nothing is set.
     pub fn set_input_derivatives(
         &mut self,
         references: &[u32],
@@ -605,9 +616,9 @@ impl<M: Model> Slave<M> {
         Ok(())
     }
 
-    /// `fmi3GetVariableDependencies`: of the elements of an output, as indices from 0, the value reference of the
-    /// variable on which each depends, and the index of its element. Until initialization ends, the initial dependencies
-    /// (FMI 3.0, section 2.2.9).
+    /// `fmi3GetVariableDependencies`: of the elements of an output, as indices from 0, the value
+    /// reference of the variable on which each depends, and the index of its element. Until
+    /// initialization ends, the initial dependencies (FMI 3.0, section 2.2.9).
     ///
     /// # Errors
     /// Wrong phase or an unknown reference.
@@ -639,9 +650,9 @@ impl<M: Model> Slave<M> {
     /// A communication step: from the communication point `from` over `step`, both \[s\].
     ///
     /// # Errors
-    /// Wrong phase, a communication point that is not the slave's time, or a step that is not positive, goes beyond the
-    /// stop time, or is refused by the model. Then nothing has changed. If the model fails during the step, the slave is
-    /// in the error state.
+    /// Wrong phase, a communication point that is not the slave's time, or a step that is not
+    /// positive, goes beyond the stop time, or is refused by the model. Then nothing has changed.
+    /// If the model fails during the step, the slave is in the error state.
     pub fn do_step(&mut self, from: f64, step: f64) -> Answer<M, ()> {
         self.check_step(from, step)?;
         self.do_part(Part::whole(from, step))
@@ -666,7 +677,8 @@ impl<M: Model> Slave<M> {
     /// Does a part of a communication step.
     ///
     /// # Errors
-    /// The model refuses the first part, and nothing has changed; or it fails, and the slave is in the error state.
+    /// The model refuses the first part, and nothing has changed; or it fails, and the slave is in
+    /// the error state.
     pub(crate) fn do_part(&mut self, part: Part) -> Answer<M, ()> {
         match self.model.advance(part) {
             Ok(()) => {
@@ -692,7 +704,8 @@ impl<M: Model> Slave<M> {
         if !(step > 0.0 && step.is_finite()) {
             return Err(SlaveError::StepSize(step));
         }
-        // Masters add up their own times. A difference of half a step is another communication point.
+        // Masters add up their own times. A difference of half a step is another communication
+        // point.
         let tolerance = (1e-5 * from.abs().max(step)).min(0.5 * step);
         if (from - self.time).abs() > tolerance || from.is_nan() {
             return Err(SlaveError::CommunicationPoint { given: from, expected: self.time });
@@ -720,7 +733,8 @@ impl<M: Model> Slave<M> {
     /// Restores a state.
     ///
     /// # Errors
-    /// Wrong phase, a snapshot of another model, or one with impossible times. Then nothing has changed.
+    /// Wrong phase, a snapshot of another model, or one with impossible times. Then nothing has
+    /// changed.
     pub fn restore(&mut self, snapshot: &Snapshot<M::Saved>) -> Answer<M, ()> {
         self.check(Function::State)?;
         let possible = snapshot.experiment.is_none_or(|Experiment { start, stop }| {
@@ -801,6 +815,12 @@ fn rows_of_arrays<M: Model>() -> Vec<Row<M::Quantity>> {
     let sizes = M::SIZES.iter().map(|_| other(Type::Size, Role::Parameter));
     let arrays = M::VARIABLES.iter().map(|variable| Row::new(variable, 0));
     [other(Type::Real, Role::Calculated)].into_iter().chain(sizes).chain(arrays).collect()
+}
+
+/// Returns the structural parameters of FMI 3.0 for what is loaded.
+fn sizes<M: Model>(model: &M, version: Version) -> Vec<u64> {
+    let count = if version == Version::V3 { M::SIZES.len() } else { 0 };
+    (0..count).map(|place| model.size(place)).collect()
 }
 
 /// Returns the versions of the format of states and of the model, in one number.

@@ -1,4 +1,5 @@
-//! The variables of an FMU: name, type, causality, unit, domain, sizes. A model has one table of them.
+//! The variables of an FMU: name, type, causality, unit, domain, sizes. A model has one table of
+//! them.
 
 use crate::Version;
 
@@ -169,65 +170,6 @@ pub struct Variable<Q> {
     pub description: &'static str,
 }
 
-/// Makes the rows of tables: a function for each role.
-#[allow(missing_docs)] // the roles say it
-pub mod rows {
-    use super::{Dimension, Domain, Kind, Role, Variable};
-
-    pub const fn input<Q: Copy>(
-        quantity: Q,
-        name: &'static str,
-        dimensions: &'static [Dimension],
-        kind: Kind,
-        description: &'static str,
-    ) -> Variable<Q> {
-        let (role, domain) = (Role::Input, Domain::Finite);
-        Variable { quantity, name, kind, role, domain, dimensions, description }
-    }
-
-    pub const fn exact<Q: Copy>(
-        quantity: Q,
-        name: &'static str,
-        dimensions: &'static [Dimension],
-        kind: Kind,
-        description: &'static str,
-    ) -> Variable<Q> {
-        Variable { role: Role::Exact, ..input(quantity, name, dimensions, kind, description) }
-    }
-
-    pub const fn calculated<Q: Copy>(
-        quantity: Q,
-        name: &'static str,
-        dimensions: &'static [Dimension],
-        kind: Kind,
-        description: &'static str,
-    ) -> Variable<Q> {
-        Variable { role: Role::Calculated, ..input(quantity, name, dimensions, kind, description) }
-    }
-
-    pub const fn parameter<Q: Copy>(
-        quantity: Q,
-        name: &'static str,
-        dimensions: &'static [Dimension],
-        kind: Kind,
-        domain: Domain,
-        description: &'static str,
-    ) -> Variable<Q> {
-        let role = Role::Parameter;
-        Variable { role, domain, ..input(quantity, name, dimensions, kind, description) }
-    }
-
-    pub const fn calculated_parameter<Q: Copy>(
-        quantity: Q,
-        name: &'static str,
-        dimensions: &'static [Dimension],
-        kind: Kind,
-        description: &'static str,
-    ) -> Variable<Q> {
-        Variable { role: Role::CalculatedParameter, ..input(quantity, name, dimensions, kind, description) }
-    }
-}
-
 /// A variable of FMI 2.0: an element of a [`Variable`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scalar<Q: 'static> {
@@ -241,14 +183,53 @@ pub struct Scalar<Q: 'static> {
     pub element: usize,
 }
 
+/// Begins a row of a table: a method of [`Variable`] says the role, and what users read.
+pub const fn row<Q>(
+    quantity: Q,
+    name: &'static str,
+    dimensions: &'static [Dimension],
+    kind: Kind,
+) -> Variable<Q> {
+    let (role, domain) = (Role::Calculated, Domain::Finite);
+    Variable { quantity, name, kind, role, domain, dimensions, description: "" }
+}
+
+impl<Q: Copy> Variable<Q> {
+    /// Makes it an input.
+    pub const fn input(self, description: &'static str) -> Variable<Q> {
+        Variable { role: Role::Input, description, ..self }
+    }
+
+    /// Makes it an output whose start value can be set.
+    pub const fn exact(self, description: &'static str) -> Variable<Q> {
+        Variable { role: Role::Exact, description, ..self }
+    }
+
+    /// Makes it an output that is computed.
+    pub const fn calculated(self, description: &'static str) -> Variable<Q> {
+        Variable { role: Role::Calculated, description, ..self }
+    }
+
+    /// Makes it a parameter with values in a domain.
+    pub const fn parameter(self, domain: Domain, description: &'static str) -> Variable<Q> {
+        Variable { role: Role::Parameter, domain, description, ..self }
+    }
+
+    /// Makes it a parameter that is computed.
+    pub const fn calculated_parameter(self, description: &'static str) -> Variable<Q> {
+        Variable { role: Role::CalculatedParameter, description, ..self }
+    }
+}
+
 impl<Q> Variable<Q> {
     /// Returns whether the elements are x and y of vectors.
     pub fn is_vector(&self) -> bool {
         self.dimensions.last() == Some(&Dimension::Fixed(2))
     }
 
-    /// Returns the variables of FMI 2.0 at an index of the dimensions before that of x and y: one, or one for each of x
-    /// and y. Their names begin with `prefix`, their descriptions with `about`.
+    /// Returns the variables of FMI 2.0 at an index of the dimensions before that of x and y: one,
+    /// or one for each of x and y. Their names begin with `prefix`, their descriptions with
+    /// `about`.
     pub fn scalars(
         &'static self,
         index: usize,

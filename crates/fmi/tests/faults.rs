@@ -2,14 +2,14 @@
 //! FMI's state "fatal", the column of section 4.2.4 that no call of a sound model reaches.
 
 use lemons_fmi::location::Location;
-use lemons_fmi::variables::{Kind, Scalar, Size, Variable, rows, units};
+use lemons_fmi::variables::{Kind, Scalar, Size, Variable, row, units};
 use lemons_fmi::{Model, Part, Phase, Status, StepError, guid};
 use lemons_verify::testing::fmi2;
 use lemons_verify::testing::instance::{Arguments, Functions};
 use lemons_verify::testing::{Instance, Message};
 use std::ffi::{CStr, CString};
 
-static X: [Variable<()>; 1] = [rows::input((), "x", &[], Kind::Real(units::ONE), "")];
+static X: [Variable<()>; 1] = [row((), "x", &[], Kind::Real(units::ONE)).input("")];
 
 /// Its one variable is an input; at 13 it breaks.
 struct Brittle {
@@ -45,8 +45,8 @@ impl Model for Brittle {
         Ok(Brittle { x: 0.0 })
     }
 
-    fn sizes(&self) -> Vec<u64> {
-        Vec::new()
+    fn size(&self, _: usize) -> u64 {
+        unreachable!()
     }
 
     fn scalars(&self) -> Vec<Scalar<()>> {
@@ -121,7 +121,7 @@ fn a_panic_is_fatal_and_told_and_the_instance_can_be_freed() {
     let probes = fmi2::Functions::probes();
     assert_eq!(probes.len(), 30, "all but those that make and free instances, and two that tell the version");
     for probe in probes {
-        assert_eq!((probe.call)(instance.v2(), instance.raw, None), Some(Status::Fatal), "{}", probe.name);
+        assert_eq!(probe.call(instance.v2(), instance.raw, None), Some(Status::Fatal), "{}", probe.name);
         fatal(&instance.take_messages(), [probe.name, ""]);
     }
     drop(instance);

@@ -3,12 +3,12 @@
 use crate::base::{Driven, split};
 use crate::frame::frame;
 use crate::run::Run;
-use crate::{Refused, Reply};
-use crowd_mechanics::engine::Chain;
+use crate::{Refused, Reply, require};
+use crowd_mechanics::engine::PairForce;
 use crowd_mechanics::pack::{Binary, Format, Naming, Package, THIRD_PARTY};
 use lemons_core::files::source::Memory;
 use lemons_core::trial::DRIVE_FILE;
-use lemons_decision::WISHES_FILE;
+use lemons_decision::DECISION_FILE;
 use lemons_people::placing::{Progress, Stage, Watch};
 use lemons_people::{Agent, MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
 use lemons_picture::{Fill, Force, Scene, Style, Values};
@@ -17,7 +17,6 @@ use lemons_results::{Content, FrameWriter, TableWriter};
 use serde::Deserialize;
 use serde_json::json;
 use std::io::Cursor;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// Most people whose bodies are written: about 1 MB each.
@@ -92,7 +91,7 @@ pub fn file(wanted: &FileRequest, run: &Run, bytes: &[u8], watch: &mut Watch) ->
     };
     match wanted {
         FileRequest::Trial {} => {
-            let others = [(DRIVE_FILE, &**drive), (WISHES_FILE, &**wishes)];
+            let others = [(DRIVE_FILE, &**drive), (DECISION_FILE, &**wishes)];
             let others: Vec<_> = others.into_iter().filter(|(_, text)| !text.is_empty()).collect();
             let zip = zip_trial(trial, &others, Cursor::new(Vec::new()))?;
             named(".zip", zip.into_inner())
@@ -154,11 +153,11 @@ fn mesh(
     write: impl Fn(&[MeshPart], &mut Vec<u8>) -> std::io::Result<()>,
 ) -> Result<Vec<u8>, Refused> {
     let people = run.people();
-    if people > MOST_BODIES {
-        return Err(Refused(format!(
+    require(people <= MOST_BODIES, || {
+        format!(
             "bodies of {people} people are too large for a page: at most {MOST_BODIES}; `lemons crowd` writes more"
-        )));
-    }
+        )
+    })?;
     let poses = frame(bytes, people)?;
     let mut parts = Vec::new();
     let all = run.bodies()?.iter().zip(poses).zip(&run.driven().trial.agents);
@@ -185,8 +184,8 @@ fn svg(wanted: &PictureStyle, run: &Run, bytes: &[u8]) -> Result<String, Refused
     let values = values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
     let mut scene = Scene::new(trial, poses);
     if wanted.forces {
-        let force = |of: Chain| Force { from: of.from, to: of.to, normal_force: of.normal_force };
-        scene.forces = run.chains(shown)?.into_iter().map(force).collect();
+        let force = |of: PairForce| Force { from: of.from, to: of.to, normal_force: of.normal_force };
+        scene.forces = run.pair_forces(shown)?.into_iter().map(force).collect();
     }
     let range = Some((0.0, wanted.most)).filter(|_| wanted.most > 0.0);
     let (label, unit) = (wanted.label.clone(), wanted.unit.clone());
@@ -200,11 +199,9 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     let mut run = Run::begin(of.clone())?;
     run.check_work()?;
     // A row has about 200 bytes.
-    if 200 * run.people() as u64 * u64::from(steps) > LARGEST_TABLE {
-        return Err(Refused(
-            "the table is too large for a page: `lemons run` writes it from the Trial".into(),
-        ));
-    }
+    require(200 * run.people() as u64 * u64::from(steps) <= LARGEST_TABLE, || {
+        "the table is too large for a page: `lemons run` writes it from the Trial".into()
+    })?;
     let groups = Groups { contacts: true, of_step: true, active: of.plan.is_some(), totals: true };
     let content = Content { columns: groups.columns(), about: Vec::new() };
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
@@ -218,9 +215,7 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
         let (iteration, limit) = (u64::from(step), u64::from(steps));
         // Without a stage of its own: the page knows it by the overlap.
         let progress = Progress { stage: Stage::Growing, iteration, limit, overlap: f64::NAN, density: 0.0 };
-        if watch(&progress) == ControlFlow::Break(()) {
-            return Err(Refused("the table was stopped".into()));
-        }
+        require(watch(&progress).is_continue(), || "the table was stopped".into())?;
     }
     Ok(writer.finish()?.into_inner())
 }

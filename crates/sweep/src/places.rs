@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Place, Result};
 use lemons_core::files::input;
-use lemons_core::plane::{Vec2, polygon_from_wkt};
+use lemons_core::plane::Vec2;
 use lemons_core::trial::Wall;
 use lemons_results::measure::{Line, MeasuringArea, Room};
 use lemons_results::{given_area, walkable_area};
@@ -95,8 +95,7 @@ impl Places {
             }
             None => walkable_area(walls, positions),
         };
-        let rings = polygon_from_wkt(&area.wkt)?;
-        Room::of(&rings).ok_or_else(|| "the walkable area has no ring".into())
+        Ok(Room::of(&area.polygon))
     }
 }
 

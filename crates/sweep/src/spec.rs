@@ -10,7 +10,7 @@ use crate::stop::Stop;
 use crate::template::Template;
 use lemons_core::files::input;
 use lemons_core::trial::DriveChoice;
-use lemons_master::{Kind, PlanChoice};
+use lemons_master::{FileType, PlanChoice};
 use lemons_results::measure::LATEST;
 use lemons_sim::Algorithm;
 use serde::Deserialize;
@@ -131,7 +131,7 @@ impl Spec {
     /// # Errors
     /// A sentence with the key and what is wrong.
     pub fn read(path: &Path) -> Result<Spec> {
-        Kind::expect(path, &[Kind::Text, Kind::Stream], "a sweep.toml (lemons sweep --help)")
+        FileType::expect(path, &[FileType::Text, FileType::Stream], "a sweep.toml (lemons sweep --help)")
             .map_err(lemons_master::Error::from)?;
         let text = input::read_text(path, input::LARGEST_SETTINGS)
             .place(|| format!("cannot read {}", path.display()))?;

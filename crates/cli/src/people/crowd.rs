@@ -19,8 +19,8 @@ use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
 use lemons_core::files::Scratch;
 use lemons_core::trial::Trial;
-use lemons_decision::{Plan, WISHES_FILE, Wishes};
-use lemons_master::Given;
+use lemons_decision::{DECISION_FILE, DecisionConfig, Plan};
+use lemons_master::TrialInput;
 use lemons_people::{
     Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
     crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_zip,
@@ -214,7 +214,7 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
     let binaries = trial.fmu.as_ref().map(|_| trial.packing.binaries(&CROWD)).transpose()?;
     let mut outputs = arguments.outputs()?;
     // Of a Trial that is refused nothing more is told.
-    let beside = if leaving.wanted() { &[WISHES_FILE][..] } else { &[] };
+    let beside = if leaving.wanted() { &[DECISION_FILE][..] } else { &[] };
     for said in trial.output.iter().flat_map(|directory| files::staying(directory, beside)) {
         note!("{said}");
     }
@@ -282,10 +282,10 @@ pub fn crowd(mut arguments: Arguments) -> Result<()> {
         let wishes = leaving.wanted().then(|| leaving.text(&ways, trial.speed));
         if let Some(text) = &wishes {
             // A run would refuse it.
-            let plan = Wishes::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
+            let plan = DecisionConfig::from_toml(text).and_then(|wishes| Plan::of(&made, &wishes));
             plan.context("--leave: people cannot leave")?;
         }
-        let beside: Vec<(&str, &str)> = wishes.iter().map(|text| (WISHES_FILE, &text[..])).collect();
+        let beside: Vec<(&str, &str)> = wishes.iter().map(|text| (DECISION_FILE, &text[..])).collect();
         done = trial.write(&made, &beside, binaries, &interrupt, &mut out)?;
     } else if outputs.has_pictures() {
         outputs.draw_mixed(&agents, &shapes, &packing.poses, place.geometry, &settings)?;
@@ -375,7 +375,7 @@ impl TrialArguments {
         if let (Some(file), Some(binaries)) = (&self.fmu, binaries) {
             // Its warnings are those printed already.
             let written = write_fmu(
-                &[Given::open(&directory)?],
+                &[TrialInput::open(&directory)?],
                 binaries,
                 self.fmi.format(self.packing.naming()),
                 true,
@@ -452,7 +452,7 @@ impl Arguments {
         }
         if let Some(directory) = output {
             files::claim_directory(directory)?;
-            let wishes = self.leaving.wanted().then_some(&WISHES_FILE);
+            let wishes = self.leaving.wanted().then_some(&DECISION_FILE);
             TRIAL_FILES.iter().chain(wishes).try_for_each(|file| files::claim(&directory.join(file)))?;
         }
         Outputs::open(&[

@@ -3,7 +3,7 @@
 use super::look::{Look, Looks, positive, seconds};
 use super::moment::Footage;
 use super::plot::OTHER_PARAMETERS;
-use super::source::{End, Source, Wanted};
+use super::source::{End, KeptFrames, Source};
 use crate::error::Misused;
 use crate::files::Force;
 use crate::interrupt::Interrupt;
@@ -89,7 +89,7 @@ pub fn movie(arguments: &Arguments) -> Result<()> {
     let interrupt = Interrupt::watch();
     let mut file = Output::open(&path)?;
     let until = arguments.until.unwrap_or(End::At(crowd_mechanics::model_description::DEFAULT_STOP_TIME));
-    let footage = source.footage(source.runs().then_some(until), Wanted::All, &interrupt)?;
+    let footage = source.footage(source.runs().then_some(until), KeptFrames::All, &interrupt)?;
     let first = arguments.from.unwrap_or_else(|| footage.first());
     let last = match arguments.until {
         Some(End::At(time) | End::NotBefore(time)) => time,

@@ -11,7 +11,7 @@ use anyhow::{Context, Result, bail};
 use lemons_core::plane::Motion;
 use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_master::Settings;
-pub use lemons_results::Wanted;
+pub use lemons_results::KeptFrames;
 use lemons_results::{Frame, Record, Run};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
 use std::path::{Path, PathBuf};
@@ -92,7 +92,7 @@ impl End {
 
 impl Source {
     /// A Trial or an FMU is run until then; without an end it is shown as it begins.
-    pub fn open(&self, until: Option<End>, wanted: Wanted, interrupt: &Interrupt) -> Result<Opened> {
+    pub fn open(&self, until: Option<End>, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Opened> {
         let (trial, found) = self.find(until, wanted.clone(), interrupt)?;
         let run = match found {
             Found::Made(run) => run,
@@ -103,7 +103,7 @@ impl Source {
 
     /// As [`Source::open`] with all frames; those of earlier results stay in their file.
     pub fn record_of(&self, until: Option<End>, interrupt: &Interrupt) -> Result<(Option<Trial>, Record)> {
-        let (trial, found) = self.find(until, Wanted::All, interrupt)?;
+        let (trial, found) = self.find(until, KeptFrames::All, interrupt)?;
         let record = match found {
             Found::Made(run) => run.into(),
             Found::Recorded(record) => record,
@@ -114,7 +114,7 @@ impl Source {
     fn find(
         &self,
         until: Option<End>,
-        wanted: Wanted,
+        wanted: KeptFrames,
         interrupt: &Interrupt,
     ) -> Result<(Option<Trial>, Found)> {
         let runs = self.runs();
@@ -204,7 +204,7 @@ impl Source {
     }
 
     /// With shapes and walls.
-    pub fn footage(&self, until: Option<End>, wanted: Wanted, interrupt: &Interrupt) -> Result<Footage> {
+    pub fn footage(&self, until: Option<End>, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Footage> {
         let Opened { trial, run } = self.open(until, wanted, interrupt)?;
         let need = || {
             format!(
@@ -222,7 +222,7 @@ impl Source {
     }
 
     /// As `lemons run` does it, in memory.
-    fn record(&self, until: End, wanted: Wanted, interrupt: &Interrupt) -> Result<Run> {
+    fn record(&self, until: End, wanted: KeptFrames, interrupt: &Interrupt) -> Result<Run> {
         let settings = Settings {
             parameters: name_and_value_of_all(&self.settings)?,
             step: self.step,

@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use lemons_core::files::Staged;
 use lemons_core::trial::Agent;
 use lemons_master::{CrowdRecord, Saved};
-use lemons_results::{Frame, Recorder, Run, Wanted};
+use lemons_results::{Frame, KeptFrames, Recorder, Run};
 use lemons_sim::{ExposureSum, Extremes, Greatest};
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub enum Target {
     Table(Place),
     /// Those that are wanted.
-    Memory(Wanted),
+    Memory(KeptFrames),
 }
 
 enum Rows {

@@ -1,13 +1,13 @@
-//! The quantities of the FMU: one table with the name, unit, causality, shape and domain of each. FMI 3.0 has each row as
-//! one array, FMI 2.0 has the elements.
+//! The quantities of the FMU: one table with the name, unit, causality, shape and domain of each.
+//! FMI 3.0 has each row as one array, FMI 2.0 has the elements.
 //!
-//! Arrays have an element for each agent, in the order of Agents.xml. Agents may have different numbers of way-points: an
-//! agent's row is as long as the longest, and `WaypointCount` says how much of it counts. What is beyond is 0 and stays 0.
+//! Arrays have an element for each agent, in the order of Agents.xml. Agents may have different
+//! numbers of way-points: an agent's row is as long as the longest, and `WaypointCount` says how
+//! much of it counts. What is beyond is 0 and stays 0.
 
 use super::Decision;
-use lemons_fmi::variables::rows::*;
 use lemons_fmi::variables::units::*;
-use lemons_fmi::variables::{Dependency, Dimension, Domain, Kind, Known, Role, Scalar, Size, Variable};
+use lemons_fmi::variables::{Dependency, Dimension, Domain, Kind, Known, Role, Scalar, Size, Variable, row};
 
 /// A quantity: a row of [`QUANTITIES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,82 +48,33 @@ pub static QUANTITIES: [Variable<Quantity>; 16] = {
     use Kind::*;
     use Quantity::*;
     [
-        calculated(
-            Arrived,
-            "Arrived",
-            &[],
-            Integer,
-            "how many agents have reached their last way-point, exit or goal",
-        ),
-        input(Position, "Position", VECTORS, Real(METRE), "x and y of the centre of mass"),
-        input(Theta, "Theta", AGENTS, Real(RADIAN), "orientation: angle from the x axis to the gaze"),
-        calculated(Fp, "Fp", VECTORS, Real(NEWTON), "propulsion force along x and y"),
-        calculated(Mp, "Mp", AGENTS, Real(NEWTON_METRE), "propulsion torque"),
-        calculated(Active, "Active", AGENTS, Boolean, "whether it is there: it has not left by an exit"),
-        calculated(
-            NextWaypoint,
-            "NextWaypoint",
-            AGENTS,
-            Integer,
-            "which way-point it walks to; their number after the last one",
-        ),
-        parameter(Mass, "Mass", AGENTS, Real(KILOGRAM), Positive, "mass"),
-        parameter(
-            MomentOfInertia,
-            "MomentOfInertia",
-            AGENTS,
-            Real(KILOGRAM_METRE_SQUARED),
-            Positive,
-            "moment of inertia about the centre of mass",
-        ),
-        parameter(
-            FloorDamping,
-            "FloorDamping",
-            AGENTS,
-            Real(PER_SECOND),
-            NonNegative,
-            "relaxation rate of the velocity, 1/t_transl",
-        ),
-        parameter(
-            AngularDamping,
-            "AngularDamping",
-            AGENTS,
-            Real(PER_SECOND),
-            NonNegative,
-            "relaxation rate of the angular velocity, 1/t_rot",
-        ),
-        parameter(
-            DesiredSpeed,
-            "DesiredSpeed",
-            AGENTS,
-            Real(METRE_PER_SECOND),
-            NonNegative,
-            "desired speed v0",
-        ),
-        parameter(
-            Waypoint,
-            "Waypoint",
-            WAYPOINT_VECTORS,
-            Real(METRE),
-            Finite,
-            "x and y of the way-points in order; 0 beyond WaypointCount",
-        ),
-        parameter(
-            WaypointRadius,
-            "WaypointRadius",
-            WAYPOINTS,
-            Real(METRE),
+        row(Arrived, "Arrived", &[], Integer)
+            .calculated("how many agents have reached their last way-point, exit or goal"),
+        row(Position, "Position", VECTORS, Real(METRE)).input("x and y of the centre of mass"),
+        row(Theta, "Theta", AGENTS, Real(RADIAN)).input("orientation: angle from the x axis to the gaze"),
+        row(Fp, "Fp", VECTORS, Real(NEWTON)).calculated("propulsion force along x and y"),
+        row(Mp, "Mp", AGENTS, Real(NEWTON_METRE)).calculated("propulsion torque"),
+        row(Active, "Active", AGENTS, Boolean).calculated("whether it is there: it has not left by an exit"),
+        row(NextWaypoint, "NextWaypoint", AGENTS, Integer)
+            .calculated("which way-point it walks to; their number after the last one"),
+        row(Mass, "Mass", AGENTS, Real(KILOGRAM)).parameter(Positive, "mass"),
+        row(MomentOfInertia, "MomentOfInertia", AGENTS, Real(KILOGRAM_METRE_SQUARED))
+            .parameter(Positive, "moment of inertia about the centre of mass"),
+        row(FloorDamping, "FloorDamping", AGENTS, Real(PER_SECOND))
+            .parameter(NonNegative, "relaxation rate of the velocity, 1/t_transl"),
+        row(AngularDamping, "AngularDamping", AGENTS, Real(PER_SECOND))
+            .parameter(NonNegative, "relaxation rate of the angular velocity, 1/t_rot"),
+        row(DesiredSpeed, "DesiredSpeed", AGENTS, Real(METRE_PER_SECOND))
+            .parameter(NonNegative, "desired speed v0"),
+        row(Waypoint, "Waypoint", WAYPOINT_VECTORS, Real(METRE))
+            .parameter(Finite, "x and y of the way-points in order; 0 beyond WaypointCount"),
+        row(WaypointRadius, "WaypointRadius", WAYPOINTS, Real(METRE)).parameter(
             NonNegative,
             "a way-point is reached when the agent is this near; 0 beyond WaypointCount",
         ),
-        calculated_parameter(
-            WaypointCount,
-            "WaypointCount",
-            AGENTS,
-            Integer,
-            "how many way-points an agent has",
-        ),
-        calculated_parameter(AgentId, "AgentId", AGENTS, String, "Ids of the agents"),
+        row(WaypointCount, "WaypointCount", AGENTS, Integer)
+            .calculated_parameter("how many way-points an agent has"),
+        row(AgentId, "AgentId", AGENTS, String).calculated_parameter("Ids of the agents"),
     ]
 };
 
@@ -157,15 +108,16 @@ impl Decision {
         if quantity.row().is_vector() { 2 * waypoints } else { waypoints }
     }
 
-    /// Returns whether an agent has an element of a quantity: not of way-points that it does not have.
+    /// Returns whether an agent has an element of a quantity: not of way-points that it does not
+    /// have.
     pub(super) fn has(&self, quantity: Quantity, element: usize) -> bool {
         let each = self.elements_of_each(quantity);
         let count = self.agents[element / each].walker.waypoints.len();
         !quantity.is_of_waypoints() || element % each < count * each / self.most_waypoints
     }
 
-    /// Returns the number behind an element that can be set; `None` for a computed one, and for way-points that an agent
-    /// does not have.
+    /// Returns the number behind an element that can be set; `None` for a computed one, and for
+    /// way-points that an agent does not have.
     pub(crate) fn field(&mut self, quantity: Quantity, element: usize) -> Option<&mut f64> {
         let each = self.elements_of_each(quantity);
         let (i, k) = (element / each, element % each);
@@ -219,11 +171,11 @@ impl Decision {
 
     /// Returns whether an output depends on the inputs of all agents.
     pub(super) fn needs_all(&self, output: Quantity) -> bool {
-        self.plan.gait.sees_others() && matches!(output, Quantity::Fp | Quantity::Mp)
+        self.plan.walking_model.sees_others() && matches!(output, Quantity::Fp | Quantity::Mp)
     }
 
-    /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the number of those who have
-    /// arrived, on those of everybody.
+    /// Returns the dependencies of an output on the inputs and parameters of the same agent; of the
+    /// number of those who have arrived, on those of everybody.
     pub(super) fn dependencies_of(&self, output: Quantity, known: Known) -> Vec<Dependency<Quantity>> {
         if output.row().role != Role::Calculated {
             return Vec::new();

@@ -1,8 +1,10 @@
-//! The 34 functions of FMI 2.0 co-simulation: their C names and signatures, said once for exports, importers and tests.
+//! The 34 functions of FMI 2.0 co-simulation: their C names and signatures, said once for exports,
+//! importers and tests.
 
-/// Gives the functions to a macro, after the tokens that follow its name: `fmi2_functions! { [my_macro] first … }` becomes
-/// `my_macro! { first … fmi2GetVersion = v2::get_version() -> *const c_char; … }`. Behind `=` is the body in this crate.
-/// Types are those of the caller: an importer declares `Status` as a number.
+/// Gives the functions to a macro, after the tokens that follow its name: `fmi2_functions! {
+/// [my_macro] first … }` becomes `my_macro! { first … fmi2GetVersion = v2::get_version() -> *const
+/// c_char; … }`. Behind `=` is the body in this crate. Types are those of the caller: an importer
+/// declares `Status` as a number.
 #[macro_export]
 macro_rules! fmi2_functions {
     ([$($callback:tt)+] $($first:tt)*) => { $($callback)+! { $($first)*
@@ -96,10 +98,12 @@ macro_rules! fmi2_functions {
     } };
 }
 
-/// Exports the functions of FMI 2.0 for a model ([`Model`](crate::Model)), which is given by its full path
-/// (`crate::…`). Use it once in a shared library, in a file of its own that allows `unsafe_code`.
+/// Exports the functions of FMI 2.0 for a model ([`Model`](crate::Model)), which is given by its
+/// full path (`crate::…`). Use it once in a shared library, in a file of its own that allows
+/// `unsafe_code`.
 ///
-/// The functions are unsafe, because FMI requires callers to follow rules: see [`calls`](crate::calls).
+/// The functions are unsafe, because FMI requires callers to follow rules: see
+/// [`calls`](crate::calls).
 #[macro_export]
 macro_rules! export_fmi2 {
     ($model:path) => {

@@ -1,9 +1,11 @@
-//! The 75 functions of FMI 3.0: their C names and signatures, said once for exports, importers and tests.
+//! The 75 functions of FMI 3.0: their C names and signatures, said once for exports, importers and
+//! tests.
 
-/// Gives the functions to a macro, after the tokens that follow its name: `fmi3_functions! { [my_macro] first … }` becomes
-/// `my_macro! { first … fmi3GetVersion = v3::get_version() -> *const c_char; … }`. Behind `=` is the body in this crate.
-/// Functions after `[not offered]` are about events, clocks and other kinds of FMUs. Types are those of the caller: an
-/// importer declares `Status` as a number.
+/// Gives the functions to a macro, after the tokens that follow its name: `fmi3_functions! {
+/// [my_macro] first … }` becomes `my_macro! { first … fmi3GetVersion = v3::get_version() -> *const
+/// c_char; … }`. Behind `=` is the body in this crate. Functions after `[not offered]` are about
+/// events, clocks and other kinds of FMUs. Types are those of the caller: an importer declares
+/// `Status` as a number.
 #[macro_export]
 macro_rules! fmi3_functions {
     ([$($callback:tt)+] $($first:tt)*) => { $($callback)+! { $($first)*
@@ -262,10 +264,12 @@ macro_rules! fmi3_functions {
     } };
 }
 
-/// Exports the functions of FMI 3.0 for a model ([`Model`](crate::Model)), which is given by its full path
-/// (`crate::…`). Use it once in a shared library, in a file of its own that allows `unsafe_code`.
+/// Exports the functions of FMI 3.0 for a model ([`Model`](crate::Model)), which is given by its
+/// full path (`crate::…`). Use it once in a shared library, in a file of its own that allows
+/// `unsafe_code`.
 ///
-/// The functions are unsafe, because FMI requires callers to follow rules: see [`calls`](crate::calls).
+/// The functions are unsafe, because FMI requires callers to follow rules: see
+/// [`calls`](crate::calls).
 #[macro_export]
 macro_rules! export_fmi3 {
     ($model:path) => {

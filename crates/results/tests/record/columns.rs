@@ -59,17 +59,3 @@ fn the_committed_table_is_that_of_the_library() {
         "write it again: COLUMNS_TABLE=write cargo test -p lemons-results --all-features --test record columns"
     );
 }
-
-/// The manual names all columns, and those in the order of the table.
-#[test]
-fn the_manual_has_all_columns() {
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results.md");
-    let page = std::fs::read_to_string(page).unwrap();
-    let table = page.lines().skip_while(|line| !line.starts_with("| columns |")).skip(2);
-    let first = table.take_while(|line| line.starts_with('|')).filter_map(|line| line.split('|').nth(1));
-    let named: Vec<String> =
-        first.flat_map(|cell| cell.split(',')).map(|name| name.trim().trim_matches('`').to_owned()).collect();
-    let groups = Groups { contacts: true, of_step: true, active: false, totals: true };
-    let own: Vec<String> = groups.columns().into_iter().map(|column| column.name).collect();
-    assert_eq!(named, own);
-}

@@ -51,13 +51,17 @@ fn same(seen: &State, wanted: &State) {
     assert_eq!(*seen, State { steps: seen.steps, ..wanted.clone() });
 }
 
+fn read_series(directory: &Path, trial: &Trial) -> Result<Run, RecordError> {
+    Record::series(directory, trial)?.read(|_| true)
+}
+
 #[test]
 fn the_end_of_a_series_is_where_the_run_was() {
     let directory = TempDir::new().unwrap();
     let at = directory.path();
     let trial = pushed(at);
     let worlds = run(at, &trial);
-    let series = Run::read_series(&at.join("out"), &trial).unwrap();
+    let series = read_series(&at.join("out"), &trial).unwrap();
     assert_eq!(series.frames.len(), 30);
     assert_eq!(Record::from(series.clone()).frame_rate().unwrap(), 20.0);
     let (mut rubbed_agents, mut rubbed_walls) = (0, 0);
@@ -126,9 +130,9 @@ fn broken_series_are_told_by_file() {
     let trial = pushed(at);
     run(at, &trial);
     let out = at.join("out");
-    let read = || Run::read_series(&out, &trial);
-    assert!(said(Run::read_series(at, &trial)).contains("holds no series"));
-    assert!(said(Run::read_series(&at.join("none"), &trial)).contains("none: cannot be read"));
+    let read = || read_series(&out, &trial);
+    assert!(said(read_series(at, &trial)).contains("holds no series"));
+    assert!(said(read_series(&at.join("none"), &trial)).contains("none: cannot be read"));
 
     let first = out.join("AgentDynamics output t=0.05.xml");
     let text = std::fs::read_to_string(&first).unwrap();

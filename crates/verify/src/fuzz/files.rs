@@ -9,7 +9,7 @@ use crowd_mechanics::quantities::scalars;
 use crowd_mechanics::setup::{self, Setup};
 use crowd_mechanics::setup::{dynamics_of, interactions_of};
 use lemons_core::trial::{FileNames, Trial};
-use lemons_decision::{Decision, Plan, Wishes};
+use lemons_decision::{Decision, DecisionConfig, Plan};
 use lemons_fmi::{Model, Part};
 use lemons_master::Fmu;
 use lemons_master::ssp::Archive;
@@ -153,13 +153,14 @@ pub(crate) fn archive_of(files: &[(&str, &[u8])]) -> Vec<u8> {
     archive.finish().expect("an archive").into_inner()
 }
 
-/// Wishes, or, after an odd byte, a plan: refused in words, or a plan that reads back and can be asked for drives.
+/// DecisionConfig, or, after an odd byte, a plan: refused in words, or a plan that reads back and can be asked for drives.
 pub fn decision_toml(data: &[u8]) {
     let Some((&way, content)) = data.split_first() else { return };
     let Ok(text) = std::str::from_utf8(content) else { return };
     show_panics();
     let plan = if way % 2 == 0 {
-        Wishes::from_toml(text).and_then(|wishes| Plan::new(&people(), &wishes, 0.05))
+        DecisionConfig::from_toml(text)
+            .and_then(|wishes| Plan::among(std::iter::empty(), &people(), &wishes, 0.05))
     } else {
         Plan::from_toml(text)
     };

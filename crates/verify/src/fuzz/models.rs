@@ -9,7 +9,7 @@ use lemons_core::plane::vec2;
 use lemons_core::trial::{Trial, Wall};
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{Decision, rule::Pose};
-use lemons_decision::{Person, Plan, Wishes};
+use lemons_decision::{DecisionConfig, Person, Plan};
 use lemons_fmi::variables::{Dimension, Kind};
 use lemons_fmi::{Model, guid, instantiation_token, reference};
 use std::collections::BTreeMap;
@@ -60,7 +60,7 @@ const LONGEST: u64 = 256;
 
 /// A model to be fuzzed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Subject {
+pub(crate) enum FuzzedModel {
     Crowd,
     Decision,
 }
@@ -72,14 +72,14 @@ thread_local! {
 
 impl Fmu {
     /// Each thread has its directories, which are gone with it.
-    pub(crate) fn of(subject: Subject, version: Version) -> Fmu {
+    pub(crate) fn of(subject: FuzzedModel, version: Version) -> Fmu {
         match subject {
-            Subject::Crowd => {
+            FuzzedModel::Crowd => {
                 let resources = CROWD.with(Rc::clone);
                 let model = CrowdModel::load(lemons_fmi::location::Location::Path(&resources.path()));
                 Fmu::new(&resources, version, &model.expect("a crowd"), crowd_output_directory)
             }
-            Subject::Decision => {
+            FuzzedModel::Decision => {
                 let resources = DECISION.with(Rc::clone);
                 let model = Decision::load(lemons_fmi::location::Location::Path(&resources.path()));
                 Fmu::new(&resources, version, &model.expect("a decision"), |_| Some(String::new()))
@@ -236,8 +236,8 @@ fn decision() -> Resources {
     let directory = TempDir::with_prefix("lemons-fuzz-").expect("a temporary directory");
     let wishes =
         "waypoints = [{ x = 1, y = 2 }, { x = 3, y = 4, radius = 1 }]\n[agents.0]\ndesired_speed = 1";
-    let wishes = Wishes::from_toml(wishes).expect("good wishes");
-    let plan = Plan::new(&people(), &wishes, 0.05).expect("a good plan");
+    let wishes = DecisionConfig::from_toml(wishes).expect("good wishes");
+    let plan = Plan::among(std::iter::empty(), &people(), &wishes, 0.05).expect("a good plan");
     let text = plan.to_toml().expect("a plan can be written");
     std::fs::write(directory.path().join(PLAN_FILE), text).expect("a file can be written");
     let resources = directory.path().to_owned();

@@ -6,58 +6,89 @@
 
 use lemons_fmi::{Model, Status};
 use libloading::{Library, Symbol};
+use std::any::TypeId;
 use std::ffi::{c_char, c_void};
 use std::ptr::null_mut;
 
-/// A function that takes an instance and returns a status, called with arguments that mean nothing.
+/// Gives arguments to a function, one after the other.
+pub trait Source {
+    /// The bits of a number of this type.
+    fn number(&mut self, of: TypeId) -> u64;
+    /// A pointer of this type, to an array or to a place of values; or NULL.
+    fn pointer(&mut self, of: TypeId) -> *mut c_void;
+}
+
+/// A function that takes an instance and returns a status.
 pub struct Probe<F> {
     /// Its name.
     pub name: &'static str,
     /// How many pointers it takes, besides the instance.
     pub pointers: usize,
-    /// Calls it on an instance or NULL: one element in each array, zeros in all of them, and one pointer NULL.
-    pub call: fn(&F, *mut c_void, Option<usize>) -> Option<Status>,
+    /// Calls it on an instance or NULL, with arguments from a source.
+    pub with: fn(&F, *mut c_void, &mut dyn Source) -> Option<Status>,
 }
 
-/// Makes the arguments of a [`Probe`].
-#[derive(Default)]
-struct Arguments {
+impl<F> Probe<F> {
+    /// Calls the function with arguments that mean nothing: one element in each array, zeros in all of them, and one
+    /// pointer NULL.
+    pub fn call(&self, functions: &F, instance: *mut c_void, null: Option<usize>) -> Option<Status> {
+        (self.with)(functions, instance, &mut Zeros { null, pointers: 0, room: [0; 32] })
+    }
+}
+
+struct Zeros {
     null: Option<usize>,
     pointers: usize,
     room: [u64; 32],
 }
 
+impl Source for Zeros {
+    fn number(&mut self, of: TypeId) -> u64 {
+        u64::from(of == TypeId::of::<usize>())
+    }
+
+    fn pointer(&mut self, _: TypeId) -> *mut c_void {
+        let place = self.pointers;
+        self.pointers += 1;
+        if self.null == Some(place) { null_mut() } else { self.room.as_mut_ptr().cast() }
+    }
+}
+
 trait Argument: Sized {
     const POINTERS: usize = 0;
-    fn make(arguments: &mut Arguments) -> Self;
+    fn make(source: &mut dyn Source) -> Self;
 }
 
 macro_rules! plain {
-    ($($type:ty = $value:expr),*) => {
+    ($($type:ty = $from:expr),*) => {
         $(impl Argument for $type {
-            fn make(_: &mut Arguments) -> Self {
-                $value
+            fn make(source: &mut dyn Source) -> Self {
+                $from(source.number(TypeId::of::<$type>()))
             }
         })*
     };
 }
-plain!(bool = false, i32 = 0, u32 = 0, usize = 1, f64 = 0.0);
+plain!(
+    bool = |bits| bits != 0,
+    i32 = |bits| bits as i32,
+    u32 = |bits| bits as u32,
+    usize = |bits| bits as usize,
+    f64 = f64::from_bits
+);
 
-impl<T> Argument for *mut T {
+impl<T: 'static> Argument for *mut T {
     const POINTERS: usize = 1;
 
-    fn make(arguments: &mut Arguments) -> Self {
-        let place = arguments.pointers;
-        arguments.pointers += 1;
-        if arguments.null == Some(place) { null_mut() } else { arguments.room.as_mut_ptr().cast() }
+    fn make(source: &mut dyn Source) -> Self {
+        source.pointer(TypeId::of::<*mut T>()).cast()
     }
 }
 
-impl<T> Argument for *const T {
+impl<T: 'static> Argument for *const T {
     const POINTERS: usize = 1;
 
-    fn make(arguments: &mut Arguments) -> Self {
-        <*mut T>::make(arguments)
+    fn make(source: &mut dyn Source) -> Self {
+        source.pointer(TypeId::of::<*const T>()).cast_const().cast()
     }
 }
 
@@ -79,11 +110,10 @@ macro_rules! probe {
         Some(Probe {
             name: stringify!($name),
             pointers: 0 $(+ <$type as Argument>::POINTERS)*,
-            call: |c: &Functions, instance, null| {
-                let mut arguments = Arguments { null, ..Arguments::default() };
-                $(let $argument = <$type as Argument>::make(&mut arguments);)*
-                let _ = &mut arguments;
-                // SAFETY: an instance or NULL, and room for one element of any type.
+            with: |c: &Functions, instance, source| {
+                $(let $argument = <$type as Argument>::make(source);)*
+                let _ = source;
+                // SAFETY: an instance or NULL, and arrays as long as the source says.
                 unsafe { (c.$name)(instance $(, $argument)*) }.status()
             },
         })
