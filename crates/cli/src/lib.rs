@@ -17,6 +17,7 @@ mod connect;
 
 mod decide;
 mod describe;
+pub mod embedded;
 mod error;
 mod examples;
 mod export;
@@ -159,7 +160,11 @@ fn command() -> Result<()> {
     {
         files::begin(command, matches)?;
     }
-    match arguments.command {
+    execute(arguments.command)
+}
+
+fn execute(command: Command) -> Result<()> {
+    match command {
         Command::Lab(arguments) => lab::lab(&arguments),
         Command::Crowd(arguments) => people::crowd::crowd(*arguments),
         Command::Person(arguments) => people::person::person(&arguments),

@@ -6,7 +6,7 @@ use crate::tell::Interim;
 use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressStyle;
 use lemons_sweep::{Finished, How, Progress, Spec, Swept, sweep as run};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -125,7 +125,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let interrupt = Interrupt::watch();
     let style =
         ProgressStyle::with_template("{bar:40} {percent:>3}%  {pos} of {len} points  {msg}{eta} left")?;
-    let bar = ProgressBar::new(spec.points.count as u64).with_style(style);
+    let bar = crate::tell::bar(spec.points.count as u64).with_style(style);
     let newest = Cell::new(None);
     let mut interim = Interim::from(Instant::now());
     let tell = |at: Progress| {

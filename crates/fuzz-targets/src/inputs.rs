@@ -14,7 +14,7 @@ use lemons_record::{
     chaos_files, pedpy,
 };
 use lemons_sim::Clock;
-use lemons_sweep::{Finished, Points, Spec, Table, Values};
+use lemons_sweep::{Finished, Measured, Points, Spec, Table, Values};
 use lemons_trial::{DriveChoice, DriveTable};
 use std::collections::HashSet;
 use std::fs::File;
@@ -376,12 +376,15 @@ fn as_points(points: &Points, path: &Path) {
 fn kept(points: &Points, measures: &[String], path: &Path) {
     let outcome = |point: usize| match point % 3 {
         2 => Err("it \"fell\", badly".to_owned()),
-        way => Ok((0..measures.len()).map(|k| (k % 2 == way).then_some(point as f64 / 3.0)).collect()),
+        way => {
+            let number = Measured::Number(point as f64 / 3.0);
+            Ok((0..measures.len()).map(|k| (k % 2 == way).then(|| number.clone())).collect())
+        }
     };
     let rows: Vec<Finished> =
         (0..points.count).map(|point| Finished { point, outcome: outcome(point) }).collect();
     let open = || {
-        let table = Table::open(path, &Default::default(), points, measures);
+        let table = Table::open(path, &Default::default(), points, Some(measures));
         table.unwrap_or_else(|error| panic!("{error:?}"))
     };
     let mut table = open();

@@ -32,7 +32,7 @@ pub use fmu::Fmu;
 pub use given::{Given, documents_of, pack};
 pub use instance::Instance;
 pub use kind::{Kind, Unexpected};
-pub use own::{binaries_beside, binary_beside, own_binary};
+pub use own::{binaries_beside, binary_beside, look_in, own_binary};
 pub use prepared::{Prepared, read_saved};
 pub use pushes::Pushes;
 pub use refusal::{PrepareError, Warning};

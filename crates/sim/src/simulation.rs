@@ -12,6 +12,7 @@ use lemons_plane::Motion;
 use lemons_record::{Frame, Observed, OfStep, Totals};
 use lemons_trial::{DriveTable, Trial};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// What a simulation begins with.
@@ -76,6 +77,17 @@ pub enum SimError {
         /// The name that is probably meant.
         meant: Option<String>,
     },
+    /// There is no variable to read.
+    #[error(
+        "there is no variable {name:?}{}",
+        meant.as_ref().map(|meant| format!("; did you mean {meant:?}?")).unwrap_or_default()
+    )]
+    NoVariable {
+        /// What was given.
+        name: String,
+        /// The name that is probably meant.
+        meant: Option<String>,
+    },
     /// A saved state is damaged, or of other documents.
     #[error("the state is damaged or is not a state of this Trial")]
     State,
@@ -103,6 +115,8 @@ pub struct Simulation {
     added: DriveTable,
     /// Whether it is, by the crowd's `PlayDrive`.
     adds: bool,
+    /// Pushes from outside of those who walk, by agent: added, too.
+    pushes: BTreeMap<usize, Wrench>,
     /// What those who walk do next.
     acts: Vec<Act>,
     /// \[s\]
@@ -144,6 +158,7 @@ impl Simulation {
             ids,
             added,
             adds: true,
+            pushes: BTreeMap::new(),
             acts,
             time: 0.0,
         })
@@ -182,7 +197,24 @@ impl Simulation {
             decision.reset()?;
         }
         (self.acts, self.time) = (Vec::new(), 0.0);
+        self.pushes.clear();
         Ok(())
+    }
+
+    /// Pushes an agent from outside (force \[N\], torque \[N.m\]) from now on, until another push. Of who walks, it is
+    /// added to the force with which they walk; of anybody else, it is their whole propulsion.
+    pub fn push(&mut self, agent: usize, push: Wrench) {
+        if self.walks() {
+            self.pushes.insert(agent, push);
+        } else {
+            self.set_drive(agent as u32, push, Phase::StepComplete);
+        }
+    }
+
+    /// Takes an agent out, or lets it come back where it was. Of people who walk, Decision says it in each step.
+    pub fn set_present(&mut self, agent: usize, present: bool) {
+        let quantity = Quantity::Agent(agent as u32, AgentQuantity::Active);
+        self.crowd.set_integer(quantity, present.into(), Phase::StepComplete);
     }
 
     /// Returns the last communication point \[s\].
@@ -296,12 +328,14 @@ impl Simulation {
         }
         self.crowd.restore(&saved.crowd)?;
         (self.time, self.adds) = (saved.time, saved.adds);
+        self.pushes.clear();
         Ok(())
     }
 
     /// Drives the crowd as those who walk do, with what is added.
     fn drive_crowd(&mut self, phase: Phase) {
-        for (i, act) in (0..).zip(&self.acts) {
+        for i in 0..self.acts.len() as u32 {
+            let act = self.acts[i as usize];
             let [x, y] = act.drive.force;
             let mut drive = Wrench { force: vec2(x, y), torque: act.drive.torque };
             if phase == Phase::StepComplete
@@ -310,11 +344,19 @@ impl Simulation {
             {
                 drive = Wrench { force: drive.force + vec2(x, y), torque: drive.torque + torque };
             }
-            use AgentQuantity::{Active, FpX, FpY, Mp};
-            for (quantity, value) in [(FpX, drive.force.x), (FpY, drive.force.y), (Mp, drive.torque)] {
-                self.crowd.set_real(Quantity::Agent(i, quantity), value, phase);
+            if let (Phase::StepComplete, Some(push)) = (phase, self.pushes.get(&(i as usize))) {
+                drive = Wrench { force: drive.force + push.force, torque: drive.torque + push.torque };
             }
-            self.crowd.set_integer(Quantity::Agent(i, Active), act.active.into(), phase);
+            self.set_drive(i, drive, phase);
+            let active = Quantity::Agent(i, AgentQuantity::Active);
+            self.crowd.set_integer(active, act.active.into(), phase);
+        }
+    }
+
+    fn set_drive(&mut self, agent: u32, drive: Wrench, phase: Phase) {
+        use AgentQuantity::{FpX, FpY, Mp};
+        for (quantity, value) in [(FpX, drive.force.x), (FpY, drive.force.y), (Mp, drive.torque)] {
+            self.crowd.set_real(Quantity::Agent(agent, quantity), value, phase);
         }
     }
 

@@ -24,15 +24,17 @@ pub enum Plan {
 }
 
 /// What is simulated at a point: a Trial, or the one in an FMU, and where people walk.
-pub(crate) type Simulated = (PathBuf, PlanChoice);
+pub type Simulated = (PathBuf, PlanChoice);
 
 /// What is simulated at all points.
 #[derive(Debug)]
-pub(crate) struct Models {
+pub struct Models {
     /// Each of them once.
     pub all: Vec<Simulated>,
     /// The place of each point's own; `None` if all have the first.
     of_points: Option<Vec<usize>>,
+    /// Of each parameter, whether it only chooses.
+    chooses: Vec<bool>,
 }
 
 impl Models {
@@ -41,10 +43,15 @@ impl Models {
     /// # Errors
     /// There are too many.
     pub fn of(points: &Points, model: &Template, plan: &Plan) -> Result<Models> {
-        let chooses = (0..points.columns.len()).filter(|column| only_chooses(model, plan, *column));
-        let chooses: Vec<usize> = chooses.collect();
+        let only: Vec<bool> =
+            (0..points.columns.len()).map(|column| only_chooses(model, plan, column)).collect();
+        let chooses: Vec<usize> = (0..only.len()).filter(|column| only[*column]).collect();
         if chooses.is_empty() {
-            return Ok(Models { all: vec![simulated(points, model, plan, 0)], of_points: None });
+            return Ok(Models {
+                all: vec![simulated(points, model, plan, 0)],
+                of_points: None,
+                chooses: only,
+            });
         }
         let (mut all, mut known, mut places) = (Vec::new(), HashMap::new(), HashMap::new());
         let mut of_points = Vec::with_capacity(points.count);
@@ -67,7 +74,12 @@ impl Models {
             known.insert(chosen, place);
             of_points.push(place);
         }
-        Ok(Models { all, of_points: Some(of_points) })
+        Ok(Models { all, of_points: Some(of_points), chooses: only })
+    }
+
+    /// Whether a parameter only chooses what is simulated, and is no variable of it.
+    pub fn only_chooses(&self, column: usize) -> bool {
+        self.chooses[column]
     }
 
     /// The place of a point's own.

@@ -48,7 +48,7 @@ impl Job {
             };
             let named = |warning: &String| format!("{}: {warning}", simulated.0.display());
             warnings.extend(subject.warnings.iter().map(named));
-            let own = identity::of_subject(&spec, &subject)?;
+            let own = identity::of_documents(&subject.documents, spec.algorithm, subject.clock.step)?;
             let (digest, subject_of) = (identity::digest(&own)?, Mutex::new(Arc::downgrade(&subject)));
             subjects.push(Shared { digest, subject: subject_of });
             if models.all.len() == 1 {
@@ -58,7 +58,7 @@ impl Job {
         }
         if only.is_none() {
             let all: Vec<String> = subjects.iter().map(|shared| shared.digest.clone()).collect();
-            identity.extend(identity::of_subjects(&spec, &all, &models));
+            identity.extend(identity::of_models(&spec.points, &all, &models));
         }
         Ok((Job { spec, models, subjects, _only: only }, identity, warnings))
     }
@@ -72,7 +72,8 @@ impl Job {
         }
         let simulated = &self.models.all[place];
         let subject = Arc::new(Subject::open(&self.spec, simulated)?);
-        if identity::digest(&identity::of_subject(&self.spec, &subject)?)? != *digest {
+        let own = identity::of_documents(&subject.documents, self.spec.algorithm, subject.clock.step)?;
+        if identity::digest(&own)? != *digest {
             let path = simulated.0.display();
             return Err(Error::Spec(format!("{path}: it was changed while the sweep was running")));
         }

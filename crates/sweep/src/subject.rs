@@ -4,7 +4,7 @@ use crate::error::{Error, Place, Result};
 use crate::measure::Measure;
 use crate::models::{Plan, Simulated};
 use crate::output::{Of, Reading};
-use crate::points::Values;
+use crate::points::{Points, Values};
 use crate::spec::{End, Spec};
 use lemons_master::documents_of;
 use lemons_sim::{Clock, Documents, Simulation};
@@ -52,7 +52,7 @@ impl Subject {
         let clock = Clock::new(0.0, step, spec.until.latest()).map_err(lemons_master::Error::from);
         let clock = clock.place(|| "until".into())?;
         let simulation = Simulation::new(documents.clone(), spec.algorithm)?;
-        check_parameters(spec, &simulation)?;
+        check_parameters(&spec.points, |column| spec.only_chooses(column), &simulation)?;
         let reading = |of: &Of, agents: &[String]| -> Result<Reading> {
             let places = if of.is_of_agents() { places(trial, agents)? } else { Vec::new() };
             of.reading(&simulation, &places).map_err(Error::Spec)
@@ -90,12 +90,19 @@ fn who_leaves(documents: &Documents) -> Result<usize> {
         .ok_or_else(|| Error::Spec(nobody.into()))
 }
 
-/// Checks that parameters set something, each something else.
-fn check_parameters(spec: &Spec, simulation: &Simulation) -> Result<()> {
+/// Checks that parameters set something, each something else; but those that only choose what is simulated.
+///
+/// # Errors
+/// A sentence with the parameter.
+pub fn check_parameters(
+    points: &Points,
+    only_chooses: impl Fn(usize) -> bool,
+    simulation: &Simulation,
+) -> Result<()> {
     let mut all: HashSet<Vec<String>> = HashSet::new();
-    for (column, (parameter, values)) in spec.points.columns.iter().enumerate() {
+    for (column, (parameter, values)) in points.columns.iter().enumerate() {
         let wrong = |why: String| Error::Spec(format!("parameters: {parameter}: {why}"));
-        if spec.only_chooses(column) {
+        if only_chooses(column) {
             continue;
         }
         let names = simulation.resolve(parameter).map_err(|meant| {

@@ -3,7 +3,7 @@
 use crate::error::{Error, Place, Result};
 use crate::simulate::{Job, Worker};
 use crate::spec::{ENDED, Spec};
-use crate::table::{Finished, Table};
+use crate::table::{Finished, Measured, Table};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -64,7 +64,7 @@ pub fn sweep(
     let Spec { points, measures, .. } = &job.spec;
     let ended = job.spec.may_end().then(|| ENDED.to_owned());
     let measures: Vec<String> = measures.iter().map(|(name, _)| name.clone()).chain(ended).collect();
-    let mut table = Table::open(table, &identity, points, &measures)?;
+    let mut table = Table::open(table, &identity, points, Some(&measures))?;
     let mut left = vec![true; points.count];
     table.rows().filter(|row| row.outcome.is_ok() || !retry).for_each(|row| left[row.point] = false);
     let left: Vec<usize> = (0..left.len()).filter(|&point| left[point]).collect();
@@ -169,9 +169,11 @@ fn one<'a>(
     worker: &mut Option<Worker<'a>>,
     point: usize,
     stop: &AtomicBool,
-) -> Option<std::result::Result<Vec<Option<f64>>, String>> {
+) -> Option<std::result::Result<Vec<Option<Measured>>, String>> {
     let mut used = worker.take().unwrap_or_else(|| Worker::new(job));
     let outcome = used.simulate(point, stop).map_err(|error| error.whole()).transpose()?;
+    let number = |value: Option<f64>| value.map(Measured::Number);
+    let outcome = outcome.map(|values| values.into_iter().map(number).collect());
     if outcome.is_ok() {
         *worker = Some(used);
     }

@@ -41,13 +41,20 @@ impl Template {
         Ok(Template { directory: directory.to_owned(), pieces })
     }
 
+    /// A path without parameters, whatever is written in it.
+    pub fn of_path(path: &Path) -> Template {
+        let pieces = vec![Piece::Text(String::new())];
+        Template { directory: path.to_owned(), pieces }
+    }
+
     /// The path at a point. Numbers are written as in the table of results.
     pub fn path(&self, points: &Points, point: usize) -> PathBuf {
         let written = self.pieces.iter().map(|piece| match piece {
             Piece::Text(text) => text.clone(),
             Piece::Value(column) => points.columns[*column].1.text(point),
         });
-        self.directory.join(written.collect::<String>())
+        let written = written.collect::<String>();
+        if written.is_empty() { self.directory.clone() } else { self.directory.join(written) }
     }
 
     /// Whether the parameter in a column stands in it.
