@@ -3,7 +3,7 @@
 //! `cargo bench`; divide the reported time by the reported number of elements (throughput does it).
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use lemons_bench::cases;
+use lemons_verify::bench::cases;
 use std::hint::black_box;
 
 fn agent_step(criterion: &mut Criterion) {

@@ -8,10 +8,10 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::setup;
 use crowd_mechanics::variables::{guid, table};
-use lemons_bench::fmu::{INPUTS, INTEGERS, Packed, REALS, SPARSE, processor_time};
+use lemons_core::trial::Trial;
 use lemons_fmi::Status::Ok as OK;
-use lemons_testing::fmi2::{Functions, NO_CALLBACKS};
-use lemons_trial::Trial;
+use lemons_verify::bench::fmu::{INPUTS, INTEGERS, Packed, REALS, SPARSE, processor_time};
+use lemons_verify::testing::fmi2::{Functions, NO_CALLBACKS};
 use std::ffi::{CString, c_void};
 
 const AGENTS: usize = 1000;

@@ -7,10 +7,10 @@ use crowd_mechanics::model::CrowdModel;
 use crowd_mechanics::pack::Format;
 use crowd_mechanics::setup;
 use crowd_mechanics::variables::{guid, table};
-use lemons_bench::fmu::{DENSE, Packed};
 use lemons_fmi::Model;
 use lemons_fmi::location::Location;
 use lemons_fmi::v2::Slave;
+use lemons_verify::bench::fmu::{DENSE, Packed};
 
 const AGENTS: usize = 10_000;
 

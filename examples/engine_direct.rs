@@ -7,7 +7,7 @@
 
 use crowd_mechanics::engine::{World, Wrench, vec2};
 use crowd_mechanics::setup::{self, Setup};
-use lemons_trial::Trial;
+use lemons_core::trial::Trial;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;

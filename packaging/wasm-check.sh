@@ -5,8 +5,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 target=wasm32-unknown-unknown
 directory=${CARGO_TARGET_DIR:-target/wasm}
-packages=(lemons-plane lemons-files lemons-xml lemons-trial crowd-mechanics lemons-people lemons-picture lemons-record
-    lemons-measure lemons-ssp lemons-decision lemons-lab)
+packages=(lemons-core crowd-mechanics lemons-people lemons-picture lemons-results lemons-decision lemons-sim lemons-lab)
 
 compile_wasm --target-dir "$directory" "${packages[@]/#/-p}"
 

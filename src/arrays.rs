@@ -7,9 +7,9 @@ use crate::variables::{
     self, AgentQuantity, ContactQuantity, Kind, MaterialQuantity, Quantity, Role, agent_row, contact_row,
     crowd_row, in_documents, material_row,
 };
+use lemons_core::trial::Trial;
 use lemons_fmi::v3::{Array, Dimension, Size};
 use lemons_fmi::variables::Domain;
-use lemons_trial::Trial;
 
 /// The structural parameters.
 pub const SIZES: [Size; 2] = [

@@ -10,8 +10,10 @@
 use crate::setup;
 use crate::setup::Setup;
 use crate::setup::{WorldError, dynamics_of, interactions_of};
-use lemons_files::{Change, WriteError, change_all};
-use lemons_trial::{DynamicsElement, FileNames, INTERACTIONS, Problems, dynamics_xml, interactions_xml};
+use lemons_core::files::{Change, WriteError, change_all};
+use lemons_core::trial::{
+    DynamicsElement, FileNames, INTERACTIONS, Problems, dynamics_xml, interactions_xml,
+};
 use std::ffi::{CStr, OsString, c_char, c_int};
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};

@@ -81,7 +81,7 @@ pub use exposure::Exposure;
 pub use face::{Continuation, Face};
 pub use free_flight::{BodyFlight, FreeFlight};
 pub use ids::{BodyId, CornerId, DiskId, FaceId, LineId, WallId};
-pub use lemons_plane::{Pose, Rotation, Twist, Vec2, vec2};
+pub use lemons_core::plane::{Pose, Rotation, Twist, Vec2, vec2};
 pub use neighbours::Crowded;
 pub use overlap::{Meeting, Overlap};
 pub use report::{BodyContacts, Contact, ContactReport, Pair};

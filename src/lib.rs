@@ -29,7 +29,7 @@
 //! The modules; each imports only from those above it:
 //!
 //! - [`engine`]: pure mechanics, no files, no FMI
-//! - [`setup`]: from the documents of a Trial (`lemons_trial`) to the engine's world, and what to warn of
+//! - [`setup`]: from the documents of a Trial (`lemons_core::trial`) to the engine's world, and what to warn of
 //! - [`variables`]: quantities, and the table of FMI 2.0 variables
 //! - [`arrays`]: the table of FMI 3.0 variables
 //! - [`resources`]: from a resource URI to the Trials packed in an FMU

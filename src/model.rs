@@ -14,12 +14,12 @@ use crate::variables::{
     AgentQuantity, MOST_MECHANICAL_STEPS, Quantity, Variable, domain, guid, in_documents, in_documents_mut,
     is_input, table,
 };
-use lemons_files::{Change, WriteError, change_all};
-use lemons_fmi::location::Location;
-use lemons_fmi::{Model, Phase, StepError};
-use lemons_trial::{
+use lemons_core::files::{Change, WriteError, change_all};
+use lemons_core::trial::{
     DriveTable, DynamicsElement, Problem, Trial, dynamics_xml, interactions_xml, output_names,
 };
+use lemons_fmi::location::Location;
+use lemons_fmi::{Model, Phase, StepError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};

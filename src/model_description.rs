@@ -3,12 +3,12 @@
 use crate::arrays::{Block, sizes, starts};
 use crate::model::CrowdModel;
 use crate::variables::{AgentQuantity, MOST_MECHANICAL_STEPS, Quantity, Variable, in_documents, table};
+use lemons_core::trial::Trial;
+use lemons_core::xml::number;
 use lemons_fmi::v2::description::{Description, Naming};
 use lemons_fmi::v3;
 use lemons_fmi::v3::description::Start;
 use lemons_fmi::v3::terminals::{CROWD, Terminal, terminals_xml};
-use lemons_trial::Trial;
-use lemons_xml::number;
 
 /// `modelName`
 pub const MODEL_NAME: &str = "LEMONS crowd mechanics";
@@ -103,7 +103,7 @@ fn start_of_array(trial: &Trial, block: Block) -> Option<Start> {
 mod tests {
     use super::*;
     use crate::setup;
-    use lemons_testing::{repository, trial_push};
+    use lemons_verify::testing::{repository, trial_push};
 
     #[test]
     fn the_committed_one_is_the_generated_one() {

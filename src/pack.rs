@@ -9,14 +9,14 @@ use crate::model_description::{
 use crate::resources::{TRIALS_FILE, can_be_packed};
 use crate::setup;
 use crate::variables::{guid, table};
-use lemons_files::Staged;
-use lemons_files::source::{Disk, Source};
+use lemons_core::files::Staged;
+use lemons_core::files::source::{Disk, Source};
+use lemons_core::trial::{DRIVE_FILE, FileNames, Problems, Trial};
 pub use lemons_fmi::Format;
 use lemons_fmi::archive::{Archive, ArchiveError, Version, read};
 pub use lemons_fmi::archive::{Binary, THIRD_PARTY, host_directory, host_platform, library_file, platforms};
 pub use lemons_fmi::v2::description::Naming;
 use lemons_fmi::v3;
-use lemons_trial::{DRIVE_FILE, FileNames, Problems, Trial};
 use std::io::{Seek, Write};
 use std::path::{Component, Path, PathBuf};
 use thiserror::Error;
@@ -287,7 +287,7 @@ fn documentation(trial: &Trial) -> String {
     let parameters = &trial.parameters;
     include_str!("documentation.html")
         .replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{trial}", &lemons_xml::escaped(&trial.name))
+        .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
         .replace("{agents}", &trial.agents.len().to_string())
         .replace("{last}", &(trial.agents.len().saturating_sub(1)).to_string())
         .replace("{time_step}", &format!("{:?}", parameters.time_step))
@@ -300,7 +300,7 @@ fn documentation_3(trial: &Trial) -> String {
     let parameters = &trial.parameters;
     include_str!("documentation_3.html")
         .replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{trial}", &lemons_xml::escaped(&trial.name))
+        .replace("{trial}", &lemons_core::xml::escaped(&trial.name))
         .replace("{agents}", &trial.agents.len().to_string())
         .replace("{time_step}", &format!("{:?}", parameters.time_step))
         .replace("{time_step_mechanical}", &format!("{:?}", parameters.time_step_mechanical))

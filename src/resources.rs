@@ -1,9 +1,9 @@
 //! The resources of an FMU: packed Trial directories, and the URI of their location.
 
 use crate::setup;
-use lemons_files::input;
+use lemons_core::files::input;
+use lemons_core::trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
 use lemons_fmi::location::{Location, LocationError};
-use lemons_trial::{DriveChoice, DriveTable, Problem, Problems, Trial};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 

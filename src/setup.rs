@@ -12,8 +12,8 @@ pub use steps::{FINEST_ACCURACY, Steps};
 pub use usual::doubts_of_drive;
 pub use world::{WorldError, dynamics_of, interactions_of};
 
-use lemons_files::source::{Disk, Source};
-use lemons_trial::{FileNames, Problems, Trial};
+use lemons_core::files::source::{Disk, Source};
+use lemons_core::trial::{FileNames, Problems, Trial};
 use std::ops::Deref;
 use std::path::Path;
 

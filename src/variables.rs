@@ -3,11 +3,11 @@
 //! A variable's value reference is its index in the table. Names follow the structured naming convention and use the
 //! words of the XML formats. The index of `agent[i]` starts from 0, in the order of Agents.xml.
 
+use lemons_core::trial::Trial;
 pub use lemons_fmi::v2::guid;
 use lemons_fmi::variables::units::*;
 use lemons_fmi::variables::{Domain, Unit};
 pub use lemons_fmi::variables::{Kind, Role};
-use lemons_trial::Trial;
 use serde::{Deserialize, Serialize};
 
 /// Default of `MostMechanicalSteps`. So many steps take some minutes for five people, half a day for a thousand.

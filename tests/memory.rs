@@ -4,7 +4,7 @@
 
 use crowd_mechanics::engine::vec2;
 use crowd_mechanics::setup::{self, Setup};
-use lemons_bench::fmu::write_trial;
+use lemons_verify::bench::fmu::write_trial;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 

@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| lemons_fuzz_targets::run("run_file", data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| lemons_verify::fuzz::run("run_file", data));

@@ -1,7 +1,7 @@
 //! The closed-form solution of a motion without contact: linear relaxation under a drive that is constant or changes
 //! linearly.
 
-use super::{Body, Pose, Scene, Twist, Vec2, Wrench};
+use super::{Body, Pose, Scene, Twist, Wrench};
 
 /// The solution of `dv/dt = a − λ v`, `dr/dt = v` over a duration, for constant `a` and `λ ≥ 0`:
 /// `v = kept·v₀ + velocity_time·a` and `r = r₀ + velocity_time·v₀ + drive_time·a`.
@@ -105,6 +105,15 @@ pub(super) struct Ramp {
     pub rate: Wrench,
 }
 
+/// Lengths of the ways of a body during a flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Paths {
+    /// \[m\] of the centre of mass.
+    pub position: f64,
+    /// \[rad\] of the orientation.
+    pub orientation: f64,
+}
+
 /// Accelerations by a drive: constant (a [`Wrench`]) or changing linearly (a [`Ramp`]).
 ///
 /// They are two types, so that a constant drive needs no additional computations.
@@ -126,8 +135,9 @@ pub(super) trait Course: Copy + Send + Sync {
     /// Returns the drive after a time \[s\].
     fn after(self, time: f64) -> Self;
 
-    /// Returns what its change adds to a flight: velocity at the end \[m/s\] and length of path \[m\].
-    fn added_by_change(self, flight: &Self::Flight) -> (Vec2, f64);
+    /// Returns what its change adds to a flight: to the twist at its end, and to the lengths of the ways of position
+    /// \[m\] and orientation \[rad\].
+    fn added_by_change(self, flight: &Self::Flight) -> (Twist, Paths);
 }
 
 impl Course for Wrench {
@@ -147,8 +157,8 @@ impl Course for Wrench {
         self
     }
 
-    fn added_by_change(self, _: &BodyFlight) -> (Vec2, f64) {
-        (Vec2::ZERO, 0.0)
+    fn added_by_change(self, _: &BodyFlight) -> (Twist, Paths) {
+        (Twist::default(), Paths { position: 0.0, orientation: 0.0 })
     }
 }
 
@@ -188,14 +198,23 @@ impl Course for Ramp {
         Ramp { start, ..self }
     }
 
-    fn added_by_change(self, flight: &RampFlight) -> (Vec2, f64) {
-        let rate = self.rate.force;
-        (rate * flight.held.translation.drive_time, rate.norm() * flight.translation_ramp_time)
+    fn added_by_change(self, flight: &RampFlight) -> (Twist, Paths) {
+        let Wrench { force, torque } = self.rate;
+        let twist = Twist {
+            velocity: force * flight.held.translation.drive_time,
+            angular_velocity: torque * flight.held.rotation.drive_time,
+        };
+        let paths = Paths {
+            position: force.norm() * flight.translation_ramp_time,
+            orientation: torque.abs() * flight.rotation_ramp_time,
+        };
+        (twist, paths)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::Vec2;
     use super::*;
 
     #[test]

@@ -11,7 +11,7 @@ use super::circle::Circle;
 use super::contacts::{Step, Stretch};
 use super::free_flight::{Course, Ramp};
 use super::neighbours::{CellGrid, Crowded, Near, SKIN};
-use super::shortlist::{Activity, Shortlist};
+use super::shortlist::{Activity, Shortlist, disks_of};
 use super::{Body, BodyId, Pose, Scene, State, Threads, Twist, Work, Wrench};
 
 /// Work arrays of a communication step. Their content between two steps is never used.
@@ -227,28 +227,10 @@ impl<D: Course> CommunicationStep<'_, D> {
             let b = mover.body.index();
             circles[b] = self.circle_now(b);
         }
-        let mut grid = self.grid(&circles);
         if self.shortlist.activity.contains(&Activity::Free) {
-            let mut promoted = Vec::new();
-            for mover in self.movers.iter().flatten() {
-                grid.for_each_near(&circles[mover.body.index()], SKIN, |b| {
-                    if self.shortlist.activity[b] == Activity::Free {
-                        promoted.push(b);
-                    }
-                });
-            }
-            promoted.sort_unstable();
-            promoted.dedup();
-            // Once is enough: a body that becomes active is within its swept circle, which is clear of other free
-            // bodies.
-            for &b in &promoted {
-                self.take_in(b, step);
-                circles[b] = self.circle_now(b);
-            }
-            if !promoted.is_empty() {
-                grid = self.grid(&circles);
-            }
+            self.activate_near(&mut circles, step);
         }
+        let grid = self.grid(&circles, |activity| activity == Activity::Active);
         let Scratch { blocks, listed_at, .. } = &mut *self.scratch;
         for mover in self.movers.iter().flatten() {
             let b = mover.body.index();
@@ -258,10 +240,33 @@ impl<D: Course> CommunicationStep<'_, D> {
         blocks.list(self.scene, self.threads, &grid, &circles, |b| activity[b] == Activity::Active)
     }
 
-    /// Those who are not there meet nobody.
-    fn grid(&self, circles: &[Circle]) -> CellGrid {
+    /// Makes free bodies near active ones active, then those near these, and so on.
+    fn activate_near(&mut self, circles: &mut [Circle], step: u64) {
+        let grid = self.grid(circles, |activity| activity != Activity::Absent);
+        let mut waiting: Vec<usize> = self.movers.iter().flatten().map(|mover| mover.body.index()).collect();
+        let (mut disks, mut near) = (Vec::new(), Vec::new());
+        while let Some(active) = waiting.pop() {
+            disks.clear();
+            disks.extend(disks_of(self.scene, active, &self.scratch.blocks.standing[active]));
+            near.clear();
+            grid.for_each_near(&circles[active], SKIN, |b| {
+                if self.shortlist.activity[b] == Activity::Free {
+                    near.push(b);
+                }
+            });
+            near.retain(|&b| self.shortlist.nears(self.scene, &disks, b, SKIN));
+            for &b in &near {
+                self.take_in(b, step);
+                circles[b] = self.circle_now(b);
+            }
+            waiting.append(&mut near);
+        }
+    }
+
+    /// Makes a grid of the bodies whose activity is wanted.
+    fn grid(&self, circles: &[Circle], wanted: impl Fn(Activity) -> bool + Copy) -> CellGrid {
         let activity = &self.shortlist.activity;
-        CellGrid::new(circles, (0..circles.len()).filter(|&b| activity[b] != Activity::Absent), SKIN)
+        CellGrid::new(circles, (0..circles.len()).filter(|&b| wanted(activity[b])), SKIN)
     }
 
     /// Makes the list of near pairs from the candidates.

@@ -195,10 +195,10 @@ impl Room {
     }
 }
 
-/// Whether the distance of the circle of a body from a face is less than the skin; `found` is scratch space.
-pub(super) fn nears_a_face(scene: &Scene, circle: &Circle, found: &mut Vec<FaceId>) -> bool {
-    let candidates = scene.face_grid.candidates(circle, SKIN, found);
-    candidates.iter().any(|face| circle.nears_face(&scene.faces, *face, SKIN))
+/// Whether the distance of a circle from a face is less than a margin \[m\]; `found` is scratch space.
+pub(super) fn nears_a_face(scene: &Scene, circle: &Circle, margin: f64, found: &mut Vec<FaceId>) -> bool {
+    let candidates = scene.face_grid.candidates(circle, margin, found);
+    candidates.iter().any(|face| circle.nears_face(&scene.faces, *face, margin))
 }
 
 /// Lists every pair of a disk of some bodies, ascending, with a disk of a later body or a face nearer than the skin, as

@@ -4,7 +4,7 @@ use super::circle::Circle;
 use super::face::{Along, Continuation, Face, nearest_on_face};
 use super::face_grid::FaceGrid;
 use super::{BodyId, CornerId, DiskId, FaceId, LineId, Rotation, Vec2, WallId};
-use lemons_plane::shown_orientation;
+use lemons_core::plane::shown_orientation;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::ops::Range;

@@ -1,19 +1,23 @@
 //! Finds bodies that cannot touch anything during a communication step (App. B), with a proof.
 //!
-//! Without contact a body follows the closed-form solution for its [`Drive`]. So a circle can be computed that contains
-//! it from beginning to end. Bodies whose circles stay clear of each other and of every wall are *free*. The proof is
-//! maintained during the step: bodies that are not free move by mechanical steps, and as soon as one comes near a free
-//! body's circle, the free body moves by mechanical steps too, from its closed-form pose at that instant. So a push
-//! that travels through a row within one step is not missed.
+//! Without contact a body follows the closed-form solution for its [`Drive`]. So circles can be computed that contain
+//! each of its disks from beginning to end. Bodies whose circles stay clear of each other and of every wall are *free*.
+//! The proof is maintained during the step: bodies that are not free move by mechanical steps, and as soon as a disk of
+//! one comes nearer than the skin to a circle of a free body, the free body moves by mechanical steps too, from its
+//! closed-form pose at that instant. So a push that travels through a row within one step is not missed.
 
 use super::circle::Circle;
 use super::free_flight::Course;
-use super::neighbours::{CellGrid, SKIN, nears_a_face};
-use super::{Scene, State};
+use super::neighbours::{CellGrid, nears_a_face};
+use super::standing::Standing;
+use super::{FaceId, Pose, Scene, State};
 
 /// A body whose half path is longer than this many times the largest body's radius is not free: its circle would make
 /// the grid's cells too large.
 const LONGEST_HALF_PATH: f64 = 4.0;
+
+/// \[m\] What is nearer than this may touch. It only has to be larger than rounding errors.
+const CLEAR: f64 = 1e-6;
 
 /// How a body is moved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,6 +45,8 @@ pub(super) struct Shortlist {
     pub activity: Vec<Activity>,
     /// Circles that contain the bodies during the whole communication step as long as nothing touches them.
     pub swept: Vec<Circle>,
+    /// The same for each disk.
+    swept_disks: Vec<Circle>,
 }
 
 impl Shortlist {
@@ -53,69 +59,102 @@ impl Shortlist {
         duration: f64,
         shortlisting: Shortlisting,
     ) -> Shortlist {
-        let flights = D::flights(scene, duration);
-        let swept: Vec<Circle> = scene
-            .bodies
-            .iter()
-            .enumerate()
-            .map(|(b, body)| {
-                let (pose, twist) = (state.poses[b], state.twists[b]);
-                let flight = &flights[body.flyer as usize];
-                let (end, end_twist) = drives[b].fly(flight, pose, twist);
-                // Under a constant drive the velocity stays on the segment between its first and last value. A change
-                // of the drive adds a motion along one line, never backwards. So no path is longer than this, and it
-                // stays within half its length of the midpoint of its ends.
-                let (velocity_by_change, path_by_change) = drives[b].added_by_change(flight);
-                let held = end_twist.velocity - velocity_by_change;
-                let path = duration * twist.velocity.norm().max(held.norm()) + path_by_change;
-                Circle {
-                    centre: (pose.position + end.position) * 0.5,
-                    radius: body.bounding_radius + 0.5 * path,
-                }
-            })
-            .collect();
-        if shortlisting == Shortlisting::Off {
-            let activity = |&present: &bool| if present { Activity::Active } else { Activity::Absent };
-            return Shortlist { activity: present.iter().map(activity).collect(), swept };
-        }
+        let mut shortlist = Shortlist::swept(scene, state, drives, duration);
+        let Shortlist { activity, swept, .. } = &mut shortlist;
         let largest = scene.bodies.iter().map(|body| body.bounding_radius).fold(0.0, f64::max);
-        let mut activity: Vec<Activity> = swept
-            .iter()
-            .zip(&scene.bodies)
-            .zip(present)
-            .map(|((circle, body), present)| {
-                if !present {
-                    return Activity::Absent;
-                }
-                // A body whose path is not a number is not free.
-                if circle.radius - body.bounding_radius <= LONGEST_HALF_PATH * largest {
-                    Activity::Free
-                } else {
-                    Activity::Active
-                }
-            })
-            .collect();
+        activity.extend(swept.iter().zip(&scene.bodies).zip(present).map(|((circle, body), present)| {
+            // A body whose path is not a number is not free.
+            let short = circle.radius - body.bounding_radius <= LONGEST_HALF_PATH * largest;
+            match (present, shortlisting) {
+                (false, _) => Activity::Absent,
+                (true, Shortlisting::On) if short => Activity::Free,
+                (true, _) => Activity::Active,
+            }
+        }));
         let short: Vec<usize> = (0..swept.len()).filter(|&b| activity[b] == Activity::Free).collect();
-        let grid = CellGrid::new(&swept, short.iter().copied(), SKIN);
-        let mut found = Vec::new();
+        let grid = CellGrid::new(swept, short.iter().copied(), CLEAR);
+        let (mut near, mut found) = (Vec::new(), Vec::new());
         for b in short {
-            let circle = &swept[b];
-            let mut near = 0;
-            // The grid finds the circle itself too.
-            grid.for_each_near(circle, SKIN, |_| near += 1);
-            if near > 1 || nears_a_face(scene, circle, &mut found) {
-                activity[b] = Activity::Active;
+            near.clear();
+            grid.for_each_near(&shortlist.swept[b], CLEAR, |other| near.push(other));
+            for &other in near.iter().filter(|&&other| other > b) {
+                let active = |body: usize| shortlist.activity[body] == Activity::Active;
+                let disks = &shortlist.swept_disks[scene.bodies[b].disks.clone()];
+                if !(active(b) && active(other)) && shortlist.nears(scene, disks, other, CLEAR) {
+                    shortlist.activity[b] = Activity::Active;
+                    shortlist.activity[other] = Activity::Active;
+                }
+            }
+            if shortlist.activity[b] == Activity::Free && shortlist.nears_a_face(scene, b, &mut found) {
+                shortlist.activity[b] = Activity::Active;
             }
         }
-        Shortlist { activity, swept }
+        shortlist
     }
+
+    /// Computes the circles, without deciding.
+    fn swept<D: Course>(scene: &Scene, state: &State, drives: &[D], duration: f64) -> Shortlist {
+        let flights = D::flights(scene, duration);
+        let mut swept = Vec::with_capacity(scene.bodies.len());
+        let mut swept_disks = Vec::with_capacity(scene.disks.len());
+        for (b, body) in scene.bodies.iter().enumerate() {
+            let (pose, twist) = (state.poses[b], state.twists[b]);
+            let flight = &flights[body.flyer as usize];
+            let (end, end_twist) = drives[b].fly(flight, pose, twist);
+            // Under a constant drive the velocity stays on the segment between its first and last value. A change of
+            // the drive adds a motion along one line, never backwards. So no path is longer than this, and it stays
+            // within half its length of the midpoint of its ends. The same holds for the orientation.
+            let (by_change, paths_by_change) = drives[b].added_by_change(flight);
+            let held = end_twist.velocity - by_change.velocity;
+            let held_rate = end_twist.angular_velocity - by_change.angular_velocity;
+            let path = duration * twist.velocity.norm().max(held.norm()) + paths_by_change.position;
+            let turn =
+                duration * twist.angular_velocity.abs().max(held_rate.abs()) + paths_by_change.orientation;
+            let middle = Pose {
+                position: (pose.position + end.position) * 0.5,
+                orientation: 0.5 * (pose.orientation + end.orientation),
+            };
+            swept.push(Circle { centre: middle.position, radius: body.bounding_radius + 0.5 * path });
+            let spread = 0.5 * (path + body.reach * turn);
+            swept_disks.extend(
+                disks_of(scene, b, &Standing::at(middle, twist))
+                    .map(|disk| Circle { radius: disk.radius + spread, ..disk }),
+            );
+        }
+        Shortlist { activity: Vec::new(), swept, swept_disks }
+    }
+
+    /// Returns whether one of some disks is nearer than a margin \[m\] to what a body sweeps while it is free.
+    pub fn nears(&self, scene: &Scene, disks: &[Circle], body: usize, margin: f64) -> bool {
+        let swept = &self.swept_disks[scene.bodies[body].disks.clone()];
+        // Negated, so that what is not a number is near.
+        let clear = |disk: &Circle, swept: &Circle| {
+            let reach = disk.radius + swept.radius + margin;
+            (disk.centre - swept.centre).norm_squared() > reach * reach
+        };
+        !disks.iter().all(|disk| swept.iter().all(|swept| clear(disk, swept)))
+    }
+
+    /// Returns whether what a body sweeps while it is free may touch a face.
+    fn nears_a_face(&self, scene: &Scene, body: usize, found: &mut Vec<FaceId>) -> bool {
+        nears_a_face(scene, &self.swept[body], CLEAR, found)
+            && self.swept_disks[scene.bodies[body].disks.clone()]
+                .iter()
+                .any(|disk| nears_a_face(scene, disk, CLEAR, found))
+    }
+}
+
+/// Returns the disks of a body.
+pub(super) fn disks_of(scene: &Scene, body: usize, standing: &Standing) -> impl Iterator<Item = Circle> {
+    let disks = scene.disks[scene.bodies[body].disks.clone()].iter();
+    disks.map(|disk| Circle { centre: standing.centre(disk.offset), radius: disk.radius })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::balls::Ball;
     use super::super::free_flight::Ramp;
-    use super::super::{Pose, Twist, Vec2, Wrench, vec2};
+    use super::super::{Twist, Vec2, Wrench, vec2};
     use super::*;
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;

@@ -1,7 +1,7 @@
 //! Pose and motion of a body, for contacts.
 
 use super::{Pose, Rotation, Twist, Vec2};
-use lemons_plane::SMALL_TURN;
+use lemons_core::plane::SMALL_TURN;
 
 /// Pose and motion of a body at one instant: everything that an evaluation of its contacts needs, in one cache line.
 #[derive(Debug, Clone, Copy)]

@@ -152,7 +152,7 @@ fn read_agents(world: &World, quantities: &[AgentQuantity], values: &mut [f64]) 
     fn one<T>(values: &mut [f64], of: &[T], read: impl Fn(&T) -> f64) {
         values.iter_mut().zip(of).for_each(|(value, of)| *value = read(of));
     }
-    fn two<T>(values: &mut [f64], of: &[T], read: impl Fn(&T) -> lemons_plane::Vec2) {
+    fn two<T>(values: &mut [f64], of: &[T], read: impl Fn(&T) -> lemons_core::plane::Vec2) {
         for (value, of) in values.as_chunks_mut().0.iter_mut().zip(of) {
             let vector = read(of);
             *value = [vector.x, vector.y];
@@ -182,7 +182,7 @@ fn write_drive(world: &mut World, quantities: &[AgentQuantity], values: &[f64]) 
         [FpX, FpY] => {
             let forces = values.as_chunks::<2>().0;
             for (drive, &[x, y]) in world.drive.iter_mut().zip(forces) {
-                drive.force = lemons_plane::vec2(x, y);
+                drive.force = lemons_core::plane::vec2(x, y);
             }
         }
         [Mp] => {

@@ -4,7 +4,7 @@ use super::plausible::Doubt;
 use super::steps::{Fastest, rounded_down};
 use super::{Setup, WorldError};
 use crate::engine::{ContactReport, DiskId, Pair, Scene, World};
-use lemons_trial::{Places, Problem, Severity, quoted};
+use lemons_core::trial::{Places, Problem, Severity, quoted};
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -251,10 +251,10 @@ fn warning(file: &Path, subject: Option<(&str, &str, f64)>, message: String) -> 
 mod tests {
     use super::*;
     use crate::engine::Vec2;
-    use lemons_trial::Trial;
+    use lemons_core::trial::Trial;
 
     fn push() -> Trial {
-        Trial::read(&lemons_testing::trial_push()).expect("the default Trial is in order").0
+        Trial::read(&lemons_verify::testing::trial_push()).expect("the default Trial is in order").0
     }
 
     fn said(trial: &Trial) -> Vec<String> {

@@ -5,8 +5,8 @@ use super::Setup;
 use super::surroundings::Surroundings;
 use super::within::{Inside, outside_rooms, within_pillars};
 use crate::engine::{CornerId, Disk, FaceId, Scene, Vec2};
-use lemons_plane::Bounds;
-use lemons_trial::quoted;
+use lemons_core::plane::Bounds;
+use lemons_core::trial::quoted;
 
 /// \[m\] Smallest and largest distance from the centre of mass of a person or a bicycle to its rim.
 const RIM: [f64; 2] = [0.02, 3.0];
@@ -264,11 +264,12 @@ fn is_enclosed(scene: &Scene, place: Vec2) -> bool {
 mod tests {
     use super::*;
     use crate::engine::vec2;
-    use lemons_trial::Trial;
+    use lemons_core::trial::Trial;
 
     /// The paper's five in a room of 6 m × 4 m with a door of 1.2 m in its right wall.
     fn room() -> Trial {
-        let mut trial = Trial::read(&lemons_testing::trial_push()).expect("the default Trial is in order").0;
+        let mut trial =
+            Trial::read(&lemons_verify::testing::trial_push()).expect("the default Trial is in order").0;
         trial.geometry.walls.truncate(1);
         trial.geometry.walls[0].corners =
             [(6.0, 2.6), (6.0, 4.0), (0.0, 4.0), (0.0, 0.0), (6.0, 0.0), (6.0, 1.4)]

@@ -6,7 +6,7 @@
 
 use super::Setup;
 use crate::engine::Scene;
-use lemons_trial::quoted;
+use lemons_core::trial::quoted;
 use std::f64::consts::TAU;
 
 /// A mechanical step longer than this fraction of the shortest contact period causes a warning. Up to it, without
@@ -21,7 +21,7 @@ const FASTEST_GROWTH: f64 = 0.5;
 
 /// \[m\] Error of a pose about a second after collisions at about 1 m/s, divided by (Ω dt / 2π)². Nine of ten people
 /// are about as accurate or more, but not where they are pressed together. It was measured by
-/// `crates/bench/examples/steps.rs` (docs/step.md).
+/// `crates/verify/examples/steps.rs` (docs/step.md).
 const ERROR: f64 = 5.0;
 
 /// \[m\] Accuracy of the proposed step.
@@ -256,10 +256,10 @@ fn two_digits(value: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_trial::Trial;
+    use lemons_core::trial::Trial;
 
     fn push() -> Trial {
-        Trial::read(&lemons_testing::trial_push()).expect("the default Trial is in order").0
+        Trial::read(&lemons_verify::testing::trial_push()).expect("the default Trial is in order").0
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The area that walls span, and who is far from it.
 
 use crate::engine::{Scene, Vec2, vec2};
-use lemons_plane::{Bounds, ConvexHull};
+use lemons_core::plane::{Bounds, ConvexHull};
 
 /// The area of the walls.
 pub(super) struct Surroundings {

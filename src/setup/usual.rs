@@ -2,7 +2,7 @@
 
 use super::Setup;
 use crate::engine::Vec2;
-use lemons_trial::{
+use lemons_core::trial::{
     Agent, AgentDynamics, Contact, DriveTable, Material, Places, Problem, Push, Severity, quoted,
 };
 use std::f64::consts::PI;

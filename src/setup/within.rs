@@ -1,8 +1,8 @@
 //! Finds people inside closed walls.
 
 use crate::engine::Vec2;
-use lemons_plane::{Bounds, Ring};
-use lemons_trial::Wall;
+use lemons_core::plane::{Bounds, Ring};
+use lemons_core::trial::Wall;
 use std::collections::HashMap;
 
 /// Largest number of tests whether a person is left of a face; of a larger crowd an evenly chosen part is tested.

@@ -5,8 +5,8 @@ use crate::engine::{
     AdvanceError, BodySpec, Contact, Crowded, DiskId, DiskSpec, FaceId, LawTable, Pair, PairLaw, Pose, Scene,
     SceneError, State, Twist, WallSpec, World, Wrench, elongation_vector,
 };
-use lemons_trial::quoted;
-use lemons_trial::{
+use lemons_core::trial::quoted;
+use lemons_core::trial::{
     AgentDynamics, AgentInteraction, ContactForce, Interactions, Material, WallInteraction, stiffness,
 };
 use std::collections::HashMap;

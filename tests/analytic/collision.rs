@@ -1,7 +1,7 @@
 //! Collisions; the measured ones are rows of `lemons verify`.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::scenes::*;
+use lemons_verify::checks::scenes::*;
 
 #[test]
 fn coincident_centres_push_nobody_and_are_counted() {

@@ -1,7 +1,7 @@
 //! The slider and the tangential spring.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::scenes::*;
+use lemons_verify::checks::scenes::*;
 
 /// A disk pressed on the wall y = 0 by 500 N and dragged along it; it does not turn (huge inertia).
 fn dragged(force: f64, rate: f64) -> World {

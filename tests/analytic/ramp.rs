@@ -1,7 +1,7 @@
 //! A drive that changes evenly during a communication step.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::scenes::*;
+use lemons_verify::checks::scenes::*;
 
 /// Somebody pushed and braked by one ramp, who ends at rest 0.83 m further if nobody stands in the way.
 fn pushed_and_braked(shortlisting: Shortlisting, others: &[Pose]) -> World {

@@ -1,7 +1,7 @@
 //! The laws know no place, direction, hand or order: random scenes, shrunk when they fail.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::scenes::*;
+use lemons_verify::checks::scenes::*;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

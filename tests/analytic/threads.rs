@@ -1,7 +1,7 @@
 //! Bodies by blocks, shared out or not: the same bits, whoever is free, taken in or driven.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::scenes::*;
+use lemons_verify::checks::scenes::*;
 
 /// So many people: the first half stands so near that they touch, the others have room, and one runs into those.
 fn crowd(people: usize) -> World {

@@ -1,7 +1,7 @@
 //! Nobody walks through a wall.
 
 use crowd_mechanics::engine::*;
-use lemons_verify::scenes::*;
+use lemons_verify::checks::scenes::*;
 
 /// 80 kg, steady at 1 m/s, rates 2 /s, along y = 5, at a wall x = 2.
 fn walker() -> World {

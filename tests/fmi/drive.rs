@@ -1,7 +1,7 @@
 //! The packed drive, which an instance plays by itself.
 
 use crate::fmu::*;
-use lemons_trial::{DriveChoice, DriveTable};
+use lemons_core::trial::{DriveChoice, DriveTable};
 use std::fs;
 
 const INPUTS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];

@@ -1,5 +1,5 @@
 """One table of columns: what the command writes and what examples name is what tests/columns.csv
-says, which a test of crates/record compares with `columns.rs`."""
+says, which a test of crates/results compares with `columns.rs`."""
 
 import ast
 import json

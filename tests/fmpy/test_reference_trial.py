@@ -1,5 +1,5 @@
 """docs/reference/trial.md against the reader of a Trial, as `lemons check` uses it: each attribute is left out, misspelt,
-of another type, and out of its range. That the page has all attributes is a test of crates/trial."""
+of another type, and out of its range. That the page has all attributes is a test of crates/core."""
 
 import re
 import shutil

@@ -1,7 +1,7 @@
 //! A small Trial without errors, and changes of it.
 
 use crowd_mechanics::setup::{self};
-use lemons_trial::*;
+use lemons_core::trial::*;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;

@@ -3,14 +3,14 @@
 use crate::good::{FILES, edited, good, put};
 use crowd_mechanics::engine::vec2;
 use crowd_mechanics::setup::{self, Setup, WorldError};
-use lemons_trial::*;
+use lemons_core::trial::*;
 use std::fs;
 use tempfile::TempDir;
 
 /// `count` agents of five disks, all at the origin, as where their positions were forgotten.
 fn all_at_one_point(count: usize) -> Result<(Trial, Problems), Problems> {
     let directory = TempDir::new().unwrap();
-    lemons_bench::fmu::write_trial(count, vec2(0.5, 0.5), directory.path()).unwrap();
+    lemons_verify::bench::fmu::write_trial(count, vec2(0.5, 0.5), directory.path()).unwrap();
     let file = directory.path().join(FILES[4]);
     let positions = fs::read_to_string(&file).unwrap();
     let forgotten: String = positions
@@ -51,7 +51,7 @@ fn everybody_at_one_point_is_refused_by_name_before_memory_is_taken() {
 #[test]
 fn everybody_moved_to_one_point_makes_no_world() {
     let directory = TempDir::new().unwrap();
-    lemons_bench::fmu::write_trial(1000, vec2(0.5, 0.5), directory.path()).unwrap();
+    lemons_verify::bench::fmu::write_trial(1000, vec2(0.5, 0.5), directory.path()).unwrap();
     let (mut trial, _) = setup::read(directory.path()).unwrap();
     for dynamics in &mut trial.dynamics {
         dynamics.position = vec2(1.0, 1.0);

@@ -2,7 +2,7 @@
 
 use crate::good::{FILES, INTERACTIONS, edited, good, put};
 use crowd_mechanics::setup::{self};
-use lemons_trial::*;
+use lemons_core::trial::*;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;

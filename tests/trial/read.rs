@@ -3,8 +3,8 @@
 use crate::good::{INTERACTIONS, edited, good, moved, put};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::setup::{self};
-use lemons_testing::{shared, trial_push as paper};
-use lemons_trial::*;
+use lemons_core::trial::*;
+use lemons_verify::testing::{shared, trial_push as paper};
 use std::fs;
 use tempfile::TempDir;
 

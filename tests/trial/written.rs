@@ -3,7 +3,7 @@
 use crate::good::{FILES, INTERACTIONS, edited, moved};
 use crowd_mechanics::engine::{Vec2, vec2};
 use crowd_mechanics::setup::{self};
-use lemons_trial::*;
+use lemons_core::trial::*;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::fs;
@@ -41,8 +41,9 @@ fn writing_leaves_nothing_behind() {
         assert_eq!(mode(&directory.path().join(FILES[0])), mode(&plain));
     }
 
-    let blocked =
-        lemons_files::write_atomically(&directory.path().join("none/x.xml"), "").unwrap_err().to_string();
+    let blocked = lemons_core::files::write_atomically(&directory.path().join("none/x.xml"), "")
+        .unwrap_err()
+        .to_string();
     assert!(blocked.contains("x.xml: cannot be written: "), "{blocked}");
 }
 

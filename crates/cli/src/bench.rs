@@ -3,8 +3,8 @@
 use crate::tell;
 use anyhow::{Result, bail};
 use crowd_mechanics::pack::Format;
-use lemons_bench::{Figures, cases, fmu, measure};
-use lemons_files::input;
+use lemons_core::files::input;
+use lemons_verify::bench::{Figures, cases, fmu, measure};
 use std::io::Write;
 
 #[derive(clap::Args)]

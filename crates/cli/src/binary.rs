@@ -2,8 +2,8 @@
 
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::Binary;
+use lemons_core::files::input;
 use lemons_decision::decision::PLAN_FILE;
-use lemons_files::input;
 use lemons_master::Kind;
 
 /// A shared library of this workspace.

@@ -5,12 +5,12 @@ use crate::tell;
 use crate::words;
 use anyhow::{Context, Result};
 use crowd_mechanics::setup::{Setup, doubts_of_drive};
+use lemons_core::plane::Vec2;
+use lemons_core::trial::DRIVE_FILE;
+use lemons_core::trial::Problems;
+use lemons_core::trial::Trial;
 use lemons_decision::{Plan, WISHES_FILE};
 use lemons_master::{Given, Warning, plan_of};
-use lemons_plane::Vec2;
-use lemons_trial::DRIVE_FILE;
-use lemons_trial::Problems;
-use lemons_trial::Trial;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 

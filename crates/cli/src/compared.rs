@@ -1,8 +1,8 @@
 //! Poses of two runs, compared at each communication point.
 
-use lemons_plane::Pose;
-use lemons_record::Frame;
-use lemons_trial::Trial;
+use lemons_core::plane::Pose;
+use lemons_core::trial::Trial;
+use lemons_results::Frame;
 
 /// What is done with the poses of a run.
 #[derive(Default)]
@@ -78,7 +78,7 @@ impl Poses {
     }
 }
 
-fn rim(agent: &lemons_trial::Agent) -> f64 {
+fn rim(agent: &lemons_core::trial::Agent) -> f64 {
     agent.shapes.iter().map(|shape| shape.position.norm() + shape.radius).fold(0.0, f64::max)
 }
 
@@ -131,7 +131,7 @@ impl Comparer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_plane::{Motion, Twist, vec2};
+    use lemons_core::plane::{Motion, Twist, vec2};
 
     #[test]
     fn the_largest_difference_and_the_first_beyond_are_found() {

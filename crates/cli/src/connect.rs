@@ -4,8 +4,8 @@ use crate::files::{self, Force};
 use crate::pack::say_size;
 use crate::words::warned;
 use anyhow::{Result, bail};
+use lemons_master::ssp::{Participant, write_archive};
 use lemons_master::{Fmu, Warning};
-use lemons_ssp::{Participant, write_archive};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -42,7 +42,7 @@ pub fn connect(arguments: &Arguments) -> Result<()> {
             interface: &fmu.description,
         })
         .collect();
-    let connected = lemons_ssp::connect(&stem(&arguments.output), &participants)?;
+    let connected = lemons_master::ssp::connect(&stem(&arguments.output), &participants)?;
     let files: Vec<(String, &Path)> = participants
         .iter()
         .zip(&arguments.fmus)

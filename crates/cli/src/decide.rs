@@ -5,9 +5,9 @@ use crate::files::{self, Force};
 use crate::pack::{Fmi, FmuArguments, say_size};
 use crate::words::read_or_say;
 use anyhow::{Context, Result, bail};
+use lemons_core::trial::Trial;
 use lemons_decision::{Plan, WISHES_FILE};
 use lemons_master::{Given, PlanChoice, plan_of};
-use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
 
 /// Wishes of everybody, as short as they can be.

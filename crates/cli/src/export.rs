@@ -7,14 +7,14 @@ use crate::output::Output;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use crowd_mechanics::setup;
+use lemons_core::files::input;
+use lemons_core::trial::Trial;
 use lemons_decision::{Person, WISHES_FILE, Wishes};
-use lemons_files::input;
 use lemons_master::{Fmu, Given, Kind, plan_of};
-use lemons_record::{
+use lemons_results::{
     Area, Record, chaos, chaos_files, given_area, jupedsim, pedpy_into, series, series_files, trial_at_end,
     walkable_area,
 };
-use lemons_trial::Trial;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

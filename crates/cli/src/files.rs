@@ -11,10 +11,10 @@ use crate::tell;
 use anyhow::{Context, Result, bail};
 use clap::{ArgMatches, Command};
 use crowd_mechanics::pack::Binary;
+use lemons_core::files::{Staged, target_of};
+use lemons_core::trial::Trial;
 use lemons_decision::WISHES_FILE;
-use lemons_files::{Staged, target_of};
-use lemons_record::series_in;
-use lemons_trial::Trial;
+use lemons_results::series_in;
 use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -145,7 +145,7 @@ pub fn reads(path: &Path, who: &str) {
     let mut all = vec![path.to_owned()];
     if path.join("Parameters.xml").is_file() {
         // Files that are not there yet would be read by the next command.
-        all.extend([lemons_trial::DRIVE_FILE, WISHES_FILE].map(|name| path.join(name)));
+        all.extend([lemons_core::trial::DRIVE_FILE, WISHES_FILE].map(|name| path.join(name)));
         for file in Trial::files_read(path) {
             all.extend(file.parent().filter(|directory| *directory != path).map(Path::to_owned));
             all.push(file);
@@ -253,7 +253,8 @@ pub fn complete() -> Vec<PathBuf> {
 
 /// Returns warnings about files of a replaced Trial that stay there and are used. The command itself writes `written`.
 pub fn staying(trial: &Path, written: &[&str]) -> impl Iterator<Item = String> {
-    let names = [lemons_trial::DRIVE_FILE, WISHES_FILE].into_iter().filter(|name| !written.contains(name));
+    let names =
+        [lemons_core::trial::DRIVE_FILE, WISHES_FILE].into_iter().filter(|name| !written.contains(name));
     let files: Vec<PathBuf> = names.map(|name| trial.join(name)).collect();
     files
         .into_iter()

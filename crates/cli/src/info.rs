@@ -3,7 +3,7 @@
 use crate::tell;
 use anyhow::Result;
 use lemons_master::Fmu;
-use lemons_ssp::{Fmi, Kind, Single, Type, Variable};
+use lemons_master::ssp::{Fmi, Kind, Single, Type, Variable};
 use std::io::Write;
 use std::path::PathBuf;
 

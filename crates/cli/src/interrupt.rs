@@ -5,7 +5,7 @@ mod ignored;
 
 use crate::files;
 use anyhow::{Context, Result};
-use lemons_files::give_up;
+use lemons_core::files::give_up;
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};

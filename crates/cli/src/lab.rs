@@ -10,7 +10,7 @@ use crate::interrupt::Interrupt;
 use crate::tell;
 use anyhow::{Context, Result, bail};
 use crowd_mechanics::pack::{Binary, THIRD_PARTY};
-use lemons_files::input;
+use lemons_core::files::input;
 use server::{Answer, Request, serve};
 use std::borrow::Cow;
 use std::collections::BTreeMap;

@@ -45,7 +45,7 @@ use anyhow::Result;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use error::{Misused, TrialHasErrors, said};
 use interrupt::{EXIT_CODE, Interrupted};
-use lemons_files::give_up;
+use lemons_core::files::give_up;
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;

@@ -2,7 +2,7 @@
 
 use clap::Command;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
-use lemons_files::words::meant;
+use lemons_core::files::words::meant;
 
 /// Replaces the tip of an error about an unknown option of a command. That of clap is any option that shares letters
 /// with it, or to take it for a file.

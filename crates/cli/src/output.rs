@@ -2,7 +2,7 @@
 
 use crate::files;
 use anyhow::{Context, Result};
-use lemons_files::Staged;
+use lemons_core::files::Staged;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 

@@ -6,10 +6,10 @@ use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Result, anyhow, bail};
 use crowd_mechanics::pack::{Binary, Format, Naming, platforms};
+use lemons_core::trial::Trial;
 use lemons_decision::WISHES_FILE;
 use lemons_master::{Error, Given, binaries_beside};
 use lemons_picture::{Fill, Scene, Style, png, svg};
-use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]

@@ -3,10 +3,10 @@
 use crate::files;
 use anyhow::Result;
 use clap::ValueEnum;
-use lemons_files::{Staged, WriteError};
-use lemons_record::RecordError;
-pub use lemons_record::columns::Column;
-pub use lemons_record::{Cell, Content, Format, FrameWriter, Kind, TableWriter};
+use lemons_core::files::{Staged, WriteError};
+use lemons_results::RecordError;
+pub use lemons_results::columns::Column;
+pub use lemons_results::{Cell, Content, Format, FrameWriter, Kind, TableWriter};
 use std::path::{Path, PathBuf};
 
 /// `--format`

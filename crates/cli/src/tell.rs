@@ -1,7 +1,7 @@
 //! What the command says: the one place that prints. A closed pipe or a full disk is an error, never a panic.
 
 use indicatif::ProgressBar;
-use lemons_files::reader_left;
+use lemons_core::files::reader_left;
 use std::cell::RefCell;
 use std::fmt::{self, Display};
 use std::io::{self, Write};

@@ -3,7 +3,7 @@
 use crate::error::said;
 use crate::tell;
 use anyhow::{Result, bail};
-use lemons_verify::Check;
+use lemons_verify::checks::Check;
 use std::io::Write;
 
 #[derive(clap::Args)]
@@ -18,7 +18,7 @@ pub struct Arguments {
 
 pub fn verify(arguments: &Arguments) -> Result<()> {
     let mut out = tell::out();
-    let checks = lemons_verify::checks();
+    let checks = lemons_verify::checks::all();
     let wanted = |check: &&Check| arguments.only.as_ref().is_none_or(|only| check.name.contains(only));
     let (mut passed, mut failed) = (0, 0);
     if arguments.markdown {
@@ -50,7 +50,7 @@ pub fn verify(arguments: &Arguments) -> Result<()> {
         out.flush()?;
     }
     if arguments.only.is_none() && !arguments.markdown {
-        writeln!(out, "{}", lemons_verify::tables()?)?;
+        writeln!(out, "{}", lemons_verify::checks::tables()?)?;
     }
     if !arguments.markdown {
         writeln!(out, "{passed} passed, {failed} failed")?;

@@ -2,9 +2,9 @@
 
 use crate::error::{Misused, TrialHasErrors};
 use anyhow::{Result, anyhow};
+use lemons_core::trial::Missed;
+use lemons_core::trial::{Problems, Trial};
 use lemons_master::{Error, Given, PrepareError, Warning};
-use lemons_trial::Missed;
-use lemons_trial::{Problems, Trial};
 use std::path::Path;
 
 const FIXED: &str = "the saved run contains its parameters, and they cannot be changed";

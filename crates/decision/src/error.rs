@@ -1,7 +1,7 @@
 //! What is wrong with wishes or a plan.
 
 use crate::field::TooLarge;
-use lemons_trial::FARTHEST;
+use lemons_core::trial::FARTHEST;
 use thiserror::Error;
 
 /// Each needs a field of distances in memory.

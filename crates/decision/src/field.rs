@@ -7,7 +7,7 @@
 //!
 //! Only sums, products and roots are used, so the result is the same bits on every machine.
 
-use lemons_plane::{Bounds, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
+use lemons_core::plane::{Bounds, Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 

@@ -12,7 +12,7 @@
 //! by more than a third.
 
 use crate::error::{PlanError, moderate, positive};
-use lemons_plane::{Rotation, Vec2, nearest_on_segment, segments_cross, vec2};
+use lemons_core::plane::{Rotation, Vec2, nearest_on_segment, segments_cross, vec2};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 

@@ -5,7 +5,8 @@ use crate::decision::table::{dependencies, table};
 use crate::decision::{Decision, PLAN_FILE};
 use crate::error::PlanError;
 use crate::plan::Plan;
-use lemons_files::source::Disk;
+use lemons_core::files::source::Disk;
+use lemons_core::xml::number;
 use lemons_fmi::Format;
 use lemons_fmi::archive::{Archive, ArchiveError, Binary, Version};
 use lemons_fmi::v2::description::{Description, Naming};
@@ -14,7 +15,6 @@ use lemons_fmi::v3;
 use lemons_fmi::v3::description::Start;
 use lemons_fmi::v3::terminals::{CROWD, Terminal, terminals_xml};
 use lemons_fmi::v3::{ArrayModel, Known};
-use lemons_xml::number;
 use std::io::{Seek, Write};
 use thiserror::Error;
 

@@ -6,7 +6,7 @@
 //! left or to the right, stands still, or insists. Which, and for how long, follows from a seed, the person and how
 //! often this has happened: the same on every machine, and for any number of threads.
 
-use lemons_plane::Vec2;
+use lemons_core::plane::Vec2;
 use serde::{Deserialize, Serialize};
 
 /// \[s\] Time over which the progress is averaged.
@@ -132,7 +132,7 @@ impl Patience {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_plane::vec2;
+    use lemons_core::plane::vec2;
 
     const AHEAD: Vec2 = Vec2 { x: 1.0, y: 0.0 };
 

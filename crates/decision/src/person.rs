@@ -1,7 +1,7 @@
 //! The people of a Trial, as far as they decide.
 
 use crate::rule::Pose;
-use lemons_trial::Trial;
+use lemons_core::trial::Trial;
 
 /// The data of an agent of a Trial that are needed here.
 #[derive(Debug, Clone, PartialEq)]

@@ -13,8 +13,8 @@ use crate::rule::{Pose, Walker, Waypoint};
 use crate::target::{Destination, Target, Ways};
 use crate::wishes::{Wish, Wishes};
 use destinations::{destinations, targets_of};
-use lemons_plane::{Vec2, vec2};
-use lemons_trial::Trial;
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::Trial;
 use serde::{Deserialize, Serialize};
 pub use settled::settled;
 

@@ -2,7 +2,7 @@
 //!
 //! It uses `libm` instead of the platform's arctangent, so that the result is the same bits on every machine.
 
-use lemons_plane::Vec2;
+use lemons_core::plane::Vec2;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 

@@ -1,7 +1,7 @@
 //! Exits and goals: lines and areas to which people walk around walls.
 
 use crate::field::{Field, Grid, TooLarge};
-use lemons_plane::{Ring, Vec2, nearest_on_segment, segments_touch, vec2};
+use lemons_core::plane::{Ring, Vec2, nearest_on_segment, segments_touch, vec2};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 

@@ -16,7 +16,7 @@ use crate::error::PlanError;
 use crate::gait::{CollisionFreeSpeed, Gait, SocialForce};
 use crate::person::Person;
 use crate::rule::Waypoint;
-use lemons_files::words;
+use lemons_core::files::words;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;

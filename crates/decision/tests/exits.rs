@@ -1,9 +1,9 @@
 //! Exits, goals and models, without FMUs: bodies that go exactly where they want to go.
 
+use lemons_core::plane::{Vec2, segments_cross, vec2};
 use lemons_decision::decision::Act;
 use lemons_decision::rule::Pose;
 use lemons_decision::{Decision, Person, Plan, PlanError, Wishes};
-use lemons_plane::{Vec2, segments_cross, vec2};
 
 const STEP: f64 = 0.05;
 

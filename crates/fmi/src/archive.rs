@@ -1,7 +1,7 @@
 //! Writes an `.fmu`. The same content gives the same bytes, so that FMUs can be compared.
 
-use lemons_files::input;
-use lemons_files::source::{Disk, Source};
+use lemons_core::files::input;
+use lemons_core::files::source::{Disk, Source};
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;

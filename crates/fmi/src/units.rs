@@ -1,7 +1,7 @@
 //! Units in model descriptions.
 
 use crate::variables::{Kind, Unit};
-use lemons_xml::Out;
+use lemons_core::xml::Out;
 
 /// Returns the units of variables, in the order of their first use.
 pub(crate) fn units_of(kinds: impl IntoIterator<Item = Kind>) -> Vec<Unit> {

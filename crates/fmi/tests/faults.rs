@@ -5,9 +5,9 @@ use lemons_fmi::location::Location;
 use lemons_fmi::v2::guid;
 use lemons_fmi::variables::{Domain, Kind, Role, Variable, units};
 use lemons_fmi::{Model, Phase, Status, StepError};
-use lemons_testing::fmi2;
-use lemons_testing::instance::{Arguments, Functions};
-use lemons_testing::{Instance, Message};
+use lemons_verify::testing::fmi2;
+use lemons_verify::testing::instance::{Arguments, Functions};
+use lemons_verify::testing::{Instance, Message};
 use std::ffi::{CStr, CString};
 
 /// Its one variable is an input; at 13 it breaks.

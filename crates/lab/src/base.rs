@@ -2,8 +2,8 @@
 
 use crate::driven::{Basis, parts};
 use crate::{Refused, crowd, upload};
+use lemons_core::trial::Trial;
 use lemons_people::placing::Watch;
-use lemons_trial::Trial;
 use serde::Deserialize;
 
 /// Where a Trial comes from.

@@ -1,9 +1,9 @@
 //! A Trial, what is known of its people, and what drives them.
 
 use crate::Refused;
+use lemons_core::trial::{DriveTable, Trial};
 use lemons_decision::Plan;
 use lemons_people::Person;
-use lemons_trial::{DriveTable, Trial};
 use serde_json::Value;
 
 /// A Trial, what is known of its people, and what drives them.

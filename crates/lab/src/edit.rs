@@ -2,8 +2,8 @@
 
 use crate::Refused;
 use crate::driven::Driven;
-use lemons_plane::{Vec2, vec2};
-use lemons_trial::AgentDynamics;
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::AgentDynamics;
 use serde::Deserialize;
 
 /// Most changes of a Trial.
@@ -58,7 +58,7 @@ pub fn edited(mut driven: Driven, edits: &[Edit]) -> Result<Driven, Refused> {
         let place = driven.trial.agents.iter().position(|agent| agent.id == *id);
         let place = place.ok_or_else(|| Refused(format!("there is nobody with the Id {id:?}")))?;
         change(&mut driven, place, edit)?;
-        driven.trial.interactions = lemons_trial::Interactions::default();
+        driven.trial.interactions = lemons_core::trial::Interactions::default();
     }
     if driven.trial.agents.is_empty() {
         return Err(Refused("nobody would be left".into()));
@@ -79,7 +79,7 @@ fn change(driven: &mut Driven, place: usize, edit: &Edit) -> Result<(), Refused>
                 return Err(Refused(format!("the Id {to:?} is no short text, or there already")));
             }
             let (position, theta) = pose(*x, *y, *theta)?;
-            trial.agents.push(lemons_trial::Agent { id: to.clone(), ..trial.agents[place].clone() });
+            trial.agents.push(lemons_core::trial::Agent { id: to.clone(), ..trial.agents[place].clone() });
             let still = AgentDynamics { velocity: Vec2::ZERO, omega: 0.0, ..trial.dynamics[place].clone() };
             trial.dynamics.push(AgentDynamics { position, theta, ..still });
             if let Some(people) = people {

@@ -1,7 +1,7 @@
 //! Frames: what pages keep of a run, and send back to ask about.
 
 use crate::Refused;
-use lemons_plane::{Motion, Pose, Twist, vec2};
+use lemons_core::plane::{Motion, Pose, Twist, vec2};
 
 /// Numbers of an agent in a frame: x, y \[m\], orientation \[rad\], velocity along x and y \[m/s\], angular velocity
 /// \[rad/s\], mean squeeze of the last communication step \[N\], number of contacts. The place of who has left is not a

@@ -4,10 +4,10 @@ use crate::frame::{COLUMNS, frame};
 use crate::{Refused, Reply};
 use crowd_mechanics::engine::{Pair, World};
 use crowd_mechanics::setup::Setup;
-use lemons_measure::{Line, Way};
+use lemons_core::plane::vec2;
+use lemons_core::trial::Trial;
 use lemons_people::placing::TOLERANCE;
-use lemons_plane::vec2;
-use lemons_trial::Trial;
+use lemons_results::measure::{Line, Way};
 use serde_json::json;
 use std::collections::BTreeSet;
 
@@ -41,7 +41,7 @@ pub fn overlaps(trial: &Trial, agent: usize, [x, y, theta]: [f64; 3]) -> Result<
     let here = here.ok_or_else(|| Refused(format!("there is no agent {agent} there")))?;
     (here.position, here.theta) = (vec2(x, y), theta);
     // Springs that the Trial remembers are of other places.
-    trial.interactions = lemons_trial::Interactions::default();
+    trial.interactions = lemons_core::trial::Interactions::default();
     let world = Setup::of(&trial).world().map_err(Refused::of)?;
     let (agents, wall, depth) = overlapping(&world, Some(agent));
     Ok(Reply::of(json!({ "agents": agents, "wall": wall, "depth": depth })))

@@ -2,11 +2,11 @@
 
 use crate::driven::Driven;
 use crate::{Refused, within};
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::{DRIVE_FILE, DriveTable, Pulse, Trial, drive_of_pulses};
 use lemons_decision::rule::Waypoint;
 use lemons_decision::{Person, Plan, Wishes, plan};
 use lemons_people::heading;
-use lemons_plane::{Vec2, vec2};
-use lemons_trial::{DRIVE_FILE, DriveTable, Pulse, Trial, drive_of_pulses};
 use serde::Deserialize;
 
 /// What drives people.

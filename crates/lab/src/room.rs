@@ -1,11 +1,11 @@
 //! Rooms: an outline, obstacles, doors. While they are drawn, when they are made, and from a file.
 
 use crate::{Refused, Reply, within};
+use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
+use lemons_core::trial::Geometry;
 use lemons_people::nearest_wall;
 use lemons_people::placing::Region;
 use lemons_people::room::{Edit, Gap, Room};
-use lemons_plane::{Bounds, Ring, Vec2, vec2};
-use lemons_trial::Geometry;
 use serde::Deserialize;
 use serde_json::json;
 use std::path::Path;
@@ -97,7 +97,7 @@ pub fn part(whole: &Region, corners: &[[f64; 2]]) -> Result<Region, Refused> {
 /// # Errors
 /// The file has errors, or its walls are not closed.
 pub fn upload(name: &str, bytes: &[u8]) -> Result<Reply, Refused> {
-    let mut files = lemons_files::source::Memory::default();
+    let mut files = lemons_core::files::source::Memory::default();
     files.put(Path::new(name), bytes.to_vec());
     let (geometry, warnings) = Geometry::read_from(&files, Path::new(name)).map_err(Refused::of)?;
     let region = Region::from_walls(&geometry).map_err(|error| Refused(format!("{name}: {error}")))?;

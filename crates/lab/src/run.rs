@@ -7,7 +7,7 @@ use crate::{Refused, Reply};
 use crowd_mechanics::engine::{BodyId, Chain, State, Vec2, World, vec2};
 use crowd_mechanics::setup::Setup;
 use lemons_people::Body3d;
-use lemons_record::Frame;
+use lemons_results::Frame;
 use lemons_sim::{Algorithm, Documents, Model, Simulation};
 use serde_json::json;
 use std::cell::OnceCell;

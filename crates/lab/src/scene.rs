@@ -3,9 +3,9 @@
 use crate::look::overlapping;
 use crate::run::Run;
 use crowd_mechanics::setup::Setup;
+use lemons_core::plane::{Rotation, shown_orientation};
+use lemons_core::trial::{Agent, Shape, Wall};
 use lemons_people::Person;
-use lemons_plane::{Rotation, shown_orientation};
-use lemons_trial::{Agent, Shape, Wall};
 use serde_json::{Value, json};
 
 /// Returns the walls' corners \[m\]; each agent's Id, mass \[kg\] and disks (x, y, radius \[m\], in the body's frame), and

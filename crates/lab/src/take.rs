@@ -6,14 +6,14 @@ use crate::run::Run;
 use crate::{Refused, Reply};
 use crowd_mechanics::engine::Chain;
 use crowd_mechanics::pack::{Binary, Format, Naming, Package, THIRD_PARTY};
+use lemons_core::files::source::Memory;
+use lemons_core::trial::DRIVE_FILE;
 use lemons_decision::WISHES_FILE;
-use lemons_files::source::Memory;
 use lemons_people::placing::{Progress, Stage, Watch};
 use lemons_people::{Agent, MeshPart, crowd_csv, write_obj, write_stl, zip_trial};
 use lemons_picture::{Fill, Force, Scene, Style, Values};
-use lemons_record::columns::Groups;
-use lemons_record::{Content, FrameWriter, TableWriter};
-use lemons_trial::DRIVE_FILE;
+use lemons_results::columns::Groups;
+use lemons_results::{Content, FrameWriter, TableWriter};
 use serde::Deserialize;
 use serde_json::json;
 use std::io::Cursor;
@@ -209,7 +209,7 @@ fn table(of: &Driven, steps: u32, watch: &mut Watch) -> Result<Vec<u8>, Refused>
     let content = Content { columns: groups.columns(), about: Vec::new() };
     let (file, path) = (Cursor::new(Vec::new()), Path::new("the table"));
     let writer =
-        TableWriter::create(file, path, lemons_record::Format::Csv, &content).map_err(Refused::of)?;
+        TableWriter::create(file, path, lemons_results::Format::Csv, &content).map_err(Refused::of)?;
     let ids = of.trial.agents.iter().map(|agent| agent.id.clone()).collect();
     let mut writer = FrameWriter::new(writer, ids, groups).map_err(Refused::of)?;
     writer.frame(&run.observed()).map_err(Refused::of)?;

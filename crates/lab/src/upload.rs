@@ -3,10 +3,10 @@
 use crate::Refused;
 use crate::driven::{Basis, Driven};
 use crowd_mechanics::setup;
+use lemons_core::files::input::{self, Bounded};
+use lemons_core::files::source::{Memory, Source};
+use lemons_core::trial::{DRIVE_FILE, DriveTable, FileNames, Parameters};
 use lemons_decision::WISHES_FILE;
-use lemons_files::input::{self, Bounded};
-use lemons_files::source::{Memory, Source};
-use lemons_trial::{DRIVE_FILE, DriveTable, FileNames, Parameters};
 use serde_json::Value;
 use std::io::{Cursor, Read as _};
 use std::path::{Component, Path, PathBuf};

@@ -4,13 +4,13 @@ use crate::channel::{Wire, channel_of};
 use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::kind::Kind as FileKind;
-use crate::system::{Component, System, component_of};
-use lemons_files::Scratch;
-use lemons_sim::Algorithm;
-use lemons_ssp::{
+use crate::ssp::{
     Affine, Allowance, Archive, Connector, Extent, Interface, Kind, ParameterSet, Single, SystemStructure,
     Type, Unit, Value, Variable, conversion, located,
 };
+use crate::system::{Component, System, component_of};
+use lemons_core::files::Scratch;
+use lemons_sim::Algorithm;
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::ops::Range;

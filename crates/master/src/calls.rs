@@ -11,8 +11,8 @@ mod values;
 
 pub use values::Value;
 
+use crate::ssp::Fmi;
 use lemons_fmi::Status;
-use lemons_ssp::Fmi;
 use libloading::Library;
 use std::ffi::{CString, NulError, c_int, c_uint, c_void};
 use std::fmt;

@@ -4,7 +4,7 @@ use crate::calls::Value;
 use crate::error::Result;
 use crate::instance::Instance;
 use crate::selection::Selection;
-use lemons_ssp::{Address, Affine, Type};
+use crate::ssp::{Address, Affine, Type};
 use std::collections::HashMap;
 
 /// A connection of single values, by component and address.

@@ -2,10 +2,10 @@
 
 use crate::error::{Place, Result};
 use crate::fmu::Fmu;
+use lemons_core::files::input;
+use lemons_core::trial::Trial;
 use lemons_decision::decision::PLAN_FILE;
 use lemons_decision::{Plan, Wishes};
-use lemons_files::input;
-use lemons_trial::Trial;
 use std::path::{Path, PathBuf};
 
 /// Which file says where the people of a Trial walk.

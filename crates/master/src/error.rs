@@ -3,10 +3,10 @@
 use crate::calls::{Answer, CallError};
 use crate::kind::Unexpected;
 use crowd_mechanics::pack::PackError;
+use lemons_core::trial::DriveError;
+use lemons_core::trial::Problems;
 use lemons_decision::WISHES_FILE;
 use lemons_sim::ClockError;
-use lemons_trial::DriveError;
-use lemons_trial::Problems;
 use std::collections::TryReserveError;
 use std::error::Error as StdError;
 use std::io;
@@ -49,7 +49,7 @@ pub enum Error {
     Unexpected(#[from] Unexpected),
     /// A model description or an SSP is wrong.
     #[error(transparent)]
-    Ssp(#[from] lemons_ssp::Error),
+    Ssp(#[from] crate::ssp::Error),
     /// An archive is damaged.
     #[error(transparent)]
     Zip(#[from] ZipError),
@@ -150,7 +150,7 @@ pub enum Error {
 
 impl Error {
     /// An error of an SSP.
-    pub(crate) fn ssp(error: impl Into<lemons_ssp::Error>) -> Error {
+    pub(crate) fn ssp(error: impl Into<crate::ssp::Error>) -> Error {
         Error::Ssp(error.into())
     }
 
@@ -203,7 +203,7 @@ pub enum SavedError {
     Zip(#[from] zip::result::ZipError),
     /// Two entries of the archive have one name, or it unpacks to too much.
     #[error(transparent)]
-    Archive(#[from] lemons_ssp::Error),
+    Archive(#[from] crate::ssp::Error),
     /// `run.toml` cannot be written.
     #[error(transparent)]
     Toml(#[from] toml::ser::Error),

@@ -7,11 +7,11 @@ use crate::kind::Kind;
 use crate::unzip::unzip_trial;
 use crowd_mechanics::pack::{Binary, Check, Draw, Format, PackError, Package};
 use crowd_mechanics::setup;
+use lemons_core::files::Scratch;
+use lemons_core::trial::{DriveChoice, DriveTable};
+use lemons_core::trial::{Problem, Problems, Severity, Trial};
 use lemons_decision::WISHES_FILE;
-use lemons_files::Scratch;
 use lemons_sim::Documents;
-use lemons_trial::{DriveChoice, DriveTable};
-use lemons_trial::{Problem, Problems, Severity, Trial};
 use std::path::{Component, Path, PathBuf};
 
 /// A Trial that somebody has given. A zip is unpacked into a directory that exists as long as this does.

@@ -1,8 +1,8 @@
 //! What a file is that was taken for something else.
 
+use crate::ssp::STRUCTURE_FILE;
 use crate::unzip::DESCRIPTION_FILE;
-use lemons_files::input;
-use lemons_ssp::STRUCTURE_FILE;
+use lemons_core::files::input;
 use std::fmt;
 use std::io::{BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};

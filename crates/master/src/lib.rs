@@ -1,6 +1,6 @@
 //! A master for FMUs of FMI 2.0 and 3.0.
 //!
-//! It knows of an FMU only its model description, and couples several FMUs by SSP. [`Settings`] say what is run and how;
+//! It knows of an FMU only its model description, and couples several FMUs by SSP ([`ssp`]). [`Settings`] say what is run and how;
 //! [`Prepared`] is a run of an FMU or an SSP that is ready, with an example.
 
 mod assemble;
@@ -20,6 +20,7 @@ mod refusal;
 mod saved;
 mod selection;
 mod settings;
+pub mod ssp;
 mod state;
 mod system;
 mod unzip;

@@ -12,8 +12,8 @@ use crate::refusal::{PrepareError, Warning};
 use crate::saved::Saved;
 use crate::settings::Settings;
 use crate::system::{Component, PLAY_DRIVE, System};
+use lemons_core::trial::{DriveChoice, DriveTable, Trial};
 use lemons_sim::{Clock, Model};
-use lemons_trial::{DriveChoice, DriveTable, Trial};
 use std::path::Path;
 use std::sync::Arc;
 

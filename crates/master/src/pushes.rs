@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::instance::Instance;
 use crate::selection::Selection;
-use lemons_trial::{Agent, DriveTable};
+use lemons_core::trial::{Agent, DriveTable};
 
 /// A drive, into an instance of a crowd.
 pub struct Pushes {

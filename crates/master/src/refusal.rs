@@ -2,8 +2,8 @@
 
 use crate::error::Error;
 use crate::kind::Unexpected;
+use lemons_core::trial::{DRIVE_FILE, Missed};
 use lemons_decision::WISHES_FILE;
-use lemons_trial::{DRIVE_FILE, Missed};
 use std::fmt;
 use std::path::PathBuf;
 

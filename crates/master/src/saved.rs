@@ -1,14 +1,14 @@
 //! A saved run: `run.toml` and the state of each component, in a zip.
 
 use crate::error::{Place, Result, SavedError};
+use crate::ssp::{Allowance, distinct};
 use crate::state::LARGEST_STATE;
 use crate::system::{Component, System};
-use lemons_files::Staged;
-use lemons_files::input;
+use lemons_core::files::Staged;
+use lemons_core::files::input;
+use lemons_core::trial::quoted;
 use lemons_fmi::fingerprint;
 use lemons_sim::{ExposureSum, Extremes};
-use lemons_ssp::{Allowance, distinct};
-use lemons_trial::quoted;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Display;

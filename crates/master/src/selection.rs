@@ -4,7 +4,7 @@
 //! one type: which of their elements are meant is found out once, not at each communication point.
 
 use crate::error::{Error, Result};
-use lemons_ssp::{Address, Fmi, Interface, Native};
+use crate::ssp::{Address, Fmi, Interface, Native};
 use std::collections::HashMap;
 
 /// Single values of an instance that are read or set together, in an order.

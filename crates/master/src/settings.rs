@@ -4,8 +4,8 @@ use crate::decider::PlanChoice;
 use crate::refusal::{PrepareError, Warning};
 use crate::saved::Saved;
 use crowd_mechanics::model_description::DEFAULT_STOP_TIME;
+use lemons_core::trial::DriveChoice;
 use lemons_sim::{Algorithm, Clock};
-use lemons_trial::DriveChoice;
 use std::path::PathBuf;
 
 /// What is run, and how: all that somebody has to say of a run. See [`Prepared::of`](crate::Prepared::of).

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::fmu::Fmu;
 use crate::instance::Instance;
 use crate::messages::{Messages, done};
-use lemons_ssp::Fmi;
+use crate::ssp::Fmi;
 use std::sync::Arc;
 
 /// \[byte\] The largest state, and the largest sum of those of all components, which are held in memory: some ten times that of 100 000 agents in contact.

@@ -15,10 +15,10 @@ use crate::error::{Error, Place, Result};
 use crate::fmu::Fmu;
 use crate::instance::Instance;
 use crate::refusal::Warning;
+use crate::ssp::{Single, Type};
 use crate::state::State;
+use lemons_core::trial::Trial;
 use lemons_sim::Algorithm;
-use lemons_ssp::{Single, Type};
-use lemons_trial::Trial;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 

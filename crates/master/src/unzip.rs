@@ -1,9 +1,9 @@
 //! An `.fmu`, or a zip of a Trial -> its files in a directory.
 
 use crate::error::{Error, Place, Result};
+use crate::ssp::{Allowance, STRUCTURE_FILE, distinct, leads_outside};
 use crowd_mechanics::model_description::LARGEST_DESCRIPTION;
-use lemons_files::{input, make_directories};
-use lemons_ssp::{Allowance, STRUCTURE_FILE, distinct, leads_outside};
+use lemons_core::files::{input, make_directories};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::BufReader;

@@ -4,8 +4,8 @@
 
 use crate::normal::{TruncatedNormal, TruncatedNormalError};
 use crate::random::uniform;
-use lemons_plane::Disk;
-use lemons_plane::vec2;
+use lemons_core::plane::Disk;
+use lemons_core::plane::vec2;
 use rand_chacha::rand_core::Rng;
 use thiserror::Error;
 

@@ -29,7 +29,7 @@ pub use sections::{CrowdSection, Placed, section};
 pub use slices::Polygon;
 
 use crate::person::Person;
-use lemons_plane::Vec2;
+use lemons_core::plane::Vec2;
 use skin::Ring;
 use slices::volume;
 use std::fmt;

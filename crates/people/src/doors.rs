@@ -1,7 +1,7 @@
 //! Walls with doors: gaps where people can pass.
 
-use lemons_plane::{Foot, Ring, Vec2};
-use lemons_trial::{Geometry, Wall};
+use lemons_core::plane::{Foot, Ring, Vec2};
+use lemons_core::trial::{Geometry, Wall};
 use thiserror::Error;
 
 /// \[m\] A door further from all walls is a mistake.
@@ -186,7 +186,7 @@ fn point_at(ring: &Ring, place: f64) -> Vec2 {
 mod tests {
     use super::*;
     use crate::walls;
-    use lemons_plane::{Bounds, vec2};
+    use lemons_core::plane::{Bounds, vec2};
 
     fn room() -> Vec<Ring> {
         vec![

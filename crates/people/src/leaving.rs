@@ -1,8 +1,8 @@
 //! Doors in the walls of a Geometry.xml, and the lines behind them where people have left.
 
 use crate::doors::{Door, DoorError, gap, nearest_wall, pieces};
-use lemons_plane::{Ring, Vec2};
-use lemons_trial::{Geometry, Wall};
+use lemons_core::plane::{Ring, Vec2};
+use lemons_core::trial::{Geometry, Wall};
 
 /// \[m\] From a door to the line behind it.
 const BEHIND: f64 = 1.0;
@@ -85,7 +85,7 @@ impl Door {
 mod tests {
     use super::*;
     use crate::{walls, with_doors};
-    use lemons_plane::{Bounds, vec2};
+    use lemons_core::plane::{Bounds, vec2};
 
     fn box_of(x: f64, y: f64) -> Ring {
         Ring::around(Bounds { low: Vec2::ZERO, high: vec2(x, y) })

@@ -32,7 +32,7 @@ pub use copula::{Correlations, CorrelationsError};
 pub use custom::{Custom, CustomError};
 pub use doors::{Door, DoorError, nearest_wall, with_doors};
 pub use leaving::{closed_walls, cut_doors};
-pub use lemons_plane::{Disk, Moments, union};
+pub use lemons_core::plane::{Disk, Moments, union};
 pub use light_xml::{
     Along, LightAgent, LightDisk, LightError, LightRectangle, LightSettings, LightShapes, light_xml,
     read_light_xml,

@@ -38,8 +38,8 @@ pub use write::light_xml;
 
 use crate::bicycle::Bicycle;
 use crate::shape::Shape;
-use lemons_plane::{Disk, Vec2, vec2};
-use lemons_xml::Problem;
+use lemons_core::plane::{Disk, Vec2, vec2};
+use lemons_core::xml::Problem;
 use thiserror::Error;
 
 /// An agent of a light file.

@@ -1,7 +1,7 @@
 //! A person, described by four measures.
 
-use lemons_plane::Vec2;
-use lemons_trial::Agent;
+use lemons_core::plane::Vec2;
+use lemons_core::trial::Agent;
 use serde::Deserialize;
 use thiserror::Error;
 

@@ -14,7 +14,7 @@ mod region;
 mod region_error;
 
 use crate::shape::Shape;
-use lemons_plane::{Disk, Pose, Rotation};
+use lemons_core::plane::{Disk, Pose, Rotation};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 

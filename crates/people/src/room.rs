@@ -2,8 +2,8 @@
 
 use crate::placing::{Region, RegionError};
 use crate::{Door, DoorError, nearest_wall, walls, with_doors};
-use lemons_plane::{Bounds, Ring, Vec2, vec2};
-use lemons_trial::Geometry;
+use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
+use lemons_core::trial::Geometry;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 

@@ -1,9 +1,9 @@
 //! Shapes that consist of disks.
 
 use crate::person::Person;
-use lemons_plane::Disk;
-use lemons_plane::{Moments, union};
-use lemons_plane::{Rotation, Vec2, vec2};
+use lemons_core::plane::Disk;
+use lemons_core::plane::{Moments, union};
+use lemons_core::plane::{Rotation, Vec2, vec2};
 use thiserror::Error;
 
 /// The union of some disks: a pedestrian seen from above, in its own frame. The origin is the centroid of the area, the
@@ -160,10 +160,10 @@ impl Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_trial::Agent;
+    use lemons_core::trial::Agent;
 
     fn paper() -> Vec<Agent> {
-        crowd_mechanics::setup::read(&lemons_testing::trial_push()).unwrap().0.agents
+        crowd_mechanics::setup::read(&lemons_verify::testing::trial_push()).unwrap().0.agents
     }
 
     fn shape(agent: &Agent) -> Shape {

@@ -5,8 +5,8 @@
 
 use crate::person::{Measure, Person, Sex};
 use csv::{ByteRecord, ReaderBuilder};
-use lemons_files::input;
-use lemons_trial::Problem;
+use lemons_core::files::input;
+use lemons_core::trial::Problem;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use thiserror::Error;

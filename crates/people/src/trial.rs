@@ -8,9 +8,9 @@
 use crate::person::Person;
 use crate::shape::Shape;
 use crowd_mechanics::setup::Setup;
-use lemons_files::{Change, Staged, StagedDirectory, WriteError, change_all};
-use lemons_plane::{Pose, Ring, Rotation, Vec2, vec2};
-use lemons_trial::{
+use lemons_core::files::{Change, Staged, StagedDirectory, WriteError, change_all};
+use lemons_core::plane::{Pose, Ring, Rotation, Vec2, vec2};
+use lemons_core::trial::{
     Agent, AgentDynamics, Contact, Geometry, INTERACTIONS, Interactions, Material, Materials, Parameters,
     Trial, Wall,
 };
@@ -160,7 +160,7 @@ pub fn crowd_trial(
         shapes: shape
             .disks
             .iter()
-            .map(|disk| lemons_trial::Shape {
+            .map(|disk| lemons_core::trial::Shape {
                 radius: disk.radius,
                 material_id: settings.people.clone(),
                 position: disk.centre,
@@ -304,7 +304,7 @@ pub fn write_trial_with(
     let write_in = |directory: &Path, stale: Option<PathBuf>| {
         let texts = texts(directory);
         for parent in texts.iter().filter_map(|(path, _)| path.parent()) {
-            lemons_files::make_directories(parent).map_err(WriteError::at(parent))?;
+            lemons_core::files::make_directories(parent).map_err(WriteError::at(parent))?;
         }
         let stale = stale.filter(|stale| texts.iter().all(|(path, _)| path != stale));
         let writes = texts.into_iter().map(|(path, text)| Change::Write(path, text));
@@ -370,7 +370,7 @@ pub fn zip_trial<W: Write + Seek>(trial: &Trial, others: &[(&str, &str)], output
 mod tests {
     use super::*;
     use crate::person::Sex;
-    use lemons_plane::Bounds;
+    use lemons_core::plane::Bounds;
     use tempfile::TempDir;
 
     fn person(breadth: f64) -> Person {
@@ -393,7 +393,7 @@ mod tests {
 
     #[test]
     fn the_papers_materials_are_those_of_its_example() {
-        let (trial, _) = crowd_mechanics::setup::read(&lemons_testing::trial_push()).unwrap();
+        let (trial, _) = crowd_mechanics::setup::read(&lemons_verify::testing::trial_push()).unwrap();
         assert_eq!(paper_materials(), trial.materials);
     }
 

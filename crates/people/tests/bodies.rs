@@ -1,7 +1,7 @@
 //! Bodies against what they are to follow: a person's measures, Euler's and Gauss's theorems, other tools' readers.
 
+use lemons_core::plane::{Pose, Vec2, vec2};
 use lemons_people::*;
-use lemons_plane::{Pose, Vec2, vec2};
 use std::collections::BTreeMap;
 
 /// Breadth, depth, stature \[m\], mass \[kg\]: means and SDs in the US Army ANSUR II survey (2012).

@@ -4,10 +4,10 @@
 
 use crowd_mechanics::engine::World;
 use crowd_mechanics::setup::Setup;
+use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
+use lemons_core::trial::{Contact, Geometry, Material, Trial, Wall, stiffness};
 use lemons_people::{Person, Sex, Shape, TrialSettings, crowd_trial, paper_materials};
 use lemons_picture::{Axis, Chart, ChartPanel, ChartStyle, Line, chart_svg};
-use lemons_plane::{Pose, Rotation, Vec2, vec2};
-use lemons_trial::{Contact, Geometry, Material, Trial, Wall, stiffness};
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -234,7 +234,7 @@ fn speed() -> String {
 }
 
 fn guide() -> PathBuf {
-    lemons_testing::repository().join("docs/guide")
+    lemons_verify::testing::repository().join("docs/guide")
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::body::{TENTH_OF_MM, point};
 use crate::colour::{Colour, Palette};
 use crate::plane::{drawable, near};
 use crate::text::{escaped, number, text_of};
-use lemons_plane::{Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
 use std::fmt::Write;
 
 /// \[m\] Thickness of the handlebar, seen from above.

@@ -2,8 +2,8 @@
 
 use crate::plane::near;
 use crate::text::{number, pair};
-use lemons_plane::{Pose, Rotation, Vec2, vec2};
-use lemons_trial::Agent;
+use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
+use lemons_core::trial::Agent;
 use std::f64::consts::{PI, TAU};
 
 /// \[rad\] Longest arc in one SVG command. Near a half turn the centre would depend on the last digit.

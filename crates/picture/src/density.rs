@@ -1,8 +1,8 @@
 //! People per area.
 
 use crate::plane::{View, near};
-use lemons_plane::{Vec2, vec2};
-use lemons_trial::Wall;
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::Wall;
 
 /// \[m\] Default standard deviation of the kernel: slightly more than half a shoulder breadth.
 pub const DENSITY_KERNEL: f64 = 0.3;

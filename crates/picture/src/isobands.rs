@@ -7,7 +7,7 @@ use crate::page::Frame;
 use crate::scene::Scene;
 use crate::text::{escaped, pair, text_of};
 use contour::ContourBuilder;
-use lemons_plane::{Vec2, vec2};
+use lemons_core::plane::{Vec2, vec2};
 use std::collections::BTreeMap;
 
 /// Number of shades of a density map.

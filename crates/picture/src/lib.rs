@@ -1,7 +1,7 @@
 //! Pictures of a scene: SVG, and PNG or PDF made from that SVG.
 //!
 //! ```
-//! # use lemons_trial::Trial;
+//! # use lemons_core::trial::Trial;
 //! # use lemons_picture::{PictureError, Scene, Style};
 //! # fn picture(trial: &Trial) -> Result<Vec<u8>, PictureError> {
 //! let svg = lemons_picture::svg(&Scene::at_start(trial), &Style::default());
@@ -49,7 +49,7 @@ pub use colour::{Colour, ColourMap, Theme, viridis};
 pub use density::{DENSITY_KERNEL, DensityMap};
 pub use draw::svg;
 pub use ids::ids_without_room;
-pub use lemons_plane::Pose;
+pub use lemons_core::plane::Pose;
 pub use pdf::pdf;
 pub use plane::View;
 pub use raster::{PictureError, Pixels, pixels, png};

@@ -7,7 +7,7 @@ use crate::page::Frame;
 use crate::plane::near;
 use crate::scene::{Force, Scene, TrailKind};
 use crate::text::text_of;
-use lemons_plane::Vec2;
+use lemons_core::plane::Vec2;
 use std::fmt::Write;
 
 /// \[px\] Halo on each side of a trail.

@@ -2,7 +2,7 @@
 
 use crate::plane::{View, near};
 use crate::scene::Scene;
-use lemons_plane::{Vec2, vec2};
+use lemons_core::plane::{Vec2, vec2};
 
 /// \[px\] Page width at which lines and letters have their nominal sizes in px.
 pub(crate) const NOMINAL_WIDTH: f64 = 400.0;

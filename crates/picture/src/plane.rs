@@ -1,6 +1,6 @@
 //! Points, poses and rectangles that can be drawn.
 
-use lemons_plane::{Pose, Vec2};
+use lemons_core::plane::{Pose, Vec2};
 
 /// \[m\] Points further from the origin are not drawn, nor are points that are not finite. Decimals and the
 /// rasterizer's single precision are not sufficient there.

@@ -4,8 +4,8 @@ use crate::bicycle::Bicycle;
 use crate::body::Body;
 use crate::density::DensityMap;
 use crate::plane::{View, drawable, near};
-use lemons_plane::{Pose, Vec2, vec2};
-use lemons_trial::Trial;
+use lemons_core::plane::{Pose, Vec2, vec2};
+use lemons_core::trial::Trial;
 
 /// A contact force, drawn as a line whose width is proportional to it.
 #[derive(Debug, Clone, Copy, PartialEq)]

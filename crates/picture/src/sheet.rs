@@ -10,7 +10,7 @@ use crate::plane::View;
 use crate::scene::Scene;
 use crate::style::{Fill, Style};
 use crate::world::{CUT_BORDER, is_cut, world};
-use lemons_plane::vec2;
+use lemons_core::plane::vec2;
 
 /// \[px\] Distance between two panels.
 const GUTTER: f64 = 14.0;

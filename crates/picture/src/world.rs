@@ -14,7 +14,7 @@ use crate::plane::near;
 use crate::scene::Scene;
 use crate::style::Style;
 use crate::text::{PX, escaped, number, text_of};
-use lemons_plane::{Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
 use std::fmt::Write;
 
 /// \[px\] Width of walls.

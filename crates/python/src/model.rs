@@ -2,12 +2,12 @@
 
 use crate::CommandError;
 use crowd_mechanics::setup;
+use lemons_core::files::input;
+use lemons_core::files::source::Memory;
+use lemons_core::trial::{DriveChoice, DriveTable, FileNames, Shape, Trial};
 use lemons_decision::Plan;
-use lemons_files::input;
-use lemons_files::source::Memory;
 use lemons_master::{PlanChoice, documents_of, whole};
 use lemons_sim::Documents;
-use lemons_trial::{DriveChoice, DriveTable, FileNames, Shape, Trial};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

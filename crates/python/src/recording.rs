@@ -2,8 +2,8 @@
 
 use crate::simulation::{Simulation, refused};
 use crowd_mechanics::engine::{World, Wrench, vec2};
-use lemons_measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
-use lemons_record::columns::{CONTACTS, Groups, MOTION, OF_STEP, Quantity, SQUEEZE};
+use lemons_results::columns::{CONTACTS, Groups, MOTION, OF_STEP, Quantity, SQUEEZE};
+use lemons_results::measure::{LATEST, Leaving, Over, REACH, STANDSTILL};
 use lemons_sim::stop::places;
 use lemons_sim::{Clock, Model, SimError};
 use numpy::{IntoPyArray, PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3};

@@ -3,7 +3,7 @@
 use crate::model::Model;
 use crate::simulation::{Simulation, refused};
 use lemons_master::PlanChoice;
-use lemons_measure::LATEST;
+use lemons_results::measure::LATEST;
 use lemons_sim::{Algorithm, Clock};
 use lemons_sweep::{Finished, Measured, Models, Plan, Template, Values, check_parameters, identity};
 use pyo3::create_exception;

@@ -1,6 +1,6 @@
 //! What a crowd went through: at worst, and since the last rows of a table.
 
-use lemons_record::{Frame, OfStep};
+use lemons_results::{Frame, OfStep};
 use serde::{Deserialize, Serialize};
 
 /// The extremes of a run, over whole communication steps where frames have such numbers.

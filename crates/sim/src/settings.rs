@@ -2,8 +2,8 @@
 
 use crate::simulation::{SimError, Simulation};
 use crowd_mechanics::variables::{self, AgentQuantity};
+use lemons_core::files::words;
 use lemons_decision::decision;
-use lemons_files::words;
 use lemons_fmi::variables::{Kind, Role, Variable};
 use lemons_fmi::{Model, Phase};
 use std::collections::BTreeMap;

@@ -1,8 +1,8 @@
 //! When a run ends before its time: the crowd has come to rest, or has left.
 
-use lemons_measure::Leaving;
-use lemons_plane::Vec2;
-use lemons_record::Frame;
+use lemons_core::plane::Vec2;
+use lemons_results::Frame;
+use lemons_results::measure::Leaving;
 
 /// \[s\] Nobody moves for so long.
 pub const REST: f64 = 1.0;

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Place, Result};
 use crate::points::{MOST_POINTS, Points, Room, Values, too_many};
-use lemons_files::input;
+use lemons_core::files::input;
 use serde::Deserialize;
 use std::path::Path;
 

@@ -8,10 +8,10 @@ use crate::measure::squeeze::Squeezed;
 use crate::places::Places;
 use crate::spec::Spec;
 use crate::subject::{Reads, Subject};
-use lemons_measure::Density;
-use lemons_plane::Vec2;
-use lemons_record::Frame;
-use lemons_trial::Wall;
+use lemons_core::plane::Vec2;
+use lemons_core::trial::Wall;
+use lemons_results::Frame;
+use lemons_results::measure::Density;
 use std::collections::HashMap;
 
 /// All measures of a point.

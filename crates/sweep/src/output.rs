@@ -1,6 +1,6 @@
 //! Which outputs of a run are looked at.
 
-use lemons_record::Frame;
+use lemons_results::Frame;
 use lemons_sim::settings::Selection;
 use lemons_sim::{SimError, Simulation};
 use serde::Deserialize;

@@ -1,11 +1,11 @@
 //! Lines and areas that a sweep measures at.
 
 use crate::error::{Error, Place, Result};
-use lemons_files::input;
-use lemons_measure::{Line, MeasuringArea, Room};
-use lemons_plane::{Vec2, polygon_from_wkt};
-use lemons_record::{given_area, walkable_area};
-use lemons_trial::Wall;
+use lemons_core::files::input;
+use lemons_core::plane::{Vec2, polygon_from_wkt};
+use lemons_core::trial::Wall;
+use lemons_results::measure::{Line, MeasuringArea, Room};
+use lemons_results::{given_area, walkable_area};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 

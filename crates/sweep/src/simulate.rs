@@ -6,7 +6,7 @@ use crate::identity;
 use crate::models::Models;
 use crate::spec::Spec;
 use crate::subject::{Reads, Subject};
-use lemons_measure::{Leaving, Over};
+use lemons_results::measure::{Leaving, Over};
 use lemons_sim::stop::places;
 use lemons_sim::{Point, Simulation};
 use serde_json::{Map, Value};

@@ -6,9 +6,9 @@ use crate::models::{Plan, Simulated};
 use crate::output::{Of, Reading};
 use crate::points::{Points, Values};
 use crate::spec::{End, Spec};
+use lemons_core::trial::Trial;
 use lemons_master::documents_of;
 use lemons_sim::{Clock, Documents, Simulation};
-use lemons_trial::Trial;
 use std::collections::HashSet;
 
 /// A Trial, ready for any number of points in any number of threads.

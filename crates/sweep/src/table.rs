@@ -7,7 +7,7 @@
 
 use crate::error::{Error, Place, Result};
 use crate::points::Points;
-use lemons_files::Staged;
+use lemons_core::files::Staged;
 use serde_json::{Map, Value};
 use std::fs::{File, TryLockError};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -406,7 +406,10 @@ mod tests {
             std::fs::write(&path, &whole[..length]).unwrap();
             let table = open();
             assert!(table.rows().all(|row| [&fallen(0), &fallen(1), &far].contains(&row)), "{length}");
-            assert_eq!(table.rows().count(), if length == whole.len() { 3 } else { table.rows().count().min(2) });
+            assert_eq!(
+                table.rows().count(),
+                if length == whole.len() { 3 } else { table.rows().count().min(2) }
+            );
         }
         let text = String::from_utf8(whole).unwrap();
         std::fs::write(&path, text.replace("status,error", "state")).unwrap();

@@ -4,7 +4,7 @@
 //!
 //! With `cases`, each case has a line.
 
-use lemons_verify::reference;
+use lemons_verify::checks::reference;
 
 /// \[s\]
 const STEPS: [f64; 9] = [1e-7, 1e-6, 2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4];

@@ -20,7 +20,7 @@ fn make(what: &str, place: &Path) -> io::Result<()> {
     match what {
         "page" => std::fs::write(place, page::page(lemons_cli::definition())),
         "trial" => {
-            let page = lemons_trial::reference_page(&std::fs::read_to_string(place)?);
+            let page = lemons_core::trial::reference_page(&std::fs::read_to_string(place)?);
             std::fs::write(place, page.map_err(io::Error::other)?)
         }
         "man" => {

@@ -2,8 +2,8 @@
 
 use super::Arguments;
 use super::pass::{OVER, Passed, QUANTILES};
-use lemons_measure::{Density, Passage, Way, windows};
 use lemons_picture::{Axis, Chart, ChartPanel, ChartStyle, Line, chart_svg};
+use lemons_results::measure::{Density, Passage, Way, windows};
 
 /// \[px\]
 pub const WIDTH: u32 = 800;

@@ -2,7 +2,7 @@
 
 use crate::error::Misused;
 use anyhow::{Result, bail};
-use lemons_measure::{Line, MeasuringArea};
+use lemons_results::measure::{Line, MeasuringArea};
 
 /// What has a name of its own, or gets its number for one.
 #[derive(Clone)]

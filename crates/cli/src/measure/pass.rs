@@ -2,11 +2,11 @@
 
 use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
-use lemons_measure::{
+use lemons_results::measure::{
     Density, Departures, Exposed, Exposure, Left, Line, MeasuringArea, MovingMeans, Passages, Room, quantile,
     squeeze, within,
 };
-use lemons_record::{Frame, Record};
+use lemons_results::{Frame, Record};
 
 /// What is looked at.
 pub struct Pass<'a> {

@@ -4,10 +4,10 @@ use super::options::Named;
 use super::pass::Passed;
 use super::{Arguments, shown};
 use anyhow::Result;
-use lemons_measure::{
+use lemons_results::Record;
+use lemons_results::measure::{
     Crossings, Density, Exposed, Left, Line, MeanMax, MeasuringArea, Passages, SPANS, Way, quantile,
 };
-use lemons_record::Record;
 use serde::Serialize;
 
 /// SI units; null: not known.

@@ -8,8 +8,8 @@ use super::pass::Passed;
 use super::summary::Summary;
 use crate::output::Output;
 use anyhow::{Context, Result};
-use lemons_measure::{Flow, SPANS, Way, windows};
-use lemons_record::Record;
+use lemons_results::Record;
+use lemons_results::measure::{Flow, SPANS, Way, windows};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

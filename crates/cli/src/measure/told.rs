@@ -3,7 +3,7 @@
 use super::summary::{OfArea, OfLine, OfPeople, OfSqueeze, Summary};
 use crate::tell;
 use anyhow::Result;
-use lemons_measure::{Crossings, Left, MeanMax};
+use lemons_results::measure::{Crossings, Left, MeanMax};
 use std::io::Write;
 
 pub fn tell(summary: &Summary) -> Result<()> {

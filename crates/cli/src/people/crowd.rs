@@ -17,15 +17,15 @@ use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 use crowd_mechanics::pack::Binary;
 use crowd_mechanics::setup;
+use lemons_core::files::Scratch;
+use lemons_core::trial::Trial;
 use lemons_decision::{Plan, WISHES_FILE, Wishes};
-use lemons_files::Scratch;
 use lemons_master::Given;
 use lemons_people::{
     Agent, Body3d, CrowdStatistics, Overwrite, Person, Shape, TORSO_ALTITUDE, TRIAL_FILES, TrialSettings,
     crowd_csv, crowd_trial, heading, light_xml, may_write, write_trial, write_trial_with, write_trial_zip,
 };
 use lemons_picture::{Fill, Scene};
-use lemons_trial::Trial;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -3,11 +3,11 @@
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::output::Output;
 use anyhow::{Context, Result};
+use lemons_core::plane::Pose;
 use lemons_people::{
     Agent, Along, Body3d, CrowdSection, LightAgent, LightSettings, MeshPart, Placed, Shape, section,
     write_obj, write_stl,
 };
-use lemons_plane::Pose;
 use std::io::Write;
 
 /// Ids are places in the crowd. Bicycles stand along an axis.

@@ -5,11 +5,11 @@ use crate::error::and_then;
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::Result;
-use lemons_files::Staged;
+use lemons_core::files::Staged;
+use lemons_core::plane::Pose;
+use lemons_core::trial::Geometry;
 use lemons_people::{Agent, Shape, TrialSettings, crowd_trial, write_geojson, write_wkt};
 use lemons_picture::{Bicycle as Drawn, Colour, Fill, Scene, Style, pdf, png, svg};
-use lemons_plane::Pose;
-use lemons_trial::Geometry;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 

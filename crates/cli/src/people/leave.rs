@@ -3,7 +3,7 @@
 use crate::error::Misused;
 use anyhow::Result;
 use clap::ValueEnum;
-use lemons_plane::{Vec2, vec2};
+use lemons_core::plane::{Vec2, vec2};
 use std::fmt::Write;
 
 /// \[m/s\] Mean speed of pedestrians who walk freely (Weidmann 1993).

@@ -6,13 +6,13 @@ use crate::files::Force;
 use crate::output::Output;
 use crate::tell;
 use anyhow::Result;
+use lemons_core::plane::{Pose, vec2};
+use lemons_core::trial::Geometry;
 use lemons_people::{
     Body3d, Placed, Shape, TrialSettings, crowd_trial, section, write_geojson, write_obj, write_stl,
     write_wkt,
 };
 use lemons_picture::{Scene, Style, pdf, svg};
-use lemons_plane::{Pose, vec2};
-use lemons_trial::Geometry;
 use std::io::Write;
 use std::path::PathBuf;
 

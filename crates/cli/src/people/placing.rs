@@ -6,13 +6,13 @@ use crate::interrupt::{Interrupt, Interrupted};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
+use lemons_core::plane::{Bounds, Pose, Ring, Vec2, vec2};
+use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
     Dense, Ended, Grid, Measure, Orientation, Packing, Paper, Progress, Region, RegionError, Stage, dense,
     grid, measure, paper, placing_seed, wider,
 };
 use lemons_people::{Door, Shape, closed_walls, cut_doors, nearest_wall, walls};
-use lemons_plane::{Bounds, Pose, Ring, Vec2, vec2};
-use lemons_trial::{Geometry, Wall};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Duration;

@@ -3,10 +3,10 @@
 use super::within;
 use crate::error::Misused;
 use anyhow::{Context, Result, bail};
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::{FARTHEST, Geometry};
 use lemons_people::Door;
 use lemons_people::placing::{Part, Region};
-use lemons_plane::{Vec2, vec2};
-use lemons_trial::{FARTHEST, Geometry};
 
 /// More are a mistake.
 const MOST: f64 = 1e6;

@@ -2,7 +2,7 @@
 
 use super::{breadth, depth, mass, person, stature};
 use anyhow::{Context, Result};
-use lemons_files::input;
+use lemons_core::files::input;
 use lemons_people::{Custom, Person, Population, Proportions, Sex, Source, Survey};
 use std::path::PathBuf;
 

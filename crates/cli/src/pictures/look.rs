@@ -8,12 +8,12 @@ use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use lemons_core::plane::{Vec2, vec2};
 use lemons_picture::{
     Colour, ColourMap, Fill, Force, Scene, Style, Theme, Trail, TrailKind, Values, View, Visibility,
     body_area, ids_without_room,
 };
-use lemons_plane::{Vec2, vec2};
-use lemons_record::Run;
+use lemons_results::Run;
 use std::path::PathBuf;
 
 /// \[m\] A trail's points are not nearer than this to each other.

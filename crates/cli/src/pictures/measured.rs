@@ -2,9 +2,9 @@
 
 use super::moment::agents_at;
 use anyhow::{Context, Result, bail};
-use lemons_files::input;
-use lemons_plane::{Vec2, vec2};
-use lemons_record::Run;
+use lemons_core::files::input;
+use lemons_core::plane::{Vec2, vec2};
+use lemons_results::Run;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -108,8 +108,8 @@ fn plain(column: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_plane::{Motion, Pose, Twist};
-    use lemons_record::Frame;
+    use lemons_core::plane::{Motion, Pose, Twist};
+    use lemons_results::Frame;
 
     fn read(text: &str) -> Result<Measured> {
         let file = tempfile::NamedTempFile::new().unwrap();

@@ -3,11 +3,11 @@
 use anyhow::bail;
 use crowd_mechanics::engine::{BodyId, Chain, Crowded, State, World};
 use crowd_mechanics::setup::{Setup, WorldError};
+use lemons_core::plane::{Motion, Pose, vec2};
+use lemons_core::trial::Trial;
 use lemons_picture::Force;
-use lemons_plane::{Motion, Pose, vec2};
-use lemons_record::{Frame, Observed, Run};
+use lemons_results::{Frame, Observed, Run};
 use lemons_sim::stop::moves;
-use lemons_trial::Trial;
 
 /// The crowd at one time.
 pub struct Moment {

@@ -10,7 +10,7 @@ use crate::interrupt::Interrupt;
 use crate::output::Output;
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressStyle;
-use lemons_files::{Scratch, Staged, input};
+use lemons_core::files::{Scratch, Staged, input};
 use lemons_picture::{Animation, AnimationFormat, Pixels, Scene, Style, pixels, svg};
 use lemons_sim::stop::REST;
 use rayon::prelude::*;

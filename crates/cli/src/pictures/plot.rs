@@ -11,10 +11,10 @@ use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::run::{Until, until};
 use anyhow::{Result, bail};
-use lemons_measure::within;
 use lemons_picture::{
     ChartStyle, DENSITY_KERNEL, DensityMap, Panel, Scene, Style, Visibility, chart_svg, pdf, png, sheet, svg,
 };
+use lemons_results::measure::within;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -4,10 +4,10 @@ use super::moment::Moment;
 use crate::error::Misused;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use lemons_measure::{MovingMeans, squeeze};
+use lemons_core::plane::Motion;
 use lemons_picture::ColourMap;
-use lemons_plane::Motion;
-use lemons_record::{Observed, OfStep, Run};
+use lemons_results::measure::{MovingMeans, squeeze};
+use lemons_results::{Observed, OfStep, Run};
 
 /// What is known of each agent at each time.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -196,8 +196,8 @@ fn means(run: &Run, over: Option<f64>, greatest: bool) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lemons_measure::Exposure;
-    use lemons_record::Frame;
+    use lemons_results::Frame;
+    use lemons_results::measure::Exposure;
     use std::path::PathBuf;
 
     /// Two people for three seconds, in steps of 0.1 s. The second one leaves after two.

@@ -6,9 +6,9 @@ use super::moment::Footage;
 use super::quantity::{Quantity, Shown};
 use super::source::Opened;
 use anyhow::{Result, bail};
-use lemons_measure::within;
 use lemons_picture::{Axis, Chart, ChartPanel, Line};
-use lemons_record::Run;
+use lemons_results::Run;
+use lemons_results::measure::within;
 
 /// What is shown of a run.
 pub struct Selection<'a> {

@@ -10,12 +10,12 @@ use crate::export::{expect_table, trial_of};
 use crate::interrupt::{Interrupt, Interrupted};
 use crate::run::{Ends, Job, RowTarget, Until, drive_of, name_and_value_of_all, not_set, simulate};
 use anyhow::{Context, Result, bail};
+use lemons_core::plane::Motion;
+use lemons_core::trial::{AgentDynamics, DriveTable, Trial};
 use lemons_master::Settings;
-use lemons_plane::Motion;
-pub use lemons_record::Wanted;
-use lemons_record::{Frame, Record, Run};
+pub use lemons_results::Wanted;
+use lemons_results::{Frame, Record, Run};
 use lemons_sim::{Algorithm, Clock, Documents, Simulation};
-use lemons_trial::{AgentDynamics, DriveTable, Trial};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -65,7 +65,7 @@ pub enum End {
     NotBefore(f64),
     /// When all have come to rest, and at [`LATEST`].
     Still,
-    /// When nobody is there any more, and at [`lemons_measure::LATEST`].
+    /// When nobody is there any more, and at [`lemons_results::measure::LATEST`].
     Left,
 }
 
@@ -91,7 +91,7 @@ impl End {
         match self {
             End::At(time) | End::NotBefore(time) => time,
             End::Still => LATEST,
-            End::Left => lemons_measure::LATEST,
+            End::Left => lemons_results::measure::LATEST,
         }
     }
 }

@@ -6,13 +6,13 @@ use crate::connect::plain_names;
 use crate::results::{Column, Kind};
 use crate::words::{refused, warned};
 use anyhow::{Context, Error, Result};
+use lemons_core::plane::{Motion, Pose, Twist, vec2};
+use lemons_core::trial::Trial;
+use lemons_master::ssp::{Interface, Kind as Causality, Type};
 use lemons_master::{Component, Saved, Selection, Settings, System, plan_in, wiring_of};
-use lemons_plane::{Motion, Pose, Twist, vec2};
-use lemons_record::columns::{self, Groups};
-use lemons_record::{Frame, Observed, OfStep, Totals};
+use lemons_results::columns::{self, Groups};
+use lemons_results::{Frame, Observed, OfStep, Totals};
 use lemons_sim::{Clock, Model};
-use lemons_ssp::{Interface, Kind as Causality, Type};
-use lemons_trial::Trial;
 use std::path::PathBuf;
 
 struct FmuRun {

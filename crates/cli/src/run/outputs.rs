@@ -3,9 +3,9 @@
 use super::About;
 use crate::results::{self, Cell, Column, Content, Kind, Place, TableWriter, told};
 use anyhow::Result;
-use lemons_files::Staged;
+use lemons_core::files::Staged;
+use lemons_master::ssp::{Address, Kind as Causality, Type};
 use lemons_master::{Instance, Selection, System, Value};
-use lemons_ssp::{Address, Kind as Causality, Type};
 
 /// Outputs that are warned of by name.
 const MOST_WARNINGS: usize = 20;

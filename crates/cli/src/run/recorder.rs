@@ -5,9 +5,9 @@ use super::subject::CrowdInfo;
 use crate::compared::{Follower, Poses, Seen};
 use crate::results::{self, Content, Format, FrameWriter, Place, told};
 use anyhow::{Result, bail};
-use lemons_files::Staged;
+use lemons_core::files::Staged;
 use lemons_master::{CrowdRecord, Saved};
-use lemons_record::{Frame, Recorder, Run, Wanted};
+use lemons_results::{Frame, Recorder, Run, Wanted};
 use lemons_sim::{ExposureSum, Extremes, Greatest};
 use std::path::{Path, PathBuf};
 

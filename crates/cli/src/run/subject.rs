@@ -1,12 +1,12 @@
 //! What a run steps: a Trial in memory, or FMUs.
 
 use anyhow::{Error, Result};
+use lemons_core::trial::Trial;
 use lemons_decision::Plan;
 use lemons_master::{ComponentRecord, Saved};
-use lemons_record::Frame;
-use lemons_record::columns::{Column, Groups};
+use lemons_results::Frame;
+use lemons_results::columns::{Column, Groups};
 use lemons_sim::{Clock, Model};
-use lemons_trial::Trial;
 use std::path::PathBuf;
 
 /// A crowd whose frames a run records.

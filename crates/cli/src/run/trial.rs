@@ -10,8 +10,8 @@ use crowd_mechanics::model_description::MODEL_NAME;
 use crowd_mechanics::variables::{Quantity, guid, table};
 use lemons_fmi::variables::{Kind as VariableKind, Variable};
 use lemons_master::{ComponentRecord, Given, PrepareError, Settings, Warning, read_saved};
-use lemons_record::Frame;
-use lemons_record::columns::Groups;
+use lemons_results::Frame;
+use lemons_results::columns::Groups;
 use lemons_sim::settings::{DECISION, Selection};
 use lemons_sim::{Clock, Documents, Model, SimError, Simulation};
 use std::collections::BTreeMap;
@@ -229,7 +229,7 @@ pub fn prepare(given: &Given, settings: &Settings, outputs: Option<&Place>) -> R
 pub fn documents(
     given: &Given,
     settings: &Settings,
-) -> Result<(Documents, lemons_trial::Problems, Option<PathBuf>)> {
+) -> Result<(Documents, lemons_core::trial::Problems, Option<PathBuf>)> {
     let read = given.documents(&settings.drive, &settings.plan);
     read.map_err(|error| crate::words::trial_told(error.into()))
 }
@@ -249,8 +249,8 @@ pub fn not_set(error: SimError) -> Error {
 /// Whether nobody has a speed or a force at the start.
 fn is_still(simulation: &Simulation) -> bool {
     simulation.world().is_some_and(|world| {
-        let still = |(twist, drive): (&lemons_plane::Twist, &crowd_mechanics::engine::Wrench)| {
-            *twist == lemons_plane::Twist::default() && *drive == Default::default()
+        let still = |(twist, drive): (&lemons_core::plane::Twist, &crowd_mechanics::engine::Wrench)| {
+            *twist == lemons_core::plane::Twist::default() && *drive == Default::default()
         };
         world.state().twists.iter().zip(&world.drive).all(still)
     })

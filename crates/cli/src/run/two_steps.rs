@@ -6,7 +6,7 @@ use crate::error::Misused;
 use crate::interrupt::Interrupt;
 use anyhow::{Result, bail};
 use lemons_master::Settings;
-use lemons_record::Wanted;
+use lemons_results::Wanted;
 
 /// The parameter that is chosen.
 const STEP: &str = "TimeStepMechanical";

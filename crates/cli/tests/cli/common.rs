@@ -1,6 +1,6 @@
 //! What the tests of the command share.
 
-pub use lemons_testing::{repository as root, trial_push as default_trial};
+pub use lemons_verify::testing::{repository as root, trial_push as default_trial};
 use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::Once;

@@ -9,7 +9,7 @@
 
 use crate::common::{decision_library, root};
 use crate::coupling::controller::{DESCRIPTION, write_controller};
-use lemons_trial::{Parameters, Trial};
+use lemons_core::trial::{Parameters, Trial};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

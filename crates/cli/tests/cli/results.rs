@@ -1,7 +1,7 @@
 //! What `lemons run` writes, stops and goes on with.
 
 use crate::common::{lemons, out};
-use lemons_record::Run;
+use lemons_results::Run;
 use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};

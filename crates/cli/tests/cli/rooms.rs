@@ -1,7 +1,7 @@
 //! `lemons crowd` in rooms with doors, and on parts of the ground.
 
 use crate::common::{done, out};
-use lemons_trial::Trial;
+use lemons_core::trial::Trial;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -40,7 +40,7 @@ fn distance(p: Point, a: Point, b: Point) -> f64 {
 
 /// The least distance of any disk from any wall.
 fn from_walls(trial: &Trial) -> f64 {
-    let corner = |place: &lemons_plane::Vec2| (place.x, place.y);
+    let corner = |place: &lemons_core::plane::Vec2| (place.x, place.y);
     let sides: Vec<(Point, Point)> = trial
         .geometry
         .walls
@@ -110,13 +110,13 @@ fn a_room_with_doors_is_a_walkable_area() {
     for (trial, expected) in by_hand {
         let trial = read(&trial);
         let places = trial.dynamics.iter().map(|moving| moving.position);
-        let area = lemons_record::walkable_area(&trial.geometry.walls, places);
+        let area = lemons_results::walkable_area(&trial.geometry.walls, places);
         assert!(
             area.said[0].contains("closed by") && !area.said[0].contains("bounding box"),
             "{:?}",
             area.said
         );
-        let rings = lemons_plane::polygon_from_wkt(&area.wkt).unwrap();
+        let rings = lemons_core::plane::polygon_from_wkt(&area.wkt).unwrap();
         assert_eq!(rings.len(), 1, "{}", area.wkt);
         assert!((rings[0].area() - expected).abs() < 1e-9, "{} {}", rings[0].area(), area.wkt);
     }

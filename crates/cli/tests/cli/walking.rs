@@ -3,9 +3,9 @@
 use crate::common::{decision_library, done, err, joined, root};
 use crate::walked_sweep::{number, read_csv};
 use crowd_mechanics::setup;
-use lemons_record::Run;
-use lemons_testing::trial_push;
-use lemons_trial::Trial;
+use lemons_core::trial::Trial;
+use lemons_results::Run;
+use lemons_verify::testing::trial_push;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;

@@ -5,7 +5,7 @@ use crate::error::{
     MOST_TARGETS, MOST_WAYPOINTS, PlanError, coordinate, moderate, not_negative, number, positive,
 };
 use crate::target::{Destination, Target};
-use lemons_plane::vec2;
+use lemons_core::plane::vec2;
 
 impl Plan {
     /// From where they start, or from their last way-point, all must be able to reach their destination.

@@ -6,8 +6,8 @@ use crate::error::PlanError;
 use crate::person::Person;
 use crate::target::{Destination, Ways};
 use crate::wishes::Wishes;
-use lemons_plane::{Vec2, vec2};
-use lemons_trial::Trial;
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::Trial;
 
 /// Wishes in which everybody goes somewhere: without those of people who are not there, and, where there are several
 /// goals and no exits, with the goal that is nearest on foot at the start for each who names none.

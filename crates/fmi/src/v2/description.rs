@@ -4,7 +4,7 @@ use super::table::guid;
 use crate::boundary::LOG_CATEGORIES;
 use crate::units::{units_of, write_unit};
 use crate::variables::{Kind, Role, Variable};
-use lemons_xml::{Layout, Out, number};
+use lemons_core::xml::{Layout, Out, number};
 
 /// `variableNamingConvention`. The names are the same in both cases. Tools that check structured names are slow if there
 /// are thousands of them.

@@ -5,7 +5,7 @@ use crate::boundary::LOG_CATEGORIES;
 use crate::units::{units_of, write_unit};
 use crate::variables::units::SECOND;
 use crate::variables::{Kind, Role};
-use lemons_xml::{Layout, Out, number};
+use lemons_core::xml::{Layout, Out, number};
 
 /// The start value of a variable.
 #[derive(Debug, Clone, PartialEq)]

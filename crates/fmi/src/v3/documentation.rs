@@ -2,7 +2,7 @@
 
 use super::arrays::{ArrayModel, Dimension};
 use crate::variables::{Kind, Role};
-use lemons_xml::escaped;
+use lemons_core::xml::escaped;
 
 /// Returns a row of HTML for each array: name with sizes, causality, unit, description.
 pub fn rows<M: ArrayModel>() -> String {

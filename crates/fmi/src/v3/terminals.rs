@@ -1,7 +1,7 @@
 //! `terminalsAndIcons/terminalsAndIcons.xml`: which variables one line of a graphical tool connects.
 
 use super::arrays::ArrayModel;
-use lemons_xml::{Layout, Out};
+use lemons_core::xml::{Layout, Out};
 
 /// Name of the terminal with which a crowd and what drives it are connected. Its members have the same names in both.
 /// Not all need to be there: the matching rule is `bus`.

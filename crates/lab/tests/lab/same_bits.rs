@@ -2,16 +2,16 @@
 
 use crate::{ask, numbers, ok, opened};
 use crowd_mechanics::pack::Format;
+use lemons_core::plane::Motion;
+use lemons_core::trial::DriveChoice;
 use lemons_decision::{Plan, Wishes, pack};
 use lemons_lab::Lab;
 use lemons_lab::frame::COLUMNS;
+use lemons_master::ssp::{Participant, write_archive};
 use lemons_master::{Error, Given, PlanChoice, Prepared, Settings, binary_beside, documents_of, own_binary};
-use lemons_plane::Motion;
-use lemons_record::Frame;
+use lemons_results::Frame;
 use lemons_sim::{Algorithm, Clock, Documents, SimError, Simulation};
-use lemons_ssp::{Participant, write_archive};
-use lemons_testing::{repository, trial_push};
-use lemons_trial::DriveChoice;
+use lemons_verify::testing::{repository, trial_push};
 use serde_json::json;
 use std::fs::File;
 use std::io::{Cursor, Write};
@@ -95,7 +95,7 @@ fn coupled(directory: &Path, plan: &Plan, format: Format, crowd: PathBuf) -> Pat
             interface,
         })
         .collect();
-    let connected = lemons_ssp::connect("coupled", &participants).unwrap();
+    let connected = lemons_master::ssp::connect("coupled", &participants).unwrap();
     let of = |(name, path): &(&str, PathBuf)| (format!("resources/{name}.fmu"), path.clone());
     let files: Vec<(String, PathBuf)> = files.iter().map(of).collect();
     let files: Vec<(String, &Path)> =

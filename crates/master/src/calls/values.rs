@@ -1,7 +1,7 @@
 //! The values that an FMU is asked for or given, of one type at a time.
 
 use super::{Answer, CallError, Calls, Result, c_text};
-use lemons_ssp::{Fmi, Native};
+use crate::ssp::{Fmi, Native};
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::ptr::null;
 

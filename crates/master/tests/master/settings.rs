@@ -1,11 +1,11 @@
 //! Runs of an FMU from settings, as any program makes them, against a loop written out here.
 
 use crowd_mechanics::pack::Package;
-use lemons_files::Staged;
+use lemons_core::files::Staged;
+use lemons_core::trial::DriveChoice;
 use lemons_master::{
     Error, Fmu, Instance, PrepareError, Prepared, Saved, Settings, State, Warning, own_binary, wiring_of,
 };
-use lemons_trial::DriveChoice;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;

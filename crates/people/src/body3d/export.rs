@@ -1,7 +1,7 @@
 //! Writes bodies for other tools: OBJ, STL, GeoJSON, WKT. In metres, z up.
 
 use super::{CrowdSection, MeshPart, Polygon};
-use lemons_plane::Vec2;
+use lemons_core::plane::Vec2;
 use std::borrow::Borrow;
 use std::io::{self, Error, ErrorKind, Write};
 

@@ -3,7 +3,7 @@
 use super::outline::POINTS;
 use super::skin::Ring;
 use super::{Body3d, Tube};
-use lemons_plane::{Pose, Rotation, Vec2};
+use lemons_core::plane::{Pose, Rotation, Vec2};
 
 /// A closed surface of one part of a body.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 use super::{Body3d, Polygon};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::float::simplify::SimplifyShape;
-use lemons_plane::Pose;
+use lemons_core::plane::Pose;
 
 /// A body at a pose.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
 //! A smooth skin through outlines: monotone cubics of the altitude, cut into rings.
 
 use super::outline::{POINTS, Points};
-use lemons_plane::{Vec2, vec2};
+use lemons_core::plane::{Vec2, vec2};
 
 /// \[m\] Largest distance between two rings; the walls between them are straight. Smaller is smoother and slower.
 const STEP: f64 = 0.02;

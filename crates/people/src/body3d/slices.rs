@@ -3,7 +3,7 @@
 use super::outline::{POINTS, Points};
 use super::skin::Ring;
 use super::{Body3d, Part};
-use lemons_plane::{Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Pose, Rotation, Vec2, vec2};
 
 /// A slice of one part of a body.
 #[derive(Debug, Clone, PartialEq)]

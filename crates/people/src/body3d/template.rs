@@ -10,7 +10,7 @@ use super::measures::Measure;
 use super::outline::{Oval, POINTS, Points, depth_of_girth, directions, mirrored};
 use super::skin::{Ring, skin};
 use crate::person::{Person, Sex};
-use lemons_plane::{Vec2, vec2};
+use lemons_core::plane::{Vec2, vec2};
 
 /// Girth of a hanging arm / girth of the flexed one.
 const RELAXED: f64 = 0.93;

@@ -1,8 +1,8 @@
 //! The text of a light file -> agents.
 
 use super::{LightAgent, LightDisk, LightError, LightRectangle, LightShapes, UNIQUE, fault};
-use lemons_plane::{Disk, vec2};
-use lemons_xml::{Document, Problem, Result, decimal};
+use lemons_core::plane::{Disk, vec2};
+use lemons_core::xml::{Document, Problem, Result, decimal};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -14,7 +14,7 @@ fn key(name: &str) -> String {
 
 /// An element whose values are read as the paper leaves them open.
 #[derive(Clone, Copy)]
-struct Element<'a>(lemons_xml::Element<'a>);
+struct Element<'a>(lemons_core::xml::Element<'a>);
 
 impl<'a> Element<'a> {
     fn children(self) -> impl Iterator<Item = Element<'a>> {

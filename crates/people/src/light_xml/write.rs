@@ -1,7 +1,7 @@
 //! Agents -> the text of a light file.
 
 use super::{LightAgent, LightDisk, LightError, LightShapes, UNIQUE, fault};
-use lemons_xml::{Layout, Out, number};
+use lemons_core::xml::{Layout, Out, number};
 use std::collections::BTreeSet;
 
 /// Returns the text of the file. Numbers are the shortest decimals that are read back as the same doubles.

@@ -5,8 +5,8 @@ use super::region_error::{RegionError, SMALLEST_AREA};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
-use lemons_plane::{Bounds, Ring, Vec2, vec2};
-use lemons_trial::{Geometry, Wall};
+use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
+use lemons_core::trial::{Geometry, Wall};
 
 /// A closed wall that holds more than this part of a polygon is a room.
 const MOST_OF_IT: f64 = 0.5;
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
     use crate::placing::{Dense, dense};
     use crate::shape::Shape;
-    use lemons_plane::{Disk, Rotation};
+    use lemons_core::plane::{Disk, Rotation};
     use std::ops::ControlFlow;
 
     fn wall(id: &str, corners: &[(f64, f64)]) -> Wall {

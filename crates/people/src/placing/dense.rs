@@ -10,7 +10,7 @@ use super::{
     check_orientation, check_shapes, measure,
 };
 use crate::shape::Shape;
-use lemons_plane::{Rotation, Vec2, vec2};
+use lemons_core::plane::{Rotation, Vec2, vec2};
 use std::f64::consts::{PI, TAU};
 
 /// \[m\] Distance that shapes keep while they are pushed apart. So none overlaps in the end, although the energy

@@ -6,7 +6,7 @@ use super::{
     measure, reach,
 };
 use crate::shape::Shape;
-use lemons_plane::{Bounds, Pose, Rotation, Vec2, segments_touch, vec2};
+use lemons_core::plane::{Bounds, Pose, Rotation, Vec2, segments_touch, vec2};
 use std::f64::consts::PI;
 
 /// Settings of [`grid()`].

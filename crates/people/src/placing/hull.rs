@@ -1,6 +1,6 @@
 //! The convex hull of disks: the area of a crowd in the open plane.
 
-use lemons_plane::{Disk, Rotation, Vec2, vec2};
+use lemons_core::plane::{Disk, Rotation, Vec2, vec2};
 use std::f64::consts::{PI, TAU};
 
 /// \[m²\] Exact area of the convex hull of disks: its boundary consists of arcs and common tangents.

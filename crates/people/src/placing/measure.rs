@@ -4,7 +4,7 @@ use super::hull::hull_area;
 use super::neighbours::CellGrid;
 use super::{Region, TOLERANCE, disks_at, reach};
 use crate::shape::Shape;
-use lemons_plane::{Disk, Pose, Vec2};
+use lemons_core::plane::{Disk, Pose, Vec2};
 use std::collections::BinaryHeap;
 
 /// The quality of a placing.

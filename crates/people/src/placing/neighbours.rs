@@ -1,6 +1,6 @@
 //! Finds circles that are near each other: a cell grid, filled by counting.
 
-use lemons_plane::{Vec2, vec2};
+use lemons_core::plane::{Vec2, vec2};
 
 /// Points, sorted by square cells.
 #[derive(Debug)]

@@ -7,7 +7,7 @@ use super::{
     check_orientation, check_shapes, disks_at, measure, reach,
 };
 use crate::shape::Shape;
-use lemons_plane::{Disk, Pose, Rotation, Vec2, vec2};
+use lemons_core::plane::{Disk, Pose, Rotation, Vec2, vec2};
 use std::f64::consts::PI;
 
 /// Settings of [`paper()`]. The paper names them but does not give their values.

@@ -6,7 +6,7 @@ use super::neighbours::CellGrid;
 use super::region::Edge;
 use super::{Orientation, Region};
 use crate::shape::Shape;
-use lemons_plane::{Bounds, Disk, Pose, Rotation, Vec2, segments_cross, vec2};
+use lemons_core::plane::{Bounds, Disk, Pose, Rotation, Vec2, segments_cross, vec2};
 
 /// \[m\] The list of near pairs is made again when something has moved by half of this. Results do not depend on it.
 const SKIN: f64 = 0.08;

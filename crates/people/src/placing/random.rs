@@ -1,6 +1,6 @@
 //! Random numbers, the same on every machine.
 
-use lemons_plane::{Vec2, vec2};
+use lemons_core::plane::{Vec2, vec2};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 

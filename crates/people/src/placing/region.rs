@@ -2,8 +2,8 @@
 
 use super::random::Random;
 use super::region_error::{FARTHEST, MOST_CORNERS, RegionError, SMALLEST_AREA};
-use lemons_plane::{Bounds, Ring, Vec2, ray_crosses, segments_cross, segments_touch, vec2};
-use lemons_trial::Geometry;
+use lemons_core::plane::{Bounds, Ring, Vec2, ray_crosses, segments_cross, segments_touch, vec2};
+use lemons_core::trial::Geometry;
 
 /// A part of the plane: all of it, or a simple polygon with holes. What walls leave of a polygon ([`Region::among`]) may
 /// be several polygons, and may have walls in it.

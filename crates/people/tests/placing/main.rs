@@ -2,13 +2,13 @@
 
 mod people;
 
+use lemons_core::plane::{Bounds, Pose, Vec2, vec2};
+use lemons_core::trial::{Geometry, Wall};
 use lemons_people::placing::{
     Dense, Ended, Grid, Orientation, Packing, Paper, PlacingError, Progress, Region, RegionError, Stage,
     TOLERANCE, dense, grid, measure, paper,
 };
 use lemons_people::{Disk, Shape};
-use lemons_plane::{Bounds, Pose, Vec2, vec2};
-use lemons_trial::{Geometry, Wall};
 use people::people;
 use std::ops::ControlFlow;
 

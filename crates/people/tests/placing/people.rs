@@ -1,7 +1,7 @@
 //! People for trials of the packers: five disks by the closed-form fit to breadth and depth.
 
+use lemons_core::plane::vec2;
 use lemons_people::{Disk, Shape};
-use lemons_plane::vec2;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 

@@ -1,8 +1,8 @@
 //! Trials made for the tests.
 
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::*;
 use lemons_picture::Values;
-use lemons_plane::{Vec2, vec2};
-use lemons_trial::*;
 use std::path::PathBuf;
 
 /// A pedestrian in the manner of the paper, facing +x at θ = 0.

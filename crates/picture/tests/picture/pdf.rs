@@ -1,9 +1,9 @@
 //! PDF: what is in the file, and that it shows what the PNG shows.
 
 use crate::common::{pedestrian, trial};
+use lemons_core::plane::vec2;
+use lemons_core::trial::Trial;
 use lemons_picture::*;
-use lemons_plane::vec2;
-use lemons_trial::Trial;
 use std::process::Command;
 
 fn row() -> Trial {

@@ -1,11 +1,11 @@
 //! What is in the pictures.
 
 use crate::common::{agent, pedestrian, trial, values};
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::{Shape, Trial};
 use lemons_picture::{
     Colour, Fill, Pose, Scene, Style, Theme, View, Visibility, body_area, png, svg, viridis,
 };
-use lemons_plane::{Vec2, vec2};
-use lemons_trial::{Shape, Trial};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Bodies without a mark of their direction.
@@ -101,7 +101,7 @@ fn theta_turns_the_shoulders() {
         let disk = |radius, y: f64| Shape {
             radius,
             material_id: String::new(),
-            position: vec2(0.0, y).rotated(lemons_plane::Rotation::by(own)),
+            position: vec2(0.0, y).rotated(lemons_core::plane::Rotation::by(own)),
         };
         let lopsided = agent("0", vec![disk(0.2, 1.0), disk(0.5, -1.0)]);
         for (theta, left) in [(0.0, vec2(0.0, 1.0)), (FRAC_PI_2, vec2(-1.0, 0.0)), (PI, vec2(0.0, -1.0))] {

@@ -1,9 +1,9 @@
 //! Forces, trails, density and sheets in the SVG.
 
 use crate::common::{pedestrian, trial, values};
+use lemons_core::plane::{Vec2, vec2};
+use lemons_core::trial::Trial;
 use lemons_picture::*;
-use lemons_plane::{Vec2, vec2};
-use lemons_trial::Trial;
 use roxmltree::{Document, Node};
 
 fn row(n: usize) -> Trial {

@@ -1,6 +1,6 @@
 //! How the numbers of several people become one.
 
-use lemons_measure::quantile;
+use lemons_results::measure::quantile;
 use serde::Deserialize;
 
 /// How the numbers of several agents become one.

@@ -3,7 +3,7 @@
 use crate::measure::number::{check_number, number_of};
 use crate::measure::span::Span;
 use crate::places::Places;
-use lemons_measure::{Density, MeanMax};
+use lemons_results::measure::{Density, MeanMax};
 use serde::Deserialize;
 
 /// A measure of the people in an area.

@@ -4,8 +4,8 @@ use crate::measure::number::{check_number, number_of};
 use crate::measure::span::Span;
 use crate::places::Places;
 use crate::points::Points;
-use lemons_measure::{Crossings, Line, Passages, Way};
-use lemons_record::Frame;
+use lemons_results::Frame;
+use lemons_results::measure::{Crossings, Line, Passages, Way};
 use serde::Deserialize;
 
 /// A measure of people who cross a line in a direction.

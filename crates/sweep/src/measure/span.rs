@@ -1,6 +1,6 @@
 //! Which part of a run counts.
 
-use lemons_measure::within;
+use lemons_results::measure::within;
 
 /// A part of the time of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -2,8 +2,8 @@
 
 use crate::measure::across::Across;
 use crate::measure::span::Span;
-use lemons_measure::{Exposure, SPANS, squeeze};
-use lemons_record::Frame;
+use lemons_results::Frame;
+use lemons_results::measure::{Exposure, SPANS, squeeze};
 use serde::Deserialize;
 
 /// A measure of the squeeze of people over time, by its mean over each communication step.
@@ -116,7 +116,7 @@ impl<'a> Squeezed<'a> {
         if exposure.longest_step() <= 0.0 {
             return None;
         }
-        let of = |one: &lemons_measure::Exposed| match measure.squeeze {
+        let of = |one: &lemons_results::measure::Exposed| match measure.squeeze {
             Exposed::TimeAbove => one.above.first().copied().flatten(),
             Exposed::LargestMean => one.largest_mean[measure.place()?],
             Exposed::Peak => Some(one.peak),

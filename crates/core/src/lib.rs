@@ -1,0 +1,11 @@
+//! What all other crates share.
+//!
+//! - [`plane`]: geometry of the plane
+//! - [`xml`]: XML, parsed safely and written
+//! - [`trial`]: the documents of a Trial
+//! - [`files`]: files read with limits, written whole or not at all
+
+pub mod files;
+pub mod plane;
+pub mod trial;
+pub mod xml;

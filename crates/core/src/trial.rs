@@ -1,0 +1,31 @@
+//! The *Trial* directory: the XML files of the paper's section 3.1 and App. C, as typed documents.
+//!
+//! A [`Trial`] contains the checked content of the files, with their names and in their order. `crowd_mechanics::setup`
+//! builds the engine's world from it. A parameter of the FMU is an edit of these documents.
+
+mod agents;
+mod documents;
+mod drive;
+mod dynamics;
+mod geometry;
+mod interactions;
+mod materials;
+mod parameters;
+mod problem;
+mod pulse;
+mod schema;
+mod xml;
+
+pub use crate::xml::{Problem, Severity, quoted};
+pub use agents::{Agent, Shape};
+pub use documents::{FileNames, INTERACTIONS, Places, Trial, output_names};
+pub use drive::{DRIVE_FILE, DriveChoice, DriveError, DriveTable, Missed, Push, own_drive};
+pub use dynamics::{AgentDynamics, DynamicsElement, dynamics_xml};
+pub use geometry::{Geometry, Wall};
+pub use interactions::{AgentInteraction, ContactForce, Interactions, WallInteraction, interactions_xml};
+pub use materials::{Contact, Material, Materials, stiffness};
+pub use parameters::Parameters;
+pub use problem::Problems;
+pub use pulse::{Pulse, drive_of_pulses};
+pub use schema::reference_page;
+pub use xml::FARTHEST;

@@ -1,0 +1,152 @@
+//! `Agents.xml`.
+
+use crate::plane::{Rotation, Vec2, shown_orientation};
+use crate::trial::schema::{Attribute, Range, Schema, Value, attribute};
+use crate::trial::xml::{Element, Ids, document, empty, vector};
+use crate::xml::{Problem, number, quoted};
+
+pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], children: &[&AGENT] };
+static AGENT: Schema = Schema {
+    name: "Agent",
+    attributes: &[
+        attribute("Type", Value::Word("pedestrian"), "", PEDESTRIAN).or("`pedestrian`"),
+        attribute("Id", Value::Id, "", "the name of the agent, in all tables and files"),
+        positive("Mass", "kg", "m"),
+        positive("Height", "m", "the stature. The mechanics does not use it").or("not known"),
+        positive("MomentOfInertia", "kg m²", "I, about the centre of mass (paper, App. A.2)"),
+        rate("FloorDamping", "1/t_transl, the rate at which the floor brakes the motion (paper, App. A.3)"),
+        rate("AngularDamping", "1/t_rot, the rate at which the floor brakes the rotation"),
+    ],
+    children: &[&SHAPE],
+};
+static SHAPE: Schema = Schema {
+    name: "Shape",
+    attributes: &[
+        attribute("Type", Value::Word("disk"), "", "the kind of shape"),
+        positive("Radius", "m", "the radius of the disk"),
+        attribute("MaterialId", Value::IdOf("material"), "", "what this part of the body is made of"),
+        attribute("Position", Value::Point, "m", POSITION),
+    ],
+    children: &[],
+};
+const PEDESTRIAN: &str = "what the agent is. The mechanics takes pedestrians only";
+const POSITION: &str =
+    "the centre of the disk, from the centre of mass. Theta of Kinematics turns the whole shape";
+
+const fn positive(name: &'static str, unit: &'static str, meaning: &'static str) -> Attribute {
+    attribute(name, Value::Number(Range::Positive), unit, meaning)
+}
+
+const fn rate(name: &'static str, meaning: &'static str) -> Attribute {
+    attribute(name, Value::Number(Range::NotNegative), "1/s", meaning)
+}
+
+/// `<Agent>` of `Agents.xml`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Agent {
+    /// `Type`, as written ("pedestrian").
+    pub kind: Option<String>,
+    /// Id, unique among the agents.
+    pub id: String,
+    /// \[kg\]
+    pub mass: f64,
+    /// \[m\] stature; not used by the mechanics.
+    pub height: Option<f64>,
+    /// \[kg.m2\] moment of inertia about the centre of mass.
+    pub moment_of_inertia: f64,
+    /// \[1/s\] relaxation rate 1/t_transl, ≥ 0.
+    pub floor_damping: f64,
+    /// \[1/s\] relaxation rate 1/t_rot, ≥ 0.
+    pub angular_damping: f64,
+    /// The disks, at least one, in order from the left shoulder to the right one.
+    pub shapes: Vec<Shape>,
+}
+
+impl Agent {
+    /// Returns centre \[m\] and radius \[m\] of the disks, relative to the centre of mass, when the gaze is along x.
+    pub fn disks_facing_x(&self) -> Vec<(Vec2, f64)> {
+        let ends = self.shapes.first().zip(self.shapes.last());
+        let turn = ends.map_or(0.0, |(first, last)| shown_orientation(first.position, last.position));
+        let back = Rotation::by(-turn);
+        self.shapes.iter().map(|shape| (shape.position.rotated(back), shape.radius)).collect()
+    }
+}
+
+/// `<Shape>`: a disk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// \[m\]
+    pub radius: f64,
+    /// Id of its material.
+    pub material_id: String,
+    /// \[m\] offset from the centre of mass, at the orientation that the shapes themselves define.
+    pub position: Vec2,
+}
+
+/// The agents and their Ids; `materials` is `None` where they could not be read.
+pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Vec<Agent>, Ids) {
+    let (mut agents, mut ids) = (Vec::new(), Ids::default());
+    for element in root.children("Agent") {
+        let id = ids.take(element);
+        let kind = element.optional_text("Type").map(str::to_owned);
+        if kind.as_deref().is_some_and(|kind| kind != "pedestrian") {
+            let message = format!("agent {}: the mechanics takes pedestrians only", quoted(&id));
+            element.wrong("Type", &message);
+            // Its other attributes are another kind's, but the other files name it.
+            element.leave();
+            agents.push(unread(id));
+            continue;
+        }
+        let agent = Agent {
+            kind,
+            id,
+            mass: element.number("Mass"),
+            height: element.has("Height").then(|| element.number("Height")),
+            moment_of_inertia: element.number("MomentOfInertia"),
+            floor_damping: element.number("FloorDamping"),
+            angular_damping: element.number("AngularDamping"),
+            shapes: element.children("Shape").map(|shape| read_shape(shape, materials)).collect(),
+        };
+        if agent.shapes.is_empty() {
+            let problem = element.has_no("Shape");
+            let message = format!("agent {} {}", quoted(&agent.id), problem.message);
+            element.report(Problem { message, ..problem });
+        }
+        agents.push(agent);
+    }
+    if agents.is_empty() {
+        root.report(root.has_no("Agent"));
+    }
+    (agents, ids)
+}
+
+fn read_shape(element: Element<'_>, materials: Option<&Ids>) -> Shape {
+    element.text("Type");
+    Shape {
+        radius: element.number("Radius"),
+        material_id: element.reference("MaterialId", materials).0,
+        position: element.vector("Position"),
+    }
+}
+
+fn unread(id: String) -> Agent {
+    let [mass, moment_of_inertia, floor_damping, angular_damping] = [f64::NAN; 4];
+    let (kind, height, shapes) = (None, None, Vec::new());
+    Agent { kind, id, mass, height, moment_of_inertia, floor_damping, angular_damping, shapes }
+}
+
+pub(crate) fn xml(agents: &[Agent]) -> String {
+    document("Agents", |out| {
+        for agent in agents {
+            let numbers = [agent.moment_of_inertia, agent.floor_damping, agent.angular_damping];
+            let [inertia, floor, angular] = numbers.map(|value| Some(number(value)));
+            let (id, mass, height) = (agent.id.clone(), number(agent.mass), agent.height.map(number));
+            let values = [agent.kind.clone(), Some(id), Some(mass), height, inertia, floor, angular];
+            out.element("Agent", &AGENT.values(&values.each_ref().map(Option::as_deref)), |out| {
+                for Shape { radius, material_id, position } in &agent.shapes {
+                    empty(out, &SHAPE, &["disk", &number(*radius), material_id, &vector(*position)]);
+                }
+            });
+        }
+    })
+}

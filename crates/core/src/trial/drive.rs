@@ -1,0 +1,447 @@
+//! A drive file: the propulsion of agents over time.
+
+use crate::files::input;
+use crate::trial::documents::Trial;
+use crate::trial::problem::Problems;
+use crate::xml::{Problem, quoted};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use uuid::Uuid;
+
+/// Name of the drive file in a Trial directory. An FMU holds it too, for masters that look for it.
+pub const DRIVE_FILE: &str = "drive.csv";
+
+/// Fp.x \[N\], Fp.y \[N\], Mp \[N.m\].
+pub type Push = [f64; 3];
+
+/// What is wrong with a drive file: each problem names file, line, column and value. The first
+/// [`DriveError::MOST`] are kept.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{0}")]
+pub struct DriveError(pub Problems);
+
+impl DriveError {
+    /// The number of problems that are kept.
+    pub const MOST: usize = 20;
+
+    /// The same problems, of the file with this path.
+    #[must_use]
+    pub fn of_file(&self, path: &Path) -> DriveError {
+        let mut renamed = Problems::default();
+        self.0.iter().for_each(|problem| renamed.push(Problem { file: path.to_owned(), ..problem.clone() }));
+        DriveError(renamed)
+    }
+
+    fn of(message: impl ToString) -> DriveError {
+        let mut found = Found::default();
+        found.push(None, message);
+        found.error()
+    }
+}
+
+/// Problems as they are found.
+#[derive(Default)]
+struct Found {
+    problems: Problems,
+    count: usize,
+}
+
+impl Found {
+    fn push(&mut self, line: Option<u64>, message: impl ToString) {
+        self.count += 1;
+        if self.count <= DriveError::MOST {
+            let line = line.and_then(|line| u32::try_from(line).ok());
+            self.problems.push(Problem::of_file(Path::new(""), line, message.to_string()));
+        }
+    }
+
+    fn error(mut self) -> DriveError {
+        if let Some(more @ 1..) = self.count.checked_sub(DriveError::MOST) {
+            self.problems.push(Problem::of_file(Path::new(""), None, format!("and {more} more errors")));
+        }
+        DriveError(self.problems)
+    }
+}
+
+type Result<T> = std::result::Result<T, DriveError>;
+
+/// The forces that drive people.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum DriveChoice {
+    /// The Trial's own drive file, if it has one.
+    #[default]
+    Own,
+    /// Only those of AgentDynamics.xml.
+    None,
+    /// This file.
+    File(PathBuf),
+}
+
+/// Propulsion over time, from a CSV file with the columns `t,agent,Fp.x,Fp.y,Mp`. For each agent (by Id) it is
+/// interpolated linearly between its rows, and is zero before the first and after the last.
+#[derive(Debug, Default, Clone)]
+pub struct DriveTable {
+    agents: HashMap<String, Vec<(f64, Push)>>,
+    /// In the file, of the first row of each agent.
+    lines: HashMap<String, u64>,
+}
+
+/// Where a Trial has its own drive.
+pub fn own_drive(trial: &Trial) -> PathBuf {
+    trial.directory.join(DRIVE_FILE)
+}
+
+impl DriveTable {
+    /// The drive of a Trial.
+    ///
+    /// # Errors
+    /// The file has errors, or an agent in it is not in the Trial.
+    pub fn of(trial: Option<&Trial>, choice: &DriveChoice) -> Result<DriveTable> {
+        let own = || trial.map(own_drive);
+        let (path, opened) = match choice {
+            DriveChoice::File(path) => (path.clone(), input::open_bounded(path, input::LARGEST_DRIVE)),
+            // What lies in the Trial is not a pipe on purpose.
+            DriveChoice::Own => match own().filter(|own| own.symlink_metadata().is_ok()) {
+                Some(own) => (own.clone(), input::open_bounded(&own, input::LARGEST_DRIVE)),
+                None => return Ok(DriveTable::default()),
+            },
+            DriveChoice::None => return Ok(DriveTable::default()),
+        };
+        let drive = opened.map_err(DriveError::of).and_then(DriveTable::from_csv);
+        let checked = drive.and_then(|drive| drive.check_agents(trial).map(|()| drive));
+        checked.map_err(|error| error.of_file(&path))
+    }
+
+    /// Checks that the Trial has all agents that the file names.
+    ///
+    /// # Errors
+    /// It has not; each of them is named.
+    pub fn check_agents(&self, trial: Option<&Trial>) -> Result<()> {
+        self.check_ids(trial.iter().flat_map(|trial| &trial.agents).map(|agent| &*agent.id))
+    }
+
+    /// Checks that all agents that the file names are among these Ids.
+    ///
+    /// # Errors
+    /// Some are not; each of them is named.
+    pub fn check_ids<'a>(&self, known: impl Iterator<Item = &'a str>) -> Result<()> {
+        let known: HashSet<&str> = known.collect();
+        let mut unknown: Vec<_> = self.lines.iter().filter(|(id, _)| !known.contains(id.as_str())).collect();
+        unknown.sort_by_key(|(_, line)| **line);
+        let mut found = Found::default();
+        for (id, line) in unknown {
+            found.push(Some(*line), format!("there is no agent {} in Agents.xml", quoted(id)));
+        }
+        if found.count > 0 { Err(found.error()) } else { Ok(()) }
+    }
+
+    /// Reads the content of a file.
+    ///
+    /// # Errors
+    /// The content has errors; each message names line, column and value.
+    pub fn from_csv(content: impl Read) -> Result<DriveTable> {
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
+        let mut found = Found::default();
+        let header = reader.headers().map_err(|error| {
+            found.push(None, said(&error));
+            std::mem::take(&mut found).error()
+        })?;
+        let header = header.clone();
+        let mut column = |name: &'static str| {
+            let named = |column: &str| column.trim_start_matches('\u{feff}') == name;
+            let mut places = header.iter().enumerate().filter(|(_, column)| named(column));
+            let wrong = match (places.next(), places.next()) {
+                (Some((place, _)), None) => return place,
+                (None, _) => "is no column",
+                (Some(_), Some(_)) => "are two columns",
+            };
+            found.push(None, format!("there {wrong} {name:?} (expected t,agent,Fp.x,Fp.y,Mp)"));
+            0
+        };
+        let (time, agent) = (column("t"), column("agent"));
+        let push = [column("Fp.x"), column("Fp.y"), column("Mp")];
+        if found.count > 0 {
+            return Err(found.error());
+        }
+        let mut drive = DriveTable::default();
+        let mut record = csv::StringRecord::new();
+        loop {
+            match reader.read_record(&mut record) {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(error) => {
+                    let begin = error.position().map(csv::Position::line);
+                    found.push(begin.map(|begin| line_of(begin, reader.position().line(), 0)), said(&error));
+                    // Nothing more can be read.
+                    if error.is_io_error() {
+                        break;
+                    }
+                    continue;
+                }
+            }
+            let begin = record.position().map_or(0, csv::Position::line);
+            let within = record.as_slice().bytes().filter(|byte| *byte == b'\n').count() as u64;
+            let line = line_of(begin, reader.position().line(), within);
+            let mut number = |place: usize| {
+                let text = &record[place];
+                let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
+                value.unwrap_or_else(|| {
+                    let (column, text) = (quoted(&header[place]), quoted(text));
+                    let column = column.trim_matches('"');
+                    found.push(Some(line), format!("{column}={text}: not a finite number"));
+                    f64::NAN
+                })
+            };
+            let row = (number(time), [number(push[0]), number(push[1]), number(push[2])]);
+            let id = &record[agent];
+            drive.lines.entry(id.to_owned()).or_insert(line);
+            let rows = drive.agents.entry(id.to_owned()).or_default();
+            if let Some(last) = rows.last().filter(|last| last.0 >= row.0) {
+                let (time, last) = (row.0, last.0);
+                found.push(Some(line), format!("t={time} does not come after t={last} of the same agent"));
+            }
+            rows.push(row);
+        }
+        if found.count > 0 { Err(found.error()) } else { Ok(drive) }
+    }
+
+    /// The agents that the file names.
+    pub fn agents(&self) -> impl Iterator<Item = &str> {
+        self.agents.keys().map(String::as_str)
+    }
+
+    /// Time \[s\] and push of each row of an agent; `None` if the file does not name it.
+    pub fn rows(&self, agent: &str) -> Option<&[(f64, Push)]> {
+        self.agents.get(agent).map(Vec::as_slice)
+    }
+
+    /// A text that is equal for equal pushes, however the file is written.
+    pub fn fingerprint(&self) -> String {
+        let sorted: BTreeMap<_, _> = self.agents.iter().collect();
+        format!("{:032x}", Uuid::new_v5(&Uuid::NAMESPACE_OID, format!("{sorted:?}").as_bytes()).as_u128())
+    }
+
+    /// \[s\] The time of the last row of all agents; `None` without rows.
+    pub fn end(&self) -> Option<f64> {
+        self.agents.values().flatten().map(|row| row.0).reduce(f64::max)
+    }
+
+    /// The drive at a time \[s\] of an agent that is in the file; `None` for other agents.
+    pub fn at(&self, agent: &str, time: f64) -> Option<Push> {
+        let rows = self.agents.get(agent)?;
+        let after = rows.partition_point(|row| row.0 <= time);
+        let push = match (after.checked_sub(1).map(|before| rows[before]), rows.get(after)) {
+            (Some((t0, a)), Some((t1, b))) => {
+                let share = match t1 - t0 {
+                    whole if whole.is_finite() => (time - t0) / whole,
+                    // Times so far apart that their difference is no number.
+                    _ => (0.5 * time - 0.5 * t0) / (0.5 * t1 - 0.5 * t0),
+                };
+                std::array::from_fn(|k| match b[k] - a[k] {
+                    change if change.is_finite() => a[k] + share * change,
+                    _ => (1.0 - share) * a[k] + share * b[k],
+                })
+            }
+            // The last row itself still counts.
+            (Some((t0, a)), None) if t0 == time => a,
+            _ => [0.0; 3],
+        };
+        Some(push)
+    }
+}
+
+/// The line of a row. Its reader began to read at one line, perhaps that of a comment before the row, and will go on at
+/// another one; so many line ends are within the values.
+fn line_of(begin: u64, next: u64, within: u64) -> u64 {
+    next.saturating_sub(1 + within).max(begin)
+}
+
+/// The text of an error without the words "CSV error" and without its line.
+fn said(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::Io(error) => error.to_string(),
+        csv::ErrorKind::Utf8 { .. } => "is not UTF-8 text".to_owned(),
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            format!("has {len} values instead of {expected_len}")
+        }
+        _ => error.to_string(),
+    }
+}
+
+/// Rows of a drive that are never applied in a run with a given communication step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Missed {
+    /// Their number.
+    pub rows: usize,
+    /// How many rows there are.
+    pub of: usize,
+    /// Id of the agent of the largest such push.
+    pub agent: String,
+    /// \[s\] when it is.
+    pub time: f64,
+    /// Its column.
+    pub column: &'static str,
+    /// Of that column, what the file says then, and what is applied at the communication points before and after
+    /// \[N, N.m\].
+    pub push: f64,
+    /// \[s\] and what is applied at the points before and after.
+    pub around: [(f64, f64); 2],
+    /// \[s\] The shortest time between two rows of an agent: as a communication step, it misses none.
+    pub shortest: f64,
+}
+
+impl DriveTable {
+    /// The number of rows after `start` that are not at a communication point, both \[s\], and the number of all rows.
+    pub fn between(&self, start: f64, step: f64) -> (usize, usize) {
+        let is_between = |time: f64| {
+            let steps = (time - start) / step;
+            time > start && (steps - steps.round()).abs() > 1e-6
+        };
+        let rows = self.agents.values().flatten();
+        (rows.clone().filter(|(time, _)| is_between(*time)).count(), rows.count())
+    }
+
+    /// What a run from `start` with a communication step, both \[s\], does not apply: the drive is what it is at the
+    /// communication points. `None` unless the push of a row between two of them lies beyond both of theirs by more than
+    /// half of the agent's largest one. Rows before the start are not looked at.
+    pub fn missed(&self, start: f64, step: f64) -> Option<Missed> {
+        const COLUMNS: [&str; 3] = ["Fp.x", "Fp.y", "Mp"];
+        let (mut rows, mut of, mut shortest) = (0, 0, f64::INFINITY);
+        let mut worst: Option<(f64, Missed)> = None;
+        // In an order that does not change from run to run.
+        for (agent, pushes) in self.agents.iter().collect::<BTreeMap<_, _>>() {
+            let most = |k: usize| pushes.iter().map(|(_, push)| push[k].abs()).fold(0.0, f64::max);
+            let most = [most(0), most(1), most(2)];
+            of += pushes.len();
+            shortest = pushes.windows(2).map(|rows| rows[1].0 - rows[0].0).fold(shortest, f64::min);
+            for (place, (time, push)) in pushes.iter().enumerate().filter(|(_, row)| row.0 >= start) {
+                // Between its neighbours a row has a share in what is applied.
+                let last = place.checked_sub(1).map(|last| pushes[last].0);
+                let next = pushes.get(place + 1).map(|next| next.0);
+                let shares = |point: f64| {
+                    last.map_or(point >= *time, |last| point > last)
+                        && next.map_or(point <= *time, |next| point < next)
+                };
+                let first = ((last.unwrap_or(*time) - start) / step).floor().max(0.0);
+                let unused = !(0..3).any(|k| shares(start + (first + f64::from(k)) * step));
+                let before = start + ((time - start) / step).floor() * step;
+                let after = before + step;
+                let [a, b] = [before, after].map(|point| self.at(agent, point).unwrap_or_default());
+                // By how much of the largest one.
+                let by = |k: usize| {
+                    let (low, high) = (a[k].min(b[k]), a[k].max(b[k]));
+                    ((push[k] / most[k] - high / most[k]).max(low / most[k] - push[k] / most[k]), k)
+                };
+                let found =
+                    (0..3).rev().filter(|&k| most[k] > 0.0).map(by).max_by(|a, b| a.0.total_cmp(&b.0));
+                let found = found.filter(|(by, _)| *by > 0.5);
+                rows += usize::from(unused || found.is_some());
+                let Some((by, k)) = found else { continue };
+                if worst.as_ref().is_none_or(|(most, _)| by > *most) {
+                    let (agent, time, column) = (agent.clone(), *time, COLUMNS[k]);
+                    let around = [(before, a[k]), (after, b[k])];
+                    let missed = Missed { rows, of, agent, time, column, push: push[k], around, shortest };
+                    worst = Some((by, missed));
+                }
+            }
+        }
+        worst.map(|(_, missed)| Missed { rows, of, shortest, ..missed })
+    }
+}
+
+impl std::fmt::Display for Missed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Missed { rows, of, agent, time, column, push, around: [before, after], shortest } = self;
+        let step = after.0 - before.0;
+        let come = if *rows == 1 { "comes" } else { "come" };
+        write!(
+            f,
+            "{rows} of {of} rows {come} between communication points, which are {step:?} s apart, so they are not applied: at t = {time:?} s \
+             agent {agent:?} has {column} = {push:?}, but the applied value is {:?} from t = {:?} s and {:?} from t = {:?} s",
+            before.1, before.0, after.1, after.0
+        )?;
+        if shortest.is_finite() {
+            write!(f, "; a communication step of {shortest:.3e} s applies all rows")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drive(text: &str) -> Result<DriveTable> {
+        DriveTable::from_csv(text.as_bytes())
+    }
+
+    #[test]
+    fn interpolates_inside_and_is_zero_outside() {
+        let drive = drive("t,agent,Fp.x,Fp.y,Mp\n1,a,0,0,0\n2,a,100,-50,2\n2,b,1,1,1\n").unwrap();
+        assert_eq!(drive.at("a", 0.5), Some([0.0; 3]));
+        assert_eq!(drive.at("a", 1.25), Some([25.0, -12.5, 0.5]));
+        assert_eq!(drive.at("a", 2.0), Some([100.0, -50.0, 2.0]));
+        assert_eq!(drive.at("a", 2.1), Some([0.0; 3]));
+        assert_eq!(drive.at("c", 1.5), None);
+    }
+
+    /// With a TimeStep of 50 s nobody was pushed, and nobody said so.
+    #[test]
+    fn rows_between_communication_points_are_missed_with_their_numbers() {
+        let rows =
+            "t,agent,Fp.x,Fp.y,Mp\n0,a,0,0,0\n0.3,a,600,0,0\n0.4,a,-1200,0,9\n0.6,a,0,0,0\n9,b,1,0,0\n";
+        let drive = drive(rows).unwrap();
+        let missed = drive.missed(0.0, 50.0).unwrap();
+        let said = "4 of 5 rows come between communication points, which are 50.0 s apart, so they are not applied: at t = 0.4 s \
+                    agent \"a\" has Fp.x = -1200.0, but the applied value is 0.0 from t = 0.0 s and 0.0 from t = 50.0 s; \
+                    a communication step of 1.000e-1 s applies all rows";
+        assert_eq!(missed.to_string(), said);
+        assert_eq!(drive.missed(0.0, 0.1), None);
+        assert_eq!((drive.between(0.0, 0.1), drive.between(0.0, 0.2)), ((0, 5), (1, 5)));
+        // A sample somewhere on its way is not the push, but it is applied.
+        let missed = drive.missed(0.0, 0.7).unwrap();
+        assert_eq!((missed.rows, missed.agent.as_str(), missed.time), (4, "a", 0.4));
+        assert_eq!(DriveTable::default().missed(0.0, 50.0), None);
+        // Rows nearer to each other than the points are no fault of a slow drive.
+        let slow: String = (0..1000).map(|k| format!("{:?},a,{k},0,0\n", 1e-3 * f64::from(k))).collect();
+        let slow = self::drive(&format!("t,agent,Fp.x,Fp.y,Mp\n{slow}")).unwrap();
+        assert_eq!(slow.missed(0.0, 0.05), None);
+    }
+
+    #[test]
+    fn the_largest_forces_are_interpolated_too() {
+        let rows = "t,agent,Fp.x,Fp.y,Mp\n0,a,-1e308,1e308,0\n1,a,1e308,-1e308,0\n";
+        let drive = drive(rows).unwrap();
+        assert_eq!(drive.at("a", 0.0), Some([-1e308, 1e308, 0.0]));
+        assert_eq!(drive.at("a", 0.5), Some([0.0; 3]));
+        assert_eq!(drive.at("a", 0.75), Some([0.75e308 - 0.25e308, 0.25e308 - 0.75e308, 0.0]));
+        let drive = self::drive("t,agent,Fp.x,Fp.y,Mp\n-1e308,a,0,0,0\n1e308,a,4,0,0\n").unwrap();
+        assert_eq!(drive.at("a", 0.0), Some([2.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn says_line_and_value() {
+        let said = |text: &str| drive(text).unwrap_err().to_string();
+        assert!(said("t,agent,Fp.x,Mp\n").contains("no column \"Fp.y\""));
+        assert!(said("t,agent,Fp.x,Fp.y,Mp,Mp\n").contains("two columns \"Mp\""));
+        assert!(said("t,agent,Fp.x,Fp.y,Mp\n0,a,x,0,0\n").contains("line 2: Fp.x=\"x\""));
+        assert!(said("t,agent,Fp.x,Fp.y,Mp\n1,a,0,0,0\n1,a,0,0,0\n").contains("line 3"));
+    }
+
+    #[test]
+    fn all_errors_are_said_each_with_its_line() {
+        let error =
+            drive("t,agent,Fp.x,Fp.y,Mp\n0,a,x,0,inf\n# a\n1,a,0\n2,a,0,0,0\n1,a,0,0,0\n").unwrap_err();
+        let said = error.of_file(Path::new("T/drive.csv")).to_string();
+        let expected = "T/drive.csv:2: Fp.x=\"x\": not a finite number\n\
+                        T/drive.csv:2: Mp=\"inf\": not a finite number\n\
+                        T/drive.csv:4: has 3 values instead of 5\n\
+                        T/drive.csv:6: t=1 does not come after t=2 of the same agent";
+        assert_eq!(said, expected);
+        let many = format!("t,agent,Fp.x,Fp.y,Mp\n{}", "0,a,x,0,0\n".repeat(32));
+        let said = drive(&many).unwrap_err().to_string();
+        assert!(said.lines().count() == 21 && said.ends_with("and 43 more errors"), "{said}");
+    }
+}

@@ -1,0 +1,153 @@
+//! `AgentDynamics.xml`.
+
+use crate::plane::{Motion, Pose, Twist, Vec2, vec2};
+use crate::trial::agents::Agent;
+use crate::trial::schema::{Range, Schema, Value, attribute};
+use crate::trial::xml::{Element, Ids, document, empty, vector};
+use crate::xml::{number, quoted};
+
+/// `<Agent>` of `AgentDynamics.xml`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AgentDynamics {
+    /// \[m\] centre of mass.
+    pub position: Vec2,
+    /// \[m/s\]
+    pub velocity: Vec2,
+    /// \[rad\] direction of the gaze.
+    pub theta: f64,
+    /// \[rad/s\]
+    pub omega: f64,
+    /// \[N\] propulsion force; zero if the file has no `<Dynamics>`.
+    pub fp: Vec2,
+    /// \[N.m\] propulsion torque.
+    pub mp: f64,
+}
+
+pub(crate) static AGENTS: Schema = Schema { name: "Agents", attributes: &[], children: &[&AGENT] };
+static AGENT: Schema = Schema {
+    name: "Agent",
+    attributes: &[attribute("Id", Value::IdOf("agent"), "", "whose motion it is")],
+    children: &[&KINEMATICS, &DYNAMICS],
+};
+static KINEMATICS: Schema = Schema {
+    name: "Kinematics",
+    attributes: &[
+        attribute("Position", Value::Point, "m", "r, the centre of mass"),
+        attribute("Velocity", Value::Vector, "m/s", "v"),
+        attribute("Theta", Value::Number(Range::Any), "rad", THETA),
+        attribute("Omega", Value::Number(Range::Any), "rad/s", "ω, the angular velocity"),
+    ],
+    children: &[],
+};
+static DYNAMICS: Schema = Schema {
+    name: "Dynamics",
+    attributes: &[
+        attribute("Fp", Value::Vector, "N", "F_p, the propulsion force"),
+        attribute("Mp", Value::Number(Range::Any), "N m", "τ_p, the propulsion torque"),
+    ],
+    children: &[],
+};
+const THETA: &str = "θ, the orientation: the angle from the x axis to the gaze";
+
+/// In the order of `agents`, which is `None`, with `ids`, where they could not be read.
+pub(crate) fn read(root: Element<'_>, agents: Option<(&[Agent], &Ids)>) -> Vec<AgentDynamics> {
+    // Line and dynamics of each agent of Agents.xml.
+    let mut found: Vec<Option<(u32, AgentDynamics)>> =
+        vec![None; agents.map_or(0, |(agents, _)| agents.len())];
+    let ids = agents.map(|(_, ids)| ids);
+    for element in root.children("Agent") {
+        let (_, place) = element.reference("Id", ids);
+        let dynamics = read_agent(element);
+        let Some(slot) = place.and_then(|place| found.get_mut(place)) else {
+            continue;
+        };
+        match slot {
+            Some((line, _)) => {
+                let message = format!("duplicate agent, first given at line {line}");
+                element.wrong("Id", &message);
+            }
+            None => *slot = Some((element.line(), dynamics)),
+        }
+    }
+    for (agent, found) in agents.iter().flat_map(|(agents, _)| agents.iter()).zip(&found) {
+        // The second of two equal Ids can find nothing; it is reported where it stands.
+        if found.is_none()
+            && !agent.id.trim().is_empty()
+            && ids.and_then(|ids| ids.place(&agent.id)).is_some()
+        {
+            root.report(root.problem(format!("has no <Agent> of Id {}", quoted(&agent.id))));
+        }
+    }
+    found.into_iter().flatten().map(|(_, dynamics)| dynamics).collect()
+}
+
+fn read_agent(element: Element<'_>) -> AgentDynamics {
+    let nowhere = vec2(f64::NAN, f64::NAN);
+    let mut agent = AgentDynamics {
+        position: nowhere,
+        velocity: nowhere,
+        theta: f64::NAN,
+        omega: f64::NAN,
+        fp: Vec2::ZERO,
+        mp: 0.0,
+    };
+    if let Some(kinematics) = element.only("Kinematics") {
+        agent.position = kinematics.vector("Position");
+        agent.velocity = kinematics.vector("Velocity");
+        agent.theta = kinematics.number("Theta");
+        agent.omega = kinematics.number("Omega");
+    }
+    if let Some(drive) = element.at_most_one("Dynamics") {
+        agent.fp = drive.vector("Fp");
+        agent.mp = drive.number("Mp");
+    }
+    agent
+}
+
+impl AgentDynamics {
+    /// Of a body that nobody drives.
+    pub fn of(motion: &Motion) -> AgentDynamics {
+        let Motion { pose, twist } = motion;
+        AgentDynamics {
+            position: pose.position,
+            velocity: twist.velocity,
+            theta: pose.orientation,
+            omega: twist.angular_velocity,
+            fp: Vec2::ZERO,
+            mp: 0.0,
+        }
+    }
+
+    /// Where it is and how it moves.
+    pub fn motion(&self) -> Motion {
+        Motion {
+            pose: Pose { position: self.position, orientation: self.theta },
+            twist: Twist { velocity: self.velocity, angular_velocity: self.omega },
+        }
+    }
+}
+
+/// Whether `<Dynamics>` is written. Input files have it; output files of the paper's engine do not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DynamicsElement {
+    /// With `<Dynamics Fp Mp>`.
+    Written,
+    /// `<Kinematics>` only.
+    Omitted,
+}
+
+/// The text of `AgentDynamics.xml`; `dynamics` in the order of `agents`.
+pub fn dynamics_xml(agents: &[Agent], dynamics: &[AgentDynamics], element: DynamicsElement) -> String {
+    document("Agents", |out| {
+        for (agent, state) in agents.iter().zip(dynamics) {
+            out.element("Agent", &[("Id", &agent.id)], |out| {
+                let [position, velocity, fp] = [state.position, state.velocity, state.fp].map(vector);
+                let [theta, omega, mp] = [state.theta, state.omega, state.mp].map(number);
+                empty(out, &KINEMATICS, &[&position, &velocity, &theta, &omega]);
+                if element == DynamicsElement::Written {
+                    empty(out, &DYNAMICS, &[&fp, &mp]);
+                }
+            });
+        }
+    })
+}

@@ -1,0 +1,147 @@
+//! `Geometry.xml`.
+
+use crate::files::source::{Disk, Source};
+use crate::plane::{Vec2, vec2};
+use crate::trial::problem::Problems;
+use crate::trial::schema::{Range, Schema, Value, attribute};
+use crate::trial::xml::{Element, Ids, checked, document, empty, read_file, vector};
+use crate::xml::{number, quoted};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::path::Path;
+
+/// `Geometry.xml`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Geometry {
+    /// \[m\] `<Dimensions Lx Ly>`: the size of the drawn area; not used by the mechanics.
+    pub dimensions: Option<Vec2>,
+    /// In file order.
+    pub walls: Vec<Wall>,
+}
+
+impl Geometry {
+    /// Reads and checks a single `Geometry.xml`, without its materials. Returns its walls and the warnings.
+    ///
+    /// # Errors
+    /// All errors in the file.
+    pub fn read(path: &Path) -> Result<(Geometry, Problems), Problems> {
+        Geometry::read_from(&Disk, path)
+    }
+
+    /// As [`Geometry::read`], from these files.
+    ///
+    /// # Errors
+    /// As [`Geometry::read`].
+    pub fn read_from(files: &dyn Source, path: &Path) -> Result<(Geometry, Problems), Problems> {
+        checked(|problems| read_file(files, path, &GEOMETRY, problems, |root| read(root, None).0))
+    }
+}
+
+/// `<Wall>`: a polyline without thickness, which acts on both sides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wall {
+    /// Id, unique among the walls.
+    pub id: String,
+    /// Id of its material.
+    pub material_id: String,
+    /// \[m\] at least two corners; the wall is closed if the last one is at the place of the first.
+    pub corners: Vec<Vec2>,
+}
+
+pub(crate) static GEOMETRY: Schema =
+    Schema { name: "Geometry", attributes: &[], children: &[&DIMENSIONS, &WALL] };
+static DIMENSIONS: Schema = Schema {
+    name: "Dimensions",
+    attributes: &[
+        attribute("Lx", Value::Number(Range::Any), "m", "the length along x of the area that is drawn"),
+        attribute("Ly", Value::Number(Range::Any), "m", "the length along y"),
+    ],
+    children: &[],
+};
+static WALL: Schema = Schema {
+    name: "Wall",
+    attributes: &[
+        attribute("Id", Value::Id, "", "the name of the wall"),
+        attribute("MaterialId", Value::IdOf("material"), "", "what the wall is made of"),
+    ],
+    children: &[&CORNER],
+};
+static CORNER: Schema = Schema {
+    name: "Corner",
+    attributes: &[attribute("Coordinates", Value::Point, "m", "the place of the corner")],
+    children: &[],
+};
+
+/// The geometry and the walls' Ids; `materials` is `None` where they could not be read.
+pub(crate) fn read(root: Element<'_>, materials: Option<&Ids>) -> (Geometry, Ids) {
+    let dimensions =
+        root.at_most_one("Dimensions").map(|element| vec2(element.number("Lx"), element.number("Ly")));
+    let (mut walls, mut ids) = (Vec::new(), Ids::default());
+    for element in root.children("Wall") {
+        let id = ids.take(element);
+        let (material_id, _) = element.reference("MaterialId", materials);
+        let corners = read_corners(element, &id);
+        walls.push(Wall { id, material_id, corners });
+    }
+    (Geometry { dimensions, walls }, ids)
+}
+
+fn read_corners(wall: Element<'_>, id: &str) -> Vec<Vec2> {
+    let mut corners: Vec<Vec2> = Vec::new();
+    // Where each face was drawn first, whichever its direction.
+    let mut faces: HashMap<[[u64; 2]; 2], usize> = HashMap::new();
+    for element in wall.children("Corner") {
+        let corner = element.vector("Coordinates");
+        let place = corners.len();
+        if let Some(&before) = corners.last() {
+            if (corner - before).norm() == 0.0 {
+                let message =
+                    format!("corner {place} of wall {} is where corner {} is", quoted(id), place - 1);
+                element.wrong("Coordinates", &message);
+            } else if (corner - before).is_finite() {
+                let mut face = [bits(before), bits(corner)];
+                face.sort_unstable();
+                match faces.entry(face) {
+                    Entry::Occupied(first) => {
+                        let message = format!(
+                            "wall {} draws its face {} a second time as face {}; they act like one",
+                            quoted(id),
+                            first.get(),
+                            place - 1
+                        );
+                        element.doubtful("Coordinates", &message);
+                    }
+                    Entry::Vacant(free) => {
+                        free.insert(place - 1);
+                    }
+                }
+            }
+        }
+        corners.push(corner);
+    }
+    if corners.len() < 2 {
+        let message = format!("wall {} has {} corners: it needs two", quoted(id), corners.len());
+        wall.report(wall.problem(message));
+    }
+    corners
+}
+
+/// Equal for equal points: the sum turns −0 into 0.
+fn bits(point: Vec2) -> [u64; 2] {
+    [(point.x + 0.0).to_bits(), (point.y + 0.0).to_bits()]
+}
+
+pub(crate) fn xml(geometry: &Geometry) -> String {
+    document("Geometry", |out| {
+        if let Some(size) = geometry.dimensions {
+            empty(out, &DIMENSIONS, &[&number(size.x), &number(size.y)]);
+        }
+        for wall in &geometry.walls {
+            out.element("Wall", &[("Id", &wall.id), ("MaterialId", &wall.material_id)], |out| {
+                for &corner in &wall.corners {
+                    empty(out, &CORNER, &[&vector(corner)]);
+                }
+            });
+        }
+    })
+}

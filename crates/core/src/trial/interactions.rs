@@ -1,0 +1,249 @@
+//! `AgentInteractions.xml`.
+
+use crate::plane::Vec2;
+use crate::trial::agents::Agent;
+use crate::trial::geometry::Geometry;
+use crate::trial::schema::{Attribute, Schema, Value, attribute};
+use crate::trial::xml::{Element, Ids, document, empty, vector};
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
+use std::hash::Hash;
+
+pub(crate) static INTERACTIONS: Schema =
+    Schema { name: "Interactions", attributes: &[], children: &[&PARENT] };
+static PARENT: Schema = Schema {
+    name: "Agent",
+    attributes: &[attribute("Id", Value::IdOf("agent"), "", "the agent that receives the forces")],
+    children: &[&CHILD, &WALL],
+};
+static CHILD: Schema = Schema {
+    name: "Agent",
+    attributes: &[attribute("Id", Value::IdOf("agent"), "", "the other agent")],
+    children: &[&INTERACTION],
+};
+static INTERACTION: Schema = Schema {
+    name: "Interaction",
+    attributes: &[
+        attribute("ParentShape", Value::Place, "", PARENT_SHAPE),
+        attribute("ChildShape", Value::Place, "", "the disk of the other agent"),
+        ELONGATION,
+        NORMAL,
+        TANGENTIAL,
+    ],
+    children: &[],
+};
+static WALL: Schema = Schema {
+    name: "Wall",
+    attributes: &[
+        attribute("ShapeId", Value::Place, "", "the disk of the agent"),
+        attribute("WallId", Value::IdOf("wall"), "", "the wall"),
+        attribute("CornerId", Value::Place, "", CORNER),
+        ELONGATION,
+        NORMAL,
+        TANGENTIAL,
+    ],
+    children: &[],
+};
+const PARENT_SHAPE: &str = "the disk of the agent that receives the force, in the order of Agents.xml";
+const CORNER: &str = "the corner at which the touched piece of the wall begins";
+const ELONGATION: Attribute = attribute(
+    "TangentialRelativeDisplacement",
+    Value::Vector,
+    "m",
+    "s, the elongation of the tangential spring",
+);
+const NORMAL: Attribute = attribute("Fn", Value::Vector, "N", "the normal force");
+const TANGENTIAL: Attribute = attribute("Ft", Value::Vector, "N", "the tangential force");
+
+/// `AgentInteractions.xml`: the contacts at one time, each pair once.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Interactions {
+    /// Contacts between two agents.
+    pub agents: Vec<AgentInteraction>,
+    /// Contacts between an agent and a wall.
+    pub walls: Vec<WallInteraction>,
+}
+
+/// `<Interaction>`: one contact of two agents. Agents and shapes are 0-based places in `Agents.xml`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AgentInteraction {
+    /// Place of the agent that receives the force; the lower of the two places.
+    pub parent: usize,
+    /// Place of the other agent.
+    pub child: usize,
+    /// Place of the parent's disk among its shapes.
+    pub parent_shape: usize,
+    /// Place of the child's disk among its shapes.
+    pub child_shape: usize,
+    /// Forces on the parent and its spring.
+    pub force: ContactForce,
+}
+
+/// `<Wall>` of `AgentInteractions.xml`: one contact of an agent with a wall.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WallInteraction {
+    /// Place of the agent, which receives the force.
+    pub agent: usize,
+    /// `ShapeId`: place of the disk among the agent's shapes.
+    pub shape: usize,
+    /// Place of the wall in `Geometry.xml` (the file holds its Id).
+    pub wall: usize,
+    /// `CornerId`: place, among the wall's corners, of the corner where the touched face begins.
+    pub corner: usize,
+    /// Forces on the agent and its spring.
+    pub force: ContactForce,
+}
+
+/// What a contact does to the agent that receives the force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactForce {
+    /// \[m\] `TangentialRelativeDisplacement`: elongation of the tangential spring.
+    pub elongation: Vec2,
+    /// \[N\] `Fn`
+    pub normal: Vec2,
+    /// \[N\] `Ft`
+    pub tangential: Vec2,
+}
+
+/// The contacts, sorted by the places of those who touch: the file's order means nothing.
+pub(crate) fn read(
+    root: Element<'_>,
+    (agents, agent_ids): (&[Agent], &Ids),
+    (geometry, wall_ids): (&Geometry, &Ids),
+) -> Interactions {
+    let mut interactions = Interactions::default();
+    let (mut agent_lines, mut wall_lines) = (HashMap::new(), HashMap::new());
+    let disks = |agent: usize| agents.get(agent).map_or(0, |agent| agent.shapes.len());
+    for parent_element in root.children("Agent") {
+        let (_, parent) = parent_element.reference("Id", Some(agent_ids));
+        for child_element in parent_element.children("Agent") {
+            let (_, child) = child_element.reference("Id", Some(agent_ids));
+            if parent.is_some() && parent == child {
+                child_element.wrong("Id", "an agent does not touch itself");
+            }
+            for element in child_element.children("Interaction") {
+                let force = read_force(element);
+                let (Some(parent), Some(child)) = (parent, child) else {
+                    continue;
+                };
+                let parent_shape = element.place("ParentShape", disks(parent), "parent's shapes");
+                let child_shape = element.place("ChildShape", disks(child), "child's shapes");
+                let (Some(parent_shape), Some(child_shape)) = (parent_shape, child_shape) else {
+                    continue;
+                };
+                let contact = AgentInteraction { parent, child, parent_shape, child_shape, force }.ordered();
+                if once(&mut agent_lines, agent_key(&contact), element) {
+                    interactions.agents.push(contact);
+                }
+            }
+        }
+        for element in parent_element.children("Wall") {
+            let (_, wall) = element.reference("WallId", Some(wall_ids));
+            let corners = wall.and_then(|wall| geometry.walls.get(wall)).map(|wall| wall.corners.len());
+            // No face begins at the last corner.
+            let corner = corners.and_then(|n| element.place("CornerId", n.saturating_sub(1), "faces"));
+            let shape = parent.and_then(|agent| element.place("ShapeId", disks(agent), "agent's shapes"));
+            let force = read_force(element);
+            let (Some(agent), Some(shape), Some(wall), Some(corner)) = (parent, shape, wall, corner) else {
+                continue;
+            };
+            let contact = WallInteraction { agent, shape, wall, corner, force };
+            if once(&mut wall_lines, wall_key(&contact), element) {
+                interactions.walls.push(contact);
+            }
+        }
+    }
+    interactions.agents.sort_by_key(agent_key);
+    interactions.walls.sort_by_key(wall_key);
+    interactions
+}
+
+type Key = [usize; 4];
+
+fn agent_key(contact: &AgentInteraction) -> Key {
+    [contact.parent, contact.child, contact.parent_shape, contact.child_shape]
+}
+
+fn wall_key(contact: &WallInteraction) -> Key {
+    [contact.agent, contact.shape, contact.wall, contact.corner]
+}
+
+/// Whether the contact is new; reports one that is not.
+fn once<K: Eq + Hash>(lines: &mut HashMap<K, u32>, key: K, element: Element<'_>) -> bool {
+    match lines.entry(key) {
+        Entry::Occupied(line) => {
+            let message = format!("duplicate contact, first given at line {}", line.get());
+            element.report(element.problem(message));
+            false
+        }
+        Entry::Vacant(free) => {
+            free.insert(element.line());
+            true
+        }
+    }
+}
+
+fn read_force(element: Element<'_>) -> ContactForce {
+    ContactForce {
+        elongation: element.vector("TangentialRelativeDisplacement"),
+        normal: element.vector("Fn"),
+        tangential: element.vector("Ft"),
+    }
+}
+
+impl AgentInteraction {
+    /// The same contact with the lower agent as parent: what acts on the one is the opposite of what acts on the other.
+    fn ordered(self) -> AgentInteraction {
+        if self.parent <= self.child {
+            return self;
+        }
+        let ContactForce { elongation, normal, tangential } = self.force;
+        AgentInteraction {
+            parent: self.child,
+            child: self.parent,
+            parent_shape: self.child_shape,
+            child_shape: self.parent_shape,
+            force: ContactForce { elongation: -elongation, normal: -normal, tangential: -tangential },
+        }
+    }
+}
+
+/// The text of `AgentInteractions.xml`; agents and geometry give the Ids.
+pub fn interactions_xml(agents: &[Agent], geometry: &Geometry, interactions: &Interactions) -> String {
+    type OfParent<'a> = (BTreeMap<usize, Vec<&'a AgentInteraction>>, Vec<&'a WallInteraction>);
+    let mut parents: BTreeMap<usize, OfParent<'_>> = BTreeMap::new();
+    for contact in &interactions.agents {
+        parents.entry(contact.parent).or_default().0.entry(contact.child).or_default().push(contact);
+    }
+    for contact in &interactions.walls {
+        parents.entry(contact.agent).or_default().1.push(contact);
+    }
+    let agent_id = |place: usize| agents.get(place).map_or("", |agent| &agent.id);
+    let wall_id = |place: usize| geometry.walls.get(place).map_or("", |wall| &wall.id);
+    document("Interactions", |out| {
+        for (&parent, (children, walls)) in &parents {
+            out.element("Agent", &[("Id", agent_id(parent))], |out| {
+                for (&child, contacts) in children {
+                    out.element("Agent", &[("Id", agent_id(child))], |out| {
+                        for contact in contacts {
+                            let [elongation, normal, tangential] = forces(&contact.force);
+                            let [parent, child] =
+                                [contact.parent_shape, contact.child_shape].map(|k| k.to_string());
+                            empty(out, &INTERACTION, &[&parent, &child, &elongation, &normal, &tangential]);
+                        }
+                    });
+                }
+                for contact in walls {
+                    let [elongation, normal, tangential] = forces(&contact.force);
+                    let (shape, corner) = (contact.shape.to_string(), contact.corner.to_string());
+                    let wall = wall_id(contact.wall);
+                    empty(out, &WALL, &[&shape, wall, &corner, &elongation, &normal, &tangential]);
+                }
+            });
+        }
+    })
+}
+
+fn forces(force: &ContactForce) -> [String; 3] {
+    [force.elongation, force.normal, force.tangential].map(vector)
+}

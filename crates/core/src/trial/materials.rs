@@ -1,0 +1,298 @@
+//! `Materials.xml`.
+
+use crate::trial::agents::Agent;
+use crate::trial::geometry::Geometry;
+use crate::trial::problem::Problems;
+use crate::trial::schema::{Attribute, Range, Schema, Value, attribute};
+use crate::trial::xml::{Element, Ids, document, empty};
+use crate::xml::{Problem, number, quoted};
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+
+pub(crate) static MATERIALS: Schema =
+    Schema { name: "Materials", attributes: &[], children: &[&INTRINSIC, &BINARY] };
+static INTRINSIC: Schema = Schema { name: "Intrinsic", attributes: &[], children: &[&MATERIAL] };
+static MATERIAL: Schema = Schema {
+    name: "Material",
+    attributes: &[
+        attribute("Id", Value::Id, "", "the name of the material"),
+        number_of("YoungModulus", Range::Positive, "N/m", "E, the Young modulus of a 2D material"),
+        number_of("ShearModulus", Range::Positive, "N/m", "G, the shear modulus of a 2D material"),
+    ],
+    children: &[],
+};
+static BINARY: Schema = Schema { name: "Binary", attributes: &[], children: &[&CONTACT] };
+static CONTACT: Schema = Schema {
+    name: "Contact",
+    attributes: &[
+        attribute("Id1", Value::IdOf("material"), "", "the one material"),
+        attribute("Id2", Value::IdOf("material"), "", "the other one, or the same"),
+        number_of("GammaNormal", Range::NotNegative, "kg/s", "γ⊥, damping along the normal"),
+        number_of("GammaTangential", Range::NotNegative, "kg/s", "γ∥, damping along the tangent"),
+        number_of("KineticFriction", Range::NotNegative, "1", "μ_dyn, the coefficient of Coulomb friction"),
+    ],
+    children: &[],
+};
+
+const fn number_of(name: &'static str, range: Range, unit: &'static str, meaning: &'static str) -> Attribute {
+    attribute(name, Value::Number(range), unit, meaning)
+}
+
+/// `Materials.xml`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Materials {
+    /// `<Intrinsic>`
+    pub intrinsic: Vec<Material>,
+    /// `<Binary>`
+    pub binary: Vec<Contact>,
+}
+
+/// `<Material>`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Unique among the materials.
+    pub id: String,
+    /// \[N/m\] 2D Young modulus.
+    pub young_modulus: f64,
+    /// \[N/m\] 2D shear modulus.
+    pub shear_modulus: f64,
+}
+
+/// `<Contact>`: coefficients of the contact of two materials; their order does not matter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// First material.
+    pub id1: String,
+    /// Second material; may be the same.
+    pub id2: String,
+    /// \[kg/s\] damping along the normal.
+    pub gamma_normal: f64,
+    /// \[kg/s\] damping along the tangent.
+    pub gamma_tangential: f64,
+    /// \[1\] coefficient of Coulomb friction.
+    pub kinetic_friction: f64,
+}
+
+/// \[N/m\] stiffness of the springs between two materials, normal and tangential: `(k_n, k_t)` (paper, section 3.1).
+///
+/// The values are not positive or not finite if the moduli do not belong to a 2D elastic material (E ≥ 4G).
+pub fn stiffness(first: &Material, second: &Material) -> (f64, f64) {
+    let normal =
+        |m: &Material| (4.0 * m.shear_modulus - m.young_modulus) / (4.0 * m.shear_modulus * m.shear_modulus);
+    let tangential =
+        |m: &Material| (6.0 * m.shear_modulus - m.young_modulus) / (8.0 * m.shear_modulus * m.shear_modulus);
+    (1.0 / (normal(first) + normal(second)), 1.0 / (tangential(first) + tangential(second)))
+}
+
+/// The file as read, with what the checks of the other files need of it.
+pub(crate) struct Read {
+    pub(crate) materials: Materials,
+    pub(crate) ids: Ids,
+    path: PathBuf,
+    /// Line of each material.
+    lines: Vec<u32>,
+    /// Pairs of places in `intrinsic`, the lower first.
+    pairs: HashMap<(usize, usize), u32>,
+    /// Line of `<Binary>`; `None` when it is missing, which is reported once.
+    binary_line: Option<u32>,
+}
+
+pub(crate) fn read(root: Element<'_>) -> Read {
+    let (mut intrinsic, mut binary) = (Vec::new(), Vec::new());
+    let (mut ids, mut lines, mut pairs) = (Ids::default(), Vec::new(), HashMap::new());
+    for element in root.only("Intrinsic").iter().flat_map(|list| list.children("Material")) {
+        lines.push(element.line());
+        intrinsic.push(Material {
+            id: ids.take(element),
+            young_modulus: element.number("YoungModulus"),
+            shear_modulus: element.number("ShearModulus"),
+        });
+    }
+    let list = root.only("Binary");
+    for element in list.iter().flat_map(|list| list.children("Contact")) {
+        let (id1, first) = element.reference("Id1", Some(&ids));
+        let (id2, second) = element.reference("Id2", Some(&ids));
+        if let (Some(first), Some(second)) = (first, second) {
+            match pairs.entry((first.min(second), first.max(second))) {
+                Entry::Occupied(line) => {
+                    let pair = format!("{} and {}", quoted(&id1), quoted(&id2));
+                    let message = format!("duplicate pair {pair}, first given at line {}", line.get());
+                    element.report(element.problem(message));
+                }
+                Entry::Vacant(free) => {
+                    free.insert(element.line());
+                }
+            }
+        }
+        binary.push(Contact {
+            id1,
+            id2,
+            gamma_normal: element.number("GammaNormal"),
+            gamma_tangential: element.number("GammaTangential"),
+            kinetic_friction: element.number("KineticFriction"),
+        });
+    }
+    Read {
+        materials: Materials { intrinsic, binary },
+        ids,
+        path: root.path().to_owned(),
+        lines,
+        pairs,
+        binary_line: list.map(Element::line),
+    }
+}
+
+/// Materials that agents and walls may be of: the table of laws has a row and a column for each, 40 bytes for two.
+const MOST_MATERIALS: usize = 1000;
+
+/// Every pair of materials that can touch has its coefficients. A rigid agent does not touch itself, nor a wall a wall.
+pub(crate) fn check_pairs(
+    read: &Read,
+    geometry: Option<&Geometry>,
+    agents: &[Agent],
+    problems: &mut Problems,
+) {
+    /// Of a file that forgot them all, these many say enough.
+    const REPORTED: usize = 100;
+
+    let mut carriers: BTreeMap<usize, Carriers> = BTreeMap::new();
+    for (agent, shapes) in agents.iter().map(|agent| &agent.shapes).enumerate() {
+        for material in shapes.iter().filter_map(|shape| read.ids.place(&shape.material_id)) {
+            let carried = carriers.entry(material).or_insert(Carriers::One(agent));
+            if *carried != Carriers::One(agent) {
+                *carried = Carriers::Several;
+            }
+        }
+    }
+    let walls: BTreeSet<usize> = geometry
+        .iter()
+        .flat_map(|geometry| &geometry.walls)
+        .filter_map(|wall| read.ids.place(&wall.material_id))
+        .collect();
+
+    let used = walls.len() + carriers.keys().filter(|material| !walls.contains(material)).count();
+    if used > MOST_MATERIALS {
+        let message =
+            format!("agents and walls are of {used} materials: at most {MOST_MATERIALS} can be used");
+        problems.push(Problem::of_file(&read.path, None, message));
+        return;
+    }
+    let among_agents = carriers.iter().flat_map(|(&first, carried)| {
+        let others = carriers.range(first..);
+        others
+            .filter(move |(_, other)| !carried.sole_and_same(other))
+            .map(move |(&second, _)| (first, second))
+    });
+    let with_walls = carriers.keys().flat_map(|&first| walls.iter().map(move |&second| (first, second)));
+    let mut reported = BTreeSet::new();
+    for (first, second) in among_agents.chain(with_walls) {
+        let pair = (first.min(second), first.max(second));
+        if !reported.contains(&pair)
+            && let Some(problem) = read.pair_problem(pair)
+        {
+            reported.insert(pair);
+            problems.push(problem);
+        }
+        if reported.len() == REPORTED {
+            break;
+        }
+    }
+}
+
+/// The agents whose shapes are of a material.
+#[derive(PartialEq)]
+enum Carriers {
+    /// Place of the only one.
+    One(usize),
+    Several,
+}
+
+impl Carriers {
+    fn sole_and_same(&self, other: &Carriers) -> bool {
+        *self != Carriers::Several && self == other
+    }
+}
+
+impl Read {
+    fn pair_problem(&self, pair: (usize, usize)) -> Option<Problem> {
+        let (first, second) = (self.materials.intrinsic.get(pair.0)?, self.materials.intrinsic.get(pair.1)?);
+        if !self.pairs.contains_key(&pair) {
+            let line = self.binary_line?;
+            let message =
+                format!("no <Contact> of {} and {}, which can touch", quoted(&first.id), quoted(&second.id));
+            return Some(self.problem("Binary", line, message));
+        }
+        let moduli = [first.young_modulus, first.shear_modulus, second.young_modulus, second.shear_modulus];
+        let (normal, tangential) = stiffness(first, second);
+        let good = |k: f64| k > 0.0 && k.is_finite();
+        if moduli.iter().any(|modulus| modulus.is_nan()) || (good(normal) && good(tangential)) {
+            return None;
+        }
+        // The line of the one that is no 2D elastic material by itself.
+        let culprit = if first.young_modulus < 4.0 * first.shear_modulus { pair.1 } else { pair.0 };
+        let material = |m: &Material| {
+            format!(
+                "{} (YoungModulus {:?}, ShearModulus {:?})",
+                quoted(&m.id),
+                m.young_modulus,
+                m.shear_modulus
+            )
+        };
+        let message = format!(
+            "{} and {} touch with stiffnesses k_n = {normal:?}, k_t = {tangential:?} N/m: must be positive and finite",
+            material(first),
+            material(second)
+        );
+        Some(self.problem("Material", *self.lines.get(culprit)?, message))
+    }
+
+    fn problem(&self, element: &str, line: u32, message: String) -> Problem {
+        let path: &Path = &self.path;
+        Problem { element: Some(element.into()), ..Problem::of_file(path, Some(line), message) }
+    }
+}
+
+pub(crate) fn xml(materials: &Materials) -> String {
+    document("Materials", |out| {
+        out.element("Intrinsic", &[], |out| {
+            for material in &materials.intrinsic {
+                let [young, shear] = [material.young_modulus, material.shear_modulus].map(number);
+                empty(out, &MATERIAL, &[&material.id, &young, &shear]);
+            }
+        });
+        out.element("Binary", &[], |out| {
+            for contact in &materials.binary {
+                let numbers = [contact.gamma_normal, contact.gamma_tangential, contact.kinetic_friction];
+                let [normal, tangential, friction] = numbers.map(number);
+                empty(out, &CONTACT, &[&contact.id1, &contact.id2, &normal, &tangential, &friction]);
+            }
+        });
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn material(young_modulus: f64, shear_modulus: f64) -> Material {
+        Material { id: String::new(), young_modulus, shear_modulus }
+    }
+
+    #[test]
+    fn stiffness_of_the_paper_s_materials() {
+        // 4G − E = 8 − 4 = 4, 6G − E = 8, G = 2: compliances 4/16 and 8/32 each, hence 1/(2/4) = 2.
+        assert_eq!(stiffness(&material(4.0, 2.0), &material(4.0, 2.0)), (2.0, 2.0));
+        let (naked, concrete) = (material(4.0e6, 1379310.3), material(1.7e9, 7.1e8));
+        assert_eq!(stiffness(&naked, &concrete), stiffness(&concrete, &naked));
+        let (normal, tangential) = stiffness(&naked, &naked);
+        assert!((normal / 2.508e6 - 1.0).abs() < 1e-3, "{normal}");
+        assert!((tangential / 1.780e6 - 1.0).abs() < 1e-3, "{tangential}");
+    }
+
+    #[test]
+    fn moduli_of_no_2d_material_give_no_stiffness() {
+        assert!(stiffness(&material(5.0, 1.0), &material(5.0, 1.0)).0 < 0.0);
+        assert!(stiffness(&material(4.0, 1.0), &material(4.0, 1.0)).0.is_infinite());
+    }
+}

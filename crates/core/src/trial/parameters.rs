@@ -1,0 +1,88 @@
+//! `Parameters.xml`.
+
+use crate::trial::schema::{Range, Schema, Value, attribute};
+use crate::trial::xml::{Element, document, empty};
+use crate::xml::number;
+use std::path::Path;
+
+/// `Parameters.xml`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameters {
+    /// `Directories/Static`, as in the file; relative to the Trial directory.
+    pub static_directory: String,
+    /// `Directories/Dynamic`, as in the file; relative to the Trial directory.
+    pub dynamic_directory: String,
+    /// \[s\] `Times/TimeStep`: the communication step (the paper's decisional loop).
+    pub time_step: f64,
+    /// \[s\] `Times/TimeStepMechanical`: step of the integrator, at most `time_step`.
+    pub time_step_mechanical: f64,
+}
+
+impl Parameters {
+    /// The Static directory, relative to the Trial directory.
+    pub fn static_path(&self) -> &Path {
+        Path::new(self.static_directory.trim())
+    }
+
+    /// The Dynamic directory, relative to the Trial directory.
+    pub fn dynamic_path(&self) -> &Path {
+        Path::new(self.dynamic_directory.trim())
+    }
+
+    /// Returns the file's text.
+    pub fn xml(&self) -> String {
+        document("Parameters", |out| {
+            empty(out, &DIRECTORIES, &[&self.static_directory, &self.dynamic_directory]);
+            empty(out, &TIMES, &[&number(self.time_step), &number(self.time_step_mechanical)]);
+        })
+    }
+}
+
+pub(crate) static PARAMETERS: Schema =
+    Schema { name: "Parameters", attributes: &[], children: &[&DIRECTORIES, &TIMES] };
+static DIRECTORIES: Schema = Schema {
+    name: "Directories",
+    attributes: &[
+        attribute("Static", Value::Text, "", STATIC),
+        attribute("Dynamic", Value::Text, "", DYNAMIC),
+    ],
+    children: &[],
+};
+static TIMES: Schema = Schema {
+    name: "Times",
+    attributes: &[
+        attribute("TimeStep", Value::Number(Range::Positive), "s", STEP),
+        attribute("TimeStepMechanical", Value::Number(Range::UpTo("TimeStep")), "s", MECHANICAL_STEP),
+    ],
+    children: &[],
+};
+const STATIC: &str =
+    "the directory of Materials.xml, Geometry.xml and Agents.xml; relative to that of Parameters.xml";
+const DYNAMIC: &str = "the directory of AgentDynamics.xml and AgentInteractions.xml; likewise";
+const STEP: &str = "the communication step: the paper's decisional loop, after which F_p and τ_p can change. \
+                    `--step` replaces it";
+const MECHANICAL_STEP: &str = "the longest step of the integrator. The engine takes equal steps of at most this \
+                               length: [../step.md](../step.md) says what you need";
+
+/// The directories stay empty where the file does not say them.
+pub(crate) fn read(root: Element<'_>) -> Parameters {
+    let mut parameters = Parameters {
+        static_directory: String::new(),
+        dynamic_directory: String::new(),
+        time_step: f64::NAN,
+        time_step_mechanical: f64::NAN,
+    };
+    if let Some(directories) = root.only("Directories") {
+        parameters.static_directory = directories.text("Static");
+        parameters.dynamic_directory = directories.text("Dynamic");
+    }
+    if let Some(times) = root.only("Times") {
+        parameters.time_step = times.number("TimeStep");
+        parameters.time_step_mechanical = times.number("TimeStepMechanical");
+        if parameters.time_step_mechanical > parameters.time_step {
+            let message = format!("must be at most TimeStep, {:?}", parameters.time_step);
+            times.wrong("TimeStepMechanical", &message);
+        }
+    }
+    parameters
+}

@@ -1,0 +1,93 @@
+//! Errors and warnings about a Trial.
+
+use crate::xml::{Problem, Severity};
+use std::fmt;
+
+/// All errors and warnings, in the order in which the files are read.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Problems(Vec<Problem>);
+
+impl Problems {
+    /// Adds one.
+    pub fn push(&mut self, problem: Problem) {
+        self.0.push(problem);
+    }
+
+    /// Adds others after them.
+    pub(crate) fn append(&mut self, others: Problems) {
+        self.0.extend(others.0);
+    }
+
+    /// The value, or `None` after the problem is added.
+    pub(crate) fn or_push<T>(&mut self, read: crate::xml::Result<T>) -> Option<T> {
+        read.map_err(|problem| self.push(*problem)).ok()
+    }
+
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = &Problem> {
+        self.0.iter()
+    }
+
+    /// The errors only.
+    pub fn errors(&self) -> impl Iterator<Item = &Problem> {
+        self.iter().filter(|problem| problem.severity == Severity::Error)
+    }
+
+    /// The warnings only.
+    pub fn warnings(&self) -> impl Iterator<Item = &Problem> {
+        self.iter().filter(|problem| problem.severity == Severity::Warning)
+    }
+
+    /// Whether there is any error.
+    pub fn has_errors(&self) -> bool {
+        self.errors().next().is_some()
+    }
+
+    /// Whether there is neither error nor warning.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+/// One problem per line, without a line end after the last.
+impl fmt::Display for Problems {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, problem) in self.iter().enumerate() {
+            if place > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{problem}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Problems {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn problem(severity: Severity, value: &str) -> Problem {
+        Problem {
+            severity,
+            file: "static/Agents.xml".into(),
+            line: Some(12),
+            element: Some("Shape".into()),
+            attribute: Some("Radius".into()),
+            value: Some(value.into()),
+            message: "must be positive".into(),
+        }
+    }
+
+    #[test]
+    fn each_problem_has_a_line() {
+        let mut problems = Problems::default();
+        problems.push(problem(Severity::Error, "-0.1"));
+        problems.push(Problem { attribute: None, ..problem(Severity::Warning, "") });
+        let expected = "static/Agents.xml:12: <Shape> Radius=\"-0.1\": must be positive\n\
+                        warning: static/Agents.xml:12: <Shape>: must be positive";
+        assert_eq!(problems.to_string(), expected);
+        assert_eq!((problems.errors().count(), problems.warnings().count()), (1, 1));
+    }
+}

@@ -1,0 +1,74 @@
+//! How much may be unpacked.
+
+use crate::ssp::error::{Error, Result};
+use std::io::{self, Read, Write};
+
+/// How much archives may still unpack to: a small one can hold a lot of zeros, and the sizes that it declares
+/// need not be true.
+#[derive(Debug)]
+pub struct Allowance {
+    left: u64,
+    limit: u64,
+    entries: usize,
+}
+
+impl Allowance {
+    /// \[byte\] Of the structure and the parameter files of an archive, which are held in memory: twice
+    /// what two FMUs of 10 000 agents take.
+    pub const STRUCTURE: u64 = 64_000_000;
+    /// \[byte\] Of all FMUs of a run, which are unpacked on disk.
+    pub const FMUS: u64 = 4_000_000_000;
+
+    /// Number of the entries of all archives: each becomes a file or a directory. An FMU that contains Python has some
+    /// thousands.
+    pub const ENTRIES: usize = 20_000;
+
+    /// So many bytes, and [`Allowance::ENTRIES`].
+    pub fn new(limit: u64) -> Allowance {
+        Allowance { left: limit, limit, entries: Allowance::ENTRIES }
+    }
+
+    /// Takes the entries of an archive.
+    ///
+    /// # Errors
+    /// There are more than are left.
+    pub fn entries(&mut self, count: usize) -> Result<()> {
+        let left = self.entries.checked_sub(count);
+        self.entries = left.ok_or(Error::TooManyEntries(Allowance::ENTRIES))?;
+        Ok(())
+    }
+
+    /// Copies an entry until nothing is left of the allowance.
+    ///
+    /// # Errors
+    /// The entry is broken, its copy cannot be written, or it is too large.
+    pub fn copy(&mut self, name: &str, entry: impl Read, to: &mut impl Write) -> Result<()> {
+        // One byte more tells too large from just fitting.
+        let mut entry = entry.take(self.left.saturating_add(1));
+        let copied =
+            io::copy(&mut entry, to).map_err(|error| Error::Copy { name: name.to_owned(), error })?;
+        let Some(left) = self.left.checked_sub(copied) else {
+            return Err(Error::TooLarge { name: name.to_owned(), limit: self.limit });
+        };
+        self.left = left;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_just_fits_is_copied_and_a_byte_more_is_refused() {
+        let mut allowance = Allowance::new(10);
+        let mut copy = Vec::new();
+        allowance.copy("a", &[7; 6][..], &mut copy).unwrap();
+        allowance.copy("b", &[7; 4][..], &mut copy).unwrap();
+        assert_eq!(copy, [7; 10]);
+        allowance.copy("empty", io::empty(), &mut copy).unwrap();
+        let said = allowance.copy("endless", io::repeat(7), &mut copy).unwrap_err().to_string();
+        assert_eq!(said, "endless: is refused: more than 0.00001 MB to unpack in all");
+        assert_eq!(copy.len(), 11);
+    }
+}

@@ -1,0 +1,286 @@
+//! Interfaces -> the structure that connects every output with the inputs of the same name.
+
+use crate::ssp::document::{Component, Connection, Connector, Extent, Kind, Port, SystemStructure, Type};
+use crate::ssp::error::{Error, Result};
+use crate::ssp::interface::{Dimension, Fmi, Interface, Variable};
+use crate::ssp::unit::{Affine, Unit, conversion};
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// An FMU to connect.
+pub struct Participant<'a> {
+    /// The component's.
+    pub name: String,
+    /// Where the archive holds the FMU.
+    pub source: String,
+    /// Its variables.
+    pub interface: &'a Interface,
+}
+
+/// What came of connecting.
+pub struct Connected {
+    /// The whole.
+    pub structure: SystemStructure,
+    /// What is connected by each of its connections: the name of a value, or of an array.
+    pub names: Vec<String>,
+    /// Of each component the names of its inputs that nothing feeds.
+    pub unconnected: Vec<Vec<String>>,
+}
+
+/// The most mistakes of one kind that a message lists.
+const LISTED: usize = 5;
+
+/// A value of a participant: its variable by place, and which of the variable's values.
+#[derive(Clone, Copy, PartialEq)]
+struct End {
+    participant: usize,
+    variable: usize,
+    element: usize,
+}
+
+/// What is to be connected: single values, or arrays as a whole.
+struct Pair {
+    from: End,
+    to: End,
+    whole: bool,
+    name: String,
+}
+
+/// Connects every output of one component to the input of the same name in every other: an array to an array where all
+/// elements agree, else each value by itself. Type and unit must agree; a value without a unit agrees with every unit.
+///
+/// # Errors
+/// They do not, an input is fed by two outputs, a unit has two meanings, or nothing is connected.
+pub fn connect(name: &str, participants: &[Participant]) -> Result<Connected> {
+    let mut outputs: HashMap<String, Vec<End>> = HashMap::new();
+    for (participant, own) in participants.iter().enumerate() {
+        for (variable, output) in of_kind(own, Kind::Output) {
+            for element in 0..output.count() {
+                let end = End { participant, variable, element };
+                outputs.entry(own.interface.name_of(output, element)).or_default().push(end);
+            }
+        }
+    }
+    let mut problems = Vec::new();
+    let mut pairs = Vec::new();
+    let mut unconnected = Vec::new();
+    for (participant, own) in participants.iter().enumerate() {
+        let mut free = Vec::new();
+        for (variable, input) in of_kind(own, Kind::Input) {
+            let mut of_input: Vec<Pair> = Vec::new();
+            for element in 0..input.count() {
+                let name = own.interface.name_of(input, element);
+                let to = End { participant, variable, element };
+                match outputs.get(&name).map_or(&[][..], Vec::as_slice) {
+                    [] => free.push(name),
+                    [from] => {
+                        let source = &participants[from.participant];
+                        let output = &source.interface.variables[from.variable];
+                        // Elements of an array agree alike.
+                        let last = of_input.last().map(|last| (last.from.participant, last.from.variable));
+                        if last != Some((from.participant, from.variable))
+                            && let Some(why) = disagreement(&name, (source, output), (own, input))
+                        {
+                            problems.push(why);
+                        }
+                        of_input.push(Pair { from: *from, to, whole: false, name });
+                    }
+                    [first, second, ..] => problems.push(format!(
+                        "the input {name} of {} is fed by two outputs, of {} and of {}",
+                        own.name, participants[first.participant].name, participants[second.participant].name
+                    )),
+                }
+            }
+            let array = as_array(participants, input, &of_input);
+            pairs.extend(array.map_or(of_input, |whole| vec![whole]));
+        }
+        unconnected.push(free);
+    }
+    if !problems.is_empty() {
+        let more = problems.len().saturating_sub(LISTED);
+        problems.truncate(LISTED);
+        if more > 0 {
+            problems.push(format!("… and {more} more like these"));
+        }
+        return Err(Error::DoNotFit(problems.join("\n")));
+    }
+    if pairs.is_empty() {
+        let sides: Vec<String> = participants.iter().map(summary).collect();
+        return Err(Error::NothingToConnect(sides.join("\n")));
+    }
+    let structure = assemble(name, participants, &pairs)?;
+    let names = pairs.into_iter().map(|pair| pair.name).collect();
+    Ok(Connected { structure, names, unconnected })
+}
+
+/// All pairs of an input as one of whole arrays, if each of its elements is fed by the same one of an array.
+fn as_array(participants: &[Participant], input: &Variable, pairs: &[Pair]) -> Option<Pair> {
+    let first = pairs.first().filter(|_| input.is_array() && pairs.len() == input.count())?;
+    let output = &participants[first.from.participant].interface.variables[first.from.variable];
+    let sizes = |of: &Variable| of.dimensions.iter().map(|dimension| dimension.size).collect::<Vec<_>>();
+    let alike = pairs.iter().enumerate().all(|(element, pair)| pair.from == End { element, ..first.from });
+    let whole = output.is_array() && sizes(output) == sizes(input) && alike;
+    whole.then(|| Pair { from: first.from, to: first.to, whole: true, name: input.name.clone() })
+}
+
+/// The variables of a kind, with their places.
+fn of_kind<'a>(participant: &Participant<'a>, kind: Kind) -> impl Iterator<Item = (usize, &'a Variable)> {
+    let variables = participant.interface.variables.iter().enumerate();
+    variables.filter(move |(_, variable)| variable.kind == Some(kind))
+}
+
+/// Why an output and an input of one name cannot be connected.
+fn disagreement(
+    name: &str,
+    (source, output): (&Participant, &Variable),
+    (target, input): (&Participant, &Variable),
+) -> Option<String> {
+    let (from, to) = (&source.name, &target.name);
+    if output.of.name() != input.of.name() {
+        let (a, b) = (output.of.name(), input.of.name());
+        return Some(format!("{name}: the output of {from} is of type {a}, the input of {to} of type {b}"));
+    }
+    if matches!(output.of, Type::Enumeration(_) | Type::Binary | Type::Clock) {
+        return Some(format!("{name}: connections of type {} are not served", output.of.name()));
+    }
+    let (a, b) = (output.of.unit(), input.of.unit());
+    let defined = |participant: &Participant, unit: Option<&str>| {
+        unit.and_then(|unit| participant.interface.unit(unit)).cloned()
+    };
+    let (from_unit, to_unit) = (defined(source, a), defined(target, b));
+    match conversion((a, from_unit.as_ref()), (b, to_unit.as_ref())) {
+        Ok(Affine::IDENTITY) => None,
+        _ => {
+            let (a, b) = (a.unwrap_or_default(), b.unwrap_or_default());
+            Some(if a == b {
+                format!("{name}: {from} and {to} do not mean the same by its unit {a:?}")
+            } else {
+                format!("{name}: the output of {from} is in {a:?}, the input of {to} in {b:?}")
+            })
+        }
+    }
+}
+
+/// Outputs and inputs of a participant, a line each: the first few by name.
+fn summary(participant: &Participant) -> String {
+    let line = |kind: Kind| {
+        let interface = participant.interface;
+        let all = of_kind(participant, kind).flat_map(|(_, variable)| {
+            (0..variable.count()).map(move |element| interface.name_of(variable, element))
+        });
+        let names: Vec<String> = all.collect();
+        let shown = match names.len() {
+            0 => String::new(),
+            1 | 2 => format!(": {}", names.join(", ")),
+            _ => format!(": {}, …", names[..2].join(", ")),
+        };
+        format!("{}: {} {}s{shown}", participant.name, names.len(), kind.name())
+    };
+    format!("{}\n{}", line(Kind::Output), line(Kind::Input))
+}
+
+fn assemble(name: &str, participants: &[Participant], pairs: &[Pair]) -> Result<SystemStructure> {
+    let mut structure = SystemStructure { name: name.to_owned(), ..SystemStructure::default() };
+    let mut ports: HashMap<(usize, usize), Port> = HashMap::new();
+    let variable_of = |end: &End| &participants[end.participant].interface.variables[end.variable];
+    let ends = || pairs.iter().flat_map(|pair| [&pair.from, &pair.to]);
+    let mut used: HashSet<(usize, usize)> = ends().map(|end| (end.participant, end.variable)).collect();
+    // SSP 1.0 has no arrays.
+    let arrays = ends().any(|end| variable_of(end).is_array());
+    for (place, participant) in participants.iter().enumerate() {
+        let variables = participant.interface.variables.iter().enumerate();
+        // Only inputs that are fed: FMPy 0.3.32 connects every other one to a wrong output. Outputs are there to be looked
+        // at, where FMPy fails at Strings, and Enumerations need their items.
+        let shown = variables.filter(|(_, variable)| {
+            variable.kind == Some(Kind::Output)
+                && matches!(variable.of, Type::Real(_) | Type::Integer | Type::Boolean)
+                && (arrays || !variable.is_array())
+        });
+        used.extend(shown.map(|(variable, _)| (place, variable)));
+        // What says how large they are.
+        let sizes = participant.interface.variables.iter().enumerate();
+        let sizes: Vec<usize> = sizes
+            .filter(|(variable, _)| used.contains(&(place, *variable)))
+            .flat_map(|(_, variable)| variable.dimensions.iter().filter_map(|dimension| dimension.parameter))
+            .collect();
+        used.extend(sizes.into_iter().map(|variable| (place, variable)));
+        let mut connectors = Vec::new();
+        for (variable, own) in participant.interface.variables.iter().enumerate() {
+            if used.contains(&(place, variable)) {
+                ports.insert((place, variable), Port { component: place, connector: connectors.len() });
+                connectors.push(connector(participant, own, &mut structure.units)?);
+            }
+        }
+        structure.components.push(Component {
+            name: participant.name.clone(),
+            source: participant.source.clone(),
+            connectors,
+            ..Component::default()
+        });
+    }
+    for Pair { from, to, whole, .. } in pairs {
+        let indices = |end| if *whole { Vec::new() } else { indices(variable_of(end), end.element) };
+        structure.connections.push(Connection {
+            from: ports[&(from.participant, from.variable)],
+            to: ports[&(to.participant, to.variable)],
+            from_indices: indices(from),
+            to_indices: indices(to),
+            transformation: None,
+            suppress_unit_conversion: false,
+            line: 0,
+        });
+    }
+    let times =
+        |time: fn(&Interface) -> Option<f64>| participants.iter().filter_map(move |p| time(p.interface));
+    structure.stop = times(|interface| interface.stop).reduce(f64::max);
+    // pyssp_standard 0.9.1 reads both times or none.
+    structure.step = times(|interface| interface.step).filter(|step| *step > 0.0).reduce(f64::min);
+    structure.start = times(|interface| interface.start).reduce(f64::min).or(structure.stop.map(|_| 0.0));
+    Ok(structure)
+}
+
+/// The connector of a variable; its unit joins the units of the system.
+fn connector(
+    participant: &Participant,
+    variable: &Variable,
+    units: &mut BTreeMap<String, Unit>,
+) -> Result<Connector> {
+    let mut of = variable.of.clone();
+    if let Some(name) = of.unit() {
+        match (participant.interface.unit(name), units.get(name)) {
+            (Some(unit), Some(known)) if !unit.is_same(known) => {
+                return Err(Error::UnitDiffers {
+                    variable: variable.name.clone(),
+                    participant: participant.name.clone(),
+                    unit: name.to_owned(),
+                });
+            }
+            (Some(_), Some(_)) => {}
+            (Some(unit), None) => {
+                units.insert(name.to_owned(), unit.clone());
+            }
+            // SSP wants a definition of every unit that it names.
+            (None, _) => of = Type::Real(None),
+        }
+    }
+    let kind = variable.kind.unwrap_or(Kind::Output);
+    let interface = participant.interface;
+    let extent = |dimension: &Dimension| match dimension.parameter {
+        Some(place) => Extent::Parameter(interface.variables[place].name.clone()),
+        None => Extent::Size(dimension.size as u64),
+    };
+    let dimensions = variable.dimensions.iter().map(extent).collect();
+    let native = (interface.fmi == Fmi::V3).then_some(variable.native);
+    Ok(Connector { name: variable.name.clone(), kind, of: Some(of), native, dimensions, line: 0 })
+}
+
+/// The indices of an element of an array, from 1; none of a single value.
+fn indices(variable: &Variable, element: usize) -> Vec<u64> {
+    let mut rest = element;
+    let mut indices = Vec::with_capacity(variable.dimensions.len());
+    for dimension in variable.dimensions.iter().rev() {
+        indices.push((rest % dimension.size) as u64 + 1);
+        rest /= dimension.size;
+    }
+    indices.reverse();
+    indices
+}

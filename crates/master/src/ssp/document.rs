@@ -1,0 +1,305 @@
+//! What `SystemStructure.ssd` holds.
+
+use crate::ssp::unit::{Affine, Unit};
+use lemons_core::xml::{Problem, Severity};
+use std::collections::BTreeMap;
+
+/// The default structure of an archive.
+pub const STRUCTURE_FILE: &str = "SystemStructure.ssd";
+
+/// A system of components, checked: names are unique, connections lead from an output to an input, no input is
+/// fed twice.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SystemStructure {
+    /// Of the whole.
+    pub name: String,
+    /// In the order of the file, which is that of Gauss-Seidel.
+    pub components: Vec<Component>,
+    /// From outputs to inputs.
+    pub connections: Vec<Connection>,
+    /// What connectors name, by name.
+    pub units: BTreeMap<String, Unit>,
+    /// \[s\] `DefaultExperiment`
+    pub start: Option<f64>,
+    /// \[s\] `DefaultExperiment`
+    pub stop: Option<f64>,
+    /// \[s\] Communication step that the components propose. SSP 1.0 has no place for it: it is written in an annotation
+    /// for OMSimulator, and not read.
+    pub step: Option<f64>,
+    /// Values for `component.variable`; they come after the components' own.
+    pub parameters: Vec<ParameterSet>,
+}
+
+/// An FMU in the system.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Component {
+    /// Name, unique in the system.
+    pub name: String,
+    /// Where the FMU is: an URI, relative to the structure.
+    pub source: String,
+    /// At least those that are connected.
+    pub connectors: Vec<Connector>,
+    /// Values for its variables; later ones count.
+    pub parameters: Vec<ParameterSet>,
+    /// In the file; 0 if there is none.
+    pub line: u32,
+}
+
+/// A variable of a component, as others see it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Connector {
+    /// The variable's.
+    pub name: String,
+    /// The variable's causality.
+    pub kind: Kind,
+    /// The variable's type, if the file says it.
+    pub of: Option<Type>,
+    /// The same in the words of SSP 2.0, if the file or the FMU says it.
+    pub native: Option<Native>,
+    /// SSP 2.0: those of an array, from the outermost.
+    pub dimensions: Vec<Extent>,
+    /// In the file; 0 if there is none.
+    pub line: u32,
+}
+
+/// How many elements an array connector has in a dimension.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Extent {
+    /// So many.
+    Size(u64),
+    /// As many as the structural parameter with this name says.
+    Parameter(String),
+    /// The FMU says it.
+    Unsaid,
+}
+
+/// What a connector is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)] // SSP's own names
+pub enum Kind {
+    Input,
+    Output,
+    Parameter,
+    CalculatedParameter,
+    StructuralParameter,
+    InOut,
+}
+
+impl Kind {
+    /// SSP's names, which are FMI's.
+    pub const NAMES: [(&str, Kind); 6] = [
+        ("input", Kind::Input),
+        ("output", Kind::Output),
+        ("parameter", Kind::Parameter),
+        ("calculatedParameter", Kind::CalculatedParameter),
+        ("structuralParameter", Kind::StructuralParameter),
+        ("inout", Kind::InOut),
+    ];
+
+    /// As in the file.
+    pub fn name(self) -> &'static str {
+        Kind::NAMES.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// The type of a variable or connector.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs)] // FMI's own names
+pub enum Type {
+    /// With its unit, if it has one.
+    Real(Option<String>),
+    Integer,
+    Boolean,
+    String,
+    /// With its name.
+    Enumeration(String),
+    /// Not in FMI 2.0.
+    Binary,
+    /// Not in FMI 2.0.
+    Clock,
+}
+
+impl Type {
+    /// As in the file.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Type::Real(_) => "Real",
+            Type::Integer => "Integer",
+            Type::Boolean => "Boolean",
+            Type::String => "String",
+            Type::Enumeration(_) => "Enumeration",
+            Type::Binary => "Binary",
+            Type::Clock => "Clock",
+        }
+    }
+
+    /// A Real's.
+    pub fn unit(&self) -> Option<&str> {
+        match self {
+            Type::Real(unit) => unit.as_deref(),
+            _ => None,
+        }
+    }
+}
+
+/// The types of FMI 3.0. A Real of FMI 2.0 is a `Float64`, an Integer or an Enumeration an `Int32`; an Enumeration of FMI
+/// 3.0 is an `Int64`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // FMI's own names
+pub enum Native {
+    Float64,
+    Float32,
+    Int8,
+    UInt8,
+    Int16,
+    UInt16,
+    Int32,
+    UInt32,
+    Int64,
+    UInt64,
+    Boolean,
+    String,
+    Binary,
+    Clock,
+}
+
+impl Native {
+    /// FMI's names.
+    pub const NAMES: [(&str, Native); 14] = [
+        ("Float64", Native::Float64),
+        ("Float32", Native::Float32),
+        ("Int8", Native::Int8),
+        ("UInt8", Native::UInt8),
+        ("Int16", Native::Int16),
+        ("UInt16", Native::UInt16),
+        ("Int32", Native::Int32),
+        ("UInt32", Native::UInt32),
+        ("Int64", Native::Int64),
+        ("UInt64", Native::UInt64),
+        ("Boolean", Native::Boolean),
+        ("String", Native::String),
+        ("Binary", Native::Binary),
+        ("Clock", Native::Clock),
+    ];
+
+    /// FMI's name.
+    pub fn name(self) -> &'static str {
+        Native::NAMES.iter().find(|(_, native)| *native == self).map_or("", |(name, _)| name)
+    }
+
+    /// The type with this name.
+    pub fn named(name: &str) -> Option<Native> {
+        Native::NAMES.iter().find(|(known, _)| *known == name).map(|(_, native)| *native)
+    }
+
+    /// What its values are, with a unit.
+    pub fn of(self, unit: Option<String>) -> Type {
+        match self {
+            Native::Float64 | Native::Float32 => Type::Real(unit),
+            Native::Boolean => Type::Boolean,
+            Native::String => Type::String,
+            Native::Binary => Type::Binary,
+            Native::Clock => Type::Clock,
+            _ => Type::Integer,
+        }
+    }
+}
+
+/// A connector by its places in the lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Port {
+    /// In [`SystemStructure::components`].
+    pub component: usize,
+    /// In [`Component::connectors`].
+    pub connector: usize,
+}
+
+/// From an output to an input.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Connection {
+    /// The output.
+    pub from: Port,
+    /// The input.
+    pub to: Port,
+    /// SSP 2.0: the element of an output that is an array, by indices from 1; empty for all of it.
+    pub from_indices: Vec<u64>,
+    /// The same of the input.
+    pub to_indices: Vec<u64>,
+    /// `LinearTransformation`, after the conversion to the unit of the input.
+    pub transformation: Option<Affine>,
+    /// `suppressUnitConversion`
+    pub suppress_unit_conversion: bool,
+    /// In the file; 0 if there is none.
+    pub line: u32,
+}
+
+/// `ParameterSet`, inline or from an `.ssv`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ParameterSet {
+    /// In the order of the file.
+    pub parameters: Vec<Parameter>,
+    /// What its Reals name, by name.
+    pub units: BTreeMap<String, Unit>,
+    /// The file that holds it.
+    pub file: String,
+}
+
+/// A value for a variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// The variable's, with the binding's prefix.
+    pub name: String,
+    /// What it is set to.
+    pub value: Value,
+    /// In the file.
+    pub line: u32,
+}
+
+/// With its type.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // FMI's own names
+pub enum Value {
+    /// With its unit, if it has one.
+    Real(f64, Option<String>),
+    Integer(i32),
+    Boolean(bool),
+    String(String),
+}
+
+impl SystemStructure {
+    /// Whether there are array connectors, which SSP 1.0 has not.
+    pub fn has_arrays(&self) -> bool {
+        let mut connectors = self.components.iter().flat_map(|component| &component.connectors);
+        connectors.any(|connector| !connector.dimensions.is_empty())
+    }
+
+    /// A connector and its component.
+    pub fn port(&self, port: Port) -> (&Component, &Connector) {
+        let component = &self.components[port.component];
+        (component, &component.connectors[port.connector])
+    }
+
+    /// A unit by name.
+    pub fn unit(&self, name: &str) -> Option<&Unit> {
+        self.units.get(name)
+    }
+}
+
+/// An error at a place of the structure: `SystemStructure.ssd:12: <Connector> name="x": …`
+pub fn located(
+    line: u32,
+    element: &str,
+    attribute: &str,
+    value: &str,
+    message: impl Into<String>,
+) -> Problem {
+    Problem {
+        severity: Severity::Error,
+        file: STRUCTURE_FILE.into(),
+        line: Some(line),
+        element: Some(element.into()),
+        attribute: Some(attribute.into()),
+        value: Some(value.into()),
+        message: message.into(),
+    }
+}

@@ -1,0 +1,345 @@
+//! What an FMU says of itself in its `modelDescription.xml`, of FMI 2.0 or 3.0: names, abilities, variables and units.
+
+mod elements;
+mod variables;
+
+use crate::ssp::document::{Kind, Native, Type};
+use crate::ssp::error::Result;
+use crate::ssp::unit::Unit;
+use lemons_core::xml::{Document, Element};
+use std::collections::HashMap;
+use std::fmt;
+use std::path::Path;
+
+/// The most elements and texts of a description: more than twice those of the largest that is read (256 MB).
+const NODES: u32 = 16_000_000;
+
+/// A version of FMI.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Fmi {
+    /// FMI 2.0: each variable is a single value.
+    #[default]
+    V2,
+    /// FMI 3.0: a variable may be an array.
+    V3,
+}
+
+/// What an FMU says of itself.
+#[derive(Debug, Clone, Default)]
+pub struct Interface {
+    /// `fmiVersion`
+    pub fmi: Fmi,
+    /// `modelName`
+    pub model_name: String,
+    /// `guid`, in FMI 3.0 `instantiationToken`, which its library compares with its own.
+    pub guid: String,
+    /// `version`
+    pub version: Option<String>,
+    /// `None`: it is not for co-simulation.
+    pub co_simulation: Option<CoSimulation>,
+    /// `modelIdentifier` of its `<ModelExchange>`
+    pub model_exchange: Option<String>,
+    /// In the order of the file.
+    pub variables: Vec<Variable>,
+    /// By name, and by an FMI 3.0 `<Alias>`.
+    places: HashMap<String, usize>,
+    /// FMI 3.0: by value reference.
+    references: HashMap<u32, usize>,
+    units: HashMap<String, Unit>,
+    /// \[s\] `DefaultExperiment`
+    pub start: Option<f64>,
+    /// \[s\] `DefaultExperiment`
+    pub stop: Option<f64>,
+    /// \[s\] `DefaultExperiment`
+    pub step: Option<f64>,
+    /// `DefaultExperiment`; a number that is no tolerance is left out.
+    pub tolerance: Option<f64>,
+}
+
+/// `<CoSimulation>`
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CoSimulation {
+    /// `modelIdentifier`: what its library is called.
+    pub identifier: String,
+    /// `canNotUseMemoryManagementFunctions`; FMI 3.0 knows no such functions.
+    pub cannot_use_memory_functions: bool,
+    /// `canGetAndSetFMUstate`, in FMI 3.0 `canGetAndSetFMUState`
+    pub can_get_and_set_state: bool,
+    /// `canSerializeFMUstate`, in FMI 3.0 `canSerializeFMUState`
+    pub can_serialize_state: bool,
+}
+
+/// A variable of an FMU.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// As the FMU calls it.
+    pub name: String,
+    /// Of the FMI functions.
+    pub reference: u32,
+    /// `None` for local and independent variables, and for what is known in Event Mode only.
+    pub kind: Option<Kind>,
+    /// With its unit.
+    pub of: Type,
+    /// Its type in FMI 3.0, or the one that has the same values.
+    pub native: Native,
+    /// From the outermost; none for a single value. Elements are in row-major order.
+    pub dimensions: Vec<Dimension>,
+    /// `start`: none, one for all elements, or one for each.
+    pub start: Vec<String>,
+    /// `description`
+    pub description: Option<String>,
+}
+
+/// A dimension of an array.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Dimension {
+    /// The number of elements.
+    pub size: usize,
+    /// The structural parameter that says this number: its place among the variables.
+    pub parameter: Option<usize>,
+}
+
+impl Variable {
+    /// The number of its values.
+    pub fn count(&self) -> usize {
+        self.dimensions.iter().map(|dimension| dimension.size).product()
+    }
+
+    /// Whether it is an array, perhaps of one element.
+    pub fn is_array(&self) -> bool {
+        !self.dimensions.is_empty()
+    }
+
+    /// The start value of an element.
+    pub fn start_of(&self, element: usize) -> Option<&str> {
+        let one_for_all = self.start.len() == 1;
+        self.start.get(if one_for_all { 0 } else { element }).map(String::as_str)
+    }
+}
+
+/// A single value: a variable, or an element of an array.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Single<'a> {
+    /// Of which it is one.
+    pub variable: &'a Variable,
+    /// Among the values of the variable, from 0, in row-major order.
+    pub element: usize,
+}
+
+impl Single<'_> {
+    /// Whether it is a parameter.
+    pub fn is_parameter(self) -> bool {
+        self.variable.kind == Some(Kind::Parameter)
+    }
+
+    /// Where the FMU has it.
+    pub fn address(self) -> Address {
+        let element = self.variable.is_array().then_some(self.element as u32);
+        Address { reference: self.variable.reference, element }
+    }
+}
+
+/// Where an FMU has a single value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Address {
+    /// The value reference of the variable.
+    pub reference: u32,
+    /// If the variable is an array: which element, from 0.
+    pub element: Option<u32>,
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.element {
+            None => write!(f, "{}", self.reference),
+            Some(element) => write!(f, "{}[{element}]", self.reference),
+        }
+    }
+}
+
+impl Interface {
+    /// Reads a `modelDescription.xml`.
+    ///
+    /// # Errors
+    /// It is broken, or neither of FMI 2.0 nor of FMI 3.0, two variables have one name, a start value is NaN; in FMI 3.0
+    /// also dimensions without a size, or start values that are not as many as the elements.
+    pub fn read(bytes: &[u8]) -> Result<Interface> {
+        let document = Document::parse(Path::new("modelDescription.xml"), bytes, NODES)?;
+        let root = document.root("fmiModelDescription")?;
+        let fmi = match root.text("fmiVersion")? {
+            "2.0" => Fmi::V2,
+            version if version.starts_with("3.") => Fmi::V3,
+            _ => {
+                let why = "must be 2.0 or 3.0: FMUs of other versions of FMI cannot be read";
+                return Err(root.wrong("fmiVersion", why).into());
+            }
+        };
+        let token = if fmi == Fmi::V2 { "guid" } else { "instantiationToken" };
+        let exchange = root.child("ModelExchange").map(|element| element.text("modelIdentifier"));
+        let mut interface = Interface {
+            fmi,
+            model_name: root.text("modelName")?.to_owned(),
+            guid: root.text(token)?.to_owned(),
+            version: root.optional("version").map(str::to_owned),
+            co_simulation: root.child("CoSimulation").map(|own| read_co_simulation(own, fmi)).transpose()?,
+            model_exchange: exchange.transpose()?.map(str::to_owned),
+            ..Interface::default()
+        };
+        if let Some(experiment) = root.child("DefaultExperiment") {
+            interface.start = experiment.number("startTime")?;
+            interface.stop = experiment.number("stopTime")?;
+            interface.step = experiment.number("stepSize")?;
+            let tolerance = experiment.number("tolerance")?;
+            interface.tolerance = tolerance.filter(|tolerance| *tolerance > 0.0 && tolerance.is_finite());
+        }
+        for unit in root.child("UnitDefinitions").into_iter().flat_map(|units| units.children("Unit")) {
+            if let Some(unit) = crate::ssp::read::read_unit(unit)? {
+                interface.units.insert(unit.name.clone(), unit);
+            }
+        }
+        variables::read_variables(&mut interface, root)?;
+        Ok(interface)
+    }
+
+    /// A variable by name, whole.
+    pub fn variable(&self, name: &str) -> Option<&Variable> {
+        self.places.get(name).map(|&place| &self.variables[place])
+    }
+
+    /// A variable of FMI 3.0 by its value reference; in FMI 2.0 several may have one.
+    pub fn referenced(&self, reference: u32) -> Option<&Variable> {
+        self.references.get(&reference).map(|&place| &self.variables[place])
+    }
+
+    /// The definition of a unit.
+    pub fn unit(&self, name: &str) -> Option<&Unit> {
+        self.units.get(name)
+    }
+
+    /// Adds a variable under its name.
+    fn add(&mut self, variable: Variable, element: Element) -> Result<()> {
+        let (place, reference) = (self.variables.len(), variable.reference);
+        self.add_name(&variable.name, place, reference, element)?;
+        self.variables.push(variable);
+        Ok(())
+    }
+
+    /// Adds a name of the variable at a place, with its value reference.
+    fn add_name(&mut self, name: &str, place: usize, reference: u32, element: Element) -> Result<()> {
+        if let Some(other) = self.places.insert(name.to_owned(), place) {
+            let other = self.variables.get(other).map_or(reference, |other| other.reference);
+            let why =
+                format!("two variables have this name, with the value references {other} and {reference}");
+            return Err(element.wrong("name", why).into());
+        }
+        Ok(())
+    }
+}
+
+fn read_co_simulation(element: Element, fmi: Fmi) -> Result<CoSimulation> {
+    let flag = |name| lemons_core::xml::Result::Ok(element.boolean(name)?.unwrap_or(false));
+    let [state, serialize] = match fmi {
+        Fmi::V2 => ["canGetAndSetFMUstate", "canSerializeFMUstate"],
+        Fmi::V3 => ["canGetAndSetFMUState", "canSerializeFMUState"],
+    };
+    Ok(CoSimulation {
+        identifier: element.text("modelIdentifier")?.to_owned(),
+        cannot_use_memory_functions: fmi == Fmi::V3 || flag("canNotUseMemoryManagementFunctions")?,
+        can_get_and_set_state: flag(state)?,
+        can_serialize_state: flag(serialize)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_crowds_own_description_is_read() {
+        let interface = Interface::read(include_bytes!("../../../../fmu/modelDescription.xml")).unwrap();
+        let input = interface.variable("agent[2].Fp.x").unwrap();
+        assert_eq!((input.kind, &input.of), (Some(Kind::Input), &Type::Real(Some("N".into()))));
+        assert_eq!(interface.unit("N").unwrap().exponents, [1, 1, -2, 0, 0, 0, 0, 0]);
+        assert_eq!(interface.variable("agent[2].AgentContacts").unwrap().of, Type::Integer);
+        assert_eq!((interface.start, interface.stop, interface.step), (Some(0.0), Some(5.0), Some(0.05)));
+        let own = interface.co_simulation.as_ref().unwrap();
+        assert_eq!(own.identifier, "CrowdMechanics");
+        assert!(own.can_get_and_set_state && own.can_serialize_state && own.cannot_use_memory_functions);
+        assert_eq!((interface.model_exchange.as_deref(), input.start_of(0)), (None, Some("0.0")));
+        assert!(interface.guid.starts_with('{') && !interface.model_name.is_empty());
+        assert!(input.description.as_ref().is_some_and(|text| !text.is_empty()));
+    }
+
+    #[test]
+    fn what_makes_no_fmu_of_version_2_is_named() {
+        let said = |attributes: &str| {
+            let text = format!("<fmiModelDescription {attributes}><ModelVariables/></fmiModelDescription>");
+            Interface::read(text.as_bytes()).map_or_else(|error| error.to_string(), |_| "read".to_owned())
+        };
+        assert_eq!(said("fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\""), "read");
+        let place = "modelDescription.xml:1: <fmiModelDescription>";
+        assert_eq!(
+            said("fmiVersion=\"1.0\" modelName=\"m\""),
+            format!(
+                "{place} fmiVersion=\"1.0\": must be 2.0 or 3.0: FMUs of other versions of FMI cannot be read"
+            )
+        );
+        assert_eq!(
+            said("fmiVersion=\"3.0\" modelName=\"m\" guid=\"g\""),
+            format!("{place}: has no instantiationToken")
+        );
+        assert_eq!(said("modelName=\"m\" guid=\"g\""), format!("{place}: has no fmiVersion"));
+        assert_eq!(said("fmiVersion=\"2.0\" guid=\"g\""), format!("{place}: has no modelName"));
+        assert_eq!(said("fmiVersion=\"2.0\" modelName=\"m\""), format!("{place}: has no guid"));
+    }
+
+    fn said_of_variables(variables: &str) -> String {
+        let text = format!(
+            "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"><ModelVariables>\n{variables}\n\
+             </ModelVariables></fmiModelDescription>"
+        );
+        Interface::read(text.as_bytes()).map_or_else(|error| error.to_string(), |_| "read".to_owned())
+    }
+
+    /// `--set` went to the last one.
+    #[test]
+    fn two_variables_of_one_name_are_refused_with_their_references() {
+        let variable = |name: &str, reference: u32| {
+            format!(
+                "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\"><Real/></ScalarVariable>\n"
+            )
+        };
+        assert_eq!(said_of_variables(&(variable("a", 3) + &variable("b", 3))), "read");
+        let said = said_of_variables(&(variable("a", 3) + &variable("b", 4) + &variable("a", 5)));
+        let expected = "modelDescription.xml:4: <ScalarVariable> name=\"a\": two variables have this name, with the value \
+                        references 3 and 5";
+        assert_eq!(said, expected);
+    }
+
+    #[test]
+    fn a_start_value_that_is_no_number_is_refused() {
+        let start = |start: &str| {
+            said_of_variables(&format!(
+                "<ScalarVariable name=\"a\" valueReference=\"1\"><Real start=\"{start}\"/></ScalarVariable>"
+            ))
+        };
+        assert_eq!(start("1e3"), "read");
+        let expected = "modelDescription.xml:2: <Real> start=\"NaN\": of the variable \"a\" is not a number";
+        assert_eq!(start("NaN"), expected);
+    }
+
+    #[test]
+    fn a_declared_type_gives_the_unit() {
+        let text = br#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><TypeDefinitions>
+            <SimpleType name="Length"><Real unit="m"/></SimpleType>
+            <SimpleType name="Force"><Real unit="N"/></SimpleType></TypeDefinitions><ModelVariables>
+            <ScalarVariable name="f" valueReference="7"><Real declaredType="Force"/></ScalarVariable>
+            </ModelVariables></fmiModelDescription>"#;
+        let interface = Interface::read(text).unwrap();
+        let variable = interface.variable("f").unwrap();
+        assert_eq!((variable.kind, variable.of.unit(), variable.reference), (None, Some("N"), 7));
+        let broken = String::from_utf8_lossy(text).replace("\"7\"", "\"-7\"");
+        let said = Interface::read(broken.as_bytes()).unwrap_err().to_string();
+        assert!(said.contains("modelDescription.xml:4: <ScalarVariable> valueReference=\"-7\""), "{said}");
+    }
+}

@@ -1,0 +1,176 @@
+//! The names of single values.
+//!
+//! An element of an array is called `Name[i,j]`: the naming convention of FMI 3.0, with indices from 1 as in
+//! `fmi3GetVariableDependencies`. Elements of people have the names that they have in FMI 2.0, with indices from 0: an
+//! array whose first dimension is the structural parameter `Agents` has the elements `agent[i].Name`; with a second
+//! dimension of 2 they are `agent[i].Name.x` and `agent[i].Name.y`. Where such an array has the name that FMI 2.0 gives to
+//! a number of the whole crowd, this number is called `TotalName` in FMI 3.0, and `Name` here.
+
+use super::{Dimension, Interface, Single, Variable};
+use crate::ssp::document::Kind;
+
+/// The structural parameter that is the number of people.
+const AGENTS: &str = "Agents";
+const TOTAL: &str = "Total";
+const AXES: [&str; 2] = ["x", "y"];
+
+impl Interface {
+    /// A single value by its name.
+    pub fn single(&self, name: &str) -> Option<Single<'_>> {
+        match self.places.get(name) {
+            Some(&place) if !self.variables[place].is_array() => {
+                Some(Single { variable: &self.variables[place], element: 0 })
+            }
+            _ => self.parsed(name),
+        }
+    }
+
+    /// All single values, with their names.
+    pub fn singles(&self) -> impl Iterator<Item = (String, Single<'_>)> {
+        self.variables.iter().flat_map(move |variable| {
+            let single = move |element| (self.name_of(variable, element), Single { variable, element });
+            (0..variable.count()).map(single)
+        })
+    }
+
+    /// The name of a value of one of the variables.
+    pub fn name_of(&self, variable: &Variable, element: usize) -> String {
+        let name = &variable.name;
+        if !variable.is_array() {
+            return self.total(variable).unwrap_or(name).to_owned();
+        }
+        let mut rest = element;
+        let mut indices: Vec<usize> = Vec::with_capacity(variable.dimensions.len());
+        for dimension in variable.dimensions.iter().rev() {
+            indices.push(rest % dimension.size.max(1));
+            rest /= dimension.size.max(1);
+        }
+        indices.reverse();
+        if !self.is_of_agents(variable) {
+            return format!("{name}{}", written(&indices));
+        }
+        match (&indices[1..], &variable.dimensions[1..]) {
+            ([], _) => format!("agent[{}].{name}", indices[0]),
+            ([axis], [second]) if is_pair(second) => {
+                format!("agent[{}].{name}.{}", indices[0], AXES[*axis])
+            }
+            (inner, _) => format!("agent[{}].{name}{}", indices[0], written(inner)),
+        }
+    }
+
+    /// Whether the variable has an element, or elements, for each of some people.
+    pub fn is_of_agents(&self, variable: &Variable) -> bool {
+        let first = variable.dimensions.first().and_then(|first| first.parameter);
+        first.is_some_and(|place| self.variables[place].name == AGENTS)
+    }
+
+    /// The name in FMI 2.0 of a number of the whole crowd.
+    fn total<'a>(&self, variable: &'a Variable) -> Option<&'a str> {
+        let of = variable.name.strip_prefix(TOTAL)?;
+        self.variable(of).filter(|array| self.is_of_agents(array)).map(|_| of)
+    }
+
+    /// What a name that is not that of a single variable means.
+    pub(super) fn parsed(&self, name: &str) -> Option<Single<'_>> {
+        if let Some(rest) = name.strip_prefix("agent[") {
+            let (agent, rest) = rest.split_once("].")?;
+            let (array, inner) = self.of_agent(rest)?;
+            let agent = plain(agent).filter(|agent| *agent < array.dimensions[0].size)?;
+            let each: usize = array.dimensions[1..].iter().map(|dimension| dimension.size).product();
+            return Some(Single { variable: array, element: agent * each + inner });
+        }
+        if let Some((array, indices)) = name.strip_suffix(']').and_then(|name| name.rsplit_once('[')) {
+            let array = self.variable(array).filter(|array| array.is_array() && !self.is_of_agents(array))?;
+            let element = place(indices, &array.dimensions)?;
+            return Some(Single { variable: array, element });
+        }
+        let array = self.variable(name).filter(|array| self.is_of_agents(array))?;
+        let total = self.variable(&format!("{TOTAL}{name}")).filter(|total| !total.is_array())?;
+        debug_assert!(array.is_array());
+        Some(Single { variable: total, element: 0 })
+    }
+
+    /// The array that a name within `agent[i]` means, and which of the elements of one agent.
+    fn of_agent(&self, name: &str) -> Option<(&Variable, usize)> {
+        let array = |name: &str| self.variable(name).filter(|array| self.is_of_agents(array));
+        if let Some((name, axis)) = name.rsplit_once('.')
+            && let Some(array) = array(name)
+            && let [_, second] = &array.dimensions[..]
+            && is_pair(second)
+        {
+            return Some((array, AXES.iter().position(|known| *known == axis)?));
+        }
+        if let Some((name, indices)) = name.strip_suffix(']').and_then(|name| name.rsplit_once('[')) {
+            let array = array(name).filter(|array| match &array.dimensions[1..] {
+                [] => false,
+                [second] => !is_pair(second),
+                _ => true,
+            })?;
+            return Some((array, place(indices, &array.dimensions[1..])?));
+        }
+        array(name).filter(|array| array.dimensions.len() == 1).map(|array| (array, 0))
+    }
+
+    /// The values of structural parameters by which other arrays than those of the description come about.
+    ///
+    /// # Errors
+    /// There is no such parameter that is the size of arrays, or the arrays become too large.
+    pub fn resize(&mut self, name: &str, size: u64) -> Result<(), String> {
+        let place = self.places.get(name).copied();
+        let place = place.filter(|place| self.variables[*place].kind == Some(Kind::StructuralParameter));
+        let place = place.ok_or_else(|| "the FMU has no structural parameter of this name".to_owned())?;
+        let new = usize::try_from(size).unwrap_or(usize::MAX);
+        let size_of =
+            |dimension: &Dimension| if dimension.parameter == Some(place) { new } else { dimension.size };
+        let counts = self
+            .variables
+            .iter()
+            .map(|variable| variable.dimensions.iter().map(size_of).try_fold(1_usize, usize::checked_mul));
+        let most = super::variables::MOST_VALUES;
+        let all = counts.sum::<Option<usize>>();
+        if all.is_none_or(|all| all > most) {
+            return Err(format!("the variables would have more than {most} values in all"));
+        }
+        for variable in &mut self.variables {
+            let sized = |dimension: &&mut Dimension| dimension.parameter == Some(place);
+            let mut changed = false;
+            for dimension in variable.dimensions.iter_mut().filter(sized) {
+                changed |= dimension.size != new;
+                dimension.size = new;
+            }
+            if changed && variable.start.len() > 1 {
+                // Those of other elements.
+                variable.start.clear();
+            }
+        }
+        self.variables[place].start = vec![size.to_string()];
+        Ok(())
+    }
+}
+
+fn is_pair(dimension: &Dimension) -> bool {
+    dimension.size == AXES.len() && dimension.parameter.is_none()
+}
+
+/// Indices from 0, as they are written: from 1.
+fn written(indices: &[usize]) -> String {
+    let indices: Vec<String> = indices.iter().map(|index| (index + 1).to_string()).collect();
+    format!("[{}]", indices.join(","))
+}
+
+/// A number as it is written in a name: with digits only, none too many.
+fn plain(text: &str) -> Option<usize> {
+    let plain = text.bytes().all(|byte| byte.is_ascii_digit()) && (text == "0" || !text.starts_with('0'));
+    if plain { text.parse().ok() } else { None }
+}
+
+/// The element with indices that are written from 1, with commas between them.
+fn place(indices: &str, dimensions: &[Dimension]) -> Option<usize> {
+    let mut indices = indices.split(',');
+    let mut place = 0;
+    for dimension in dimensions {
+        let index = plain(indices.next()?)?.checked_sub(1).filter(|index| *index < dimension.size)?;
+        place = place * dimension.size + index;
+    }
+    indices.next().is_none().then_some(place)
+}

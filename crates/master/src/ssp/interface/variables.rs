@@ -1,0 +1,426 @@
+//! The variables of a description: single values in FMI 2.0, also arrays in FMI 3.0.
+
+use super::{Dimension, Fmi, Interface, Variable};
+use crate::ssp::document::{Kind, Native, Type};
+use crate::ssp::error::Result;
+use lemons_core::xml::Element;
+use std::collections::HashMap;
+
+/// The most values of all variables together: more than a description of FMI 2.0 can have.
+pub const MOST_VALUES: usize = 8_000_000;
+
+/// The units of declared types, by the names of these.
+type Units<'a> = HashMap<&'a str, &'a str>;
+
+fn declared_units<'a>(root: Element<'a>) -> Result<Units<'a>> {
+    let mut declared = HashMap::new();
+    for own in root.child("TypeDefinitions").into_iter().flat_map(Element::elements) {
+        let unit = match own.name() {
+            "SimpleType" => own.child("Real").and_then(|real| real.optional("unit")),
+            "Float64Type" | "Float32Type" => own.optional("unit"),
+            _ => None,
+        };
+        if let Some(unit) = unit {
+            declared.insert(own.text("name")?, unit);
+        }
+    }
+    Ok(declared)
+}
+
+/// Adds the variables to the interface.
+pub fn read_variables(interface: &mut Interface, root: Element) -> Result<()> {
+    let declared = declared_units(root)?;
+    let list = root.child("ModelVariables").into_iter().flat_map(Element::elements);
+    match interface.fmi {
+        Fmi::V2 => {
+            for element in list.filter(|element| element.name() == "ScalarVariable") {
+                let typed = element.elements().find_map(|child| Some((child, type_2(child, &declared)?)));
+                let (typed, (of, native)) = typed.ok_or_else(|| element.problem("has no type"))?;
+                let start = typed.optional("start").map(str::to_owned).into_iter().collect();
+                let variable = read_variable(element, of, native, start)?;
+                check_starts(&variable, typed)?;
+                interface.add(variable, element)?;
+            }
+            Ok(())
+        }
+        Fmi::V3 => {
+            let list = list.filter(|element| element.name() != "Annotations");
+            read_arrays(interface, &list.collect::<Vec<_>>(), &declared)
+        }
+    }
+}
+
+/// What an element of FMI 2.0 says of the type of its variable; `None` if it is another element.
+fn type_2(element: Element, declared: &Units) -> Option<(Type, Native)> {
+    Some(match element.name() {
+        "Real" => (Type::Real(unit(element, declared)), Native::Float64),
+        "Integer" => (Type::Integer, Native::Int32),
+        "Boolean" => (Type::Boolean, Native::Boolean),
+        "String" => (Type::String, Native::String),
+        "Enumeration" => (enumeration(element), Native::Int32),
+        _ => return None,
+    })
+}
+
+fn enumeration(element: Element) -> Type {
+    Type::Enumeration(element.optional("declaredType").unwrap_or_default().to_owned())
+}
+
+/// The unit that an element has itself, or its declared type.
+fn unit(element: Element, declared: &Units) -> Option<String> {
+    let of_type = || declared.get(element.optional("declaredType")?).copied();
+    element.optional("unit").or_else(of_type).filter(|unit| !unit.is_empty()).map(str::to_owned)
+}
+
+fn read_variable(element: Element, of: Type, native: Native, start: Vec<String>) -> Result<Variable> {
+    let reference = element.parsed("valueReference", "a number from 0 to 4294967295")?;
+    let causality = element.optional("causality").unwrap_or("local");
+    Ok(Variable {
+        name: element.text("name")?.to_owned(),
+        reference: reference.ok_or_else(|| element.problem("has no valueReference"))?,
+        kind: Kind::NAMES.iter().find(|(name, _)| *name == causality).map(|(_, kind)| *kind),
+        of,
+        native,
+        dimensions: Vec::new(),
+        start,
+        description: element.optional("description").map(str::to_owned),
+    })
+}
+
+/// Adds the variables of FMI 3.0.
+fn read_arrays(interface: &mut Interface, elements: &[Element], declared: &Units) -> Result<()> {
+    for &element in elements {
+        let (of, native) = match (element.name(), Native::named(element.name())) {
+            (_, Some(native)) => (native.of(unit(element, declared)), native),
+            ("Enumeration", _) => (enumeration(element), Native::Int64),
+            _ => return Err(element.problem("is not a type of FMI 3.0").into()),
+        };
+        let mut variable = read_variable(element, of, native, read_starts(element, native)?)?;
+        // Outside of Event Mode, what belongs to a clock has no value that counts.
+        if native == Native::Clock || element.has("clocks") {
+            variable.kind = None;
+        }
+        let (place, reference) = (interface.variables.len(), variable.reference);
+        if let Some(&other) = interface.references.get(&reference) {
+            let (one, other) = (&interface.variables[other].name, &variable.name);
+            let why = format!("the variables {one:?} and {other:?} have this value reference");
+            return Err(element.wrong("valueReference", why).into());
+        }
+        interface.references.insert(reference, place);
+        interface.add(variable, element)?;
+        for alias in element.children("Alias") {
+            interface.add_name(alias.text("name")?, place, reference, alias)?;
+        }
+    }
+    // A dimension may name a structural parameter that comes later.
+    let mut all = 0;
+    for (place, element) in elements.iter().enumerate() {
+        let dimensions = read_dimensions(interface, *element)?;
+        let sizes = dimensions.iter().map(|of| of.size);
+        let count = sizes.clone().try_fold(1, usize::checked_mul);
+        all = count.and_then(|count| count.checked_add(all)).filter(|all| *all <= MOST_VALUES).ok_or_else(|| {
+            let sizes = sizes.map(|size| size.to_string()).collect::<Vec<_>>().join(" x ");
+            let why = format!(
+                "with this array of {sizes} elements the variables have more than {MOST_VALUES} values in all"
+            );
+            element.wrong("name", why)
+        })?;
+        interface.variables[place].dimensions = dimensions;
+        let variable = &interface.variables[place];
+        check_starts(variable, *element)?;
+        if !variable.is_array() && interface.parsed(&variable.name).is_some() {
+            let why = format!("an element of an array is called {name:?}, too", name = variable.name);
+            return Err(element.wrong("name", why).into());
+        }
+    }
+    Ok(())
+}
+
+/// Those of texts are elements, all others are in one attribute.
+fn read_starts(element: Element, native: Native) -> Result<Vec<String>> {
+    if matches!(native, Native::String | Native::Binary) {
+        let texts = element.children("Start").map(|start| Ok(start.text("value")?.to_owned()));
+        return texts.collect();
+    }
+    let starts = element.optional("start").unwrap_or_default().split_whitespace();
+    Ok(starts.map(str::to_owned).collect())
+}
+
+fn read_dimensions(interface: &Interface, element: Element) -> Result<Vec<Dimension>> {
+    let dimension = |dimension: Element| {
+        let size: Option<u64> = dimension.parsed("start", "a whole number that is not negative")?;
+        let parameter: Option<u32> = dimension.parsed("valueReference", "a number from 0 to 4294967295")?;
+        let (size, parameter) = match (size, parameter) {
+            (Some(size), None) => (size, None),
+            (None, Some(reference)) => {
+                let place = interface.references.get(&reference).copied();
+                let place = place.filter(|place| {
+                    let Variable { kind, native, .. } = interface.variables[*place];
+                    kind == Some(Kind::StructuralParameter) && native == Native::UInt64
+                });
+                let why = "no structural parameter of type UInt64 has this value reference";
+                let place = place.ok_or_else(|| dimension.wrong("valueReference", why))?;
+                let Variable { name, start, .. } = &interface.variables[place];
+                let size = start.first().and_then(|start| start.parse().ok()).ok_or_else(|| {
+                    let why = format!("the structural parameter {name:?} has no start value that is a size");
+                    dimension.wrong("valueReference", why)
+                })?;
+                (size, Some(place))
+            }
+            (Some(_), Some(_)) => {
+                return Err(dimension.problem("has both a start and a valueReference").into());
+            }
+            (None, None) => {
+                return Err(dimension.problem("has neither a start nor a valueReference").into());
+            }
+        };
+        let size = usize::try_from(size).unwrap_or(usize::MAX);
+        Ok(Dimension { size, parameter })
+    };
+    element.children("Dimension").map(dimension).collect()
+}
+
+/// That start values are numbers where they must be, and as many as elements.
+fn check_starts(variable: &Variable, element: Element) -> Result<()> {
+    let (given, count) = (variable.start.len(), variable.count());
+    if given > 1 && given != count {
+        let why = format!("the variable {:?} has {given} start values, but {count} values", variable.name);
+        let texts = matches!(variable.of, Type::String | Type::Binary);
+        let problem = element.problem(&why);
+        return Err(if texts { problem } else { element.wrong("start", why) }.into());
+    }
+    if matches!(variable.of, Type::Real(_)) {
+        let nan = |start: &String| start.trim().parse::<f64>().is_ok_and(f64::is_nan);
+        if let Some(place) = variable.start.iter().position(nan) {
+            let which = if given > 1 { format!(" (value {} of {given})", place + 1) } else { String::new() };
+            let why = format!("of the variable {:?} is not a number{which}", variable.name);
+            return Err(element.wrong("start", why).into());
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ssp::unit::Unit;
+
+    /// As another tool might write it: sizes after the arrays, an alias, a declared type, a clock, each type of number.
+    const FOREIGN: &str = r#"<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="3.0.1" modelName="Foreign" instantiationToken="{x}">
+  <CoSimulation modelIdentifier="Foreign" canGetAndSetFMUState="true" hasEventMode="true"/>
+  <UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit></UnitDefinitions>
+  <TypeDefinitions><Float64Type name="Length" unit="m"/></TypeDefinitions>
+  <DefaultExperiment stepSize="0.1"/>
+  <ModelVariables>
+    <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+    <Float64 name="A" valueReference="1" causality="input" declaredType="Length" start="1 2 3
+      4 5 6"><Dimension valueReference="9"/><Dimension start="3"/><Alias name="B"/></Float64>
+    <Float32 name="y" valueReference="2" causality="output"><Dimension valueReference="9"/></Float32>
+    <UInt64 name="m" valueReference="9" causality="structuralParameter" variability="tunable" start="2"/>
+    <String name="s" valueReference="3" causality="parameter" variability="fixed"><Dimension start="2"/>
+      <Start value="one &amp; a half"/><Start value=""/></String>
+    <Enumeration name="e" declaredType="E" valueReference="4" causality="output" start="1"/>
+    <Clock name="tick" valueReference="5" causality="input" intervalVariability="triggered"/>
+    <Int32 name="counted" valueReference="6" causality="output" clocks="5"/>
+    <Boolean name="b" valueReference="7" causality="input" start="true"/>
+    <Annotations/>
+  </ModelVariables>
+  <ModelStructure/>
+</fmiModelDescription>"#;
+
+    fn read(text: &str) -> Interface {
+        Interface::read(text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn said(text: &str) -> String {
+        Interface::read(text.as_bytes()).map_or_else(|error| error.to_string(), |_| "read".to_owned())
+    }
+
+    #[test]
+    fn a_description_of_another_tool_is_read() {
+        let interface = read(FOREIGN);
+        let own = interface.co_simulation.as_ref().unwrap();
+        assert!(own.can_get_and_set_state && !own.can_serialize_state && own.cannot_use_memory_functions);
+        assert_eq!(
+            (interface.guid.as_str(), interface.step, interface.variables.len()),
+            ("{x}", Some(0.1), 9)
+        );
+        let a = interface.variable("A").unwrap();
+        assert_eq!(interface.variable("B"), Some(a), "an alias");
+        assert_eq!((a.kind, &a.of), (Some(Kind::Input), &Type::Real(Some("m".into()))));
+        assert_eq!(interface.unit("m").map(|unit: &Unit| unit.exponents[1]), Some(1));
+        assert_eq!((a.count(), a.start_of(5), a.start_of(6)), (6, Some("6"), None));
+        // Row-major order, indices from 1.
+        let names: Vec<String> = interface.singles().map(|(name, _)| name).collect();
+        let expected = [
+            "time", "A[1,1]", "A[1,2]", "A[1,3]", "A[2,1]", "A[2,2]", "A[2,3]", "y[1]", "y[2]", "m", "s[1]",
+            "s[2]", "e", "tick", "counted", "b",
+        ];
+        assert_eq!(names, expected);
+        for (name, single) in interface.singles() {
+            assert_eq!(interface.single(&name), Some(single), "{name}");
+        }
+        for none in
+            ["A", "A[0,1]", "A[3,1]", "A[1,4]", "A[1]", "A[1,1,1]", "A[01,1]", "A[+1,1]", "y[1", "b[1]"]
+        {
+            assert_eq!(interface.single(none), None, "{none}");
+        }
+        let kind =
+            |name: &str| (interface.variable(name).unwrap().kind, interface.variable(name).unwrap().native);
+        assert_eq!(kind("e"), (Some(Kind::Output), Native::Int64));
+        assert_eq!(kind("y"), (Some(Kind::Output), Native::Float32));
+        assert_eq!(kind("m"), (Some(Kind::StructuralParameter), Native::UInt64));
+        assert_eq!((kind("tick").0, kind("counted").0), (None, None), "there is no Event Mode");
+        assert_eq!(interface.variable("s").unwrap().start, ["one & a half", ""]);
+    }
+
+    #[test]
+    fn other_sizes_are_chosen() {
+        let mut interface = read(FOREIGN);
+        interface.resize("m", 4).unwrap();
+        assert_eq!(interface.variable("A").unwrap().count(), 12);
+        assert_eq!(interface.single("A[4,3]").unwrap().element, 11);
+        assert!(interface.variable("A").unwrap().start.is_empty(), "they are those of the sizes that were");
+        assert_eq!(interface.variable("s").unwrap().count(), 2);
+        interface.resize("m", 0).unwrap();
+        assert_eq!(interface.variable("y").unwrap().count(), 0);
+        for (name, size) in [("b", 1), ("none", 1), ("m", 3_000_000), ("m", u64::MAX)] {
+            interface.resize(name, size).unwrap_err();
+        }
+        assert_eq!(interface.variable("A").unwrap().count(), 0, "a refused size changes nothing");
+    }
+
+    /// Those of people have the names that they have in FMI 2.0.
+    #[test]
+    fn elements_of_people_have_the_names_of_fmi_2() {
+        let text = r#"<fmiModelDescription fmiVersion="3.0" modelName="c" instantiationToken="t"><ModelVariables>
+            <UInt64 name="Agents" valueReference="1" causality="structuralParameter" start="3"/>
+            <Float64 name="Position" valueReference="2" causality="output"><Dimension valueReference="1"/><Dimension start="2"/></Float64>
+            <Float64 name="Theta" valueReference="3" causality="output"><Dimension valueReference="1"/></Float64>
+            <Int32 name="AgentContacts" valueReference="4" causality="output"><Dimension valueReference="1"/></Int32>
+            <Int32 name="TotalAgentContacts" valueReference="5" causality="output"/>
+            <Int32 name="TotalOther" valueReference="6" causality="output"/>
+            <Float64 name="Inertia" valueReference="7" causality="output"><Dimension valueReference="1"/><Dimension start="3"/></Float64>
+            </ModelVariables></fmiModelDescription>"#;
+        let interface = read(text);
+        let names: Vec<String> = interface.singles().map(|(name, _)| name).collect();
+        let (theta, contacts) = (7..10, 10..13);
+        assert_eq!(
+            names[1..7].join(" "),
+            "agent[0].Position.x agent[0].Position.y agent[1].Position.x \
+            agent[1].Position.y agent[2].Position.x agent[2].Position.y"
+        );
+        assert_eq!(names[theta].join(" "), "agent[0].Theta agent[1].Theta agent[2].Theta");
+        assert_eq!(names[contacts][2], "agent[2].AgentContacts");
+        assert_eq!(names[13..15].join(" "), "AgentContacts TotalOther");
+        assert_eq!(
+            names[15..].join(" "),
+            "agent[0].Inertia[1] agent[0].Inertia[2] agent[0].Inertia[3] \
+            agent[1].Inertia[1] agent[1].Inertia[2] agent[1].Inertia[3] agent[2].Inertia[1] agent[2].Inertia[2] \
+            agent[2].Inertia[3]"
+        );
+        for (name, single) in interface.singles() {
+            assert_eq!(interface.single(&name), Some(single), "{name}");
+        }
+        let of = |name: &str| interface.single(name).map(|single| single.address().to_string());
+        assert_eq!(of("agent[1].Position.y").as_deref(), Some("2[3]"));
+        assert_eq!(of("AgentContacts"), of("TotalAgentContacts"));
+        for none in [
+            "agent[3].Theta",
+            "agent[0].Position",
+            "agent[0].Position.z",
+            "agent[0].Theta.x",
+            "agent[00].Theta",
+            "Theta[1]",
+            "Position[1,1]",
+            "agent[0].Position[1]",
+            "agent[0].Inertia[4]",
+            "agent[0].Agents",
+        ] {
+            assert_eq!(interface.single(none), None, "{none}");
+        }
+        let twice = text.replace("TotalOther", "agent[2].Theta");
+        assert!(
+            said(&twice).contains("name=\"agent[2].Theta\": an element of an array is called"),
+            "{}",
+            said(&twice)
+        );
+    }
+
+    #[test]
+    fn hostile_descriptions_are_refused_by_element_attribute_and_value() {
+        let with = |from: &str, to: &str| {
+            assert!(FOREIGN.contains(from), "{from}");
+            said(&FOREIGN.replacen(from, to, 1))
+        };
+        for (from, to, expected) in [
+            (
+                "start=\"1 2 3\n      4 5 6\"",
+                "start=\"1 2 3 4 5\"",
+                ":9: <Float64> start=\"1 2 3 4 5\": the variable \"A\" has 5 start values, but 6 values",
+            ),
+            (
+                "start=\"1 2 3\n      4 5 6\"",
+                "start=\"1 2 3 4 5 NaN\"",
+                "start=\"1 2 3 4 5 NaN\": of the variable \"A\" is not a number (value 6 of 6)",
+            ),
+            (
+                "<Start value=\"\"/>",
+                "<Start value=\"\"/><Start value=\"\"/>",
+                "<String>: the variable \"s\" has 3 start values, but 2 values",
+            ),
+            (
+                "valueReference=\"7\"",
+                "valueReference=\"1\"",
+                "<Boolean> valueReference=\"1\": the variables \"A\" and \"b\" have this value reference",
+            ),
+            (
+                "<Alias name=\"B\"/>",
+                "<Alias name=\"b\"/>",
+                "<Boolean> name=\"b\": two variables have this name, with the value references 1 and 7",
+            ),
+            (
+                "<Dimension valueReference=\"9\"/><Dimension",
+                "<Dimension valueReference=\"7\"/><Dimension",
+                "<Dimension> valueReference=\"7\": no structural parameter of type UInt64 has this value reference",
+            ),
+            (
+                "<Dimension start=\"3\"/>",
+                "<Dimension/>",
+                "<Dimension>: has neither a start nor a valueReference",
+            ),
+            (
+                "<Dimension start=\"3\"/>",
+                "<Dimension start=\"-3\"/>",
+                "<Dimension> start=\"-3\": must be a whole number",
+            ),
+            (
+                "<Dimension start=\"3\"/>",
+                "<Dimension start=\"3\" valueReference=\"9\"/>",
+                "has both a start and a valueReference",
+            ),
+            ("start=\"2\"/>\n    <String", "/>\n    <String", "\"m\" has no start value that is a size"),
+            ("<Clock name", "<Real name", "<Real>: is not a type of FMI 3.0"),
+            // Sizes whose product overflows, and those that are only absurd.
+            (
+                "<Dimension start=\"3\"/>",
+                "<Dimension start=\"18446744073709551615\"/>",
+                "with this array of 2 x 18446744073709551615 elements the variables have more than 8000000 values in all",
+            ),
+            (
+                "start=\"2\"/>\n    <String",
+                "start=\"4000000000\"/>\n    <String",
+                "4000000000 x 3 elements the variables have more than",
+            ),
+            (
+                "start=\"2\"/>\n    <String",
+                "start=\"1e9\"/>\n    <String",
+                "\"m\" has no start value that is a size",
+            ),
+        ] {
+            let said = with(from, to);
+            assert!(said.starts_with("modelDescription.xml:") && said.contains(expected), "{to}: {said}");
+        }
+    }
+}

@@ -1,0 +1,370 @@
+//! `SystemStructure.ssd` and the `.ssv` files that it names -> [`SystemStructure`].
+
+use crate::ssp::document::{
+    Component, Connection, Connector, Extent, Kind, Native, Parameter, ParameterSet, Port, STRUCTURE_FILE,
+    SystemStructure, Type, Value,
+};
+use crate::ssp::error::Result;
+use crate::ssp::unit::{Affine, Unit};
+use lemons_core::xml::{Document, Element};
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+const FMU_TYPE: &str = "application/x-fmu-sharedlibrary";
+const PARAMETER_TYPE: &str = "application/x-ssp-parameter-set";
+/// The most elements and texts of a file.
+const NODES: u32 = 4_000_000;
+
+/// Reads a structure; `load` returns the content of the files that it names.
+///
+/// # Errors
+/// It is broken, or it holds what is not served.
+pub(crate) fn read(bytes: &[u8], load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<SystemStructure> {
+    let document = Document::parse(Path::new(STRUCTURE_FILE), bytes, NODES)?;
+    let root = document.root("SystemStructureDescription")?;
+    if !["1.", "2."]
+        .iter()
+        .any(|begin| root.optional("version").is_some_and(|it| it.trim().starts_with(begin)))
+    {
+        root.text("version")?;
+        return Err(root.wrong("version", "only SSP 1.x and 2.x are served").into());
+    }
+    let system = root.child("System").ok_or_else(|| root.problem("has no <System>"))?;
+    let mut structure = SystemStructure {
+        name: root.optional("name").unwrap_or_default().to_owned(),
+        units: read_units(root)?,
+        parameters: read_bindings(system, load)?,
+        ..SystemStructure::default()
+    };
+    if let Some(experiment) = root.child("DefaultExperiment") {
+        structure.start = experiment.number("startTime")?;
+        structure.stop = experiment.number("stopTime")?;
+    }
+    let mut names = Names::default();
+    for element in system.child("Elements").into_iter().flat_map(Element::elements) {
+        if element.name() != "Component" {
+            let message = "is not served: only components that are FMUs are";
+            let named = element.has("name").then(|| element.wrong("name", message));
+            return Err(named.unwrap_or_else(|| element.problem(message)).into());
+        }
+        let component = read_component(element, load)?;
+        names.add(&component, structure.components.len(), element)?;
+        structure.components.push(component);
+    }
+    if structure.components.is_empty() {
+        return Err(system.problem("has no <Component>").into());
+    }
+    let outside = read_connectors(system)?;
+    let outside = outside.iter().map(|connector| (connector.name.as_str(), connector.kind)).collect();
+    let mut fed = Fed::default();
+    for element in system.child("Connections").into_iter().flat_map(|list| list.children("Connection")) {
+        let Some(connection) = read_connection(element, &structure, &names, &outside)? else { continue };
+        if let Some(first) = fed.add(&connection) {
+            let (component, connector) = structure.port(connection.to);
+            return Err(element
+                .problem(format!(
+                    "feeds the input {:?} of {:?}, which line {first} feeds already",
+                    connector.name, component.name
+                ))
+                .into());
+        }
+        structure.connections.push(connection);
+    }
+    Ok(structure)
+}
+
+/// The lines that feed inputs.
+#[derive(Default)]
+struct Fed {
+    /// The first line that feeds a connector or a part of it.
+    connectors: HashMap<Port, u32>,
+    /// Elements of arrays.
+    elements: HashMap<(Port, Vec<u64>), u32>,
+}
+
+impl Fed {
+    /// The line that feeds the same input already.
+    fn add(&mut self, connection: &Connection) -> Option<u32> {
+        let (port, indices) = (connection.to, &connection.to_indices);
+        let whole = self.elements.get(&(port, Vec::new())).copied();
+        let same = self.elements.insert((port, indices.clone()), connection.line);
+        let any = match self.connectors.entry(port) {
+            Entry::Vacant(first) => {
+                first.insert(connection.line);
+                None
+            }
+            Entry::Occupied(first) => Some(*first.get()),
+        };
+        same.or(whole).or(if indices.is_empty() { any } else { None })
+    }
+}
+
+/// The places of components and connectors by name.
+#[derive(Default)]
+struct Names<'a> {
+    components: HashMap<&'a str, usize>,
+    connectors: Vec<HashMap<String, usize>>,
+}
+
+impl<'a> Names<'a> {
+    fn add(&mut self, component: &Component, place: usize, element: Element<'a>) -> Result<()> {
+        if self.components.insert(element.text("name")?, place).is_some() {
+            return Err(element.wrong("name", "two components have this name").into());
+        }
+        let connectors = component.connectors.iter().enumerate();
+        self.connectors.push(connectors.map(|(place, connector)| (connector.name.clone(), place)).collect());
+        Ok(())
+    }
+}
+
+fn read_component(element: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Component> {
+    if element.text("name")?.is_empty() {
+        return Err(element.wrong("name", "must not be empty").into());
+    }
+    if element.optional("type").is_some_and(|of| of != FMU_TYPE) {
+        return Err(element.wrong("type", "is not served: only FMUs are").into());
+    }
+    if element.optional("implementation") == Some("ModelExchange") {
+        return Err(element.wrong("implementation", "is not served: only co-simulation is").into());
+    }
+    Ok(Component {
+        name: element.text("name")?.to_owned(),
+        source: element.text("source")?.to_owned(),
+        connectors: read_connectors(element)?,
+        parameters: read_bindings(element, load)?,
+        line: element.line(),
+    })
+}
+
+/// The connectors of a component or of the system.
+fn read_connectors(owner: Element) -> Result<Vec<Connector>> {
+    let mut names = HashMap::new();
+    let list = owner.child("Connectors").into_iter().flat_map(|list| list.children("Connector"));
+    list.map(|element| {
+        let name = element.text("name")?;
+        match names.entry(name) {
+            Entry::Vacant(place) => place.insert(()),
+            Entry::Occupied(_) => return Err(element.wrong("name", "two connectors have this name").into()),
+        };
+        let kind = element.text("kind")?;
+        let (of, native) = read_type(element)?;
+        let kind = Kind::NAMES.iter().find(|(name, _)| *name == kind).map(|(_, kind)| *kind);
+        Ok(Connector {
+            name: name.to_owned(),
+            kind: kind.ok_or_else(|| element.wrong("kind", "is not a kind of connector"))?,
+            of,
+            native,
+            dimensions: element.children("Dimension").map(read_dimension).collect::<Result<_>>()?,
+            line: element.line(),
+        })
+    })
+    .collect()
+}
+
+/// What a connector's values are, and the name of that in SSP 2.0 if the file has it.
+fn read_type(connector: Element) -> Result<(Option<Type>, Option<Native>)> {
+    for element in connector.elements() {
+        let unit = || element.optional("unit").map(str::to_owned);
+        let of = match element.name() {
+            "ConnectorGeometry" | "Annotations" | "Dimension" => continue,
+            "Real" => Type::Real(unit()),
+            "Integer" => Type::Integer,
+            "Enumeration" => Type::Enumeration(element.text("name")?.to_owned()),
+            "Clock" => return Err(element.problem("is not served: clocks are not").into()),
+            name => match Native::named(name) {
+                Some(native) => return Ok((Some(native.of(unit())), Some(native))),
+                None => return Err(element.problem("is not a type of SSP").into()),
+            },
+        };
+        return Ok((Some(of), None));
+    }
+    Ok((None, None))
+}
+
+fn read_dimension(element: Element) -> Result<Extent> {
+    let size = element.parsed("size", "a whole number that is not negative")?;
+    Ok(match (size, element.optional("sizeConnector")) {
+        (Some(_), Some(_)) => return Err(element.problem("has both a size and a sizeConnector").into()),
+        (Some(size), None) => Extent::Size(size),
+        (None, Some(name)) => Extent::Parameter(name.to_owned()),
+        (None, None) => Extent::Unsaid,
+    })
+}
+
+/// The indices of an element of an array connector, from 1; empty for all of it.
+fn read_indices(element: Element, attribute: &str) -> Result<Vec<u64>> {
+    let indices = element.optional(attribute).unwrap_or_default().split_whitespace();
+    let index = |text: &str| text.parse().ok().filter(|index| *index > 0);
+    let indices = indices.map(index).collect::<Option<Vec<u64>>>();
+    Ok(indices.ok_or_else(|| element.wrong(attribute, "must be a list of whole numbers from 1 on"))?)
+}
+
+/// `None` for what leads to an output of the system: nobody is outside to see it.
+fn read_connection(
+    element: Element,
+    structure: &SystemStructure,
+    names: &Names,
+    outside: &HashMap<&str, Kind>,
+) -> Result<Option<Connection>> {
+    let start = read_end(element, "startElement", "startConnector", names)?;
+    let end = read_end(element, "endElement", "endConnector", names)?;
+    let (start, end) = match (start, end) {
+        (Some(start), Some(end)) => (start, end),
+        (Some(_), None) | (None, Some(_)) => {
+            let attribute = if start.is_none() { "startConnector" } else { "endConnector" };
+            let name = element.text(attribute)?;
+            let kind = outside.get(name);
+            let kind = kind.ok_or_else(|| element.wrong(attribute, "the system has no such connector"))?;
+            if *kind == Kind::Output {
+                return Ok(None);
+            }
+            return Err(element
+                .wrong(attribute, "connectors of the system are not served, except outputs")
+                .into());
+        }
+        (None, None) => {
+            return Err(element.problem("connects connectors of the system, which is not served").into());
+        }
+    };
+    // Start and end say nothing about the direction, the connectors' kinds do.
+    let kind = |port| structure.port(port).1.kind;
+    let (start_indices, end_indices) =
+        (read_indices(element, "startIndices")?, read_indices(element, "endIndices")?);
+    let (from, to, from_indices, to_indices) = match (kind(start), kind(end)) {
+        (Kind::Output, Kind::Input) => (start, end, start_indices, end_indices),
+        (Kind::Input, Kind::Output) => (end, start, end_indices, start_indices),
+        (a, b) => {
+            let text = format!(
+                "connects {} {:?} with {} {:?}: only an output and an input are served",
+                a.name(),
+                structure.port(start).1.name,
+                b.name(),
+                structure.port(end).1.name
+            );
+            return Err(element.problem(text).into());
+        }
+    };
+    let mut transformation = None;
+    for child in element.elements() {
+        match child.name() {
+            "ConnectionGeometry" | "Annotations" => {}
+            "LinearTransformation" => {
+                transformation = Some(Affine {
+                    factor: child.number("factor")?.unwrap_or(1.0),
+                    offset: child.number("offset")?.unwrap_or(0.0),
+                });
+            }
+            _ => return Err(child.problem("is not served").into()),
+        }
+    }
+    Ok(Some(Connection {
+        from,
+        to,
+        from_indices,
+        to_indices,
+        transformation,
+        suppress_unit_conversion: element.boolean("suppressUnitConversion")?.unwrap_or(false),
+        line: element.line(),
+    }))
+}
+
+/// One end of a connection; `None` for a connector of the system itself.
+fn read_end(element: Element, owner: &str, connector: &str, names: &Names) -> Result<Option<Port>> {
+    let name = element.text(connector)?;
+    let Some(owner_name) = element.optional(owner) else { return Ok(None) };
+    let component = names.components.get(owner_name).copied();
+    let component = component.ok_or_else(|| element.wrong(owner, "there is no such component"))?;
+    let place = names.connectors[component].get(name).copied();
+    let missing = || element.wrong(connector, format!("component {owner_name:?} has no such connector"));
+    Ok(Some(Port { component, connector: place.ok_or_else(missing)? }))
+}
+
+/// By name; of two with one name the first.
+fn read_units(owner: Element) -> Result<BTreeMap<String, Unit>> {
+    let mut units = BTreeMap::new();
+    for element in owner.child("Units").into_iter().flat_map(|units| units.children("Unit")) {
+        if let Some(unit) = read_unit(element)? {
+            units.entry(unit.name.clone()).or_insert(unit);
+        }
+    }
+    Ok(units)
+}
+
+/// `Unit`, which SSP took from FMI 2.0; `None` for one that FMI allows without a definition.
+pub(crate) fn read_unit(element: Element) -> Result<Option<Unit>> {
+    let mut unit =
+        Unit { name: element.text("name")?.to_owned(), exponents: [0; 8], factor: 1.0, offset: 0.0 };
+    let Some(base) = element.child("BaseUnit") else { return Ok(None) };
+    for (exponent, name) in unit.exponents.iter_mut().zip(Unit::BASE) {
+        *exponent = base.parsed(name, "a whole number")?.unwrap_or(0);
+    }
+    unit.factor = base.number("factor")?.unwrap_or(1.0);
+    unit.offset = base.number("offset")?.unwrap_or(0.0);
+    if unit.factor == 0.0 {
+        return Err(base.wrong("factor", "must not be zero").into());
+    }
+    Ok(Some(unit))
+}
+
+/// The parameter values of a component or of the system, in the order in which they count.
+fn read_bindings(owner: Element, load: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Vec<ParameterSet>> {
+    let bindings = owner.child("ParameterBindings").into_iter();
+    let mut sets = Vec::new();
+    for binding in bindings.flat_map(|bindings| bindings.children("ParameterBinding")) {
+        if binding.optional("type").is_some_and(|of| of != PARAMETER_TYPE) {
+            return Err(binding.wrong("type", "is not served: only parameter sets of SSP are").into());
+        }
+        if binding.optional("sourceBase").is_some_and(|base| base != "SSD") {
+            return Err(binding.wrong("sourceBase", "is not served: only files of the archive are").into());
+        }
+        if let Some(mapping) = binding.child("ParameterMapping") {
+            return Err(mapping.problem("is not served").into());
+        }
+        let prefix = binding.optional("prefix").unwrap_or_default();
+        if let Some(source) = binding.optional("source") {
+            let bytes = load(source).map_err(|error| binding.wrong("source", error.to_string()))?;
+            let document = Document::parse(Path::new(source), &bytes, NODES)?;
+            sets.push(read_parameters(document.root("ParameterSet")?, prefix)?);
+        } else {
+            let values = binding.child("ParameterValues");
+            let set = values.and_then(|values| values.child("ParameterSet"));
+            let set = set.ok_or_else(|| binding.problem("has neither a source nor a <ParameterSet>"))?;
+            sets.push(read_parameters(set, prefix)?);
+        }
+    }
+    Ok(sets)
+}
+
+fn read_parameters(set: Element, prefix: &str) -> Result<ParameterSet> {
+    let list = set.child("Parameters").into_iter().flat_map(|list| list.children("Parameter"));
+    let parameters = list.map(|element| {
+        let typed = element.elements().find(|child| child.name() != "Annotations");
+        let typed = typed.ok_or_else(|| element.problem("has no value"))?;
+        if let Some(dimension) = element.child("Dimension") {
+            return Err(dimension.problem("is not served: set the elements by their names").into());
+        }
+        let missing = || typed.problem("has no value");
+        let native = Native::named(typed.name()).map(|native| native.of(None));
+        let name: &str = match &native {
+            Some(of) => of.name(),
+            None => typed.name(),
+        };
+        let value = match name {
+            "Real" => {
+                let value = typed.number("value")?.ok_or_else(missing)?;
+                Value::Real(value, typed.optional("unit").map(str::to_owned))
+            }
+            "Integer" => Value::Integer(typed.parsed("value", "a whole number")?.ok_or_else(missing)?),
+            "Boolean" => Value::Boolean(typed.boolean("value")?.ok_or_else(missing)?),
+            "String" => Value::String(typed.text("value")?.to_owned()),
+            _ => return Err(typed.problem("is not served as a parameter's type").into()),
+        };
+        Ok(Parameter { name: format!("{prefix}{}", element.text("name")?), value, line: element.line() })
+    });
+    Ok(ParameterSet {
+        parameters: parameters.collect::<Result<_>>()?,
+        units: read_units(set)?,
+        file: set.file().display().to_string(),
+    })
+}

@@ -1,0 +1,508 @@
+//! Structures and archives, good and bad, as their users meet them.
+
+use lemons_master::ssp::{
+    Allowance, Archive, Interface, Participant, SystemStructure, connect, write_archive,
+};
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+use tempfile::TempDir;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+/// As another tool might write it: other prefixes, system outputs, geometry, parameters in a file.
+const FOREIGN: &str = r#"<?xml version="1.0"?>
+<SystemStructureDescription xmlns="http://ssp-standard.org/SSP1/SystemStructureDescription"
+    xmlns:c="http://ssp-standard.org/SSP1/SystemStructureCommon" version="1.0" name="foreign">
+  <System name="root">
+    <Connectors><Connector name="seen" kind="output"><c:Real/></Connector><Connector name="told" kind="input"/></Connectors>
+    <ParameterBindings><ParameterBinding prefix="a." source="values.ssv"/></ParameterBindings>
+    <Elements>
+      <Component name="a" source="./resources/a%20b.fmu">
+        <Connectors><Connector name="y" kind="output"><c:Real unit="m"/><ConnectorGeometry x="1" y="0"/></Connector></Connectors>
+        <ElementGeometry x1="0" y1="0" x2="1" y2="1"/>
+      </Component>
+      <Component name="b" source="resources/b.fmu" implementation="any">
+        <Connectors><Connector name="u" kind="input"/><Connector name="p" kind="parameter"><c:Integer/></Connector></Connectors>
+      </Component>
+    </Elements>
+    <Connections>
+      <Connection startElement="b" startConnector="u" endElement="a" endConnector="y" suppressUnitConversion="1">
+        <c:LinearTransformation factor="-2"/><ConnectionGeometry pointsX="" pointsY=""/>
+      </Connection>
+      <Connection startElement="a" startConnector="y" endConnector="seen"/>
+    </Connections>
+  </System>
+  <Units><c:Unit name="m"><c:BaseUnit m="1"/></c:Unit></Units>
+  <DefaultExperiment startTime="1" stopTime="2.5"/>
+</SystemStructureDescription>
+"#;
+
+const VALUES: &str = r#"<ParameterSet xmlns="http://ssp-standard.org/SSP1/SystemStructureParameterValues" version="1.0" name="v">
+  <Parameters><Parameter name="k"><Real value="3" unit="m"/></Parameter></Parameters>
+</ParameterSet>"#;
+
+fn zip(path: &Path, files: &[(&str, &str)]) {
+    let mut zip = ZipWriter::new(File::create(path).unwrap());
+    for (name, text) in files {
+        zip.start_file(*name, SimpleFileOptions::default()).unwrap();
+        zip.write_all(text.as_bytes()).unwrap();
+    }
+    zip.finish().unwrap();
+}
+
+fn read(structure: &str) -> Result<SystemStructure, String> {
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("x.ssp");
+    zip(&path, &[("SystemStructure.ssd", structure), ("values.ssv", VALUES)]);
+    Archive::open(&path).unwrap().structure().map_err(|error| format!("{error:#}"))
+}
+
+#[test]
+fn a_foreign_structure_is_read() {
+    let structure = read(FOREIGN).unwrap();
+    assert_eq!((structure.name.as_str(), structure.start, structure.stop), ("foreign", Some(1.0), Some(2.5)));
+    let [connection] = &structure.connections[..] else { panic!("{:?}", structure.connections) };
+    let ((from, y), (to, u)) = (structure.port(connection.from), structure.port(connection.to));
+    assert_eq!(
+        [&from.name, &y.name, &to.name, &u.name],
+        ["a", "y", "b", "u"],
+        "from the output to the input"
+    );
+    assert_eq!(connection.transformation.unwrap().apply(3.0), -6.0);
+    assert!(connection.suppress_unit_conversion);
+    assert_eq!(structure.unit("m").unwrap().exponents[1], 1);
+    assert_eq!(structure.parameters[0].parameters[0].name, "a.k");
+    // What it is written as says the same, apart from places, parameters and conversions.
+    let mut again = read(&structure.to_xml()).unwrap();
+    let mut first = structure;
+    for structure in [&mut first, &mut again] {
+        structure.parameters.clear();
+        for connection in &mut structure.connections {
+            (connection.line, connection.transformation) = (0, None);
+            connection.suppress_unit_conversion = false;
+        }
+        for component in &mut structure.components {
+            component.line = 0;
+            component.connectors.iter_mut().for_each(|connector| connector.line = 0);
+        }
+    }
+    assert_eq!(first, again);
+}
+
+#[test]
+fn what_is_wrong_or_not_served_is_named() {
+    let table = [
+        (
+            r#"version="1.0" name"#,
+            r#"version="3.0" name"#,
+            r#":3: <SystemStructureDescription> version="3.0": only"#,
+        ),
+        (r#"<Component name="a""#, r#"<System name="a""#, "not well-formed"),
+        (r#"</System>"#, "", "not well-formed"),
+        (r#"<Elements>"#, r#"<Elements><System name="inner"/>"#, r#"<System> name="inner": is not served"#),
+        (
+            r#"<Elements>"#,
+            r#"<Elements><SignalDictionaryReference dictionary="d"/>"#,
+            "<SignalDictionaryReference>: is not served",
+        ),
+        (r#"<Component name="b""#, r#"<Component name="a""#, r#":12: <Component> name="a": two components"#),
+        (r#"<Component name="b""#, r#"<Component name="""#, r#"name="": must not be empty"#),
+        (r#" implementation="any""#, r#" implementation="ModelExchange""#, "only co-simulation is"),
+        (r#" implementation="any""#, r#" type="application/x-ssp-package""#, "only FMUs are"),
+        (
+            r#"name="p" kind="parameter""#,
+            r#"name="u" kind="input""#,
+            r#"<Connector> name="u": two connectors"#,
+        ),
+        (r#"name="p" kind="parameter""#, r#"name="p" kind="thing""#, r#"kind="thing": is not a kind"#),
+        ("<c:Integer/>", "<c:Float65/>", "<Float65>: is not a type of SSP"),
+        (
+            r#"startElement="b""#,
+            r#"startElement="z""#,
+            r#":17: <Connection> startElement="z": there is no such"#,
+        ),
+        (
+            r#"endConnector="y" suppress"#,
+            r#"endConnector="z" suppress"#,
+            r#"endConnector="z": component "a" has no such"#,
+        ),
+        (r#"startConnector="u""#, r#"startConnector="p""#, "only an output and an input are served"),
+        (r#"suppressUnitConversion="1""#, r#"suppressUnitConversion="maybe""#, "must be true or false"),
+        (r#"factor="-2""#, r#"factor="two""#, r#"<LinearTransformation> factor="two": must be a number"#),
+        (r#"factor="-2""#, r#"factor="1e999""#, "must be finite"),
+        (
+            "c:LinearTransformation factor=\"-2\"",
+            "c:BooleanMappingTransformation",
+            "<BooleanMappingTransformation>: is not",
+        ),
+        (
+            r#"startConnector="y" endConnector="seen""#,
+            r#"startConnector="y" endConnector="told""#,
+            r#"endConnector="told": connectors of the system"#,
+        ),
+        (
+            r#"startConnector="y" endConnector="seen""#,
+            r#"startConnector="y" endConnector="nothing""#,
+            r#"endConnector="nothing": the system has no such connector"#,
+        ),
+        (
+            r#"startConnector="y" endConnector="seen""#,
+            r#"startConnector="y" endElement="b" endConnector="u""#,
+            r#":20: <Connection>: feeds the input "u" of "b", which line 17 feeds already"#,
+        ),
+        (r#"source="values.ssv""#, r#"source="other.ssv""#, r#"source="other.ssv": there is no other.ssv"#),
+        (r#"source="values.ssv""#, r#"source="../values.ssv""#, "leads outside of the archive"),
+        (
+            r#"source="values.ssv""#,
+            r#"source="http://host/values.ssv""#,
+            "there is no http://host/values.ssv",
+        ),
+        (r#"prefix="a." "#, r#"sourceBase="component" "#, "only files of the archive are"),
+        (
+            r#"source="values.ssv"/>"#,
+            r#"source="values.ssv"><ParameterMapping source="m.ssm"/></ParameterBinding>"#,
+            "<ParameterMapping>: is not served",
+        ),
+        (r#"m="1""#, r#"m="one""#, r#"<BaseUnit> m="one": must be a whole number"#),
+        (r#"m="1""#, r#"m="1" factor="0""#, r#"factor="0": must not be zero"#),
+        (r#"stopTime="2.5""#, r#"stopTime="NaN""#, r#"stopTime="NaN": must be finite"#),
+        (
+            r#"<?xml version="1.0"?>"#,
+            r#"<!DOCTYPE x [<!ENTITY e "boom">]>"#,
+            "SystemStructure.ssd:1: <!DOCTYPE>: document types are not allowed",
+        ),
+    ];
+    for (from, to, words) in table {
+        assert!(FOREIGN.contains(from), "{from}");
+        let said = read(&FOREIGN.replacen(from, to, 1)).expect_err(to);
+        assert!(said.contains(words) && said.contains("SystemStructure.ssd"), "{to}: {said}");
+        assert!(said.lines().count() == 1, "{said}");
+    }
+    let broken = read(&FOREIGN.replace("values.ssv", "SystemStructure.ssd")).unwrap_err();
+    assert!(broken.contains("the root element must be <ParameterSet>"), "{broken}");
+}
+
+/// 300 000 took over a minute.
+#[test]
+fn elements_with_many_attributes_are_refused_before_they_are_parsed() {
+    for prefix in ["", "xmlns:"] {
+        let many: String = (0..300_000).map(|k| format!(" {prefix}a{k}='{k}'")).collect();
+        let said = read(&format!("<A{many}/>")).unwrap_err();
+        let words = "SystemStructure.ssd:1: <A>: has 300000 attributes; at most 256 are allowed";
+        assert!(said.contains(words), "{said}");
+    }
+}
+
+#[test]
+fn archives_are_checked_before_anything_is_taken_out() {
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("x.ssp");
+    let said = |files: &[(&str, &str)]| {
+        zip(&path, files);
+        match Archive::open(&path).and_then(|mut archive| archive.structure()) {
+            Ok(_) => panic!("accepted"),
+            Err(error) => format!("{error:#}"),
+        }
+    };
+    for name in ["../x", "resources/../../x", "/etc/x", "C:/x", "a\\..\\x"] {
+        let said = said(&[("SystemStructure.ssd", FOREIGN), ("values.ssv", VALUES), (name, "")]);
+        assert!(said.contains(&format!("the entry {name:?} leads outside")), "{said}");
+    }
+    assert!(said(&[("other.ssd", FOREIGN)]).contains("there is no SystemStructure.ssd in the archive"));
+    assert!(said(&[("SystemStructure.ssd", FOREIGN)]).contains("there is no values.ssv"));
+    std::fs::write(&path, "no zip").unwrap();
+    assert!(Archive::open(&path).is_err());
+    zip(&path, &[("SystemStructure.ssd", FOREIGN), ("values.ssv", VALUES), ("resources/a b.fmu", "it")]);
+    let mut copied = Vec::new();
+    let mut archive = Archive::open(&path).unwrap();
+    let mut allowance = Allowance::new(3);
+    archive.copy("./resources/a%20b.fmu", &mut copied, &mut allowance).unwrap();
+    assert_eq!(copied, b"it");
+    let said = archive.copy("resources/a b.fmu", &mut copied, &mut allowance).unwrap_err().to_string();
+    assert!(said.contains("resources/a b.fmu: is refused: more than"), "{said}");
+    // An archive cut in the middle.
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    assert!(Archive::open(&path).is_err());
+}
+
+#[test]
+fn archives_that_unpack_to_a_lot_are_refused() {
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("x.ssp");
+    let said = |structure: &str, values: &str| {
+        zip(&path, &[("SystemStructure.ssd", structure), ("values.ssv", values)]);
+        assert!(path.metadata().unwrap().len() < 1_000_000, "it is a small file");
+        match Archive::open(&path).unwrap().structure() {
+            Ok(_) => panic!("accepted"),
+            Err(error) => format!("{error:#}"),
+        }
+    };
+    let spaces = " ".repeat(64_000_000);
+    let large = said(&format!("{FOREIGN}{spaces}"), VALUES);
+    assert_eq!(large, "SystemStructure.ssd: is refused: more than 64 MB to unpack in all");
+    let large = said(FOREIGN, &spaces);
+    assert!(large.contains("source=\"values.ssv\": values.ssv: is refused: more than 64 MB"), "{large}");
+    // Small as a text, large as a tree.
+    let elements = FOREIGN.replacen("<Elements>", &format!("<Elements>{}", "<a/>".repeat(4_000_000)), 1);
+    let large = said(&elements, VALUES);
+    assert!(large.contains("nodes limit reached"), "{large}");
+}
+
+/// A model description of Reals: name, causality, unit.
+fn interface(variables: &[(&str, &str, &str)], units: &str) -> Interface {
+    let variables: String = variables
+        .iter()
+        .enumerate()
+        .map(|(k, (name, causality, unit))| {
+            let of = match *unit {
+                "Integer" => "<Integer/>".to_owned(),
+                "" => "<Real/>".to_owned(),
+                unit => format!("<Real unit=\"{unit}\"/>"),
+            };
+            format!(r#"<ScalarVariable name="{name}" valueReference="{k}" causality="{causality}">{of}</ScalarVariable>"#)
+        })
+        .collect();
+    let text = format!(
+        "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"><CoSimulation \
+         modelIdentifier=\"m\"/><UnitDefinitions>{units}</UnitDefinitions>\
+         <ModelVariables>{variables}</ModelVariables></fmiModelDescription>"
+    );
+    Interface::read(text.as_bytes()).unwrap()
+}
+
+const METRE: &str = r#"<Unit name="m"><BaseUnit m="1"/></Unit>"#;
+
+fn connected(interfaces: &[Interface]) -> Result<lemons_master::ssp::Connected, String> {
+    let participants: Vec<Participant> = interfaces
+        .iter()
+        .zip(["a", "b", "c"])
+        .map(|(interface, name)| Participant {
+            name: name.into(),
+            source: format!("resources/{name}.fmu"),
+            interface,
+        })
+        .collect();
+    connect("test", &participants).map_err(|error| format!("{error:#}"))
+}
+
+#[test]
+fn equal_names_are_connected_and_written_the_same_each_time() {
+    let a = interface(
+        &[("x", "output", "m"), ("f", "input", ""), ("p", "parameter", "m"), ("g", "input", "")],
+        METRE,
+    );
+    let b = interface(&[("x", "input", "m"), ("f", "output", "m"), ("x2", "output", "m")], METRE);
+    let c = interface(&[("x", "input", ""), ("p", "input", "")], "");
+    let interfaces = [a, b, c];
+    let made = connected(&interfaces).unwrap();
+    let ends: Vec<[String; 2]> = made
+        .structure
+        .connections
+        .iter()
+        .map(|c| {
+            [c.from, c.to].map(|port| {
+                let (component, connector) = made.structure.port(port);
+                format!("{}.{}", component.name, connector.name)
+            })
+        })
+        .collect();
+    let pairs = [["b.f", "a.f"], ["a.x", "b.x"], ["a.x", "c.x"]];
+    assert_eq!(ends, pairs.map(|pair| pair.map(str::to_owned)), "one output may feed two inputs");
+    assert_eq!(made.unconnected, [vec!["g".to_owned()], vec![], vec!["p".to_owned()]]);
+    let text = made.structure.to_xml();
+    assert_eq!(text, connected(&interfaces).unwrap().structure.to_xml());
+    assert_eq!(text.matches("<ssc:Unit ").count(), 1, "{text}");
+    assert_eq!(read(&text).unwrap().connections.len(), 3);
+
+    let directory = TempDir::new().unwrap();
+    let fmu = directory.path().join("a.fmu");
+    std::fs::write(&fmu, "bytes").unwrap();
+    let [first, second] = ["1.ssp", "2.ssp"].map(|name| {
+        let path = directory.path().join(name);
+        write_archive(&path, &made.structure, &[("resources/a.fmu".into(), fmu.as_path())]).unwrap();
+        std::fs::read(path).unwrap()
+    });
+    assert!(first == second);
+    let missing = directory.path().join("none.fmu");
+    let path = directory.path().join("3.ssp");
+    assert!(write_archive(&path, &made.structure, &[("resources/a.fmu".into(), missing.as_path())]).is_err());
+    assert!(!path.exists());
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 3, "no temporary file is left");
+}
+
+#[test]
+fn what_cannot_be_connected_is_said() {
+    let said = |interfaces: &[Interface]| match connected(interfaces) {
+        Ok(_) => panic!("connected"),
+        Err(said) => said,
+    };
+    let sends = |unit: &str, units: &str| interface(&[("x", "output", unit)], units);
+    let takes = |unit: &str, units: &str| interface(&[("x", "input", unit)], units);
+    assert_eq!(
+        said(&[sends("km", METRE), takes("m", METRE)]),
+        r#"x: the output of a is in "km", the input of b in "m""#
+    );
+    let other = METRE.replace("m=\"1\"", "m=\"1\" factor=\"2\"");
+    assert_eq!(
+        said(&[sends("m", METRE), takes("m", &other)]),
+        r#"x: a and b do not mean the same by its unit "m""#
+    );
+    // The same unit by another name agrees.
+    let metre = METRE.replace("\"m\"", "\"metre\"");
+    assert!(connected(&[sends("metre", &metre), takes("m", METRE)]).is_ok());
+    assert_eq!(
+        said(&[sends("Integer", ""), takes("m", METRE)]),
+        "x: the output of a is of type Integer, the input of b of type Real"
+    );
+    assert_eq!(
+        said(&[sends("m", METRE), takes("m", METRE), sends("m", METRE)]),
+        "the input x of b is fed by two outputs, of a and of c"
+    );
+    assert_eq!(
+        said(&[sends("m", METRE), interface(&[("y", "input", "m")], METRE)]),
+        "no output has the name of an input of another FMU: nothing to connect\n\
+         a: 1 outputs: x\na: 0 inputs\nb: 0 outputs\nb: 1 inputs: y"
+    );
+    let names: Vec<String> = (0..9).map(|i| format!("x{i}")).collect();
+    let all = |causality, unit| {
+        interface(&names.iter().map(|name| (name.as_str(), causality, unit)).collect::<Vec<_>>(), METRE)
+    };
+    let said = said(&[all("output", "m"), all("input", "km")]);
+    assert_eq!(said.lines().count(), 6, "{said}");
+    assert!(said.ends_with("… and 4 more like these"), "{said}");
+}
+
+/// Of FMI 3.0: two people, their positions and whatever else is said.
+fn people(causality: [&str; 2], size: usize, more: &str) -> Interface {
+    let [position, force] = causality;
+    let text = format!(
+        r#"<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t"><CoSimulation modelIdentifier="m"/>
+        <UnitDefinitions>{METRE}</UnitDefinitions><ModelVariables>
+        <UInt64 name="Agents" valueReference="1" causality="structuralParameter" start="{size}"/>
+        <Float64 name="Position" valueReference="2" causality="{position}" unit="m"><Dimension valueReference="1"/>
+        <Dimension start="2"/></Float64>
+        <Float64 name="Mp" valueReference="3" causality="{force}"><Dimension valueReference="1"/></Float64>{more}
+        </ModelVariables></fmiModelDescription>"#
+    );
+    Interface::read(text.as_bytes()).unwrap()
+}
+
+#[test]
+fn arrays_are_connected_whole_where_both_have_them() {
+    let decides = people(["input", "output"], 2, "");
+    let more = r#"<Int32 name="Count" valueReference="7" causality="output"><Dimension start="3"/></Int32>
+        <Float64 name="free" valueReference="8" causality="input"><Dimension start="2"/></Float64>"#;
+    let moves = people(["output", "input"], 2, more);
+    let made = connected(&[decides, moves]).unwrap();
+    assert_eq!(made.names, ["Position", "Mp"]);
+    assert_eq!(made.unconnected, [vec![], vec!["free[1]".to_owned(), "free[2]".to_owned()]]);
+    assert!(made.structure.has_arrays());
+    let text = made.structure.to_xml();
+    for part in [
+        r#" version="2.0""#,
+        r#"<ssd:Connector name="Agents" kind="structuralParameter">"#,
+        r#"<ssc:UInt64/>"#,
+        r#"<ssc:Float64 unit="m"/>"#,
+        r#"<ssc:Dimension sizeConnector="Agents"/>"#,
+        r#"<ssc:Dimension size="2"/>"#,
+        r#"<ssd:Connection startElement="b" startConnector="Position" endElement="a" endConnector="Position"/>"#,
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(text.contains(r#"name="Count""#) && !text.contains(r#"name="free""#), "{text}");
+    // It is read as it was.
+    let again = read(&text).unwrap();
+    assert_eq!(again.to_xml(), text);
+    assert_eq!(again.components[0].connectors[1].dimensions.len(), 2);
+}
+
+#[test]
+fn single_values_are_connected_with_elements_of_arrays() {
+    let names = ["agent[0].Position.x", "agent[0].Position.y", "agent[1].Position.x", "agent[1].Position.y"];
+    let decides = interface(
+        &[
+            (names[0], "input", "m"),
+            (names[1], "input", "m"),
+            (names[2], "input", "m"),
+            ("agent[1].Mp", "output", ""),
+        ],
+        METRE,
+    );
+    let made = connected(&[decides, people(["output", "input"], 2, "")]).unwrap();
+    assert_eq!(made.names, [names[0], names[1], names[2], "agent[1].Mp"]);
+    assert_eq!(made.unconnected[1], ["agent[0].Mp"]);
+    let text = made.structure.to_xml();
+    for part in [
+        r#" version="2.0""#,
+        r#"startConnector="Position" startIndices="2 1" endElement="a" endConnector="agent[1].Position.x"/>"#,
+        r#"startElement="a" startConnector="agent[1].Mp" endElement="b" endConnector="Mp" endIndices="2"/>"#,
+        "<ssc:Real unit=\"m\"/>",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let again = read(&text).unwrap();
+    let indices: Vec<_> =
+        again.connections.iter().map(|c| (c.from_indices.clone(), c.to_indices.clone())).collect();
+    assert_eq!(
+        indices,
+        [(vec![1, 1], vec![]), (vec![1, 2], vec![]), (vec![2, 1], vec![]), (vec![], vec![2])]
+    );
+    // Crowds of other sizes have other people.
+    let three = connected(&[people(["input", "output"], 3, ""), people(["output", "input"], 2, "")]).unwrap();
+    assert_eq!(three.unconnected[0], ["agent[2].Position.x", "agent[2].Position.y"]);
+    assert_eq!(three.names.len(), 6, "each element by itself");
+}
+
+#[test]
+fn what_is_wrong_with_arrays_is_named() {
+    let decides = people(["input", "output"], 2, "");
+    let text = connected(&[decides, people(["output", "input"], 2, "")]).unwrap().structure.to_xml();
+    let said = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}: {text}");
+        read(&text.replacen(from, to, 1)).map_or_else(|error| error, |_| "read".to_owned())
+    };
+    let line = r#"startConnector="Position" endElement"#;
+    for (from, to, expected) in [
+        (
+            line,
+            r#"startConnector="Position" startIndices="1 0" endElement"#,
+            "startIndices=\"1 0\": must be a list of whole numbers from 1 on",
+        ),
+        (
+            line,
+            r#"startConnector="Position" startIndices="1 -1" endElement"#,
+            "startIndices=\"1 -1\": must be a list",
+        ),
+        (
+            r#"size="2"/>"#,
+            r#"size="two"/>"#,
+            "<Dimension> size=\"two\": must be a whole number that is not negative",
+        ),
+        (
+            r#"size="2"/>"#,
+            r#"size="2" sizeConnector="Agents"/>"#,
+            "<Dimension>: has both a size and a sizeConnector",
+        ),
+        ("<ssc:UInt64/>", "<ssc:Clock/>", "<Clock>: is not served: clocks are not"),
+        ("<ssc:UInt64/>", "<ssc:UInt65/>", "<UInt65>: is not a type of SSP"),
+    ] {
+        let said = said(from, to);
+        assert!(said.starts_with("SystemStructure.ssd:") && said.contains(expected), "{to}: {said}");
+    }
+    // An input that is fed twice: whole and whole, whole and element, element and element.
+    let connection = |indices: &str| {
+        format!(
+            r#"<ssd:Connection startElement="a" startConnector="Mp" endElement="b" endConnector="Mp"{indices}/>"#
+        )
+    };
+    let whole = connection("");
+    let of = |first: &str, second: &str| said(&whole, &(connection(first) + &connection(second)));
+    let [one, two] = [r#" startIndices="1" endIndices="1""#, r#" startIndices="2" endIndices="2""#];
+    assert_eq!(of(one, two), "read");
+    for (first, second) in [("", ""), ("", one), (one, ""), (two, two)] {
+        let said = of(first, second);
+        assert!(said.contains("feeds the input \"Mp\" of \"b\", which line"), "{first} {second}: {said}");
+    }
+}

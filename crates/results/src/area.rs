@@ -1,0 +1,462 @@
+//! The walkable area that walls enclose.
+
+use crate::outlines::{Outline, Outlines};
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::single::SingleFloatOverlay;
+use lemons_core::plane::{
+    Bounds, ConvexHull, Ring, Vec2, polygon_from_wkt, polygon_to_wkt, segments_touch, vec2,
+};
+use lemons_core::trial::Wall;
+
+/// \[m\] Distance of a bounding box from people and walls: more than half of a person's breadth.
+pub const MARGIN: f64 = 0.5;
+/// \[m\] Thickness that a wall inside the area gets: a polygon cannot have a line for a wall.
+pub const THICKNESS: f64 = 0.02;
+/// \[m\] A corner of a given area that is further away is a mistake; what is computed of it would be wrong.
+const FARTHEST: f64 = 1e6;
+/// More corners of a ring are a mistake.
+const MOST_CORNERS: usize = 10_000;
+/// \[1/m\] A calculated corner is given to one part in so many of a metre.
+const GRAINS: f64 = 1e6;
+
+/// The area where people can be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Area {
+    /// \[m\] The area as a `POLYGON` in well-known text.
+    pub wkt: String,
+    /// \[m\] Lowest x and y.
+    pub low: Vec2,
+    /// \[m\] Highest x and y.
+    pub high: Vec2,
+    /// What the area was made of, and what could not be used, in words for the user.
+    pub said: Vec<String>,
+}
+
+/// An outline and what is not in it.
+struct Polygon {
+    outer: Ring,
+    holes: Vec<Ring>,
+}
+
+/// Returns the area of people who were at these positions \[m\]. PedPy and JuPedSim want one polygon. It is the first of
+/// these that is around all positions:
+///
+/// 1. the inside of the smallest closed wall;
+/// 2. the inside of open walls whose ends are joined by straight lines, the nearest ends first;
+/// 3. such a room, and beside each of its openings the convex hull of the positions outside and a [`MARGIN`];
+/// 4. the bounding box of positions and walls, with a [`MARGIN`].
+///
+/// Closed walls inside that nobody was in are holes. Open walls inside are taken out with a [`THICKNESS`].
+pub fn walkable_area(walls: &[Wall], positions: impl Iterator<Item = Vec2> + Clone) -> Area {
+    let Outlines { mut rings, open, mut joined } = Outlines::of(walls);
+    let mut said = Vec::new();
+    rings.retain(|ring| {
+        let simple = ring.ring.is_simple();
+        if !simple {
+            said.push(format!("{} crosses itself: it bounds no area", ring.name));
+        }
+        simple
+    });
+    // The smallest one first.
+    rings.sort_by(|a, b| a.ring.area().total_cmp(&b.ring.area()));
+    joined.retain(|outline| outline.ring.is_simple());
+    joined.sort_by(|a, b| a.ring.area().total_cmp(&b.ring.area()));
+    let around = |outline: &Outline| positions.clone().all(|position| outline.ring.contains(position));
+    let closed = rings.iter().position(&around);
+    let opened = || joined.iter().position(&around);
+    let outer = if let Some(place) = closed {
+        let ring = rings.remove(place);
+        said.push(format!("walkable area: inside of {}", ring.name));
+        ring
+    } else if let Some(place) = opened() {
+        let ring = joined.remove(place);
+        said.push(format!("walkable area: inside of {}", ring.described()));
+        ring
+    } else if let Some(ring) = with_yards(&rings, &joined, positions.clone(), &mut said) {
+        ring
+    } else {
+        said.push(format!(
+            "walkable area: no wall is around everybody: the bounding box of people and walls and {MARGIN} m more \
+             (a polygon of your own: --area)"
+        ));
+        bounding_box(walls.iter().flat_map(|wall| wall.corners.iter().copied()).chain(positions.clone()))
+    };
+    // From the largest one down, so that what lies in a hole is found too.
+    let mut holes: Vec<Outline> = Vec::new();
+    for outline in rings.into_iter().rev() {
+        let (ring, corner) = (&outline.ring, outline.ring.corners()[0]);
+        if !outer.ring.contains(corner) && !outer.ring.touches(ring)
+            || holes.iter().any(|hole| hole.ring.contains(corner) && !hole.ring.touches(ring))
+            || ring.contains(outer.ring.corners()[0])
+        {
+            continue;
+        }
+        if positions.clone().any(|position| ring.contains(position)) {
+            said.push(format!("{} has people inside and outside: not taken out", outline.name));
+        } else if let Some(other) =
+            std::iter::once(&outer).chain(&holes).find(|other| other.ring.touches(ring))
+        {
+            said.push(format!("{} touches {}: not taken out", outline.name, other.name));
+        } else {
+            said.push(format!("{} is taken out", outline.name));
+            holes.push(outline);
+        }
+    }
+    let holes = holes.into_iter().map(|hole| hole.ring).collect();
+    let mut polygon = Polygon { outer: outer.ring, holes };
+    // The walls that are the outline itself, or lie outside of it or in a hole, take nothing away.
+    let own: Vec<(Vec2, Vec2)> = polygon.outer.sides().collect();
+    let is_outline = |a, b| own.contains(&(a, b)) || own.contains(&(b, a));
+    let parting: Vec<(Vec2, Vec2)> = open
+        .iter()
+        .flat_map(|corners| corners.windows(2).map(|side| (side[0], side[1])))
+        .filter(|&(a, b)| !is_outline(a, b) && polygon.meets(a, b))
+        .collect();
+    if !parting.is_empty() {
+        match polygon.parted(&parting, positions) {
+            Some(parted) => {
+                said.push(format!("open walls in it are taken out, {THICKNESS} m thick"));
+                polygon = parted;
+            }
+            None => said.push(
+                "open walls in it are not taken out: they part people, and the area must be one polygon \
+                 (of your own: --area)"
+                    .into(),
+            ),
+        }
+    }
+    polygon.area(said)
+}
+
+/// Returns the area that a user gives as well-known text, `POLYGON ((x y, …), (hole), …)` in m.
+///
+/// # Errors
+/// The text is not such a polygon, a ring crosses itself or another one, or a position \[m\] is outside.
+pub fn given_area(wkt: &str, positions: impl Iterator<Item = Vec2>) -> Result<Area, String> {
+    let rings = polygon_from_wkt(wkt)?;
+    let name = |k: usize| if k == 0 { "the outer ring".to_owned() } else { format!("hole {k}") };
+    let far = |ring: &Ring| ring.corners().iter().any(|p| !(p.x.abs() <= FARTHEST && p.y.abs() <= FARTHEST));
+    if let Some(k) = rings.iter().position(far) {
+        return Err(format!("{} has a corner further than {FARTHEST:e} m from the origin", name(k)));
+    }
+    if let Some(k) = rings.iter().position(|ring| ring.corners().len() > MOST_CORNERS) {
+        return Err(format!("{} has more than {MOST_CORNERS} corners", name(k)));
+    }
+    if let Some(k) = rings.iter().position(|ring| !ring.is_simple()) {
+        return Err(format!("{} crosses itself or has no area", name(k)));
+    }
+    let mut rings = rings.into_iter();
+    let outer = rings.next().ok_or("POLYGON has no ring")?;
+    let holes: Vec<Ring> = rings.collect();
+    for (k, hole) in holes.iter().enumerate() {
+        let corner = hole.corners()[0];
+        if !outer.contains(corner) || outer.touches(hole) {
+            return Err(format!("{} is not inside of the outer ring", name(k + 1)));
+        }
+        let meets =
+            |other: &Ring| other.touches(hole) || other.contains(corner) || hole.contains(other.corners()[0]);
+        if let Some(other) = holes[..k].iter().position(meets) {
+            return Err(format!("{} meets {}", name(k + 1), name(other + 1)));
+        }
+    }
+    let polygon = Polygon { outer, holes };
+    let outside: Vec<Vec2> = positions.filter(|position| !polygon.contains(*position)).collect();
+    if let Some(first) = outside.first() {
+        let count = outside.len();
+        return Err(format!(
+            "{count} positions of people are not in it, the first at x = {:?}, y = {:?} m",
+            first.x, first.y
+        ));
+    }
+    Ok(polygon.area(vec!["walkable area: the polygon given; walls are not looked at".into()]))
+}
+
+/// The rooms that people were in, and beside each opening the convex hull of where they were outside. `None` if
+/// nobody was in a room, or if this is not one polygon around everybody.
+fn with_yards(
+    rings: &[Outline],
+    joined: &[Outline],
+    positions: impl Iterator<Item = Vec2> + Clone,
+    said: &mut Vec<String>,
+) -> Option<Outline> {
+    let peopled = |room: &&Outline| positions.clone().any(|position| room.ring.contains(position));
+    let rooms: Vec<&Outline> = joined.iter().filter(peopled).collect();
+    let bridges: Vec<(Vec2, Vec2)> = rooms.iter().flat_map(|room| room.bridges.iter().copied()).collect();
+    if bridges.is_empty() {
+        return None;
+    }
+    let known = || rings.iter().chain(rooms.iter().copied());
+    let mut yards: Vec<Vec<Vec2>> = vec![Vec::new(); bridges.len()];
+    for p in positions.clone().filter(|p| !known().any(|outline| outline.ring.contains(*p))) {
+        let off = |&(a, b): &(Vec2, Vec2)| (p - (a + b) * 0.5).norm_squared();
+        let nearest = (0..bridges.len()).min_by(|&a, &b| off(&bridges[a]).total_cmp(&off(&bridges[b])))?;
+        yards[nearest].extend(
+            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| p + vec2(x, y) * MARGIN),
+        );
+    }
+    let mut shapes: Vec<Vec<[f64; 2]>> = rooms.iter().map(|room| counter_clockwise(&room.ring)).collect();
+    let mut beyond = 0;
+    for (mut yard, (a, b)) in yards.into_iter().zip(&bridges) {
+        if !yard.is_empty() {
+            yard.extend([*a, *b]);
+            let hull = ConvexHull::of(yard)?;
+            shapes.push(hull.corners().iter().map(|p| [p.x, p.y]).collect());
+            beyond += 1;
+        }
+    }
+    let nothing: Vec<Vec<[f64; 2]>> = Vec::new();
+    let union = shapes.overlay(&nothing, OverlayRule::Subject, FillRule::NonZero);
+    let polygon = of_people(union, positions)?;
+    let mut all: Vec<String> = rooms.iter().map(|room| room.described()).collect();
+    let openings = if beyond == 1 { "the opening" } else { "each opening" };
+    all.push(format!("beyond {openings} the convex hull of where people were and {MARGIN} m more"));
+    said.push(format!("walkable area: inside of {}", all.join("; ")));
+    Some(Outline::new("the outline", polygon.outer))
+}
+
+/// The one polygon that has everybody in it.
+fn of_people(shapes: Vec<Vec<Vec<[f64; 2]>>>, mut positions: impl Iterator<Item = Vec2>) -> Option<Polygon> {
+    let ring = |contour: Vec<[f64; 2]>| {
+        let whole = |x: f64| libm::round(x * GRAINS) / GRAINS;
+        Ring::through(contour.iter().map(|[x, y]| vec2(whole(*x), whole(*y))).collect())
+    };
+    let polygons = shapes.into_iter().filter_map(|shape| {
+        let mut rings = shape.into_iter().filter_map(ring);
+        Some(Polygon { outer: rings.next()?, holes: rings.collect() })
+    });
+    let polygons: Vec<Polygon> = polygons.collect();
+    let first = positions.next()?;
+    let polygon = polygons.into_iter().find(|polygon| polygon.contains(first))?;
+    (polygon.outer.is_simple() && positions.all(|p| polygon.contains(p))).then_some(polygon)
+}
+
+/// As i_overlay wants it.
+fn counter_clockwise(ring: &Ring) -> Vec<[f64; 2]> {
+    let mut corners: Vec<[f64; 2]> = ring.corners().iter().map(|p| [p.x, p.y]).collect();
+    if ring.signed_area() < 0.0 {
+        corners.reverse();
+    }
+    corners
+}
+
+impl Polygon {
+    fn contains(&self, p: Vec2) -> bool {
+        self.outer.contains(p) && !self.holes.iter().any(|hole| hole.contains(p))
+    }
+
+    /// Whether part of a line may be in it.
+    fn meets(&self, a: Vec2, b: Vec2) -> bool {
+        self.contains((a + b) * 0.5) || self.contains(a) || self.contains(b) || {
+            let mut rings = std::iter::once(&self.outer).chain(&self.holes);
+            rings.any(|ring| ring.sides().any(|(c, d)| segments_touch(a, b, c, d)))
+        }
+    }
+
+    /// Without walls; `None` if everybody is not in one piece then.
+    fn parted(&self, walls: &[(Vec2, Vec2)], positions: impl Iterator<Item = Vec2>) -> Option<Polygon> {
+        let rings = std::iter::once(&self.outer).chain(&self.holes);
+        let mut subject: Vec<Vec<[f64; 2]>> = rings.map(counter_clockwise).collect();
+        subject[1..].iter_mut().for_each(|hole| hole.reverse());
+        let strips: Vec<Vec<[f64; 2]>> = walls
+            .iter()
+            .filter(|(a, b)| a != b)
+            .map(|&(a, b)| {
+                let along = (b - a) * (0.5 * THICKNESS / (b - a).norm());
+                let aside = vec2(-along.y, along.x);
+                let (a, b) = (a - along, b + along);
+                [a - aside, b - aside, b + aside, a + aside].map(|p| [p.x, p.y]).to_vec()
+            })
+            .collect();
+        of_people(subject.overlay(&strips, OverlayRule::Difference, FillRule::NonZero), positions)
+    }
+
+    fn area(&self, said: Vec<String>) -> Area {
+        let Bounds { low, high } = self.outer.bounds();
+        Area { wkt: polygon_to_wkt(std::iter::once(&self.outer).chain(&self.holes)), low, high, said }
+    }
+}
+
+fn bounding_box(points: impl Iterator<Item = Vec2>) -> Outline {
+    let nothing = Bounds { low: Vec2::ZERO, high: Vec2::ZERO };
+    Outline::new("the bounding box", Ring::around(Bounds::of(points).unwrap_or(nothing).grown(MARGIN)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wall(id: &str, corners: &[(f64, f64)]) -> Wall {
+        let corners = corners.iter().map(|&(x, y)| vec2(x, y)).collect();
+        Wall { id: id.into(), material_id: "stone".into(), corners }
+    }
+
+    fn square(id: &str, x: f64, y: f64, side: f64) -> Wall {
+        wall(id, &[(x, y), (x + side, y), (x + side, y + side), (x, y + side), (x, y)])
+    }
+
+    fn area(walls: &[Wall], people: &[(f64, f64)]) -> Area {
+        walkable_area(walls, people.iter().map(|&(x, y)| vec2(x, y)))
+    }
+
+    #[test]
+    fn a_room_with_pillars() {
+        let walls = [
+            square("pillar", 4.0, 4.0, 1.0),
+            square("room", 0.0, 0.0, 10.0),
+            square("in it", 4.25, 4.25, 0.5),
+        ];
+        let area = area(&walls, &[(1.0, 1.0), (9.0, 9.5)]);
+        assert_eq!(area.wkt, "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0), (4 4, 5 4, 5 5, 4 5, 4 4))");
+        assert_eq!((area.low, area.high), (vec2(0.0, 0.0), vec2(10.0, 10.0)));
+        assert_eq!(area.said, ["walkable area: inside of wall \"room\"", "wall \"pillar\" is taken out"]);
+    }
+
+    #[test]
+    fn the_smallest_ring_around_everybody() {
+        let walls = [
+            square("site", -5.0, -5.0, 30.0),
+            square("room", 0.0, 0.0, 10.0),
+            square("next", 12.0, 0.0, 5.0),
+        ];
+        assert!(area(&walls, &[(1.0, 1.0)]).wkt.starts_with("POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0))"));
+        let both = area(&walls, &[(1.0, 1.0), (13.0, 1.0)]);
+        assert_eq!(both.wkt, "POLYGON ((-5 -5, 25 -5, 25 25, -5 25, -5 -5))");
+        assert_eq!(both.said.iter().filter(|text| text.contains("people inside and outside")).count(), 2);
+    }
+
+    #[test]
+    fn open_walls_have_a_box_around_them() {
+        let walls = [wall("long", &[(0.0, 0.0), (8.0, 0.0)]), square("pillar", 4.0, 1.0, 1.0)];
+        let area = area(&walls, &[(1.0, 2.0), (2.0, 3.5)]);
+        // The wall and the pillar are taken out.
+        let expected = "POLYGON ((-0.5 4, -0.5 -0.5, 8.5 -0.5, 8.5 4, -0.5 4), \
+            (-0.01 -0.01, -0.01 0.01, 8.01 0.01, 8.01 -0.01, -0.01 -0.01), (4 1, 4 2, 5 2, 5 1, 4 1))";
+        assert_eq!(area.wkt, expected);
+        assert!(area.said[0].contains("bounding box"), "{:?}", area.said);
+        assert_eq!(
+            self::area(&[], &[(1.0, 2.0)]).wkt,
+            "POLYGON ((0.5 1.5, 1.5 1.5, 1.5 2.5, 0.5 2.5, 0.5 1.5))"
+        );
+    }
+
+    #[test]
+    fn walls_whose_ends_meet_are_a_ring() {
+        let sides = [
+            wall("w", &[(0.0, 3.0), (0.0, 0.0)]),
+            wall("s", &[(0.0, 0.0), (4.0, 0.0)]),
+            wall("n", &[(0.0, 3.0), (4.0, 3.0)]),
+            wall("e", &[(4.0, 3.0), (4.0, 0.0)]),
+            wall("open", &[(1.0, 1.0), (2.0, 1.0)]),
+        ];
+        let area = area(&sides, &[(1.0, 2.0)]);
+        assert_eq!(
+            area.said,
+            [
+                "walkable area: inside of walls \"w\", \"s\", \"e\", \"n\"",
+                "open walls in it are taken out, 0.02 m thick"
+            ]
+        );
+        assert_eq!(area.wkt.matches("), (").count(), 1, "{}", area.wkt);
+        let whole = self::area(&sides[..4], &[(1.0, 2.0)]);
+        assert_eq!(whole.wkt, "POLYGON ((0 3, 0 0, 4 0, 4 3, 0 3))");
+        let gap = self::area(&sides[..3], &[(1.0, 2.0)]);
+        assert!(gap.said[0].ends_with("its opening of 3 m closed by a straight line"), "{:?}", gap.said);
+        assert_eq!(inside(&gap, &[(1.0, 2.0), (4.1, 2.0)]), [true, false]);
+    }
+
+    #[test]
+    fn a_room_with_a_way_out() {
+        let room = [(4.0, 2.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0), (4.0, 0.0), (4.0, 1.0)];
+        let open = area(&[wall("room", &room)], &[(1.0, 2.0)]);
+        assert_eq!(open.wkt, "POLYGON ((4 2, 4 3, 0 3, 0 0, 4 0, 4 1, 4 2))");
+        let said = "walkable area: inside of wall \"room\", its opening of 1 m closed by a straight line";
+        assert_eq!(open.said, [said]);
+    }
+
+    /// Whether points are in an area.
+    fn inside(area: &Area, points: &[(f64, f64)]) -> Vec<bool> {
+        let mut rings = polygon_from_wkt(&area.wkt).unwrap().into_iter();
+        let polygon = Polygon { outer: rings.next().unwrap(), holes: rings.collect() };
+        points.iter().map(|&(x, y)| polygon.contains(vec2(x, y))).collect()
+    }
+
+    #[test]
+    fn whoever_left_the_room_does_not_open_its_walls() {
+        let room = [(4.0, 2.0), (4.0, 3.0), (0.0, 3.0), (0.0, 0.0), (4.0, 0.0), (4.0, 1.0)];
+        let people = [(1.0, 2.0), (3.9, 1.5), (4.6, 1.5), (6.0, 2.5)];
+        let area = area(&[wall("room", &room)], &people);
+        assert!(area.said[0].contains("beyond the opening the convex hull"), "{:?}", area.said);
+        assert_eq!(inside(&area, &people), [true; 4]);
+        // Behind the walls, in the walls beside the opening, in the opening itself.
+        let points = [(-0.1, 1.0), (2.0, 3.1), (2.0, -0.1), (4.0, 2.1), (4.0, 0.95), (4.0, 1.5), (8.0, 2.5)];
+        assert_eq!(inside(&area, &points), [false, false, false, false, false, true, false]);
+    }
+
+    #[test]
+    fn a_room_of_several_walls_with_two_doors() {
+        let walls = [
+            wall("south", &[(0.0, 1.0), (0.0, 0.0), (8.0, 0.0), (8.0, 1.0)]),
+            wall("north", &[(8.0, 2.0), (8.0, 4.0), (0.0, 4.0), (0.0, 2.2)]),
+            wall("screen", &[(5.0, 4.0), (5.0, 1.5)]),
+        ];
+        let area = area(&walls, &[(1.0, 2.0), (7.0, 1.0)]);
+        assert_eq!(
+            area.said[0],
+            "walkable area: inside of walls \"south\", \"north\", its openings of 1, 1.2 m closed by straight lines"
+        );
+        let points = [(5.0, 3.0), (5.0, 1.0), (-0.1, 2.0), (7.0, 3.0)];
+        assert_eq!(inside(&area, &points), [false, true, false, true]);
+        assert_eq!(area.wkt.matches("), (").count(), 0, "the screen stands at the wall: {}", area.wkt);
+        // A screen from wall to wall parts people: one polygon cannot say it.
+        let through = wall("through", &[(5.0, 4.0), (5.0, 0.0)]);
+        let parted = self::area(&[&walls[..2], &[through]].concat(), &[(1.0, 2.0), (7.0, 1.0)]);
+        assert!(parted.said.iter().any(|text| text.contains("they part people")), "{:?}", parted.said);
+    }
+
+    #[test]
+    fn a_polygon_of_the_users_own() {
+        let people = || [vec2(1.0, 1.0), vec2(3.0, 1.0)].into_iter();
+        let area =
+            given_area(" polygon((0 0, 4 0, 4 3, 0 3, 0 0), (2 2, 2.5 2, 2 2.5, 2 2))\n", people()).unwrap();
+        assert_eq!(area.wkt, "POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0), (2 2, 2.5 2, 2 2.5, 2 2))");
+        assert_eq!((area.low, area.high), (vec2(0.0, 0.0), vec2(4.0, 3.0)));
+        for (text, expected) in [
+            ("", "is not a POLYGON"),
+            ("POLYGON", "is not a POLYGON"),
+            ("POLYGON ()", "no ring"),
+            ("POLYGON EMPTY", "is not a POLYGON"),
+            ("POLYGONE ((0 0, 4 0, 4 3, 0 0))", "is not a POLYGON"),
+            ("POINT (0 0)", "is not a POLYGON"),
+            ("POLYGON ((0 0, 4 0, 4 3))", "is not closed"),
+            ("POLYGON ((0 0, 4 0, 1e300 3, 0 0))", "the outer ring has a corner further than 1e6 m"),
+            ("POLYGON ((0 0, 4 0, 4 inf, 0 0))", "\"4 inf\" is not a corner"),
+            ("POLYGON ((0 0, 4 4, 4 0, 0 4, 0 0))", "the outer ring crosses itself"),
+            ("POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0), (5 5, 6 5, 5 6, 5 5))", "hole 1 is not inside"),
+            (
+                "POLYGON ((0 0, 2 0, 2 3, 0 3, 0 0))",
+                "1 positions of people are not in it, the first at x = 3.0",
+            ),
+            ("POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0) (2 2, 3 2, 2 3, 2 2))", "separated by commas"),
+            ("POLYGON ((0 0, é", "is not a POLYGON"),
+        ] {
+            let said = given_area(text, people()).unwrap_err();
+            assert!(said.contains(expected), "{text}: {said}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_valid_hole_stays() {
+        let room = square("room", 0.0, 0.0, 10.0);
+        let bow = wall("bow", &[(1.0, 1.0), (3.0, 3.0), (3.0, 1.0), (1.0, 3.0), (1.0, 1.0)]);
+        let thin = wall("thin", &[(5.0, 1.0), (7.0, 1.0), (5.0, 1.0)]);
+        let walls = [room, bow, thin, square("niche", 0.0, 5.0, 1.0), square("through", 9.0, 5.0, 3.0)];
+        let area = area(&walls, &[(5.0, 5.0)]);
+        assert_eq!(area.wkt, "POLYGON ((0 0, 10 0, 10 10, 0 10, 0 0))");
+        for text in
+            ["\"bow\" crosses itself", "\"thin\" crosses itself", "\"niche\" touches", "\"through\" touches"]
+        {
+            assert!(area.said.iter().any(|said| said.contains(text)), "{text}: {:?}", area.said);
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! JuPedSim's trajectories: an SQLite database of version 2, which its releases and PedPy read. (DESIGN.md says what
+//! version 3 is.)
+
+use crate::area::Area;
+use crate::error::RecordError;
+use crate::record::Record;
+use crate::run::Frame;
+use lemons_core::files::{Staged, WriteError};
+use lemons_core::plane::Pose;
+use rusqlite::{Connection, OpenFlags, params};
+use std::io;
+use std::path::Path;
+
+const TABLES: &str = "
+    CREATE TABLE trajectory_data (
+        frame INTEGER NOT NULL, id INTEGER NOT NULL, pos_x REAL NOT NULL, pos_y REAL NOT NULL,
+        ori_x REAL NOT NULL, ori_y REAL NOT NULL);
+    CREATE TABLE metadata (key TEXT NOT NULL UNIQUE PRIMARY KEY, value TEXT NOT NULL);
+    CREATE TABLE geometry (hash INTEGER NOT NULL, wkt TEXT NOT NULL);
+    CREATE UNIQUE INDEX geometry_hash ON geometry (hash);
+    CREATE TABLE frame_data (frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL);
+    CREATE INDEX frame_id_idx ON trajectory_data (frame, id);";
+
+/// Writes a database that JuPedSim and PedPy read, with positions \[m\], the direction of the gaze as a unit vector, and
+/// the walkable area. The metadata say what the area was made of.
+///
+/// # Errors
+/// The run has no constant frame rate, or the file cannot be written.
+pub fn jupedsim(record: &Record, area: &Area, path: &Path) -> Result<(), RecordError> {
+    let rate = record.frame_rate()?;
+    let mut staged = Staged::beside(path).map_err(WriteError::at(path))?;
+    // What is wrong with the record has another message than what is wrong with the file.
+    let mut wrong = None;
+    let filled = staged.fill(|file| match fill(file, record, area, rate) {
+        Ok(()) => Ok(()),
+        Err(Fault::Database(error)) => Err(io::Error::other(error)),
+        Err(Fault::Record(error)) => {
+            wrong = Some(error);
+            Err(io::ErrorKind::Other.into())
+        }
+    });
+    wrong.map_or(Ok(()), Err)?;
+    Ok(filled.and_then(|()| staged.persist()).map_err(WriteError::at(path))?)
+}
+
+/// Why a database is not complete.
+enum Fault {
+    Database(rusqlite::Error),
+    Record(RecordError),
+}
+
+fn fill(file: &Path, record: &Record, area: &Area, rate: f64) -> Result<(), Fault> {
+    let begin = || -> rusqlite::Result<Connection> {
+        // The file is there. One that was taken away as the program ends is not made anew.
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        let database = Connection::open_with_flags(file, flags)?;
+        // No journal beside it: a file that is not complete is removed.
+        database.pragma_update(None, "journal_mode", "OFF")?;
+        database.execute_batch(TABLES)?;
+        Ok(database)
+    };
+    let mut database = begin().map_err(Fault::Database)?;
+    let transaction = database.transaction().map_err(Fault::Database)?;
+    let hash = hash(&area.wkt);
+    head(&transaction, area, hash, rate).map_err(Fault::Database)?;
+    {
+        let prepared = |text| transaction.prepare(text).map_err(Fault::Database);
+        let mut rows = prepared("INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)")?;
+        let mut frames = prepared("INSERT INTO frame_data VALUES (?, ?)")?;
+        let numbers = record.names().numbers;
+        let mut insert = |at: usize, frame: &Frame| -> rusqlite::Result<()> {
+            let at = at as i64;
+            frames.execute([at, hash])?;
+            // Who has left has no more rows there.
+            for (place, agent) in frame.present() {
+                let (number, Pose { position, orientation }) = (numbers[place], agent.pose);
+                rows.execute(params![
+                    at,
+                    number,
+                    position.x,
+                    position.y,
+                    libm::cos(orientation),
+                    libm::sin(orientation)
+                ])?;
+            }
+            Ok(())
+        };
+        let mut refused = None;
+        let read = record.each(|at, frame| {
+            insert(at, &frame).map_err(|error| {
+                refused = Some(error);
+                RecordError::wrong(file, "cannot be written")
+            })
+        });
+        refused.map_or(Ok(()), |error| Err(Fault::Database(error)))?;
+        read.map_err(Fault::Record)?;
+    }
+    transaction.commit().map_err(Fault::Database)?;
+    database.close().map_err(|(_, error)| Fault::Database(error))
+}
+
+/// What stands before the rows.
+fn head(database: &Connection, area: &Area, hash: i64, rate: f64) -> rusqlite::Result<()> {
+    let mut metadata = database.prepare("INSERT INTO metadata VALUES (?, ?)")?;
+    metadata.execute(["version", "2"])?;
+    metadata.execute(["fps", &format!("{rate:?}")])?;
+    let limits = [("xmin", area.low.x), ("xmax", area.high.x), ("ymin", area.low.y), ("ymax", area.high.y)];
+    for (key, value) in limits {
+        metadata.execute([key, &format!("{value:?}")])?;
+    }
+    metadata.execute(["walkable_area", &area.said.join("; ")])?;
+    database.execute("INSERT INTO geometry VALUES (?, ?)", params![hash, area.wkt])?;
+    Ok(())
+}
+
+/// FNV-1a: any number would do that tells geometries apart.
+fn hash(text: &str) -> i64 {
+    let sum = text
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    i64::from_ne_bytes(sum.to_ne_bytes())
+}

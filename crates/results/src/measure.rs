@@ -1,0 +1,54 @@
+//! What is measured of a run: who crosses a line and when ([`Line`], [`Passages`], [`Flow`]), how dense a crowd is in an
+//! area ([`Room`], [`MeasuringArea`]), how long and how hard people are squeezed ([`Exposure`], [`MovingMeans`]).
+//!
+//! Frames are given one after the other, in the order of time; nothing here keeps them. docs/measure.md defines each
+//! number. SI units.
+
+mod crossing;
+mod density;
+mod departures;
+mod exposure;
+mod flow;
+mod impulses;
+mod leaving;
+mod passages;
+mod quantile;
+mod summary;
+mod voronoi;
+
+pub use crossing::{Crossing, Line, Way};
+pub use density::{Density, MeasuringArea};
+pub use departures::{Departures, Left};
+pub use exposure::{Exposed, Exposure, SPANS};
+pub use flow::{Flow, Window, windows};
+pub use impulses::MovingMeans;
+pub use leaving::{LATEST, Leaving, Over, REACH, STANDSTILL};
+pub use passages::{Passage, Passages};
+pub use quantile::quantile;
+pub use summary::{Crossings, MeanMax};
+pub use voronoi::Room;
+
+use crate::Frame;
+use lemons_core::plane::Motion;
+
+/// \[s\] Times are sums of steps: rounding does not leave a frame out.
+const ROUNDING: f64 = 1e-9;
+
+/// Returns whether a time lies between two, where they are given; all \[s\].
+pub fn within(time: f64, from: Option<f64>, until: Option<f64>) -> bool {
+    from.is_none_or(|from| time >= from - ROUNDING) && until.is_none_or(|until| time <= until + ROUNDING)
+}
+
+/// Returns where a person is and how it moves; `None` if the person is not in the frame, or has left.
+pub fn present(frame: &Frame, agent: usize) -> Option<&Motion> {
+    let motion = frame.agents.get(agent).filter(|_| frame.is_there(agent));
+    motion.filter(|motion| motion.pose.position.is_finite())
+}
+
+/// Returns mean and peak squeeze \[N\] of a person over the communication step that ends at a frame; `None` as
+/// [`present`], or if the frame does not say.
+pub fn squeeze(frame: &Frame, agent: usize) -> Option<(f64, f64)> {
+    present(frame, agent)?;
+    let step = frame.observed.as_ref()?.get(agent)?.of_step?;
+    Some((step.mean_normal_force, step.peak_normal_force))
+}

@@ -1,0 +1,159 @@
+//! How dense a crowd is in an area, and how fast.
+
+use crate::Frame;
+use crate::measure::present;
+use crate::measure::voronoi::{Room, Shape, area, contour, intersection};
+use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
+use serde::Serialize;
+
+/// \[m\] From the origin. Further away, cells and their parts have rounding errors that are not seen.
+pub(crate) const FARTHEST: f64 = 1e6;
+/// More are a mistake.
+const MOST_CORNERS: usize = 10_000;
+
+/// An area in which a crowd is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuringArea {
+    ring: Ring,
+    shape: Shape,
+    bounds: Bounds,
+}
+
+/// A crowd in an area at one time. The names of the fields are those of the numbers in files.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Density {
+    /// \[s\]
+    #[serde(skip)]
+    pub time: f64,
+    /// People whose centre of mass is in the area.
+    pub people: usize,
+    /// \[1/m²\] Their number over the area.
+    pub density: f64,
+    /// \[1/m²\] Of each person the part of the Voronoi cell that is in the area; the sum over the area. `None` without a
+    /// room.
+    pub voronoi_density: Option<f64>,
+    /// \[m/s\] Mean speed of those in the area; `None` without any.
+    pub speed: Option<f64>,
+}
+
+impl MeasuringArea {
+    /// Inside a ring \[m\]; `None` if it crosses itself, has no area, more than 10 000 corners, or one further than 1e6 m from
+    /// the origin.
+    pub fn inside(ring: Ring) -> Option<MeasuringArea> {
+        // Before anything else: simple takes time, and far corners have rounding errors.
+        let near =
+            ring.corners().iter().all(|corner| corner.x.abs() <= FARTHEST && corner.y.abs() <= FARTHEST);
+        let whole = near && ring.corners().len() <= MOST_CORNERS && ring.is_simple() && ring.area() > 0.0;
+        whole.then(|| MeasuringArea { shape: vec![contour(&ring)], bounds: ring.bounds(), ring })
+    }
+
+    /// Of numbers \[m\]: four are the lower left and the upper right corner of a rectangle, six or more the corners of a
+    /// polygon. `None` if they are neither.
+    pub fn of_numbers(numbers: &[f64]) -> Option<MeasuringArea> {
+        let ring = match *numbers {
+            [x0, y0, x1, y1] if x0 < x1 && y0 < y1 => {
+                Some(Ring::around(Bounds { low: vec2(x0, y0), high: vec2(x1, y1) }))
+            }
+            [_, _, _, _] => None,
+            _ if numbers.len().is_multiple_of(2) => {
+                Ring::through(numbers.chunks_exact(2).map(|point| vec2(point[0], point[1])).collect())
+            }
+            _ => None,
+        };
+        ring.and_then(MeasuringArea::inside)
+    }
+
+    /// Returns the area \[m²\].
+    pub fn area(&self) -> f64 {
+        self.ring.area()
+    }
+
+    /// Measures a frame. `room` is where people can be, which Voronoi cells need.
+    pub fn measure(&self, frame: &Frame, room: Option<&Room>) -> Density {
+        let there: Vec<_> = (0..frame.agents.len()).filter_map(|agent| present(frame, agent)).collect();
+        let inside = there.iter().filter(|motion| self.ring.contains(motion.pose.position));
+        let speeds: Vec<f64> = inside.map(|motion| motion.twist.velocity.norm()).collect();
+        let people: Vec<Vec2> = there.iter().map(|motion| motion.pose.position).collect();
+        let voronoi_density = room.map(|room| {
+            let cells = room.cells(&people, self.bounds).into_iter().flatten();
+            // A cell without area is that of somebody outside of the room, or squeezed into a corner of the polygon.
+            let parts = cells.filter(|cell| cell.area > 0.0).map(|cell| {
+                let common: f64 = intersection(&cell.shape, &self.shape).iter().map(area).sum();
+                common / cell.area
+            });
+            // A sum of nothing is -0.
+            (0.0 + parts.sum::<f64>()) / self.area()
+        });
+        let count = speeds.len();
+        Density {
+            time: frame.time,
+            people: count,
+            density: count as f64 / self.area(),
+            voronoi_density,
+            speed: (count > 0).then(|| speeds.iter().sum::<f64>() / count as f64),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lemons_core::plane::{Motion, Pose, Twist, vec2};
+
+    fn frame(places: &[(f64, f64)]) -> Frame {
+        let motion = |&(x, y): &(f64, f64)| Motion {
+            pose: Pose { position: vec2(x, y), orientation: 0.0 },
+            twist: Twist { velocity: vec2(0.3 * x, 0.4 * x), angular_velocity: 0.0 },
+        };
+        Frame { agents: places.iter().map(motion).collect(), ..Frame::default() }
+    }
+
+    fn square(low: f64, high: f64) -> Ring {
+        Ring::around(Bounds { low: vec2(low, low), high: vec2(high, high) })
+    }
+
+    #[test]
+    fn a_lattice_has_the_density_of_its_cells() {
+        let places: Vec<(f64, f64)> = (0..10)
+            .flat_map(|i| (0..10).map(move |k| (f64::from(i) * 0.5 + 0.25, f64::from(k) * 0.5 + 0.25)))
+            .collect();
+        let room = Room::of(&[square(0.0, 5.0)]).unwrap();
+        // Its rim cuts cells, which the classic density cannot see.
+        let area = MeasuringArea::inside(square(1.1, 3.7)).unwrap();
+        let seen = area.measure(&frame(&places), Some(&room));
+        assert!((seen.voronoi_density.unwrap() - 4.0).abs() < 1e-6, "{seen:?}");
+        assert_eq!((seen.people, seen.density), (25, 25.0 / area.area()));
+        // |v| = x / 2, of x = 1.25, 1.75, …, 3.25.
+        assert!((seen.speed.unwrap() - 1.125).abs() < 1e-12);
+        let nobody = area.measure(&frame(&[]), Some(&room));
+        assert_eq!((nobody.people, nobody.voronoi_density, nobody.speed), (0, Some(0.0), None));
+        // Printed, it was -0.0; also where people are, but not in the area.
+        let elsewhere = MeasuringArea::inside(square(0.0, 1.0)).unwrap();
+        let elsewhere = elsewhere.measure(&frame(&[(4.5, 4.5), (0.5, 3.5), (3.5, 0.5)]), Some(&room));
+        assert!(elsewhere.people == 0 && elsewhere.voronoi_density.unwrap() > 0.0, "{elsewhere:?}");
+        assert!(nobody.voronoi_density.unwrap().is_sign_positive());
+    }
+
+    #[test]
+    fn who_has_left_counts_no_more() {
+        let room = Room::of(&[square(0.0, 5.0)]).unwrap();
+        let area = MeasuringArea::inside(square(0.0, 5.0)).unwrap();
+        let seen = area.measure(&frame(&[(1.0, 1.0), (f64::NAN, f64::NAN)]), Some(&room));
+        assert!(
+            (seen.people, seen.density) == (1, 0.04) && (seen.voronoi_density.unwrap() - 0.04).abs() < 1e-9,
+            "{seen:?}"
+        );
+        // Two at one place are two.
+        let seen = area.measure(&frame(&[(1.0, 1.0), (1.0, 1.0)]), Some(&room));
+        assert!((seen.voronoi_density.unwrap() - 0.08).abs() < 1e-9, "{seen:?}");
+    }
+
+    #[test]
+    fn an_area_is_no_line_and_no_bow() {
+        let ring = |corners: &[(f64, f64)]| {
+            Ring::through(corners.iter().map(|&(x, y)| vec2(x, y)).collect()).unwrap()
+        };
+        assert_eq!(MeasuringArea::inside(ring(&[(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)])), None);
+        assert_eq!(MeasuringArea::inside(ring(&[(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)])), None);
+    }
+}

@@ -1,0 +1,279 @@
+//! How long and how hard people are squeezed.
+//!
+//! The mean squeeze of each communication step is its impulse over its length. So what is computed here, but for the
+//! peak, does not depend on when a crowd is looked at within a step: within a step the squeeze counts as its mean.
+
+use crate::measure::ROUNDING;
+use crate::measure::impulses::Impulses;
+
+/// \[s\] The lengths of moving means.
+pub const SPANS: [f64; 3] = [0.1, 1.0, 10.0];
+
+/// What a person was exposed to.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Exposed {
+    /// \[s\] How long the person was there.
+    pub time: f64,
+    /// \[s\] Time above each level: in communication steps with a greater mean squeeze, or, with [`Exposure::over`], at
+    /// the end of spans with a greater one; `None` if the record is shorter than a span, or a step is longer.
+    pub above: Vec<Option<f64>>,
+    /// \[N\] Largest mean squeeze over each of [`SPANS`]; `None` if the record is shorter, or if a step is longer.
+    pub largest_mean: [Option<f64>; SPANS.len()],
+    /// \[N s\] Integral of the squeeze over time.
+    pub impulse: f64,
+    /// \[N\] Largest squeeze within any step.
+    pub peak: f64,
+}
+
+/// Sums up the squeeze of each person. It is given all communication points in the order of time.
+#[derive(Debug, Clone)]
+pub struct Exposure {
+    /// \[N\]
+    levels: Vec<f64>,
+    /// \[s\] Of the means that are compared with them; `None`: each communication step.
+    over: Option<f64>,
+    /// Whether a span of this length was over.
+    spanned: bool,
+    people: Vec<Exposed>,
+    impulses: Impulses,
+    /// \[s\]
+    longest_step: f64,
+}
+
+impl Exposure {
+    /// Begins, with levels of squeeze \[N\].
+    pub fn new(people: usize, levels: &[f64]) -> Exposure {
+        let above = vec![Some(0.0); levels.len()];
+        Exposure {
+            levels: levels.to_vec(),
+            over: None,
+            spanned: false,
+            people: vec![Exposed { above, ..Exposed::default() }; people],
+            impulses: Impulses::kept_for(SPANS.into_iter().fold(0.0, f64::max)),
+            longest_step: 0.0,
+        }
+    }
+
+    /// Compares means over spans of this length \[s\] with the levels.
+    pub fn over(self, span: f64) -> Exposure {
+        let longest = SPANS.into_iter().fold(span, f64::max);
+        Exposure { over: Some(span), impulses: Impulses::kept_for(longest), ..self }
+    }
+
+    /// Adds the next communication point \[s\], with mean and peak squeeze \[N\] of each person over the step that ends
+    /// there; `None` of those who are not there. Of the first point only the time counts: its step is before the record.
+    pub fn add(&mut self, time: f64, squeeze: impl Iterator<Item = Option<(f64, f64)>>) {
+        let squeeze: Vec<Option<(f64, f64)>> = squeeze.collect();
+        let means = squeeze.iter().map(|squeeze| squeeze.map(|(mean, _)| mean));
+        let Some(before) = self.impulses.add(time, means) else { return };
+        let step = time - before;
+        for ((person, squeeze), impulse) in self.people.iter_mut().zip(&squeeze).zip(self.impulses.now()) {
+            let Some((mean, peak)) = *squeeze else { continue };
+            person.time += step;
+            person.peak = person.peak.max(peak);
+            person.impulse = *impulse;
+            if self.over.is_none() {
+                for (above, level) in person.above.iter_mut().flatten().zip(&self.levels) {
+                    *above += if mean > *level { step } else { 0.0 };
+                }
+            }
+        }
+        self.longest_step = self.longest_step.max(step);
+        for (k, span) in SPANS.into_iter().enumerate() {
+            self.find_largest(k, span, before, time);
+        }
+        if let Some(span) = self.over {
+            self.add_above(span, before, time, &squeeze);
+        }
+    }
+
+    /// Of all spans of this length \[s\] that end in the newest step: the largest mean begins or ends at a communication
+    /// point.
+    fn find_largest(&mut self, k: usize, span: f64, before: f64, time: f64) {
+        for end in self.impulses.ends(span, before, time) {
+            for (person, mean) in self.people.iter_mut().zip(self.impulses.means(span, end)) {
+                person.largest_mean[k] = Some(person.largest_mean[k].map_or(mean, |known| known.max(mean)));
+            }
+        }
+    }
+
+    /// The part of the newest step in which the mean over the span \[s\] that ends then is above each level.
+    fn add_above(&mut self, span: f64, before: f64, time: f64, there: &[Option<(f64, f64)>]) {
+        let begin = self.impulses.covers(span, before).then_some(before);
+        let ends: Vec<f64> = begin.into_iter().chain(self.impulses.ends(span, before, time)).collect();
+        self.spanned |= !ends.is_empty();
+        for pair in ends.windows(2) {
+            let [begin, end] = [pair[0], pair[1]];
+            let means = self.impulses.means(span, begin).zip(self.impulses.means(span, end));
+            for ((person, means), there) in self.people.iter_mut().zip(means).zip(there) {
+                if there.is_none() {
+                    continue;
+                }
+                for (above, level) in person.above.iter_mut().flatten().zip(&self.levels) {
+                    *above += (end - begin) * part_above(means, *level);
+                }
+            }
+        }
+    }
+
+    /// Returns the length of the longest step \[s\]; 0 before the second point.
+    pub fn longest_step(&self) -> f64 {
+        self.longest_step
+    }
+
+    /// Returns what each person was exposed to.
+    pub fn finish(self) -> Vec<Exposed> {
+        let resolved = |span: f64| self.longest_step <= span + ROUNDING;
+        let known = self.over.is_none_or(|over| self.spanned && resolved(over));
+        let mut people = self.people;
+        for person in &mut people {
+            for above in person.above.iter_mut().filter(|_| !known) {
+                *above = None;
+            }
+            for (mean, span) in person.largest_mean.iter_mut().zip(SPANS) {
+                *mean = mean.filter(|_| resolved(span));
+            }
+        }
+        people
+    }
+}
+
+/// Of a line from `a` to `b`.
+fn part_above((a, b): (f64, f64), level: f64) -> f64 {
+    match (a > level, b > level) {
+        (true, true) => 1.0,
+        (false, false) => 0.0,
+        _ => (a.max(b) - level) / (a - b).abs(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of one person whose squeeze has this integral \[N s\] from 0 to a time, in steps of this length \[s\].
+    fn exposed(impulse: impl Fn(f64) -> f64, step: f64, until: f64, levels: &[f64]) -> Exposed {
+        seen_by(Exposure::new(1, levels), impulse, step, until)
+    }
+
+    fn seen_by(mut exposure: Exposure, impulse: impl Fn(f64) -> f64, step: f64, until: f64) -> Exposed {
+        for k in 0..=(until / step).round() as u64 {
+            let (from, time) = ((k as f64 - 1.0) * step, k as f64 * step);
+            let mean = (impulse(time) - impulse(from)) / step;
+            exposure.add(time, [Some((mean, mean))].into_iter());
+        }
+        exposure.finish().remove(0)
+    }
+
+    #[track_caller]
+    fn near(a: f64, b: f64) {
+        assert!((a - b).abs() <= 1e-9 * b.abs().max(1.0), "{a} is not {b}");
+    }
+
+    /// 800 N from 2 to 2.5 s.
+    #[test]
+    fn a_rectangular_pulse() {
+        let pulse = |t: f64| 800.0 * (t.clamp(2.0, 2.5) - 2.0);
+        let one = exposed(pulse, 0.05, 12.0, &[500.0, 799.0, 801.0]);
+        near(one.above[0].unwrap(), 0.5);
+        near(one.above[1].unwrap(), 0.5);
+        assert_eq!(one.above[2], Some(0.0));
+        let [short, second, long] = one.largest_mean.map(Option::unwrap);
+        near(short, 800.0);
+        near(second, 400.0);
+        near(long, 40.0);
+        near(one.impulse, 400.0);
+        near(one.time, 12.0);
+        near(one.peak, 800.0);
+    }
+
+    /// The mean over a second of 800 N from 2 to 2.5 s rises for half a second, stays at 400 N, and falls.
+    #[test]
+    fn time_above_a_level_of_means_over_a_second() {
+        let pulse = |t: f64| 800.0 * (t.clamp(2.0, 2.5) - 2.0);
+        let above = |levels: &[f64], step: f64, until: f64, span: f64| {
+            seen_by(Exposure::new(1, levels).over(span), pulse, step, until).above
+        };
+        for step in [0.05, 0.01, 0.25] {
+            let times = above(&[0.0, 100.0, 300.0, 401.0], step, 12.0, 1.0);
+            let [any, low, high, never] =
+                <[f64; 4]>::try_from(times.into_iter().flatten().collect::<Vec<_>>()).expect("all are known");
+            near(any, 1.5);
+            near(low, 1.25);
+            near(high, 0.75);
+            assert_eq!(never, 0.0);
+        }
+        assert_eq!(above(&[100.0], 0.05, 0.9, 1.0), [None], "the record is shorter");
+        assert_eq!(above(&[100.0], 0.05, 12.0, 0.04), [None], "a step is longer");
+        // A span of a step: the means of the steps change linearly, so half of a step is added at each end, and lost.
+        near(above(&[400.0], 0.05, 12.0, 0.05)[0].unwrap(), 0.5);
+    }
+
+    /// s = 100 t N, until it ends.
+    #[test]
+    fn a_ramp() {
+        let one = exposed(|t| 50.0 * t.max(0.0).powi(2), 0.01, 11.0, &[600.0]);
+        // 100 t is above 600 N from 6 s on.
+        near(one.above[0].unwrap(), 5.0);
+        let [short, second, long] = one.largest_mean.map(Option::unwrap);
+        // Of a ramp, the mean is the value in the middle.
+        near(short, 100.0 * 10.95);
+        near(second, 100.0 * 10.5);
+        near(long, 100.0 * 6.0);
+        near(one.impulse, 50.0 * 121.0);
+    }
+
+    #[test]
+    fn spans_need_not_be_multiples_of_the_step() {
+        // Two steps of 0.07 s with 700 N: 0.1 s fit into them, 1 s does not.
+        let pulse = |t: f64| 700.0 * (t.clamp(0.7, 0.84) - 0.7);
+        let one = exposed(pulse, 0.07, 2.1, &[]);
+        near(one.largest_mean[0].unwrap(), 700.0);
+        near(one.largest_mean[1].unwrap(), 98.0);
+        assert_eq!(one.largest_mean[2], None, "the record is shorter");
+        // A step is longer than the span: its mean says nothing of 0.1 s.
+        assert_eq!(exposed(pulse, 0.21, 2.1, &[]).largest_mean[0], None);
+    }
+
+    /// The definition, computed otherwise: the largest of all means over a fine grid of beginnings.
+    #[test]
+    fn the_largest_mean_is_that_of_all_beginnings() {
+        let mut seed = 1_u64;
+        let mut squeeze = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 40) as f64 / 1e4
+        };
+        let means: Vec<f64> = (0..60).map(|_| squeeze()).collect();
+        // Steps of different lengths [ms].
+        let lengths: Vec<usize> = (0..60).map(|k| [30, 70, 50][k % 3]).collect();
+        let mut exposure = Exposure::new(1, &[]);
+        let (mut fine, mut time) = (Vec::new(), 0.0);
+        exposure.add(0.0, [Some((1e9, 1e9))].into_iter());
+        for (mean, length) in means.iter().zip(&lengths) {
+            time += *length as f64 * 1e-3;
+            exposure.add(time, [Some((*mean, *mean))].into_iter());
+            fine.extend(std::iter::repeat_n(*mean, *length));
+        }
+        let one = exposure.finish().remove(0);
+        for (k, span) in [100, 1000].into_iter().enumerate() {
+            let largest = fine.windows(span).map(|part| part.iter().sum::<f64>() / span as f64);
+            near(one.largest_mean[k].unwrap(), largest.fold(0.0, f64::max));
+        }
+        near(one.impulse, fine.iter().sum::<f64>() * 1e-3);
+    }
+
+    #[test]
+    fn who_leaves_is_exposed_no_more() {
+        let mut exposure = Exposure::new(2, &[10.0]);
+        for k in 0..=20 {
+            let there = Some((100.0, 120.0));
+            exposure.add(f64::from(k) * 0.1, [there, there.filter(|_| k <= 5)].into_iter());
+        }
+        let [stays, leaves] = <[Exposed; 2]>::try_from(exposure.finish()).unwrap();
+        near(stays.impulse, 200.0);
+        near(leaves.impulse, 50.0);
+        near(leaves.time, 0.5);
+        near(leaves.above[0].unwrap(), 0.5);
+        near(leaves.largest_mean[1].unwrap(), 50.0);
+    }
+}

@@ -1,0 +1,145 @@
+//! Everybody's impulse of the squeeze over time, and its means over spans of time.
+
+use crate::measure::ROUNDING;
+use std::collections::VecDeque;
+
+/// The impulse of each person up to each communication point. Between two points it is linear: within a step the squeeze
+/// counts as its mean.
+#[derive(Debug, Clone)]
+pub(crate) struct Impulses {
+    /// \[s\] Communication points, back to one that is as long ago as what is kept.
+    times: VecDeque<f64>,
+    /// \[N s\] Of each person, up to each of these points.
+    sums: VecDeque<Vec<f64>>,
+    /// \[s\]
+    kept: f64,
+}
+
+impl Impulses {
+    /// Keeps what is needed for spans of at most this length \[s\] that end in the newest step.
+    pub fn kept_for(longest_span: f64) -> Impulses {
+        Impulses { times: VecDeque::new(), sums: VecDeque::new(), kept: longest_span }
+    }
+
+    /// Adds a communication point \[s\], with the mean squeeze \[N\] of each person over the step that ends there; `None`
+    /// of those who are not there. Returns the point before; of the first point only the time counts.
+    pub fn add(&mut self, time: f64, means: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+        let (Some(&before), Some(last)) = (self.times.back(), self.sums.back()) else {
+            self.times.push_back(time);
+            self.sums.push_back(means.map(|_| 0.0).collect());
+            return None;
+        };
+        let sums = last.iter().zip(means).map(|(sum, mean)| sum + mean.unwrap_or(0.0) * (time - before));
+        let sums = sums.collect();
+        self.times.push_back(time);
+        self.sums.push_back(sums);
+        let needed = before - self.kept - ROUNDING;
+        while self.times.get(1).is_some_and(|next| *next <= needed) {
+            self.times.pop_front();
+            self.sums.pop_front();
+        }
+        Some(before)
+    }
+
+    /// \[N s\] Of each person, since the first point.
+    pub fn now(&self) -> &[f64] {
+        self.sums.back().map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether a span \[s\] that ends then \[s\] has begun at the first point or later.
+    pub fn covers(&self, span: f64, end: f64) -> bool {
+        self.times.front().is_some_and(|first| end - span >= first - ROUNDING)
+    }
+
+    /// \[s\] In the step from `before` to `time`, the newest: the ends of all spans of this length that begin or end at a
+    /// communication point. Between two of them, means over such spans change linearly.
+    pub fn ends(&self, span: f64, before: f64, time: f64) -> Vec<f64> {
+        let from = self.times.partition_point(|begin| begin + span <= before);
+        let begins = self.times.range(from..).map(|begin| begin + span);
+        begins.take_while(|end| *end < time).chain(self.covers(span, time).then_some(time)).collect()
+    }
+
+    /// \[N\] Mean of each person over the span \[s\] that ends then \[s\].
+    pub fn means(&self, span: f64, end: f64) -> impl Iterator<Item = f64> {
+        let (low, high) = (self.place(end - span), self.place(end));
+        let at = |(place, part): (usize, f64), agent: usize| {
+            let a = self.sums[place][agent];
+            if part == 0.0 { a } else { a + (self.sums[place + 1][agent] - a) * part }
+        };
+        (0..self.now().len()).map(move |agent| (at(high, agent) - at(low, agent)) / span)
+    }
+
+    /// The communication point before a time \[s\], and which part of the step after it is over then.
+    fn place(&self, time: f64) -> (usize, f64) {
+        let after = self.times.partition_point(|point| *point <= time);
+        let before = after.saturating_sub(1);
+        match self.times.get(before + 1) {
+            Some(next) => {
+                let begin = self.times[before];
+                (before, ((time - begin) / (next - begin)).clamp(0.0, 1.0))
+            }
+            None => (before, 0.0),
+        }
+    }
+}
+
+/// Everybody's mean squeeze over the last seconds. It is given all communication points in the order of time.
+#[derive(Debug, Clone)]
+pub struct MovingMeans {
+    /// \[s\]
+    span: f64,
+    impulses: Impulses,
+}
+
+impl MovingMeans {
+    /// Begins; the span is in s.
+    pub fn over(span: f64) -> MovingMeans {
+        MovingMeans { span, impulses: Impulses::kept_for(span) }
+    }
+
+    /// Adds the next communication point \[s\], with the mean squeeze \[N\] of each person over the step that ends there;
+    /// `None` of those who are not there. Returns their means \[N\] over the span that ends at this point; `None` as long
+    /// as the first span is not over.
+    pub fn add(&mut self, time: f64, means: impl Iterator<Item = Option<f64>>) -> Option<Vec<f64>> {
+        self.impulses.add(time, means);
+        self.impulses.covers(self.span, time).then(|| self.impulses.means(self.span, time).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 100 t N in steps of 0.1 s: the mean over a second that ends at t is 100 (t - 0.5) N.
+    #[test]
+    fn the_mean_of_a_ramp_is_that_of_its_middle() {
+        let mut moving = MovingMeans::over(1.0);
+        for k in 0..=40 {
+            let time = f64::from(k) * 0.1;
+            // Of the step that ends there; the first one is before the record.
+            let mean = if k == 0 { 1e9 } else { 100.0 * (time - 0.05) };
+            let seen = moving.add(time, [Some(mean), None].into_iter());
+            match seen {
+                None => assert!(k < 10, "{time}"),
+                Some(seen) => {
+                    assert!(k >= 10, "{time}");
+                    assert!((seen[0] - 100.0 * (time - 0.5)).abs() < 1e-9, "{seen:?}");
+                    assert_eq!(seen[1], 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_span_need_not_be_a_multiple_of_the_step() {
+        let mut moving = MovingMeans::over(0.25);
+        let seen: Vec<_> = [0.0, 100.0, 0.0, 40.0]
+            .into_iter()
+            .enumerate()
+            .map(|(k, mean)| moving.add(0.1 * k as f64, [Some(mean)].into_iter()).map(|seen| seen[0]))
+            .collect();
+        assert_eq!(seen[..3], [None; 3]);
+        // From 0.05 to 0.3 s: half of a step with 100 N, one with 0 N, one with 40 N.
+        assert!((seen[3].unwrap() - (5.0 + 4.0) / 0.25).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,118 @@
+//! When a run is over in which people leave.
+
+use crate::measure::ROUNDING;
+use lemons_core::plane::Vec2;
+
+/// \[s\] Who has not left until then does not leave.
+pub const LATEST: f64 = 3600.0;
+/// \[s\] If nobody leaves in this time, and nobody gets further than [`REACH`], nobody leaves any more.
+pub const STANDSTILL: f64 = 300.0;
+/// \[m\] Who is stuck steps back and to the side, again and again.
+pub const REACH: f64 = 5.0;
+
+/// Why such a run is over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// All have left who were to leave.
+    Left,
+    /// Nobody leaves, or gets any further.
+    Standstill,
+}
+
+/// A run that ends when people have left. It is given all communication points in the order of time.
+#[derive(Debug, Clone)]
+pub struct Leaving {
+    /// How many are to leave.
+    leave: usize,
+    /// And who; empty if that is not known.
+    who: Vec<bool>,
+    left: usize,
+    /// \[s\] Since then nobody has got further than [`REACH`] from these places \[m\]; `None` of those who have left.
+    since: f64,
+    places: Vec<Option<Vec2>>,
+    over: Option<Over>,
+}
+
+impl Leaving {
+    /// Begins; the run is over when so many have left.
+    pub fn of(leave: usize) -> Leaving {
+        Leaving { leave, who: Vec::new(), left: 0, since: f64::NEG_INFINITY, places: Vec::new(), over: None }
+    }
+
+    /// Of everybody, who is to leave.
+    pub fn among(self, who: Vec<bool>) -> Leaving {
+        Leaving { who, ..self }
+    }
+
+    /// At a time \[s\], where everybody is \[m\]; `None` of those who have left.
+    pub fn see(&mut self, time: f64, places: &[Option<Vec2>]) -> Option<Over> {
+        self.left = places.iter().filter(|place| place.is_none()).count();
+        let stays = |(was, is): (&Option<Vec2>, &Option<Vec2>)| match (was, is) {
+            (Some(was), Some(is)) => (*is - *was).norm() <= REACH,
+            (was, is) => was.is_none() && is.is_none(),
+        };
+        if self.places.len() != places.len() || !self.places.iter().zip(places).all(stays) {
+            (self.since, self.places) = (time, places.to_vec());
+        }
+        self.over = if self.left >= self.leave {
+            Some(Over::Left)
+        } else if time - self.since >= STANDSTILL - ROUNDING {
+            Some(Over::Standstill)
+        } else {
+            None
+        };
+        self.over
+    }
+
+    /// Why it is over, if it is.
+    pub fn over(&self) -> Option<Over> {
+        self.over
+    }
+
+    /// How many are to leave, and how many have left.
+    pub fn counts(&self) -> (usize, usize) {
+        (self.leave, self.left)
+    }
+
+    /// Who has not left and was to leave, by their places among the people.
+    pub fn stay(&self) -> impl Iterator<Item = usize> {
+        let there = self.places.iter().enumerate().filter(|(_, place)| place.is_some());
+        there.map(|(agent, _)| agent).filter(|agent| self.who.get(*agent).copied().unwrap_or(true))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lemons_core::plane::vec2;
+
+    /// When it is over, and why, of people who are there \[m\] at each second; at most an hour.
+    fn over(leave: usize, places: impl Fn(f64) -> Vec<Option<Vec2>>) -> Option<(f64, Over)> {
+        let mut leaving = Leaving::of(leave);
+        (0..=3600).map(f64::from).find_map(|time| Some((time, leaving.see(time, &places(time))?)))
+    }
+
+    #[test]
+    fn it_is_over_when_all_have_left_or_nobody_gets_any_further() {
+        let walker = |time: f64, end: f64| (time < end).then_some(vec2(0.1 * time, 0.0));
+        assert_eq!(over(1, |time| vec![walker(time, 40.0), Some(vec2(1.0, 1.0))]), Some((40.0, Over::Left)));
+        // The last one stands; the clock begins as the one before leaves.
+        let one_stands = |time| vec![walker(time, 40.0), Some(vec2(1.0, 1.0))];
+        assert_eq!(over(2, one_stands), Some((340.0, Over::Standstill)));
+        // Who steps back and tries again gets nowhere.
+        let tries = |time: f64| vec![Some(vec2(2.0 * (0.7 * time).sin(), 0.0))];
+        assert_eq!(over(1, tries), Some((300.0, Over::Standstill)));
+        // A slow queue of which one gets somewhere goes on.
+        let slow = |time: f64| vec![Some(vec2(0.02 * time, 0.0)), Some(vec2(3.0, 0.0))];
+        assert_eq!(over(2, slow), None);
+    }
+
+    #[test]
+    fn who_stays_is_who_was_to_leave() {
+        let here = Some(vec2(0.0, 0.0));
+        let mut leaving = Leaving::of(2).among(vec![true, false, true]);
+        leaving.see(0.0, &[here, here, here]);
+        leaving.see(1.0, &[None, here, here]);
+        assert_eq!((leaving.stay().collect::<Vec<_>>(), leaving.counts()), (vec![2], (2, 1)));
+    }
+}

@@ -1,0 +1,196 @@
+//! The Voronoi cells of people in a room: of each place, whose it is, and walls hold cells back.
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::single::SingleFloatOverlay;
+use lemons_core::plane::{Bounds, Ring, Vec2, vec2};
+
+/// One contour, as i_overlay wants it.
+type Contour = Vec<[f64; 2]>;
+
+/// A polygon with holes: the first contour is its rim.
+pub(crate) type Shape = Vec<Contour>;
+
+/// Where people can be: a polygon with holes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Room {
+    shape: Shape,
+    bounds: Bounds,
+    sides: Vec<Bounds>,
+}
+
+impl Room {
+    /// From the outer ring and holes in it \[m\]; `None` without a ring.
+    pub fn of(rings: &[Ring]) -> Option<Room> {
+        let bounds = rings.first()?.bounds();
+        let sides = rings.iter().flat_map(Ring::sides).filter_map(|(a, b)| Bounds::of([a, b])).collect();
+        Some(Room { shape: rings.iter().map(contour).collect(), bounds, sides })
+    }
+
+    /// The cells of people at these places \[m\], in their order, where they may meet a rectangle; else `None`.
+    ///
+    /// A cell is what is nearer to its person than to all others. A wall may cut it into parts; the cell is the part that
+    /// the person is in. People at the same place have the same cell.
+    pub(crate) fn cells(&self, people: &[Vec2], near: Bounds) -> Vec<Option<Cell>> {
+        let mut order: Vec<usize> = (0..people.len()).collect();
+        order.sort_by(|a, b| people[*a].x.total_cmp(&people[*b].x));
+        let mut cells = vec![None; people.len()];
+        for (place, &agent) in order.iter().enumerate() {
+            let corners = self.nearest_to(people, &order, place);
+            let meets = Bounds::of(corners.iter().copied()).filter(|bounds| overlap(bounds, &near));
+            if let Some(bounds) = meets {
+                let shape = self.cut(corners, bounds, people[agent]);
+                cells[agent] = Some(Cell { area: area(&shape), shape });
+            }
+        }
+        cells
+    }
+
+    /// The convex polygon of what is nearest to somebody, within the room's bounds.
+    fn nearest_to(&self, people: &[Vec2], order: &[usize], place: usize) -> Vec<Vec2> {
+        let own = people[order[place]];
+        let around = Bounds::of([self.bounds.low, self.bounds.high, own]).unwrap_or(self.bounds).grown(1.0);
+        let mut cell = Ring::around(around).corners().to_vec();
+        let reach = |cell: &[Vec2]| cell.iter().map(|corner| (*corner - own).norm()).fold(0.0, f64::max);
+        let mut radius = reach(&cell);
+        // By turns to both sides, from the nearest in x on, until nobody can come near enough.
+        let (mut left, mut right) = (place, place + 1);
+        loop {
+            let off = |k: Option<usize>| k.map_or(f64::INFINITY, |k| (people[order[k]].x - own.x).abs());
+            let [west, east] = [off(left.checked_sub(1)), off((right < order.len()).then_some(right))];
+            if west.min(east) > 2.0 * radius || west.min(east) == f64::INFINITY {
+                return cell;
+            }
+            let other = if west <= east {
+                left -= 1;
+                people[order[left]]
+            } else {
+                right += 1;
+                people[order[right - 1]]
+            };
+            let away = other - own;
+            // Nothing is between two at the same place.
+            if away.norm_squared() > 0.0 && away.norm() <= 2.0 * radius {
+                cell = halved(&cell, (own + other) * 0.5, away);
+                radius = reach(&cell);
+            }
+        }
+    }
+
+    /// The part of a cell that is in the room, with its person in it.
+    fn cut(&self, corners: Vec<Vec2>, bounds: Bounds, person: Vec2) -> Shape {
+        let whole = vec![corners.iter().map(|p| [p.x, p.y]).collect()];
+        if !self.sides.iter().any(|side| overlap(side, &bounds)) {
+            return whole;
+        }
+        let parts = intersection(&whole, &self.shape);
+        let off = |shape: &Shape| {
+            let ring = shape.first().and_then(ring);
+            ring.map_or(f64::INFINITY, |ring| {
+                if ring.contains(person) { 0.0 } else { ring.nearest(person).distance }
+            })
+        };
+        parts.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_default()
+    }
+}
+
+/// What belongs to somebody.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Cell {
+    pub shape: Shape,
+    /// \[m²\]
+    pub area: f64,
+}
+
+/// The part of a convex polygon that is not beyond a line through a point, across a direction.
+fn halved(corners: &[Vec2], through: Vec2, away: Vec2) -> Vec<Vec2> {
+    let beyond = |p: Vec2| (p - through).dot(away);
+    let mut left = Vec::with_capacity(corners.len() + 1);
+    for (k, &b) in corners.iter().enumerate() {
+        let a = corners[(k + corners.len() - 1) % corners.len()];
+        let (from, to) = (beyond(a), beyond(b));
+        if (from > 0.0) != (to > 0.0) {
+            left.push(a + (b - a) * (from / (from - to)));
+        }
+        if to <= 0.0 {
+            left.push(b);
+        }
+    }
+    left
+}
+
+/// The parts that two shapes have in common.
+pub(crate) fn intersection(one: &Shape, other: &Shape) -> Vec<Shape> {
+    one.overlay(other, OverlayRule::Intersect, FillRule::EvenOdd)
+}
+
+/// \[m²\] Without its holes.
+pub(crate) fn area(shape: &Shape) -> f64 {
+    let mut areas = shape.iter().map(|contour| ring(contour).map_or(0.0, |ring| ring.area()));
+    areas.next().unwrap_or(0.0) - areas.sum::<f64>()
+}
+
+pub(crate) fn contour(ring: &Ring) -> Contour {
+    ring.corners().iter().map(|p| [p.x, p.y]).collect()
+}
+
+fn ring(contour: &Contour) -> Option<Ring> {
+    Ring::through(contour.iter().map(|[x, y]| vec2(*x, *y)).collect())
+}
+
+/// Whether two rectangles have a common point.
+pub(crate) fn overlap(a: &Bounds, b: &Bounds) -> bool {
+    a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(low: f64, high: f64) -> Ring {
+        Ring::around(Bounds { low: vec2(low, low), high: vec2(high, high) })
+    }
+
+    fn areas(room: &Room, people: &[Vec2]) -> Vec<f64> {
+        room.cells(people, room.bounds).into_iter().map(|cell| cell.unwrap().area).collect()
+    }
+
+    #[test]
+    fn cells_fill_the_room() {
+        let room = Room::of(&[square(0.0, 4.0), square(1.0, 2.0)]).unwrap();
+        let people: Vec<Vec2> =
+            (0..40).map(f64::from).map(|k| vec2((k * 0.61) % 4.0, (k * 0.37) % 4.0)).collect();
+        let people: Vec<Vec2> = people.into_iter().filter(|p| !square(0.9, 2.1).contains(*p)).collect();
+        let total: f64 = areas(&room, &people).iter().sum();
+        // The hole parts some cells; nobody is behind it.
+        assert!(total <= 15.0 + 1e-6 && total > 14.5, "{total}");
+        let whole = Room::of(&[square(0.0, 4.0)]).unwrap();
+        assert!((areas(&whole, &people).iter().sum::<f64>() - 16.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn two_share_a_room_by_the_line_between_them() {
+        let room = Room::of(&[square(0.0, 4.0)]).unwrap();
+        let cells = areas(&room, &[vec2(0.5, 2.0), vec2(1.5, 2.0)]);
+        assert!((cells[0] - 4.0).abs() < 1e-6 && (cells[1] - 12.0).abs() < 1e-6, "{cells:?}");
+        let alone = areas(&room, &[vec2(1.0, 1.0)]);
+        assert!((alone[0] - 16.0).abs() < 1e-6);
+        // At the same place nothing is between them.
+        let cells = room.cells(&[vec2(1.0, 1.0), vec2(1.0, 1.0)], room.bounds);
+        assert!(cells.iter().flatten().all(|cell| (cell.area - 16.0).abs() < 1e-6) && cells.len() == 2);
+    }
+
+    #[test]
+    fn a_wall_holds_a_cell_back() {
+        // A U of two corridors, 1 m wide, with a wall of 1 m between them.
+        let u =
+            [(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (2.0, 3.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)];
+        let room = Room::of(&[Ring::through(u.iter().map(|&(x, y)| vec2(x, y)).collect()).unwrap()]).unwrap();
+        // Nearer to 2.9, 2.5 than to 0.2, 2.5 begins at 1.55, within the wall.
+        let cells = areas(&room, &[vec2(0.2, 2.5), vec2(2.9, 2.5)]);
+        assert!((cells[0] - 3.55).abs() < 1e-6 && (cells[1] - 3.45).abs() < 1e-6, "{cells:?}");
+        // With a third one below, what is left of the first beyond the wall is not his.
+        let cells = areas(&room, &[vec2(0.9, 2.5), vec2(0.5, 0.5)]);
+        assert!((cells[0] + cells[1]) < 7.0 - 0.5, "{cells:?}");
+    }
+}

@@ -1,0 +1,251 @@
+//! A recorded run that is read frame by frame, as often as needed.
+
+use crate::error::RecordError;
+use crate::run::{Frame, Names, Run, names_of, order_of};
+use lemons_core::plane::{Motion, Vec2};
+use lemons_core::trial::Trial;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// What is done with each frame.
+pub(crate) type Each<'a> = dyn FnMut(Frame) -> Result<(), RecordError> + 'a;
+/// Reads all frames in the order of time and returns the Ids of the agents.
+type Pass = dyn Fn(&mut Each<'_>) -> Result<Vec<String>, RecordError>;
+
+/// A recorded run. Its frames stay in the file: in memory are the times, 8 bytes for each frame, and one frame while
+/// it is read.
+#[derive(Clone)]
+pub struct Record {
+    source: PathBuf,
+    pass: Rc<Pass>,
+    /// As the source has them.
+    own_ids: Vec<String>,
+    /// \[s\] of all frames.
+    times: Vec<f64>,
+    /// In the first frame, in the order of the source.
+    first: Vec<Motion>,
+    contacts: bool,
+    /// Places of the agents in the source, if they are wanted in another order.
+    order: Option<Vec<usize>>,
+    ids: Vec<String>,
+    every: usize,
+}
+
+/// \[s\] Names of files hold nine decimals.
+const ROUNDING: f64 = 2e-9;
+
+impl Record {
+    /// Reads all frames once, to see that they are sound.
+    pub(crate) fn new(
+        source: &Path,
+        pass: impl Fn(&mut Each<'_>) -> Result<Vec<String>, RecordError> + 'static,
+    ) -> Result<Record, RecordError> {
+        let (mut times, mut first, mut contacts) = (Vec::new(), Vec::new(), true);
+        let ids = pass(&mut |frame| {
+            if times.is_empty() {
+                first.clone_from(&frame.agents);
+            }
+            times.push(frame.time);
+            contacts &= frame.interactions.is_some();
+            Ok(())
+        })?;
+        let source = source.to_owned();
+        Ok(Record {
+            source,
+            pass: Rc::new(pass),
+            own_ids: ids.clone(),
+            times,
+            first,
+            contacts,
+            order: None,
+            ids,
+            every: 1,
+        })
+    }
+
+    /// The file or directory that it is read from.
+    pub fn source(&self) -> &Path {
+        &self.source
+    }
+
+    /// Ids of the agents, as in `Agents.xml`.
+    pub fn ids(&self) -> &[String] {
+        &self.ids
+    }
+
+    /// \[s\] Times of the frames; at least one.
+    pub fn times(&self) -> impl ExactSizeIterator<Item = f64> + Clone {
+        self.times.iter().copied().step_by(self.every)
+    }
+
+    /// Everybody in the first frame.
+    pub fn first(&self) -> Vec<Motion> {
+        match &self.order {
+            Some(order) => order.iter().map(|&place| self.first[place]).collect(),
+            None => self.first.clone(),
+        }
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.times().len()
+    }
+
+    /// Whether all frames have contacts with their springs ([`Frame::interactions`]).
+    pub fn contacts(&self) -> bool {
+        self.contacts
+    }
+
+    /// Leaves only every `n`-th frame, beginning with the first.
+    #[must_use]
+    pub fn every(self, n: usize) -> Record {
+        Record { every: self.every * n.max(1), ..self }
+    }
+
+    /// Puts the agents in the order of a Trial.
+    ///
+    /// # Errors
+    /// The agents are not those of the Trial.
+    pub fn of_trial(self, trial: &Trial) -> Result<Record, RecordError> {
+        let order = order_of(&self.own_ids, trial, &self.source)?;
+        let ids = order.iter().map(|&place| self.own_ids[place].clone()).collect();
+        let order = (!order.iter().copied().eq(0..order.len())).then_some(order);
+        Ok(Record { order, ids, ..self })
+    }
+
+    /// Numbers of the agents: the Ids if all are different whole numbers from 0 on, otherwise their places.
+    pub fn names(&self) -> Names {
+        names_of(&self.ids)
+    }
+
+    /// Reads all frames in the order of time and calls `what` with the number of the frame, from 0, and the frame.
+    ///
+    /// # Errors
+    /// The file was changed since it was opened, or `what` fails.
+    pub fn each(
+        &self,
+        mut what: impl FnMut(usize, Frame) -> Result<(), RecordError>,
+    ) -> Result<(), RecordError> {
+        let changed = || RecordError::wrong(&self.source, "was changed while it was read");
+        let mut read = 0;
+        let ids = (self.pass)(&mut |frame| {
+            let k = read;
+            read += 1;
+            if self.times.get(k) != Some(&frame.time) || frame.agents.len() != self.own_ids.len() {
+                return Err(changed());
+            }
+            if k % self.every != 0 {
+                return Ok(());
+            }
+            let frame = match &self.order {
+                Some(order) => frame.sorted(order),
+                None => frame,
+            };
+            what(k / self.every, frame)
+        })?;
+        if read == self.times.len() && ids == self.own_ids { Ok(()) } else { Err(changed()) }
+    }
+
+    /// Reads the frames with the wanted numbers into memory.
+    ///
+    /// # Errors
+    /// As [`Record::each`].
+    pub fn read(&self, wanted: impl Fn(usize) -> bool) -> Result<Run, RecordError> {
+        let mut frames = Vec::new();
+        self.each(|k, frame| {
+            frames.extend(wanted(k).then_some(frame));
+            Ok(())
+        })?;
+        Ok(Run { source: self.source.clone(), ids: self.ids.clone(), frames })
+    }
+
+    /// An error of a frame.
+    pub(crate) fn wrong_at(&self, place: usize, message: impl FnOnce(&str) -> String) -> RecordError {
+        match self.read(|k| k == place) {
+            Ok(run) => {
+                let place = run.frames.first().map_or("", |frame| frame.place.as_str());
+                RecordError::wrong(&self.source, message(place))
+            }
+            Err(error) => error,
+        }
+    }
+
+    /// \[1/s\] Number of frames per second.
+    ///
+    /// # Errors
+    /// There is only one frame, or the times between frames are not equal.
+    pub fn frame_rate(&self) -> Result<f64, RecordError> {
+        let times = self.times();
+        let first = self.times[0];
+        let Some(second) = times.clone().nth(1) else {
+            let message = format!("has one frame only, at t = {first:?} s: no frame rate");
+            return Err(RecordError::wrong(&self.source, message));
+        };
+        let step = second - first;
+        let mut last = first;
+        for (k, time) in times.enumerate().skip(1) {
+            let gap = time - last;
+            if (gap - step).abs() > 1e-6 * step + ROUNDING {
+                return Err(self.wrong_at(k, |place| {
+                    format!(
+                        "{place}: column t: t = {time:?} s comes {gap:.6} s after the frame before, the others \
+                         {step:.6} s: the format needs a constant frame rate (a run's last step is shortened if \
+                         --until is no multiple of --step; --every N may leave it out)"
+                    )
+                }));
+            }
+            last = time;
+        }
+        // Sums of steps are rounded; the step that was meant has few decimals, or its rate has none.
+        let mean = (last - first) / (self.frames() - 1) as f64;
+        let (rate, decimal) = (mean.recip().round(), (mean * 1e9).round() / 1e9);
+        let near = |value: f64, within: f64| (value - mean).abs() < within * mean;
+        let rate = if near(rate.recip(), 1e-6) {
+            rate
+        } else if near(decimal, 1e-10) {
+            decimal.recip()
+        } else {
+            mean.recip()
+        };
+        if !(rate > 0.0 && rate.is_finite()) {
+            let message =
+                format!("the time between its frames is {step:?} s, which gives no usable frame rate");
+            return Err(RecordError::wrong(&self.source, message));
+        }
+        Ok(rate)
+    }
+
+    /// \[m\] Positions of everybody who is there, in the order of time and of agents.
+    ///
+    /// # Errors
+    /// As [`Record::each`].
+    pub fn positions(&self) -> Result<Vec<Vec2>, RecordError> {
+        let mut all = Vec::new();
+        self.each(|_, frame| {
+            all.extend(frame.present().map(|(_, agent)| agent.pose.position));
+            Ok(())
+        })?;
+        Ok(all)
+    }
+}
+
+/// A run in memory, too.
+impl From<Run> for Record {
+    fn from(run: Run) -> Record {
+        let Run { source, ids, frames } = run;
+        Record {
+            times: frames.iter().map(|frame| frame.time).collect(),
+            first: frames.first().map(|frame| frame.agents.clone()).unwrap_or_default(),
+            contacts: frames.iter().all(|frame| frame.interactions.is_some()),
+            own_ids: ids.clone(),
+            ids: ids.clone(),
+            order: None,
+            every: 1,
+            source,
+            pass: Rc::new(move |each| {
+                frames.iter().try_for_each(|frame| each(frame.clone()))?;
+                Ok(ids.clone())
+            }),
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! What was recorded of a crowd.
+
+use crate::columns::{AgentRow, Groups};
+use crate::error::RecordError;
+use lemons_core::plane::Motion;
+use lemons_core::trial::{Interactions, Trial};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Frames of a run, in memory.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// The file or directory that the frames were read from.
+    pub source: PathBuf,
+    /// Ids of the agents, as in `Agents.xml`.
+    pub ids: Vec<String>,
+    /// At least one frame, in the order of time.
+    pub frames: Vec<Frame>,
+}
+
+/// A crowd at one communication point: what the rows of one time hold in a table.
+#[derive(Debug, Clone, Default)]
+pub struct Frame {
+    /// \[s\] time of the communication point.
+    pub time: f64,
+    /// Pose and velocity of each agent, in the order of the run's Ids.
+    pub agents: Vec<Motion>,
+    /// What the contacts do to each agent, in the order of the run's Ids; `None` if the source has no such columns.
+    pub observed: Option<Vec<Observed>>,
+    /// Whether each agent is there; `None` if the source has no such column, and all are.
+    pub active: Option<Vec<bool>>,
+    /// Contacts of the whole crowd; `None` if the source has no such columns.
+    pub totals: Option<Totals>,
+    /// Contacts with their springs; `None` if the source does not record them.
+    pub interactions: Option<Interactions>,
+    /// Where the frame is in the source, for messages: a line, a row or a file.
+    pub place: String,
+}
+
+/// What the contacts do to an agent. These are outputs of the FMU.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Observed {
+    /// Number of contacts with disks of other agents.
+    pub agent_contacts: u32,
+    /// Number of contacts with faces of walls.
+    pub wall_contacts: u32,
+    /// Number of other agents that touch this one.
+    pub contacting_agents: u32,
+    /// \[N\] squeeze at the time: sum of |F_n| over the agent's contacts.
+    pub normal_force: f64,
+    /// What the contacts did within the communication step that ends at the time, if that was recorded.
+    pub of_step: Option<OfStep>,
+}
+
+/// What the contacts did to an agent within a communication step. These are outputs of the FMU.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OfStep {
+    /// \[N\] time average of the squeeze.
+    pub mean_normal_force: f64,
+    /// \[N\] largest squeeze.
+    pub peak_normal_force: f64,
+    /// \[m\] deepest overlap of a contact.
+    pub peak_overlap: f64,
+}
+
+/// Contacts of a whole crowd at one time. These are outputs of the FMU.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Totals {
+    /// Number of contacts between disks of the crowd, each pair once.
+    pub agent_contacts: u32,
+    /// Number of contacts between disks of the crowd and faces of walls.
+    pub wall_contacts: u32,
+}
+
+/// Numbers of agents, for tools that know no other names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Names {
+    /// In the order of the run's Ids.
+    pub numbers: Vec<i64>,
+    /// Whether the numbers are the Ids. Otherwise they are the places among the agents, from 0.
+    pub are_ids: bool,
+}
+
+impl Run {
+    /// \[s\] Times of the first and of the last frame.
+    pub fn times(&self) -> (f64, f64) {
+        (self.frames[0].time, self.frames[self.frames.len() - 1].time)
+    }
+}
+
+impl Frame {
+    /// Whether an agent is there. One who is not has a row, too: it stands where it was last, and touches nothing.
+    pub fn is_there(&self, place: usize) -> bool {
+        self.active.as_ref().is_none_or(|active| active.get(place).copied().unwrap_or(true))
+    }
+
+    /// Those who are there, with their places.
+    pub fn present(&self) -> impl Iterator<Item = (usize, &Motion)> + Clone {
+        self.agents.iter().enumerate().filter(|(place, _)| self.is_there(*place))
+    }
+
+    /// Makes a frame of the rows of all agents, with these groups of columns.
+    pub(crate) fn of_rows(time: f64, rows: &[AgentRow], groups: Groups) -> Frame {
+        let observed =
+            |row: &AgentRow| Observed { of_step: groups.of_step.then_some(row.of_step), ..row.observed };
+        let totals = rows.first().map(|row| row.totals);
+        Frame {
+            time,
+            agents: rows.iter().map(|row| row.motion).collect(),
+            observed: groups.contacts.then(|| rows.iter().map(observed).collect()),
+            active: groups.active.then(|| rows.iter().map(|row| row.active).collect()),
+            totals: totals.filter(|_| groups.totals),
+            ..Frame::default()
+        }
+    }
+
+    /// The row of an agent.
+    pub(crate) fn row(&self, place: usize) -> AgentRow {
+        let observed = self.observed.as_ref().map(|all| all[place]).unwrap_or_default();
+        AgentRow {
+            motion: self.agents[place],
+            observed,
+            of_step: observed.of_step.unwrap_or_default(),
+            active: self.is_there(place),
+            totals: self.totals.unwrap_or_default(),
+        }
+    }
+
+    /// With the agents of these places.
+    pub(crate) fn sorted(self, order: &[usize]) -> Frame {
+        Frame {
+            agents: order.iter().map(|&place| self.agents[place]).collect(),
+            observed: self.observed.map(|all| order.iter().map(|&place| all[place]).collect()),
+            active: self.active.map(|all| order.iter().map(|&place| all[place]).collect()),
+            ..self
+        }
+    }
+}
+
+/// The places of a Trial's agents among these.
+///
+/// # Errors
+/// These are not the agents of the Trial.
+pub(crate) fn order_of(ids: &[String], trial: &Trial, source: &Path) -> Result<Vec<usize>, RecordError> {
+    let places: BTreeMap<&str, usize> =
+        ids.iter().enumerate().map(|(place, id)| (id.as_str(), place)).collect();
+    let known: BTreeSet<&str> = trial.agents.iter().map(|agent| agent.id.as_str()).collect();
+    if let Some(stranger) = ids.iter().find(|id| !known.contains(id.as_str())) {
+        let message = format!("column id: there is no agent {stranger:?} in the Trial {:?}", trial.name);
+        return Err(RecordError::wrong(source, message));
+    }
+    let order = trial.agents.iter().map(|agent| {
+        places.get(agent.id.as_str()).copied().ok_or_else(|| {
+            let message = format!("has no agent {:?} of the Trial {:?}", agent.id, trial.name);
+            RecordError::wrong(source, message)
+        })
+    });
+    order.collect()
+}
+
+/// The Ids, if all are different whole numbers, else places.
+pub(crate) fn names_of(ids: &[String]) -> Names {
+    let numbers: Option<Vec<i64>> = ids.iter().map(|id| id.parse().ok()).collect();
+    let numbers = numbers.filter(|numbers| {
+        let different: BTreeSet<_> = numbers.iter().collect();
+        different.len() == numbers.len() && numbers.iter().all(|&number| number >= 0)
+    });
+    let are_ids = numbers.is_some();
+    Names { numbers: numbers.unwrap_or_else(|| (0..ids.len() as i64).collect()), are_ids }
+}

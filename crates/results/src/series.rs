@@ -1,0 +1,220 @@
+//! The paper's series of XML files, as an `OutputDirectory` holds it, and the Trial that goes on from its end.
+
+use crate::error::RecordError;
+use crate::record::{Each, Record};
+use crate::run::{Frame, Observed, Run};
+use crate::text::{only_own, own};
+use lemons_core::files::{Change, change_all};
+use lemons_core::trial::{
+    AgentDynamics, DynamicsElement, Interactions, Trial, dynamics_xml, interactions_xml, output_names,
+};
+use std::collections::BTreeSet;
+use std::f64::consts::{PI, TAU};
+use std::path::{Path, PathBuf};
+
+const DYNAMICS: &str = "AgentDynamics output t=";
+const INTERACTIONS: &str = "AgentInteractions t=";
+
+/// What stands between a prefix and `.xml`.
+fn time_of<'a>(name: &'a str, prefix: &str) -> Option<&'a str> {
+    name.strip_prefix(prefix)?.strip_suffix(".xml")
+}
+
+impl Run {
+    /// Reads a whole series into memory; see [`Record::series`].
+    ///
+    /// # Errors
+    /// As [`Record::series`].
+    pub fn read_series(directory: &Path, trial: &Trial) -> Result<Run, RecordError> {
+        Record::series(directory, trial)?.read(|_| true)
+    }
+}
+
+impl Record {
+    /// Opens a series of files `AgentDynamics output t=….xml` and `AgentInteractions t=….xml`, which an FMU of this Trial
+    /// wrote into its `OutputDirectory`. All files are read once.
+    ///
+    /// # Errors
+    /// The directory holds no such series, or one of its files is wrong; the message names the file and the line.
+    pub fn series(directory: &Path, trial: &Trial) -> Result<Record, RecordError> {
+        let series = Series::open(directory, trial)?;
+        Record::new(directory, move |each| series.pass(each))
+    }
+}
+
+/// The files of a series.
+struct Series {
+    directory: PathBuf,
+    trial: Trial,
+    /// \[s\] with its text in the names.
+    times: Vec<(f64, String)>,
+    /// Texts of those times at which there were contacts, sorted.
+    contacts: Vec<String>,
+}
+
+impl Series {
+    fn open(directory: &Path, trial: &Trial) -> Result<Series, RecordError> {
+        let cannot = |error| RecordError::Read { path: directory.to_owned(), error };
+        let (mut times, mut contacts) = (Vec::new(), Vec::new());
+        for entry in std::fs::read_dir(directory).map_err(cannot)? {
+            let name = entry.map_err(cannot)?.file_name();
+            let Some(name) = name.to_str() else { continue };
+            if let Some(text) = time_of(name, DYNAMICS) {
+                let time = text.parse::<f64>().ok().filter(|time| time.is_finite());
+                let message = "the name holds no time in seconds after \"t=\"";
+                let time = time.ok_or_else(|| RecordError::wrong(&directory.join(name), message))?;
+                times.push((time, text.to_owned()));
+            } else if let Some(text) = time_of(name, INTERACTIONS) {
+                contacts.push(text.to_owned());
+            }
+        }
+        times.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
+        if times.is_empty() {
+            let message = format!("holds no series: no file is named {DYNAMICS:?}….xml");
+            return Err(RecordError::wrong(directory, message));
+        }
+        if let Some(pair) = times.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            let path = directory.join(format!("{DYNAMICS}{}.xml", pair[1].1));
+            return Err(RecordError::wrong(&path, format!("t={} is the same time", pair[0].1)));
+        }
+        contacts.sort();
+        if let Some(alone) = contacts.iter().find(|text| times.iter().all(|(_, time)| time != *text)) {
+            let path = directory.join(format!("{INTERACTIONS}{alone}.xml"));
+            return Err(RecordError::wrong(
+                &path,
+                format!("there is no {:?} beside it", format!("{DYNAMICS}{alone}.xml")),
+            ));
+        }
+        Ok(Series { directory: directory.to_owned(), trial: trial.clone(), times, contacts })
+    }
+
+    fn pass(&self, each: &mut Each<'_>) -> Result<Vec<String>, RecordError> {
+        let Series { directory, trial, times, contacts } = self;
+        for (time, text) in times {
+            let place = format!("{DYNAMICS}{text}.xml");
+            let interactions = if contacts.binary_search(text).is_ok() {
+                trial.read_interactions(&directory.join(format!("{INTERACTIONS}{text}.xml")))?
+            } else {
+                Interactions::default()
+            };
+            let dynamics = trial.read_dynamics(&directory.join(&place))?;
+            let agents = dynamics.iter().map(AgentDynamics::motion).collect();
+            let observed = Some(observed(trial.agents.len(), &interactions));
+            let interactions = Some(interactions);
+            each(Frame { time: *time, agents, observed, interactions, place, ..Frame::default() })?;
+        }
+        Ok(trial.agents.iter().map(|agent| agent.id.clone()).collect())
+    }
+}
+
+/// What contacts do to each of so many agents.
+fn observed(agents: usize, interactions: &Interactions) -> Vec<Observed> {
+    let mut all = vec![Observed::default(); agents];
+    let mut touching = BTreeSet::new();
+    for contact in &interactions.agents {
+        for agent in [contact.parent, contact.child] {
+            all[agent].agent_contacts += 1;
+            all[agent].normal_force += contact.force.normal.norm();
+        }
+        if touching.insert((contact.parent, contact.child)) {
+            all[contact.parent].contacting_agents += 1;
+            all[contact.child].contacting_agents += 1;
+        }
+    }
+    for contact in &interactions.walls {
+        all[contact.agent].wall_contacts += 1;
+        all[contact.agent].normal_force += contact.force.normal.norm();
+    }
+    all
+}
+
+/// Names of the files of a series that a directory holds; none if there is no such directory. `is_own` says of a name,
+/// with its time \[s\], whether it is of the run that is written there.
+///
+/// # Errors
+/// A file is of another run and would be taken for one of this run, or the directory cannot be read.
+pub fn series_in(
+    directory: &Path,
+    is_own: impl Fn(&str, Option<f64>) -> bool,
+) -> Result<Vec<String>, RecordError> {
+    let of_series = |name: &str| time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS)).is_some();
+    only_own(directory, |name| of_series(name).then(|| is_own(name, series_time(name))))
+}
+
+/// The time \[s\] in the name of a file of a series.
+pub fn series_time(name: &str) -> Option<f64> {
+    time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS))?.parse().ok()
+}
+
+/// Names of the files that [`series`] writes. Files of interactions are removed where a frame has none.
+pub fn series_files(record: &Record) -> BTreeSet<String> {
+    record.times().flat_map(output_names).collect()
+}
+
+/// Writes a run of a Trial as a series of XML files into a directory, with interactions where they were recorded.
+///
+/// # Errors
+/// The agents are not those of the Trial, two times are too near for file names of their own, the directory holds files
+/// of another run, or a file cannot be written.
+pub fn series(record: &Record, trial: &Trial, directory: &Path) -> Result<(), RecordError> {
+    let record = record.clone().of_trial(trial)?;
+    let names: Vec<[String; 2]> = record.times().map(output_names).collect();
+    if let Some(k) = (1..names.len()).find(|&k| names[k] == names[k - 1]) {
+        return Err(record.wrong_at(k, |place| {
+            format!("{place}: column t: as near to the frame before as no file name tells")
+        }));
+    }
+    let kind = |name: &str| time_of(name, DYNAMICS).or(time_of(name, INTERACTIONS)).is_some();
+    own(directory, names.as_flattened(), kind)?;
+    record.each(|k, frame| {
+        let [dynamics, interactions] = &names[k];
+        let agents: Vec<AgentDynamics> = frame.agents.iter().map(AgentDynamics::of).collect();
+        let text = dynamics_xml(&trial.agents, &agents, DynamicsElement::Omitted);
+        let dynamics = Change::Write(directory.join(dynamics), text);
+        let place = directory.join(interactions);
+        let interactions = match &frame.interactions {
+            Some(some) if *some != Interactions::default() => {
+                Change::Write(place, interactions_xml(&trial.agents, &trial.geometry, some))
+            }
+            _ => Change::Remove(place),
+        };
+        Ok(change_all(&[dynamics, interactions])?)
+    })
+}
+
+/// The Trial that continues from the end of a run: with the poses, velocities and springs of the last frame, without
+/// those who have left. Runs do not record Fp and Mp; they stay those of the Trial.
+///
+/// # Errors
+/// The agents are not those of the Trial.
+pub fn trial_at_end(record: &Record, trial: &Trial) -> Result<Trial, RecordError> {
+    let record = record.clone().of_trial(trial)?;
+    let last = record.read(|k| k + 1 == record.frames())?.frames.pop();
+    let mut trial = trial.clone();
+    if let Some(last) = last {
+        let moved = last.agents.iter().map(AgentDynamics::of).zip(&trial.dynamics);
+        trial.dynamics = moved
+            .map(|(now, was)| AgentDynamics {
+                theta: within_a_turn(now.theta),
+                fp: was.fp,
+                mp: was.mp,
+                ..now
+            })
+            .collect();
+        // A run in which people leave is a table, which has no springs: nothing names those who are taken out.
+        let (mut agent, mut motion) = (0.., 0..);
+        trial.agents.retain(|_| agent.next().is_some_and(|place| last.is_there(place)));
+        trial.dynamics.retain(|_| motion.next().is_some_and(|place| last.is_there(place)));
+        trial.interactions = last.interactions.unwrap_or_default();
+    }
+    Ok(trial)
+}
+
+/// The same orientation \[rad\], more than -π and at most π: in a run bodies turn on and on.
+fn within_a_turn(theta: f64) -> f64 {
+    if theta > -PI && theta <= PI {
+        return theta;
+    }
+    let turned = theta.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
+}

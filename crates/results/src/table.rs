@@ -1,0 +1,128 @@
+//! The table of a run: rows of agents at communication points, in CSV or Parquet, read and written.
+
+mod csv;
+mod format;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod rows;
+mod write;
+
+pub use format::{Content, Format};
+pub use write::{FrameWriter, TableWriter};
+
+use crate::error::RecordError;
+use crate::record::{Each, Record};
+use crate::run::Run;
+use lemons_core::files::input;
+use rows::Stop;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
+
+/// What a file of Parquet begins with.
+const PARQUET: &[u8; 4] = b"PAR1";
+
+/// What a build without the feature says.
+#[cfg(not(feature = "parquet"))]
+const NO_PARQUET: &str = "this build has no Parquet: build with --features parquet";
+
+impl Run {
+    /// Reads a whole table into memory; see [`Record::table`].
+    ///
+    /// # Errors
+    /// As [`Record::table`].
+    pub fn read_table(path: &Path) -> Result<Run, RecordError> {
+        Record::table(path)?.read(|_| true)
+    }
+}
+
+impl Record {
+    /// Opens the table of a run: CSV, or Parquet if the file begins as such, whatever its name is. All
+    /// rows are read once.
+    ///
+    /// The table must have the columns [`TIME`](crate::columns::TIME), [`ID`](crate::columns::ID) and
+    /// those of [`MOTION`](crate::columns::MOTION), in any order. In CSV a header may have the unit
+    /// (`x [m]`), in Parquet the metadata has it. Other columns of [`crate::columns`] are read if their
+    /// whole group exists; further columns are ignored. Rows are in the order of time, and every agent
+    /// has one row at each time.
+    ///
+    /// # Errors
+    /// The file cannot be read, or something in it is wrong; the message names the line (CSV) or row
+    /// (Parquet) and the column.
+    pub fn table(path: &Path) -> Result<Record, RecordError> {
+        Record::tables(&[path.to_owned()])
+    }
+
+    /// Opens several tables of one run, in the order of time: each but the first is that of a run which
+    /// went on from the one before. If it begins with the frame at which the one before ends, this frame
+    /// counts once.
+    ///
+    /// # Errors
+    /// As [`Record::table`], a table has other agents than the first, or it begins before the end of the
+    /// one before.
+    pub fn tables(paths: &[PathBuf]) -> Result<Record, RecordError> {
+        let tables = paths.iter().map(|path| Table::open(path)).collect::<Result<Vec<Table>, _>>()?;
+        let source = paths.first().cloned().unwrap_or_default();
+        Record::new(&source, move |each| {
+            let mut ids: Option<Vec<String>> = None;
+            let mut end = f64::NEG_INFINITY;
+            for table in &tables {
+                let (before, mut first) = (end, true);
+                let own = table.pass(&mut |frame| {
+                    let time = frame.time;
+                    if std::mem::take(&mut first) && time < before {
+                        let message = format!(
+                            "begins at t = {time:?} s, before the end of the table before it, t = {before:?} s"
+                        );
+                        return Err(RecordError::wrong(&table.path, message));
+                    }
+                    end = time;
+                    if time > before { each(frame) } else { Ok(()) }
+                })?;
+                if ids.get_or_insert_with(|| own.clone()) != &own {
+                    return Err(RecordError::wrong(
+                        &table.path,
+                        "its agents are not those of the first table",
+                    ));
+                }
+            }
+            Ok(ids.unwrap_or_default())
+        })
+    }
+}
+
+/// A file that is read more than once.
+struct Table {
+    path: PathBuf,
+    file: File,
+    parquet: bool,
+}
+
+impl Table {
+    fn open(path: &Path) -> Result<Table, RecordError> {
+        let cannot = |error| RecordError::Read { path: path.to_owned(), error };
+        let mut file = input::open(path).map_err(cannot)?;
+        let mut begin = Vec::new();
+        file.by_ref().take(PARQUET.len() as u64).read_to_end(&mut begin).map_err(cannot)?;
+        Ok(Table { path: path.to_owned(), file, parquet: begin == PARQUET })
+    }
+
+    fn pass(&self, each: &mut Each<'_>) -> Result<Vec<String>, RecordError> {
+        let again = (&self.file).rewind().and_then(|()| self.file.try_clone());
+        let file = again.map_err(|error| RecordError::Read { path: self.path.clone(), error })?;
+        let read =
+            if self.parquet { read_parquet(file, each) } else { csv::read(BufReader::new(file), each) };
+        read.map_err(|stop| match stop {
+            Stop::Wrong(message) => RecordError::wrong(&self.path, message),
+            Stop::Error(error) => error,
+        })
+    }
+}
+
+#[cfg(feature = "parquet")]
+use parquet::read as read_parquet;
+
+#[cfg(not(feature = "parquet"))]
+fn read_parquet(_: File, _: &mut Each<'_>) -> Result<Vec<String>, Stop> {
+    Err(Stop::Wrong(NO_PARQUET.into()))
+}

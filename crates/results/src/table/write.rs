@@ -1,0 +1,171 @@
+//! Writes tables row by row.
+
+use super::csv;
+use super::format::{Content, Format};
+#[cfg(feature = "parquet")]
+use super::parquet;
+use crate::cell::Cell;
+use crate::columns::Groups;
+use crate::error::RecordError;
+use crate::run::Frame;
+use lemons_core::files::WriteError;
+#[cfg(not(feature = "parquet"))]
+use std::io;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Writes a table with any columns after the time. The table is complete after
+/// [`TableWriter::finish`], and of no use after an error. The same rows give the same bytes.
+pub struct TableWriter<W: Write + Send> {
+    rows: Rows<W>,
+    /// For messages.
+    path: PathBuf,
+    names: Vec<String>,
+}
+
+enum Rows<W: Write + Send> {
+    Csv(Box<csv::Writer<W>>),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<parquet::Writer<W>>),
+}
+
+impl<W: Write + Send> TableWriter<W> {
+    /// Begins a table in an empty file, which messages call `path`.
+    ///
+    /// # Errors
+    /// Two columns have the same name (Parquet), this build has no Parquet, or the file cannot be
+    /// written.
+    pub fn create(file: W, path: &Path, format: Format, content: &Content) -> Result<Self, RecordError> {
+        let made = match format {
+            Format::Csv => {
+                csv::Writer::create(file, &content.columns).map(|writer| Rows::Csv(Box::new(writer)))
+            }
+            #[cfg(feature = "parquet")]
+            Format::Parquet => {
+                parquet::Writer::create(file, content).map(|writer| Rows::Parquet(Box::new(writer)))
+            }
+            #[cfg(not(feature = "parquet"))]
+            Format::Parquet => Err(io::Error::other(super::NO_PARQUET)),
+        };
+        let rows = made.map_err(WriteError::at(path))?;
+        let names = content.columns.iter().map(|column| column.name.clone()).collect();
+        Ok(TableWriter { rows, path: path.to_owned(), names })
+    }
+
+    /// Writes a row: the time \[s\], and the cells of the other columns.
+    ///
+    /// # Errors
+    /// A cell has not the type of its column or is missing (Parquet), or the file cannot be written.
+    pub fn row<'a>(
+        &mut self,
+        time: f64,
+        cells: impl IntoIterator<Item = Cell<'a>>,
+    ) -> Result<(), RecordError> {
+        let cells = std::iter::once(Cell::Real(time)).chain(cells);
+        let written = match &mut self.rows {
+            Rows::Csv(rows) => rows.row(cells),
+            #[cfg(feature = "parquet")]
+            Rows::Parquet(rows) => rows.row(cells),
+        };
+        Ok(written.map_err(WriteError::at(&self.path))?)
+    }
+
+    /// What messages call the file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Completes the table and returns its file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(self) -> Result<W, RecordError> {
+        let done = match self.rows {
+            Rows::Csv(rows) => rows.finish(),
+            #[cfg(feature = "parquet")]
+            Rows::Parquet(rows) => rows.finish(),
+        };
+        Ok(done.map_err(WriteError::at(&self.path))?)
+    }
+}
+
+/// Writes the table of a crowd frame by frame: what [`Record::table`](crate::Record::table) reads.
+pub struct FrameWriter<W: Write + Send> {
+    table: TableWriter<W>,
+    ids: Vec<String>,
+    groups: Groups,
+}
+
+impl<W: Write + Send> FrameWriter<W> {
+    /// Writes frames of the agents with these Ids into a table whose columns are [`Groups::columns`].
+    ///
+    /// # Errors
+    /// The table has other columns.
+    pub fn new(table: TableWriter<W>, ids: Vec<String>, groups: Groups) -> Result<Self, RecordError> {
+        let own: Vec<String> = groups.columns().into_iter().map(|column| column.name).collect();
+        if table.names != own {
+            let message = format!("its columns are {}, not {}", table.names.join(", "), own.join(", "));
+            return Err(RecordError::wrong(&table.path, message));
+        }
+        Ok(FrameWriter { table, ids, groups })
+    }
+
+    /// Writes a row for each agent.
+    ///
+    /// # Errors
+    /// The frame has not one value for each agent in each column of the table, a count is larger than
+    /// 2³¹ − 1, or the file cannot be written.
+    pub fn frame(&mut self, frame: &Frame) -> Result<(), RecordError> {
+        let wrong = |path: &Path, what: String| {
+            RecordError::wrong(path, format!("the frame at t = {:?} s {what}", frame.time))
+        };
+        self.check(frame).map_err(|what| wrong(&self.table.path, what))?;
+        let mut cells = Vec::new();
+        for (k, id) in self.ids.iter().enumerate() {
+            let mut row = frame.row(k);
+            cells.clear();
+            cells.push(Cell::Text(id));
+            for quantity in self.groups.quantities() {
+                let cell = (quantity.field)(&mut row).cell();
+                cells.push(cell.map_err(|what| wrong(&self.table.path, what))?);
+            }
+            self.table.row(frame.time, cells.iter().copied())?;
+        }
+        Ok(())
+    }
+
+    /// Whether the frame has what the columns are for.
+    fn check(&self, frame: &Frame) -> Result<(), String> {
+        let (agents, groups) = (self.ids.len(), self.groups);
+        if frame.agents.len() != agents {
+            return Err(format!("has {} agents, the table {agents}", frame.agents.len()));
+        }
+        let observed = frame.observed.as_deref().unwrap_or_default();
+        let of_step = observed.iter().all(|seen| seen.of_step.is_some());
+        let active = frame.active.as_ref().is_some_and(|active| active.len() == agents);
+        for (needed, has, lacks) in [
+            (groups.contacts, observed.len() == agents, "has not the contacts of all agents"),
+            (groups.of_step, of_step, "has no means and peaks of the step"),
+            (groups.active, active, "does not say who is there"),
+            (groups.totals, frame.totals.is_some(), "has no contacts of the whole crowd"),
+        ] {
+            if needed && !has {
+                return Err(lacks.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Ids of the agents.
+    pub fn ids(&self) -> &[String] {
+        &self.ids
+    }
+
+    /// Completes the table and returns its file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(self) -> Result<W, RecordError> {
+        self.table.finish()
+    }
+}

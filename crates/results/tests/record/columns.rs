@@ -1,0 +1,75 @@
+//! The table of columns beside the FMU's table of variables: the same outputs, units and types.
+
+use crowd_mechanics::setup;
+use crowd_mechanics::variables::{Kind, Role, table};
+use lemons_results::columns::{CONTACTS, Column, Groups, MOTION, OF_STEP, Quantity, SQUEEZE, TOTALS};
+use std::collections::HashSet;
+use std::path::Path;
+
+fn is_output(role: Role) -> bool {
+    matches!(role, Role::Exact | Role::Calculated)
+}
+
+#[test]
+fn columns_are_outputs_of_the_fmu_in_its_units() {
+    let push = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
+    let (trial, _) = setup::read(&push).unwrap();
+    let table = table(&trial);
+    let check = |quantity: &Quantity, name: &str| {
+        let variable =
+            table.iter().find(|variable| variable.name == name).unwrap_or_else(|| panic!("{name}"));
+        assert!(is_output(variable.role), "{name}");
+        match variable.kind {
+            Kind::Real(unit) => assert_eq!(Some(unit.name), quantity.unit, "{name}"),
+            Kind::Integer | Kind::Boolean => assert_eq!(None, quantity.unit, "{name}"),
+            Kind::String => panic!("{name} is a text"),
+        }
+    };
+    let of_agents: Vec<&Quantity> =
+        MOTION.iter().chain(&CONTACTS).chain([&SQUEEZE]).chain(&OF_STEP).collect();
+    of_agents.iter().for_each(|quantity| check(quantity, &format!("agent[0].{}", quantity.variable)));
+    TOTALS.iter().for_each(|quantity| check(quantity, quantity.variable));
+    // Nothing that the FMU says of an agent is left out.
+    let known: HashSet<&str> = of_agents.iter().map(|quantity| quantity.variable).collect();
+    let outputs = table.iter().filter(|variable| is_output(variable.role));
+    for name in outputs.filter_map(|variable| variable.name.strip_prefix("agent[0].")) {
+        assert!(known.contains(name), "agent[0].{name} is no column");
+    }
+}
+
+/// For tests of programs in other languages. `COLUMNS_TABLE=write cargo test -p lemons-results --all-features --test record columns` writes it.
+#[test]
+fn the_committed_table_is_that_of_the_library() {
+    let groups = Groups { contacts: true, of_step: true, active: false, totals: true };
+    let mut text = "name,unit,variable,description\n".to_owned();
+    for Column { name, unit, variable, description, .. } in groups.columns() {
+        let cells = [name, unit.unwrap_or_default(), variable, description];
+        assert!(cells.iter().all(|cell| !cell.contains(['"', '\n'])), "{cells:?}");
+        let quoted = |cell: &String| if cell.contains(',') { format!("\"{cell}\"") } else { cell.clone() };
+        text += &cells.iter().map(quoted).collect::<Vec<_>>().join(",");
+        text.push('\n');
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/columns.csv");
+    if std::env::var_os("COLUMNS_TABLE").is_some_and(|what| what == "write") {
+        std::fs::write(&path, &text).unwrap();
+    }
+    let committed = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        committed == text,
+        "write it again: COLUMNS_TABLE=write cargo test -p lemons-results --all-features --test record columns"
+    );
+}
+
+/// The manual names all columns, and those in the order of the table.
+#[test]
+fn the_manual_has_all_columns() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let table = page.lines().skip_while(|line| !line.starts_with("| columns |")).skip(2);
+    let first = table.take_while(|line| line.starts_with('|')).filter_map(|line| line.split('|').nth(1));
+    let named: Vec<String> =
+        first.flat_map(|cell| cell.split(',')).map(|name| name.trim().trim_matches('`').to_owned()).collect();
+    let groups = Groups { contacts: true, of_step: true, active: false, totals: true };
+    let own: Vec<String> = groups.columns().into_iter().map(|column| column.name).collect();
+    assert_eq!(named, own);
+}

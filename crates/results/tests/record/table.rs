@@ -1,0 +1,197 @@
+//! Tables of runs: what is read, what is refused, what is written of them.
+
+use crowd_mechanics::setup;
+use lemons_core::plane::Vec2;
+use lemons_results::{Observed, OfStep, Record, Run, chaos, jupedsim, pedpy, walkable_area};
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+const HEADER: &str = "t,id,x,y,vx,vy,theta,omega,agent_contacts";
+
+fn table(directory: &TempDir, text: &str) -> PathBuf {
+    let path = directory.path().join("run.csv");
+    fs::write(&path, text).unwrap();
+    path
+}
+
+/// Two people, three times.
+fn good(directory: &TempDir) -> Run {
+    let row = |t: &str, id: &str, x: f64| format!("{t},{id},{x:?},0.5,1,0,0.25,0,0\n");
+    let times = ["0.0", "0.1", "0.2"].iter().enumerate();
+    let rows: String =
+        times.map(|(k, t)| row(t, "7", k as f64 / 3.0) + &row(t, "3", 1.0 + k as f64 / 3.0)).collect();
+    Run::read_table(&table(directory, &format!("{HEADER}\n{rows}"))).unwrap()
+}
+
+#[test]
+fn groups_of_columns_are_read_where_all_are_there() {
+    let directory = TempDir::new().unwrap();
+    assert!(good(&directory).frames.iter().all(|frame| frame.observed.is_none()));
+    let of_step = "mean_normal_force,peak_normal_force,peak_overlap [m]";
+    let read = |more: &str, row: &str| {
+        let head = format!("{HEADER},wall_contacts,contacting_agents,normal_force{more}");
+        Run::read_table(&table(&directory, &format!("{head}\n0.0,a,1,2,0,0,0,0,{row}\n")))
+    };
+    let (agent_contacts, wall_contacts, contacting_agents, normal_force) = (3, 1, 2, 125.5);
+    let seen = Observed { agent_contacts, wall_contacts, contacting_agents, normal_force, of_step: None };
+    assert_eq!(read("", "3,1,2,125.5").unwrap().frames[0].observed, Some(vec![seen]));
+    let run = read(&format!(",{of_step}"), "3,1,2,0.0,80.5,1e3,0.002").unwrap();
+    let step = OfStep { mean_normal_force: 80.5, peak_normal_force: 1000.0, peak_overlap: 0.002 };
+    assert_eq!(run.frames[0].observed.as_ref().unwrap()[0].of_step, Some(step));
+    for (more, row, expected) in [
+        ("", "3,-1,2,0.0", "wall_contacts: \"-1\" is not a valid number of contacts"),
+        ("", "3,1.5,2,0.0", "wall_contacts: \"1.5\" is not a valid number of contacts"),
+        ("", "3,1,2,-1.0", "normal_force: \"-1.0\" is not a finite number from 0 on"),
+        (of_step, "3,1,2,0.0,80.5,inf,0.002", "peak_normal_force: \"inf\" is not a finite number from 0 on"),
+        (of_step, "3,1,2,0.0,80.5,1e3,-1.0", "peak_overlap: \"-1.0\" is not a finite number from 0 on"),
+        ("active", "3,1,2,0.0,2", "active: \"2\" is not 1 (there) or 0 (left)"),
+    ] {
+        let more = if more.is_empty() { String::new() } else { format!(",{more}") };
+        let message = read(&more, row).unwrap_err().to_string();
+        assert!(message.contains(&format!("line 2: column {expected}")), "{message}");
+    }
+}
+
+#[test]
+fn mistakes_name_file_line_and_column() {
+    let directory = TempDir::new().unwrap();
+    let said = |text: &str| {
+        let message = Run::read_table(&table(&directory, text)).unwrap_err().to_string();
+        assert!(message.contains("run.csv: "), "{message}");
+        message
+    };
+    let row = "0.1,a,1,2,0,0,0,0,0";
+    for (rows, expected) in [
+        ("", "the run is empty"),
+        ("0.1,a,1,two,0,0,0,0,0", "line 2: column y: \"two\" is not a finite number"),
+        ("0.1,a,1,2,0,0,0,inf,0", "line 2: column omega: \"inf\""),
+        ("0.1,a,1,2", "line 2: has 4 columns, the header 9"),
+        ("0.1,,1,2,0,0,0,0,0", "line 2: column id: is empty"),
+        (&format!("{row}\n{row}"), "line 3: column id: agent \"a\" stands twice at t = 0.1 s"),
+        (&format!("{row}\n0,a,1,2,0,0,0,0,0"), "line 3: column t: t = 0.0 s must not come after t = 0.1 s"),
+        (&format!("{row}\n0.2,b,1,2,0,0,0,0,0"), "line 3: column id: agent \"b\" was not there"),
+        (
+            &format!("{row}\n0.1,b,1,2,0,0,0,0,0\n0.2,b,1,2,0,0,0,0,0"),
+            "line 4: at t = 0.2 s agent \"a\" is missing",
+        ),
+    ] {
+        let message = said(&format!("{HEADER}\n{rows}\n"));
+        assert!(message.contains(expected), "{message}");
+    }
+    assert!(said("t,id,x,y,vx,vy,omega\n").contains("line 1: there is no column \"theta\""));
+    assert!(said("t,id,x,y,vx,vy,theta,omega,x\n").contains("two columns \"x\""));
+    assert!(said("").contains("there is no column \"t\""));
+    let missing = Run::read_table(&directory.path().join("no.csv")).unwrap_err().to_string();
+    assert!(missing.contains("no.csv: cannot be read"), "{missing}");
+    fs::write(directory.path().join("run.csv"), [HEADER.as_bytes(), b"\n0,a,\xff,0,0,0,0,0,0\n"].concat())
+        .unwrap();
+    let message = Run::read_table(&directory.path().join("run.csv")).unwrap_err().to_string();
+    assert!(message.contains("line 2: column 3: is not UTF-8"), "{message}");
+}
+
+#[test]
+fn times_must_be_even() {
+    let directory = TempDir::new().unwrap();
+    let run = |times: &[f64]| {
+        let rows: String = times.iter().map(|t| format!("{t:?},0,0,0,0,0,0,0,0\n")).collect();
+        Record::table(&table(&directory, &format!("{HEADER}\n{rows}"))).unwrap()
+    };
+    let fifths: Vec<f64> = (0..8).map(|k| 10.0 + f64::from(k) * 0.2).collect();
+    assert_eq!(run(&fifths).frame_rate().unwrap(), 5.0);
+    assert_eq!(run(&fifths).every(2).frame_rate().unwrap(), 2.5);
+    let thirds: Vec<f64> = (0..8).map(|k| f64::from(k) / 3.0).collect();
+    assert_eq!(run(&thirds).frame_rate().unwrap(), 3.0);
+    let slow: Vec<f64> = (0..8).map(|k| 0.3 + f64::from(k) * 1.6).collect();
+    assert_eq!(run(&slow).frame_rate().unwrap(), 0.625);
+    let uneven = [0.0, 0.1, 0.2, 0.25];
+    let nowhere = walkable_area(&[], std::iter::once(Vec2::ZERO));
+    let path = directory.path().join("out");
+    for said in [
+        pedpy(&run(&uneven), &path).unwrap_err().to_string(),
+        jupedsim(&run(&uneven), &nowhere, &path).unwrap_err().to_string(),
+    ] {
+        assert!(said.contains("run.csv: line 5: column t: t = 0.25 s comes 0.050000 s after"), "{said}");
+        assert!(!path.exists());
+    }
+    assert_eq!(run(&uneven).every(2).frame_rate().unwrap(), 5.0);
+    assert!(run(&[1.0]).frame_rate().unwrap_err().to_string().contains("one frame only"));
+    chaos(&run(&uneven), &path).unwrap();
+}
+
+/// PedPy was told "inf fps" and "0.0 fps".
+#[test]
+fn frames_that_follow_at_no_time_or_after_an_endless_one_have_no_rate() {
+    let directory = TempDir::new().unwrap();
+    for (times, step) in [("0 5e-324", "5e-324"), ("-1e308 1e308", "inf")] {
+        let rows: String = times.split(' ').map(|t| format!("{t},0,0,0,0,0,0,0,0\n")).collect();
+        let run = Record::table(&table(&directory, &format!("{HEADER}\n{rows}"))).unwrap();
+        let path = directory.path().join("out");
+        let said = pedpy(&run, &path).unwrap_err().to_string();
+        let expected =
+            format!("run.csv: the time between its frames is {step} s, which gives no usable frame rate");
+        assert!(said.ends_with(&expected) && !path.exists(), "{said}");
+    }
+}
+
+#[test]
+fn formats_are_as_their_readers_want_them() {
+    let directory = TempDir::new().unwrap();
+    let at = |name: &str| directory.path().join(name);
+    let run = Record::from(good(&directory));
+    pedpy(&run, &at("t.txt")).unwrap();
+    let text = fs::read_to_string(at("t.txt")).unwrap();
+    let expected = "# framerate: 10.0 fps\n# id frame x/m y/m z/m\n7 0 0.0 0.5 0.0\n3 0 1.0 0.5 0.0\n\
+                    7 1 0.3333333333333333 0.5 0.0\n";
+    assert!(text.starts_with(expected), "{text}");
+    assert_eq!(text.lines().count(), 8);
+
+    chaos(&run, &at("chaos")).unwrap();
+    chaos(&run, &at("chaos")).unwrap();
+    let text = fs::read_to_string(at("chaos/traj001.csv")).unwrap();
+    assert_eq!(text, "0.0,1.0,0.5,0.0\n0.1,1.3333333333333333,0.5,0.0\n0.2,1.6666666666666665,0.5,0.0\n");
+    fs::write(at("chaos/traj002.csv"), "").unwrap();
+    let said = chaos(&run, &at("chaos")).unwrap_err().to_string();
+    assert!(said.contains("traj002.csv: is of another run"), "{said}");
+
+    fs::write(at("t.sqlite"), "what was there before").unwrap();
+    let positions = run.positions().unwrap();
+    jupedsim(&run, &walkable_area(&[], positions.into_iter()), &at("t.sqlite")).unwrap();
+    let database = rusqlite::Connection::open(at("t.sqlite")).unwrap();
+    let one = |query: &str| database.query_row(query, [], |row| row.get::<_, String>(0)).unwrap();
+    assert_eq!(one("SELECT value FROM metadata WHERE key = 'version'"), "2");
+    assert_eq!(one("SELECT value FROM metadata WHERE key = 'fps'"), "10.0");
+    assert_eq!(one("SELECT value FROM metadata WHERE key = 'xmin'"), "-0.5");
+    assert!(one("SELECT value FROM metadata WHERE key = 'walkable_area'").contains("bounding box"));
+    assert_eq!(one("SELECT count(*) || '' FROM trajectory_data"), "6");
+    assert_eq!(one("SELECT count(*) || '' FROM frame_data, geometry WHERE geometry_hash = hash"), "3");
+    let query = "SELECT pos_x, ori_x, ori_y FROM trajectory_data WHERE frame = 2 AND id = 3";
+    let seen: (f64, f64, f64) =
+        database.query_row(query, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?))).unwrap();
+    assert_eq!(seen.0, 1.0 + 2.0 / 3.0);
+    assert!((seen.1 - 0.968_912_421_710_644_8).abs() < 1e-15, "cos 0.25: {}", seen.1);
+    assert!((seen.2 - 0.247_403_959_254_522_93).abs() < 1e-15, "sin 0.25: {}", seen.2);
+    let left: Vec<_> =
+        fs::read_dir(directory.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 4, "no temporary file is left: {left:?}");
+}
+
+#[test]
+fn agents_are_those_of_the_trial() {
+    let directory = TempDir::new().unwrap();
+    let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../resources/Trial_push");
+    let (mut trial, _) = setup::read(&resources).unwrap();
+    let said = Record::from(good(&directory)).of_trial(&trial).err().unwrap().to_string();
+    assert!(said.contains("column id: there is no agent \"7\" in the Trial \"Trial_push\""), "{said}");
+    trial.agents[0].id = "3".into();
+    trial.agents[1].id = "7".into();
+    trial.agents[2].id = "2b".into();
+    let said = Record::from(good(&directory)).of_trial(&trial).err().unwrap().to_string();
+    assert!(said.contains("has no agent \"2b\""), "{said}");
+    trial.agents.truncate(2);
+    let run = Record::from(good(&directory)).of_trial(&trial).unwrap().read(|_| true).unwrap();
+    assert_eq!((run.ids[0].as_str(), run.frames[0].agents[0].pose.position.x), ("3", 1.0));
+    assert_eq!(Record::from(run.clone()).names().numbers, [3, 7]);
+    let named = Record::from(Run { ids: vec!["3".into(), "b".into()], ..run });
+    assert_eq!((named.names().numbers, named.names().are_ids), (vec![0, 1], false));
+}

@@ -1,0 +1,243 @@
+//! Frames that are written to a table and read again are the same to the bit, in every format, in one table or several.
+
+use lemons_core::plane::{Motion, Pose, Twist, vec2};
+use lemons_results::columns::{Column, Groups};
+use lemons_results::{
+    Cell, Content, Format, Frame, FrameWriter, Kind, Observed, OfStep, Record, Run, TableWriter, Totals,
+};
+use std::fs::File;
+use std::path::Path;
+use tempfile::TempDir;
+
+const ALL: Groups = Groups { contacts: true, of_step: true, active: true, totals: true };
+
+fn ids() -> Vec<String> {
+    ["7", "a, \"quoted\"", "ß"].map(str::to_owned).to_vec()
+}
+
+/// Doubles with all kinds of digits, the least and the greatest among them.
+fn number(seed: usize) -> f64 {
+    match seed % 11 {
+        0 => -0.0,
+        1 => 5e-324,
+        2 => f64::MAX,
+        3 => 0.1 + 0.2,
+        _ => ((seed * 7919) as f64 / 3.0 - 1e4).sin() * 10_f64.powi(seed as i32 % 9 - 4),
+    }
+}
+
+fn frames(count: usize) -> Vec<Frame> {
+    let of_step = |seed: usize| OfStep {
+        mean_normal_force: number(seed).abs(),
+        peak_normal_force: number(seed + 1).abs(),
+        peak_overlap: number(seed + 2).abs(),
+    };
+    let observed = |seed: usize| Observed {
+        agent_contacts: seed as u32,
+        wall_contacts: i32::MAX as u32 - seed as u32,
+        contacting_agents: 2,
+        normal_force: number(seed).abs(),
+        of_step: Some(of_step(seed)),
+    };
+    let motion = |seed: usize| Motion {
+        pose: Pose { position: vec2(number(seed), number(seed + 1)), orientation: number(seed + 2) },
+        twist: Twist {
+            velocity: vec2(number(seed + 3), number(seed + 4)),
+            angular_velocity: number(seed + 5),
+        },
+    };
+    let frame = |k: usize| Frame {
+        time: k as f64 * 0.1,
+        agents: (0..3).map(|i| motion(10 * k + i)).collect(),
+        observed: Some((0..3).map(|i| observed(7 * k + i)).collect()),
+        active: Some((0..3).map(|i| k < 2 + i).collect()),
+        totals: Some(Totals { agent_contacts: k as u32, wall_contacts: 3 }),
+        ..Frame::default()
+    };
+    (0..count).map(frame).collect()
+}
+
+fn content(groups: Groups) -> Content {
+    Content { columns: groups.columns(), about: vec![("component", "crowd".into())] }
+}
+
+fn write(path: &Path, format: Format, groups: Groups, frames: &[Frame]) {
+    let table = TableWriter::create(File::create(path).unwrap(), path, format, &content(groups)).unwrap();
+    let mut writer = FrameWriter::new(table, ids(), groups).unwrap();
+    frames.iter().for_each(|frame| writer.frame(frame).unwrap());
+    writer.finish().unwrap();
+}
+
+/// `{:?}` of a double reads back to the same double, so that equal texts are equal bits; NaN is not written.
+fn text(frame: &Frame) -> String {
+    let Frame { time, agents, observed, active, totals, .. } = frame;
+    format!("{time:?} {agents:?} {observed:?} {active:?} {totals:?}")
+}
+
+#[track_caller]
+fn same(read: &Run, written: &[Frame]) {
+    assert_eq!(read.ids, ids());
+    assert_eq!(read.frames.len(), written.len());
+    for (read, written) in read.frames.iter().zip(written) {
+        assert_eq!(text(read), text(written));
+    }
+}
+
+#[test]
+fn frames_come_back_to_the_bit() {
+    let directory = TempDir::new().unwrap();
+    for format in Format::ALL {
+        let path = directory.path().join("run").with_extension(format.extension());
+        assert_eq!(Format::of(&path), Some(format));
+        // More rows than a group of Parquet has: some two million cells.
+        let most = if format == Format::Parquet { 42_000 } else { 100 };
+        for count in [most, 1, 40] {
+            let frames = frames(count);
+            write(&path, format, ALL, &frames);
+            same(&Run::read_table(&path).unwrap(), &frames);
+        }
+        let bytes = std::fs::read(&path).unwrap();
+        write(&path, format, ALL, &frames(40));
+        assert!(std::fs::read(&path).unwrap() == bytes, "the same rows give the same bytes");
+    }
+}
+
+#[test]
+fn groups_that_are_not_written_are_not_read() {
+    let directory = TempDir::new().unwrap();
+    for format in Format::ALL {
+        for groups in [
+            Groups::default(),
+            Groups { contacts: true, ..Groups::default() },
+            Groups { contacts: true, of_step: true, active: true, totals: false },
+            Groups { contacts: true, of_step: false, active: false, totals: true },
+            Groups { active: true, ..Groups::default() },
+            Groups { totals: true, ..Groups::default() },
+        ] {
+            let path = directory.path().join("run");
+            let mut frames = frames(3);
+            write(&path, format, groups, &frames);
+            for frame in &mut frames {
+                frame.totals = frame.totals.filter(|_| groups.totals);
+                frame.active = frame.active.take().filter(|_| groups.active);
+                frame.observed = frame.observed.take().filter(|_| groups.contacts);
+                let seen = frame.observed.iter_mut().flatten();
+                seen.for_each(|seen| seen.of_step = seen.of_step.filter(|_| groups.of_step));
+            }
+            same(&Run::read_table(&path).unwrap(), &frames);
+        }
+    }
+}
+
+/// A run that was resumed twice: the tables of its parts are read as one, whether the frame where a part begins is the
+/// last one of the part before or not.
+#[test]
+fn tables_of_parts_are_one_run() {
+    let directory = TempDir::new().unwrap();
+    let frames = frames(50);
+    let at = |name: &str| directory.path().join(name);
+    let written = |name: &str, format, part: &[Frame]| {
+        write(&at(name), format, ALL, part);
+        at(name)
+    };
+    let first = written("1.csv", Format::Csv, &frames[..20]);
+    let second = written("2.parquet", Format::Parquet, &frames[19..21]);
+    let third = written("3.csv", Format::Csv, &frames[21..]);
+    let record = Record::tables(&[first.clone(), second.clone(), third.clone()]).unwrap();
+    same(&record.read(|_| true).unwrap(), &frames);
+    let said = Record::tables(&[first.clone(), third, second]).err().unwrap().to_string();
+    let expected =
+        format!("2.parquet: begins at t = {:?} s, before the end of the table before it", 19.0 * 0.1);
+    assert!(said.contains(&expected), "{said}");
+    let text = std::fs::read_to_string(at("3.csv")).unwrap();
+    std::fs::write(at("4.csv"), text.replace(",7,", ",8,")).unwrap();
+    let said = Record::tables(&[first, at("4.csv")]).err().unwrap().to_string();
+    assert!(said.contains("4.csv: its agents are not those of the first table"), "{said}");
+}
+
+#[test]
+fn cut_off_parquet_is_refused() {
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("run.parquet");
+    write(&path, Format::Parquet, ALL, &frames(20));
+    let bytes = std::fs::read(&path).unwrap();
+    for length in [4, 12, bytes.len() / 2, bytes.len() - 1] {
+        std::fs::write(&path, &bytes[..length]).unwrap();
+        let said = Run::read_table(&path).unwrap_err().to_string();
+        assert!(said.contains("run.parquet: is not valid Parquet: "), "{said}");
+    }
+}
+
+#[test]
+fn frames_must_have_what_the_table_has() {
+    let directory = TempDir::new().unwrap();
+    let path = directory.path().join("run.csv");
+    let table =
+        || TableWriter::create(File::create(&path).unwrap(), &path, Format::Csv, &content(ALL)).unwrap();
+    let other = FrameWriter::new(table(), ids(), Groups::default()).err().unwrap().to_string();
+    assert!(other.contains("run.csv: its columns are t, id, x,"), "{other}");
+    let mut writer = FrameWriter::new(table(), ids(), ALL).unwrap();
+    type Change = fn(&mut Frame);
+    let cases: [(Change, &str); 5] = [
+        (|frame| frame.agents.truncate(2), "at t = 0.0 s has 2 agents, the table 3"),
+        (|frame| frame.observed = None, "has not the contacts of all agents"),
+        (|frame| frame.observed.as_mut().unwrap()[1].of_step = None, "has no means and peaks"),
+        (|frame| frame.totals = None, "has no contacts of the whole crowd"),
+        (|frame| frame.totals.as_mut().unwrap().wall_contacts = 1 << 31, "has 2147483648 contacts"),
+    ];
+    for (change, expected) in cases {
+        let mut frame = frames(1).remove(0);
+        change(&mut frame);
+        let error = writer.frame(&frame).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+/// What is not a crowd has other columns.
+#[test]
+fn tables_of_other_columns() {
+    let directory = TempDir::new().unwrap();
+    let column = |name: &str, kind: Kind| Column {
+        name: name.into(),
+        kind,
+        unit: None,
+        variable: name.into(),
+        description: String::new(),
+    };
+    let columns = vec![
+        Column::time(),
+        column("on", Kind::Boolean),
+        column("many", Kind::Integer),
+        column("what", Kind::Text),
+    ];
+    let content = Content { columns, about: Vec::new() };
+    let path = directory.path().join("outputs.csv");
+    let mut table = TableWriter::create(File::create(&path).unwrap(), &path, Format::Csv, &content).unwrap();
+    table.row(0.5, [Cell::Boolean(true), Cell::Integer(-3), Cell::Text("a,b")]).unwrap();
+    table.finish().unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(text, "t,on,many,what\n0.5,true,-3,\"a,b\"\n");
+    let mut table = TableWriter::create(File::create(&path).unwrap(), &path, Format::Csv, &content).unwrap();
+    table.row(0.5, [Cell::Boolean(true), Cell::Integer(1), Cell::Text("")]).unwrap();
+    let error = table.row(0.5, [Cell::Boolean(true)]).unwrap_err().to_string();
+    assert!(error.starts_with(&format!("{}: cannot be written", path.display())), "{error}");
+}
+
+/// An FMU of somebody else counted in millimetres: the table in CSV was read as metres.
+#[test]
+fn a_table_in_another_unit_is_not_read_as_ours() {
+    let directory = TempDir::new().unwrap();
+    for format in [Format::Csv, Format::Parquet] {
+        let mut content = content(ALL);
+        let x = content.columns.iter_mut().find(|column| column.name == "x").unwrap();
+        x.unit = Some("mm".to_owned());
+        let path = directory.path().join("table").with_extension(format.extension());
+        let file = lemons_core::files::Staged::beside(&path).unwrap();
+        let table = TableWriter::create(file, &path, format, &content).unwrap();
+        let mut writer = FrameWriter::new(table, ids(), ALL).unwrap();
+        frames(2).iter().for_each(|frame| writer.frame(frame).unwrap());
+        writer.finish().unwrap().persist().unwrap();
+        let message = Run::read_table(&path).unwrap_err().to_string();
+        assert!(message.contains("column x: is in \"mm\", it must be in \"m\""), "{message}");
+    }
+}

@@ -1,0 +1,10 @@
+//! Runs one input of a fuzzer without it: `cargo run -p lemons-verify --features fuzz --example one TARGET FILE`.
+//! With `FUZZ_TOLD=1` in the environment every call of an FMU is shown, with its status and what was logged.
+
+fn main() {
+    let mut arguments = std::env::args().skip(1);
+    let (Some(target), Some(file)) = (arguments.next(), arguments.next()) else {
+        panic!("give a target and a file");
+    };
+    lemons_verify::fuzz::run(&target, &std::fs::read(file).expect("a file that can be read"));
+}

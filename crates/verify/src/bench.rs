@@ -1,0 +1,252 @@
+//! Crowds for benchmarks of the engine, and their measurement.
+//!
+//! The crowds are generated from the paper's agent 0 with seeded positions and drives, and need no files. A case is
+//! measured in processor time of the thread, which other load on the machine hardly changes: the median of several
+//! runs.
+
+pub mod accuracy;
+pub mod fmu;
+
+use crate::checks::scenes::{BODIES, at, pedestrian, wall, world};
+use crate::checks::{Error, Result};
+use cpu_time::ThreadTime;
+use crowd_mechanics::engine::{Shortlisting, World, Wrench};
+use lemons_core::plane::{Pose, Twist, Vec2, vec2};
+use std::time::Instant;
+
+/// \[s\] Mechanical step of all crowds except the push.
+const MECHANICAL_STEP: f64 = 1e-5;
+/// \[1/s\] Relaxation rate.
+const RATE: f64 = 4.5;
+/// \[kg\] Mass of a person.
+const MASS: f64 = 89.0;
+
+/// Times of other engines for a crowd of this kind \[ns\] per agent and mechanical step. They were measured once, on
+/// one core of a similar machine, 2026.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Others {
+    /// The published C++ engine as shipped.
+    pub published: f64,
+    /// The same, with the best compiler flags.
+    pub published_best: f64,
+    /// LAMMPS 2025-07-22, rigid/small and gran/hooke/history, if it was measured.
+    pub lammps: Option<f64>,
+}
+
+/// A crowd to be measured.
+pub struct Case {
+    /// Kind of crowd.
+    pub name: &'static str,
+    /// Number of agents.
+    pub agents: usize,
+    /// Makes the crowd.
+    pub make: fn(usize) -> Result<World>,
+    /// Number of mechanical steps of one measurement.
+    pub steps: u64,
+    /// Times of other engines, if there are any.
+    pub others: Option<Others>,
+}
+
+/// Returns all cases, small crowds first.
+pub fn cases() -> Vec<Case> {
+    let others = |published, published_best, lammps| Some(Others { published, published_best, lammps });
+    let case = |name, agents, make, steps, others| Case { name, agents, make, steps, others };
+    vec![
+        case("push, step 2e-6 s", 5, |_| Ok(push()), 200_000, others(10_000.0, 1_600.0, None)),
+        case("dense", 10, dense, 20_000, None),
+        case("dense", 100, dense, 10_000, others(120_000.0, 34_000.0, Some(720.0))),
+        case("dense", 1_000, dense, 1_000, others(180_000.0, 72_000.0, Some(750.0))),
+        case("dense", 10_000, dense, 1_000, None),
+        case("dense", 100_000, dense, 200, None),
+        case("sparse", 1_000, sparse, 2_000, others(5_500.0, 1_200.0, Some(590.0))),
+        case("sparse, all stepped", 1_000, all_stepped, 2_000, others(5_500.0, 1_200.0, Some(590.0))),
+        case("pressed on a wall", 1_000, pressed, 1_000, None),
+    ]
+}
+
+/// Pseudo-random numbers in [−1, 1), the same on every machine (SplitMix64).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / (1u64 << 63) as f64 - 1.0
+    }
+}
+
+/// Pedestrians on a lattice \[m\] in a closed box, slightly turned and shifted; each pushes in another direction.
+fn crowd(agents: usize, spacing: Vec2, turned: f64, push: f64) -> World {
+    let columns = ((agents as f64 * spacing.y / spacing.x).sqrt().round() as usize).max(1);
+    let rows = agents.div_ceil(columns);
+    let mut numbers = Numbers(30);
+    let motions: Vec<(Pose, Twist)> = (0..agents)
+        .map(|k| {
+            let place = at(
+                spacing.x * ((k % columns) as f64 + 0.5) + 0.01 * numbers.next(),
+                spacing.y * ((k / columns) as f64 + 0.5) + 0.01 * numbers.next(),
+            );
+            (Pose { orientation: turned * numbers.next(), ..place }, Twist::default())
+        })
+        .collect();
+    let (width, height) = (spacing.x * columns as f64, spacing.y * rows as f64);
+    let around = wall(&[(0.0, 0.0), (width, 0.0), (width, height), (0.0, height), (0.0, 0.0)]);
+    let mut world =
+        world(&vec![pedestrian(MASS, RATE); agents], &[around], BODIES, &motions, MECHANICAL_STEP);
+    for drive in &mut world.drive {
+        *drive = Wrench {
+            force: vec2(push * numbers.next(), push * numbers.next()),
+            torque: 0.02 * push * numbers.next(),
+        };
+    }
+    world
+}
+
+/// Lets a crowd settle into contact, with coarse steps.
+fn settled(mut world: World, duration: f64) -> Result<World> {
+    world.mechanical_step = 1e-4;
+    for _ in 0..5 {
+        world.advance(duration / 5.0)?;
+    }
+    world.mechanical_step = MECHANICAL_STEP;
+    Ok(world)
+}
+
+/// Makes a crowd of six people per square metre who push in all directions.
+///
+/// # Errors
+/// The simulation diverges.
+pub fn dense(agents: usize) -> Result<World> {
+    settled(crowd(agents, vec2(0.32, 0.521), 0.5, 800.0), 0.5)
+}
+
+/// Makes a crowd of one person per 2 m² who walk at about 1 m/s in all directions; some have met.
+///
+/// # Errors
+/// The simulation diverges.
+pub fn sparse(agents: usize) -> Result<World> {
+    settled(crowd(agents, vec2(1.4, 1.4), 3.0, 700.0), 2.0)
+}
+
+/// Makes the same crowd, but no person is moved by the closed form.
+///
+/// # Errors
+/// The simulation diverges.
+pub fn all_stepped(agents: usize) -> Result<World> {
+    let mut world = sparse(agents)?;
+    world.shortlisting = Shortlisting::Off;
+    Ok(world)
+}
+
+/// Makes a crowd in which all push towards one wall.
+///
+/// # Errors
+/// The simulation diverges.
+pub fn pressed(agents: usize) -> Result<World> {
+    let mut world = crowd(agents, vec2(0.276, 0.505), 0.1, 0.0);
+    world.drive.fill(Wrench { force: vec2(-200.0, 0.0), torque: 0.0 });
+    settled(world, 1.0)
+}
+
+/// The paper's five people in a row, the first pushed with 700 N.
+fn push() -> World {
+    let motions: Vec<(Pose, Twist)> =
+        (0..5).map(|k| (at(0.28 * f64::from(k), 0.0), Twist::default())).collect();
+    let mut world = world(&vec![pedestrian(MASS, RATE); 5], &[], BODIES, &motions, 2e-6);
+    world.drive[0].force.x = 700.0;
+    world
+}
+
+/// The measured figures of a case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// \[ns\] Processor time per agent and mechanical step of one thread: the median of the runs.
+    pub nanoseconds: f64,
+    /// Tested pairs per agent and step.
+    pub pairs: f64,
+    /// Contacts per agent and step.
+    pub contacts: f64,
+    /// Number of candidate lists made in a thousand steps.
+    pub rebuilds: f64,
+    /// Number of near-pair lists made from them in a thousand steps.
+    pub refreshes: f64,
+    /// Speed-up by more threads, from elapsed times measured in turns; `None` if the work was not shared.
+    pub speed_up: Option<f64>,
+}
+
+/// Measures a case. Each measurement is one communication step with all its mechanical steps. It is also run on
+/// `threads` threads.
+///
+/// # Errors
+/// The simulation diverges, no threads can be started, or the results depend on their number.
+pub fn measure(case: &Case, runs: usize, threads: usize) -> Result<Figures> {
+    let mut world = (case.make)(case.agents)?;
+    let step = world.mechanical_step * case.steps as f64;
+    world.advance(step)?;
+    let mut shared = world.clone();
+    shared.set_threads(threads)?;
+    let before = *world.work();
+    let (mut times, mut alone, mut together) = (Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..runs {
+        let (start, wall) = (ThreadTime::now(), Instant::now());
+        world.advance(step)?;
+        times.push(start.elapsed().as_secs_f64());
+        alone.push(wall.elapsed().as_secs_f64());
+        if shared.threads() > 1 {
+            let wall = Instant::now();
+            shared.advance(step)?;
+            together.push(wall.elapsed().as_secs_f64());
+        }
+    }
+    let was_shared = shared.shared() > 0;
+    if was_shared && world.state() != shared.state() {
+        return Err(Error::OtherResults { name: case.name, agents: case.agents });
+    }
+    let (steps, work) = ((case.steps * runs as u64) as f64, world.work());
+    let each = case.agents as f64 * steps;
+    Ok(Figures {
+        nanoseconds: median(&mut times) * 1e9 / (case.agents as f64 * case.steps as f64),
+        pairs: (work.pairs - before.pairs) as f64 / each,
+        contacts: (work.contacts - before.contacts) as f64 / each,
+        rebuilds: (work.rebuilds - before.rebuilds) as f64 * 1000.0 / steps,
+        refreshes: (work.refreshes - before.refreshes) as f64 * 1000.0 / steps,
+        speed_up: was_shared.then(|| median(&mut alone) / median(&mut together)),
+    })
+}
+
+/// The median of at least one number.
+fn median(numbers: &mut [f64]) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers[numbers.len() / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the crowds are called is what they are, and they cost the work that they should; counts, never times.
+    #[test]
+    fn crowds_are_what_they_are_called() {
+        for case in cases().into_iter().filter(|case| case.agents <= 1_000) {
+            let figures = measure(&Case { steps: 500, ..case }, 1, 2).unwrap();
+            let (pairs, contacts) = match case.name {
+                "dense" => (0.7..2.5, 0.3..2.0),
+                "pressed on a wall" => (1.5..3.5, 1.0..4.0),
+                "sparse" => (0.0..0.3, 0.01..0.2),
+                "sparse, all stepped" => (0.0..0.3, 0.01..0.2),
+                _ => (0.0..2.0, 0.0..2.0),
+            };
+            let name = format!("{} {}: {figures:?}", case.name, case.agents);
+            assert!(pairs.contains(&figures.pairs) && contacts.contains(&figures.contacts), "{name}");
+            // A list holds for hundreds of steps: its margin is millimetres, a step some micrometres.
+            assert!(figures.rebuilds <= 6.0 && figures.refreshes <= 40.0, "{name}");
+            assert_eq!(
+                figures.speed_up.is_some(),
+                (case.name, case.agents) == ("dense", 1_000) || case.name == "pressed on a wall",
+                "{name}"
+            );
+        }
+    }
+}

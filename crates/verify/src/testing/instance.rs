@@ -1,0 +1,661 @@
+//! An instance of FMI 2.0 or 3.0 as an importer holds it: the same calls for both versions, and its messages.
+//!
+//! Arrays are as long as said. [`Instance::nulls`] leaves out pointers of the calls that follow.
+
+#![allow(clippy::not_unsafe_ptr_arg_deref)] // states are given as the importer holds them
+
+use crate::testing::functions::{fmi2, fmi3};
+use lemons_fmi::Status;
+use lemons_fmi::v2::CallbackFunctions;
+use lemons_fmi::v3::ArrayModel;
+use libloading::Library;
+use std::cell::{Cell, RefCell};
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::path::Path;
+use std::ptr::{null, null_mut};
+use std::sync::{Mutex, PoisonError};
+
+/// A version of FMI.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs)]
+pub enum Version {
+    V2,
+    V3,
+}
+
+impl Version {
+    /// Both.
+    pub const BOTH: [Version; 2] = [Version::V2, Version::V3];
+
+    /// What an importer says of a directory of resources.
+    pub fn location(self, path: &Path) -> String {
+        match self {
+            Version::V2 => format!("file://{}", path.display()),
+            Version::V3 => path.display().to_string(),
+        }
+    }
+}
+
+/// The C functions of a version.
+#[derive(Clone)]
+#[allow(missing_docs)]
+pub enum Functions {
+    V2(Box<fmi2::Functions>),
+    V3(Box<fmi3::Functions>),
+}
+
+impl Functions {
+    /// Those of a shared library, which must stay loaded while they are called.
+    pub fn of(library: &Library, version: Version) -> Functions {
+        match version {
+            Version::V2 => Functions::V2(Box::new(fmi2::Functions::of(library))),
+            Version::V3 => Functions::V3(Box::new(fmi3::Functions::of(library))),
+        }
+    }
+
+    /// Those of a model, without a library.
+    pub fn of_model<M: ArrayModel>(version: Version) -> Functions {
+        match version {
+            Version::V2 => Functions::V2(Box::new(fmi2::Functions::of_model::<M>())),
+            Version::V3 => Functions::V3(Box::new(fmi3::Functions::of_model::<M>())),
+        }
+    }
+
+    /// The version.
+    pub fn version(&self) -> Version {
+        match self {
+            Functions::V2(_) => Version::V2,
+            Functions::V3(_) => Version::V3,
+        }
+    }
+}
+
+/// A message to the importer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// Status.
+    pub status: Status,
+    /// Log category.
+    pub category: String,
+    /// Text.
+    pub text: String,
+}
+
+/// Called within a step of FMI 3.0, at a time \[s\], and whether the step may end there: returns when it shall end.
+pub type Update = dyn FnMut(f64, bool) -> Option<f64>;
+
+/// What the callbacks of an instance know.
+#[derive(Default)]
+struct Environment {
+    messages: Mutex<Vec<Message>>,
+    update: RefCell<Option<Box<Update>>>,
+}
+
+impl Environment {
+    /// # Safety
+    /// The environment is one of ours that lives, texts end with a zero.
+    unsafe fn told(environment: *mut c_void, status: Status, category: *const c_char, text: *const c_char) {
+        // SAFETY: as said above.
+        let (environment, category, text) =
+            unsafe { (&*environment.cast::<Environment>(), CStr::from_ptr(category), CStr::from_ptr(text)) };
+        let string = |text: &CStr| text.to_str().expect("the logger gets UTF-8 text").to_owned();
+        let message = Message { status, category: string(category), text: string(text) };
+        environment.messages.lock().unwrap_or_else(PoisonError::into_inner).push(message);
+    }
+}
+
+/// The standard's logger has variable arguments, which stable Rust cannot define. All calls of our libraries pass one
+/// argument, the text for "%s". By the C calling conventions of Linux on x86_64 and aarch64, a call with variable
+/// arguments puts six pointers where a function with six fixed pointers looks for them: in registers.
+type Logger2 =
+    unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, *const c_char);
+
+unsafe extern "C" fn log2(
+    environment: *mut c_void,
+    _instance: *const c_char,
+    status: Status,
+    category: *const c_char,
+    format: *const c_char,
+    text: *const c_char,
+) {
+    // SAFETY: the environment and the texts that the library was given or makes.
+    unsafe {
+        assert_eq!(CStr::from_ptr(format), c"%s");
+        Environment::told(environment, status, category, text);
+    }
+}
+
+unsafe extern "C" fn log3(
+    environment: *mut c_void,
+    status: Status,
+    category: *const c_char,
+    text: *const c_char,
+) {
+    // SAFETY: the environment and the texts that the library was given or makes.
+    unsafe { Environment::told(environment, status, category, text) };
+}
+
+unsafe extern "C" fn update(
+    environment: *mut c_void,
+    time: f64,
+    set_requested: bool,
+    get_allowed: bool,
+    finished: bool,
+    can_return: bool,
+    request: *mut bool,
+    until: *mut f64,
+) {
+    assert!(time.is_finite() && !set_requested && get_allowed && finished);
+    // SAFETY: the environment that the library was given.
+    let environment = unsafe { &*environment.cast::<Environment>() };
+    if let Some(update) = environment.update.borrow_mut().as_mut()
+        && let Some(stop) = update(time, can_return)
+    {
+        // SAFETY: places of values.
+        unsafe { (*request, *until) = (true, stop) };
+    }
+}
+
+/// The arguments of `fmi2Instantiate` and `fmi3InstantiateCoSimulation`.
+#[derive(Debug, Clone, Copy)]
+#[allow(missing_docs)]
+pub struct Arguments<'a> {
+    pub name: Option<&'a CStr>,
+    /// GUID or instantiation token.
+    pub token: Option<&'a CStr>,
+    /// URI or path of the resources.
+    pub location: Option<&'a CStr>,
+    pub logging_on: bool,
+    /// Of FMI 2.0.
+    pub fmu_type: c_int,
+    /// Of FMI 3.0.
+    pub event_mode: bool,
+    pub early_return: bool,
+    pub updates: bool,
+}
+
+impl<'a> Arguments<'a> {
+    /// Of an instance that a master makes.
+    pub fn new(token: &'a CStr, location: &'a CStr) -> Arguments<'a> {
+        Arguments {
+            name: Some(c"crowd"),
+            token: Some(token),
+            location: Some(location),
+            logging_on: true,
+            fmu_type: fmi2::CO_SIMULATION,
+            event_mode: false,
+            early_return: false,
+            updates: false,
+        }
+    }
+}
+
+/// What a step said.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)]
+pub struct Stepped {
+    pub status: Status,
+    /// Whether it returned early; never in FMI 2.0.
+    pub early: bool,
+    /// \[s\] the time that was reached.
+    pub time: f64,
+}
+
+/// An instance; freed when dropped.
+pub struct Instance {
+    /// As the functions take it.
+    pub raw: *mut c_void,
+    /// The functions.
+    pub functions: Functions,
+    environment: Box<Environment>,
+    /// Pointers of the next calls that are NULL, one bit each.
+    pub nulls: Cell<u8>,
+}
+
+// SAFETY: FMI lets instances move between threads; callbacks stay on the thread that they were given on.
+unsafe impl Send for Instance {}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        // SAFETY: given back once.
+        match &self.functions {
+            Functions::V2(c) => unsafe { (c.fmi2FreeInstance)(self.raw) },
+            Functions::V3(c) => unsafe { (c.fmi3FreeInstance)(self.raw) },
+        }
+    }
+}
+
+/// A call that differs in the name of the function only.
+macro_rules! call {
+    ($self:ident, $v2:ident / $v3:ident $(, $argument:expr)*) => {
+        // SAFETY: an instance, and arrays as long as said, or NULL.
+        match &$self.functions {
+            Functions::V2(c) => unsafe { (c.$v2)($self.raw $(, $argument)*) },
+            Functions::V3(c) => unsafe { (c.$v3)($self.raw $(, $argument)*) },
+        }
+    };
+}
+
+/// A call on values, whose number FMI 3.0 also takes.
+macro_rules! values {
+    ($self:ident, $v2:ident / $v3:ident, $references:ident, $values:expr, $length:expr) => {{
+        let (at, count) = ($self.or_null(0, $references.as_ptr()), $references.len());
+        let (values, length) = ($values, $length);
+        // SAFETY: an instance, and arrays as long as said, or NULL.
+        match &$self.functions {
+            Functions::V2(c) => {
+                assert_eq!(count, length, "FMI 2.0 has a value for each reference");
+                unsafe { (c.$v2)($self.raw, at, count, values) }
+            }
+            Functions::V3(c) => unsafe { (c.$v3)($self.raw, at, count, values, length) },
+        }
+    }};
+}
+
+impl Instance {
+    /// Makes an instance, or returns what was told.
+    pub fn new(functions: &Functions, arguments: &Arguments<'_>) -> Result<Instance, Vec<Message>> {
+        let environment = Box::<Environment>::default();
+        let at = std::ptr::from_ref(&*environment).cast_mut().cast();
+        let text = |text: Option<&CStr>| text.map_or(null(), CStr::as_ptr);
+        let Arguments { name, token, location, logging_on, .. } = *arguments;
+        let (name, token, location) = (text(name), text(token), text(location));
+        // SAFETY: texts that end in a zero, or NULL. Importers may keep the callbacks on the stack.
+        let raw = unsafe {
+            match functions {
+                Functions::V2(c) => {
+                    // The same arguments in the same places: see `Logger2`.
+                    let logger = std::mem::transmute::<Logger2, lemons_fmi::Logger2>(log2);
+                    let callbacks = CallbackFunctions {
+                        logger: Some(logger),
+                        component_environment: at,
+                        ..fmi2::NO_CALLBACKS
+                    };
+                    let kind = arguments.fmu_type;
+                    (c.fmi2Instantiate)(name, kind, token, location, &callbacks, 0, logging_on.into())
+                }
+                Functions::V3(c) => (c.fmi3InstantiateCoSimulation)(
+                    name,
+                    token,
+                    location,
+                    false,
+                    logging_on,
+                    arguments.event_mode,
+                    arguments.early_return,
+                    null(),
+                    0,
+                    at,
+                    Some(log3),
+                    if arguments.updates { Some(update) } else { None },
+                ),
+            }
+        };
+        if raw.is_null() {
+            return Err(environment.messages.into_inner().unwrap_or_else(PoisonError::into_inner));
+        }
+        Ok(Instance { raw, functions: functions.clone(), environment, nulls: Cell::new(0) })
+    }
+
+    /// The functions of FMI 2.0.
+    pub fn v2(&self) -> &fmi2::Functions {
+        let Functions::V2(c) = &self.functions else { panic!("an instance of FMI 3.0") };
+        c
+    }
+
+    /// The functions of FMI 3.0.
+    pub fn v3(&self) -> &fmi3::Functions {
+        let Functions::V3(c) = &self.functions else { panic!("an instance of FMI 2.0") };
+        c
+    }
+
+    /// The version.
+    pub fn version(&self) -> Version {
+        self.functions.version()
+    }
+
+    /// The messages since the last call.
+    pub fn take_messages(&self) -> Vec<Message> {
+        std::mem::take(&mut *self.environment.messages.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Sees values within steps.
+    pub fn on_update(&self, update: Box<Update>) {
+        *self.environment.update.borrow_mut() = Some(update);
+    }
+
+    /// Asserts `Ok`; what was told until then is forgotten.
+    #[track_caller]
+    pub fn must(&self, status: Status) {
+        let said = self.take_messages();
+        assert_eq!(status, Status::Ok, "{said:?}");
+    }
+
+    /// Asserts an error with one message, and returns its text.
+    #[track_caller]
+    pub fn refused(&self, status: Status) -> String {
+        let said = self.take_messages();
+        assert_eq!(status, Status::Error, "{said:?}");
+        let [Message { status, category, text }] = &*said else { panic!("one message, not {said:?}") };
+        assert_eq!((*status, &**category), (Status::Error, "logStatusError"), "{said:?}");
+        text.clone()
+    }
+
+    fn or_null<T>(&self, place: u8, pointer: *const T) -> *const T {
+        if self.nulls.get() >> place & 1 == 1 { null() } else { pointer }
+    }
+
+    fn or_null_mut<T>(&self, place: u8, pointer: *mut T) -> *mut T {
+        self.or_null(place, pointer.cast_const()).cast_mut()
+    }
+
+    /// Sets up an experiment from a start time \[s\], in FMI 2.0 only.
+    pub fn set_up(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
+        let Functions::V2(c) = &self.functions else { return Status::Ok };
+        let defined = (c_int::from(tolerance.is_some()), c_int::from(stop.is_some()));
+        let (tolerance, stop) = (tolerance.unwrap_or(f64::NAN), stop.unwrap_or(f64::NAN));
+        // SAFETY: an instance.
+        unsafe { (c.fmi2SetupExperiment)(self.raw, defined.0, tolerance, start, defined.1, stop) }
+    }
+
+    /// Begins initialization, with an experiment from a start time \[s\].
+    pub fn enter(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
+        let status = self.set_up(tolerance, start, stop);
+        if status != Status::Ok {
+            return status;
+        }
+        let defined = (tolerance.is_some(), stop.is_some());
+        let (tolerance, stop) = (tolerance.unwrap_or(f64::NAN), stop.unwrap_or(f64::NAN));
+        // SAFETY: an instance.
+        match &self.functions {
+            Functions::V2(c) => unsafe { (c.fmi2EnterInitializationMode)(self.raw) },
+            Functions::V3(c) => unsafe {
+                (c.fmi3EnterInitializationMode)(self.raw, defined.0, tolerance, start, defined.1, stop)
+            },
+        }
+    }
+
+    /// Ends initialization.
+    pub fn exit(&self) -> Status {
+        call!(self, fmi2ExitInitializationMode / fmi3ExitInitializationMode)
+    }
+
+    /// From instantiated to the first step, at time 0.
+    #[track_caller]
+    pub fn initialize(&self) {
+        self.must(self.enter(None, 0.0, None));
+        self.must(self.exit());
+    }
+
+    /// `fmi2Terminate`, `fmi3Terminate`
+    pub fn terminate(&self) -> Status {
+        call!(self, fmi2Terminate / fmi3Terminate)
+    }
+
+    /// `fmi2Reset`, `fmi3Reset`
+    pub fn reset(&self) -> Status {
+        call!(self, fmi2Reset / fmi3Reset)
+    }
+
+    /// `fmi3EnterConfigurationMode`
+    pub fn enter_configuration(&self) -> Status {
+        // SAFETY: an instance.
+        unsafe { (self.v3().fmi3EnterConfigurationMode)(self.raw) }
+    }
+
+    /// `fmi3ExitConfigurationMode`
+    pub fn exit_configuration(&self) -> Status {
+        // SAFETY: an instance.
+        unsafe { (self.v3().fmi3ExitConfigurationMode)(self.raw) }
+    }
+
+    /// `fmi2SetDebugLogging`, `fmi3SetDebugLogging`
+    pub fn debug_logging(&self, on: bool, categories: &[Option<&CStr>]) -> Status {
+        let pointers: Vec<_> = categories.iter().map(|text| text.map_or(null(), CStr::as_ptr)).collect();
+        let (count, at) = (pointers.len(), self.or_null(0, pointers.as_ptr()));
+        // SAFETY: an instance, and as many texts as said, or NULL.
+        match &self.functions {
+            Functions::V2(c) => unsafe { (c.fmi2SetDebugLogging)(self.raw, on.into(), count, at) },
+            Functions::V3(c) => unsafe { (c.fmi3SetDebugLogging)(self.raw, on, count, at) },
+        }
+    }
+
+    /// `fmi2GetReal`, `fmi3GetFloat64`: so many values.
+    pub fn get_real(&self, references: &[u32], length: usize) -> (Status, Vec<f64>) {
+        let mut values = vec![f64::NAN; length];
+        let to = self.or_null_mut(1, values.as_mut_ptr());
+        (values!(self, fmi2GetReal / fmi3GetFloat64, references, to, length), values)
+    }
+
+    /// `fmi2SetReal`, `fmi3SetFloat64`
+    pub fn set_real(&self, references: &[u32], values: &[f64]) -> Status {
+        let from = self.or_null(1, values.as_ptr());
+        values!(self, fmi2SetReal / fmi3SetFloat64, references, from, values.len())
+    }
+
+    /// `fmi2GetInteger`, `fmi3GetInt32`
+    pub fn get_integer(&self, references: &[u32], length: usize) -> (Status, Vec<i32>) {
+        let mut values = vec![i32::MIN; length];
+        let to = self.or_null_mut(1, values.as_mut_ptr());
+        (values!(self, fmi2GetInteger / fmi3GetInt32, references, to, length), values)
+    }
+
+    /// `fmi2SetInteger`, `fmi3SetInt32`
+    pub fn set_integer(&self, references: &[u32], values: &[i32]) -> Status {
+        let from = self.or_null(1, values.as_ptr());
+        values!(self, fmi2SetInteger / fmi3SetInt32, references, from, values.len())
+    }
+
+    /// `fmi2GetBoolean`, `fmi3GetBoolean`: 0 or 1.
+    pub fn get_boolean(&self, references: &[u32], length: usize) -> (Status, Vec<i32>) {
+        let (mut integers, mut values) = (vec![i32::MIN; length], vec![false; length]);
+        let (at, count) = (self.or_null(0, references.as_ptr()), references.len());
+        // SAFETY: an instance, and arrays as long as said, or NULL.
+        let status = match &self.functions {
+            Functions::V2(c) => unsafe {
+                assert_eq!(count, length);
+                (c.fmi2GetBoolean)(self.raw, at, count, self.or_null_mut(1, integers.as_mut_ptr()))
+            },
+            Functions::V3(c) => unsafe {
+                let to = self.or_null_mut(1, values.as_mut_ptr());
+                let status = (c.fmi3GetBoolean)(self.raw, at, count, to, length);
+                integers = values.into_iter().map(i32::from).collect();
+                status
+            },
+        };
+        (status, integers)
+    }
+
+    /// `fmi2SetBoolean`, `fmi3SetBoolean`: 0 or anything else.
+    pub fn set_boolean(&self, references: &[u32], values: &[i32]) -> Status {
+        let (at, count) = (self.or_null(0, references.as_ptr()), references.len());
+        // SAFETY: an instance, and arrays as long as said, or NULL.
+        match &self.functions {
+            Functions::V2(c) => unsafe {
+                assert_eq!(count, values.len());
+                (c.fmi2SetBoolean)(self.raw, at, count, self.or_null(1, values.as_ptr()))
+            },
+            Functions::V3(c) => unsafe {
+                let values: Vec<bool> = values.iter().map(|value| *value != 0).collect();
+                (c.fmi3SetBoolean)(self.raw, at, count, self.or_null(1, values.as_ptr()), values.len())
+            },
+        }
+    }
+
+    /// `fmi2GetString`, `fmi3GetString`; no texts after a refusal.
+    pub fn get_string(&self, references: &[u32], length: usize) -> (Status, Vec<CString>) {
+        let mut values = vec![null(); length];
+        let to = self.or_null_mut(1, values.as_mut_ptr());
+        let status = values!(self, fmi2GetString / fmi3GetString, references, to, length);
+        let texts = match status {
+            // SAFETY: texts that live until the next call.
+            Status::Ok => values.iter().map(|text| unsafe { CStr::from_ptr(*text) }.to_owned()).collect(),
+            _ => Vec::new(),
+        };
+        (status, texts)
+    }
+
+    /// `fmi2SetString`, `fmi3SetString`
+    pub fn set_string(&self, references: &[u32], values: &[Option<&CStr>]) -> Status {
+        let pointers: Vec<_> = values.iter().map(|text| text.map_or(null(), CStr::as_ptr)).collect();
+        let from = self.or_null(1, pointers.as_ptr());
+        values!(self, fmi2SetString / fmi3SetString, references, from, pointers.len())
+    }
+
+    /// `fmi3GetUInt64`
+    pub fn get_size(&self, references: &[u32], length: usize) -> (Status, Vec<u64>) {
+        let mut values = vec![0; length];
+        let (at, to) = (self.or_null(0, references.as_ptr()), self.or_null_mut(1, values.as_mut_ptr()));
+        // SAFETY: an instance, and arrays as long as said, or NULL.
+        let status = unsafe { (self.v3().fmi3GetUInt64)(self.raw, at, references.len(), to, length) };
+        (status, values)
+    }
+
+    /// `fmi3SetUInt64`
+    pub fn set_size(&self, references: &[u32], values: &[u64]) -> Status {
+        let (at, from) = (self.or_null(0, references.as_ptr()), self.or_null(1, values.as_ptr()));
+        // SAFETY: an instance, and arrays as long as said, or NULL.
+        unsafe { (self.v3().fmi3SetUInt64)(self.raw, at, references.len(), from, values.len()) }
+    }
+
+    /// `fmi2GetRealOutputDerivatives`, `fmi3GetOutputDerivatives`
+    pub fn output_derivatives(
+        &self,
+        references: &[u32],
+        orders: &[i32],
+        length: usize,
+    ) -> (Status, Vec<f64>) {
+        assert_eq!(references.len(), orders.len());
+        let mut values = vec![1.0; length];
+        let (at, of) = (self.or_null(0, references.as_ptr()), self.or_null(2, orders.as_ptr()));
+        let (count, to) = (references.len(), self.or_null_mut(1, values.as_mut_ptr()));
+        // SAFETY: an instance, and arrays as long as said, or NULL.
+        let status = match &self.functions {
+            Functions::V2(c) => unsafe {
+                assert_eq!(count, length);
+                (c.fmi2GetRealOutputDerivatives)(self.raw, at, count, of, to)
+            },
+            Functions::V3(c) => unsafe { (c.fmi3GetOutputDerivatives)(self.raw, at, count, of, to, length) },
+        };
+        (status, values)
+    }
+
+    /// `fmi2SetRealInputDerivatives`
+    pub fn set_input_derivatives(&self, references: &[u32], orders: &[i32], values: &[f64]) -> Status {
+        assert_eq!((references.len(), orders.len()), (values.len(), values.len()));
+        let (at, of) = (self.or_null(0, references.as_ptr()), self.or_null(1, orders.as_ptr()));
+        let (count, from) = (values.len(), self.or_null(2, values.as_ptr()));
+        // SAFETY: an instance, and arrays as long as said, or NULL.
+        unsafe { (self.v2().fmi2SetRealInputDerivatives)(self.raw, at, count, of, from) }
+    }
+
+    /// From a time over a step, both \[s\].
+    pub fn do_step(&self, from: f64, step: f64) -> Stepped {
+        let (mut event, mut terminate, mut early, mut time) = (true, true, true, f64::NAN);
+        // SAFETY: an instance, and places of values or NULL.
+        match &self.functions {
+            Functions::V2(c) => {
+                let status = unsafe { (c.fmi2DoStep)(self.raw, from, step, 1) };
+                Stepped { status, early: false, time: from + step }
+            }
+            Functions::V3(c) => {
+                let status = unsafe {
+                    (c.fmi3DoStep)(
+                        self.raw,
+                        from,
+                        step,
+                        true,
+                        self.or_null_mut(0, &raw mut event),
+                        self.or_null_mut(1, &raw mut terminate),
+                        self.or_null_mut(2, &raw mut early),
+                        self.or_null_mut(3, &raw mut time),
+                    )
+                };
+                let set = |place: u8, value: bool| self.nulls.get() >> place & 1 == 1 || value;
+                assert!(set(0, !event) && set(1, !terminate) && set(3, time.is_finite()), "always set");
+                Stepped { status, early: early && self.nulls.get() >> 2 & 1 == 0, time }
+            }
+        }
+    }
+
+    /// `fmi2GetFMUstate`, `fmi3GetFMUState`
+    pub fn get_state(&self, state: &mut *mut c_void) -> Status {
+        call!(self, fmi2GetFMUstate / fmi3GetFMUState, self.or_null_mut(0, state))
+    }
+
+    /// `fmi2SetFMUstate`, `fmi3SetFMUState`
+    pub fn set_state(&self, state: *mut c_void) -> Status {
+        call!(self, fmi2SetFMUstate / fmi3SetFMUState, state)
+    }
+
+    /// `fmi2FreeFMUstate`, `fmi3FreeFMUState`
+    pub fn free_state(&self, state: &mut *mut c_void) -> Status {
+        call!(self, fmi2FreeFMUstate / fmi3FreeFMUState, self.or_null_mut(0, state))
+    }
+
+    /// `fmi2SerializedFMUstateSize`, `fmi3SerializedFMUStateSize`
+    pub fn serialized_size(&self, state: *mut c_void) -> (Status, usize) {
+        let mut size = 0;
+        let to = self.or_null_mut(0, &raw mut size);
+        (call!(self, fmi2SerializedFMUstateSize / fmi3SerializedFMUStateSize, state, to), size)
+    }
+
+    /// Into a buffer of `size` bytes.
+    pub fn serialize(&self, state: *mut c_void, size: usize) -> (Status, Vec<u8>) {
+        let mut bytes = vec![0xEE; size];
+        let to = self.or_null_mut(0, bytes.as_mut_ptr());
+        (call!(self, fmi2SerializeFMUstate / fmi3SerializeFMUState, state, to, size), bytes)
+    }
+
+    /// `fmi2DeSerializeFMUstate`, `fmi3DeserializeFMUState`
+    pub fn deserialize(&self, bytes: &[u8], state: &mut *mut c_void) -> Status {
+        let (from, to) = (self.or_null(0, bytes.as_ptr()), self.or_null_mut(1, state));
+        call!(self, fmi2DeSerializeFMUstate / fmi3DeserializeFMUState, from, bytes.len(), to)
+    }
+
+    /// A state that must be given back with [`Instance::free`].
+    #[track_caller]
+    pub fn save(&self) -> *mut c_void {
+        let mut state = null_mut();
+        self.must(self.get_state(&mut state));
+        state
+    }
+
+    /// Gives a state back.
+    #[track_caller]
+    pub fn free(&self, mut state: *mut c_void) {
+        self.must(self.free_state(&mut state));
+        assert!(state.is_null());
+    }
+
+    /// The present state as bytes: with the phase and the time in it, all that an instance is.
+    #[track_caller]
+    pub fn bytes(&self) -> Vec<u8> {
+        let state = self.save();
+        let bytes = self.bytes_of(state);
+        self.free(state);
+        bytes
+    }
+
+    /// A state as bytes.
+    #[track_caller]
+    pub fn bytes_of(&self, state: *mut c_void) -> Vec<u8> {
+        let (status, size) = self.serialized_size(state);
+        self.must(status);
+        let (status, bytes) = self.serialize(state, size);
+        self.must(status);
+        bytes
+    }
+
+    /// Goes back to what [`Instance::bytes`] gave; the first status that is not `Ok`.
+    pub fn restore(&self, bytes: &[u8]) -> Status {
+        let mut state = null_mut();
+        let status = self.deserialize(bytes, &mut state);
+        if status != Status::Ok {
+            assert!(state.is_null(), "a refused state is not handed out");
+            return status;
+        }
+        let status = self.set_state(state);
+        assert_eq!(self.free_state(&mut state), Status::Ok);
+        status
+    }
+}
