@@ -1,14 +1,17 @@
 //! `lemons sweep`: many runs with other parameters.
 
+use crate::error::Misused;
 use crate::files::{self, Force};
 use crate::interrupt::{Interrupt, Interrupted};
+use crate::output::Output;
 use crate::tell::Interim;
 use crate::version::BUILD;
 use crate::words::trial_told;
 use anyhow::{Context, Result, bail};
 use indicatif::ProgressStyle;
-use lemons_sweep::{Finished, How, Progress, Spec, Swept, sweep as run};
+use lemons_sweep::{Finished, How, Progress, Spec, Swept, check_over, summary, sweep as run};
 use std::cell::Cell;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -28,6 +31,14 @@ pub struct Arguments {
     /// Simulate failed points again
     #[arg(long)]
     retry_failed: bool,
+    /// Write a table with a row for each case, that is for all runs that differ only in the parameters of
+    /// --over: how many there are, how many failed and how many had no end (stuck); and of each measure the
+    /// mean, its 95 % interval (_low, _high: Student's t) and quantiles, of the runs that have a value
+    #[arg(long, value_name = "FILE.csv", requires = "over")]
+    summary: Option<PathBuf>,
+    /// Parameters that tell the runs of a case apart, such as a seed
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "summary")]
+    over: Vec<String>,
     #[command(flatten)]
     _force: Force,
 }
@@ -118,6 +129,8 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     // What is there is gone on with, or refused.
     files::claim_directory(&output)?;
     claim_series(&spec)?;
+    check_over(&spec.points, &arguments.over).map_err(|error| Misused(format!("--over: {error}")))?;
+    let mut summed = arguments.summary.as_deref().map(Output::open).transpose()?;
     let threads = match arguments.threads {
         Some(threads) => usize::from(threads),
         None => std::thread::available_parallelism().map_or(1, usize::from),
@@ -149,7 +162,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     let may_end = spec.may_end();
     let done = run(spec, &output, how, interrupt.flag(), tell);
     bar.finish_and_clear();
-    let Swept { rows, progress: at, warnings } = match (done, newest.get()) {
+    let Swept { points, measures, rows, progress: at, warnings } = match (done, newest.get()) {
         (Ok(done), _) => done,
         (Err(error), Some(at)) => return Err(anyhow::Error::new(error).context(numbers(at))),
         (Err(lemons_sweep::Error::Master(error)), None) => return Err(trial_told(error.into())),
@@ -162,7 +175,7 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
     for warning in &warnings {
         note!("note: {warning} (drive = false: only these)");
     }
-    let told = summary(&rows, at, wall, threads, may_end);
+    let told = tell_points(&rows, at, wall, threads, may_end);
     if at.done < at.total {
         let go_on =
             format!("{} of {} points are finished and kept; go on with the same command", at.done, at.total);
@@ -173,6 +186,14 @@ pub fn sweep(arguments: &Arguments) -> Result<()> {
         bail!("none of the {} points succeeded: {again}", at.total);
     }
     told?;
+    if let Some(file) = &mut summed {
+        let text = summary(&points, &measures, &rows, &arguments.over)?;
+        file.fill(|out| out.write_all(text.as_bytes()))?;
+    }
+    if let (Some(file), Some(path)) = (summed, &arguments.summary) {
+        file.persist()?;
+        say!("summary            {}", path.display())?;
+    }
     Ok(say!("table              {}", output.display())?)
 }
 
@@ -194,7 +215,7 @@ fn numbers(at: Progress) -> String {
     )
 }
 
-fn summary(rows: &[Finished], at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {
+fn tell_points(rows: &[Finished], at: Progress, wall: f64, threads: usize, may_end: bool) -> Result<()> {
     let new = at.done - at.before;
     say!("points             {:>10}     ({new} now, {} before)", at.total, at.before)?;
     say!("succeeded          {:>10}", at.done - at.failed)?;

@@ -1,6 +1,7 @@
 //! Runs a sweep: threads simulate points, and their results are appended to the table.
 
 use crate::error::{Error, Place, Result};
+use crate::points::Points;
 use crate::simulate::{Job, Worker};
 use crate::spec::{ENDED, Spec};
 use crate::table::{Finished, Measured, Table};
@@ -37,6 +38,10 @@ pub struct How<'a> {
 
 /// A sweep that has ended.
 pub struct Swept {
+    /// What was simulated.
+    pub points: Points,
+    /// Names of the measures.
+    pub measures: Vec<String>,
     /// All finished points, in order.
     pub rows: Vec<Finished>,
     /// How far it is.
@@ -82,9 +87,10 @@ pub fn sweep(
         tell(progress);
         Ok(())
     })?;
+    let points = queue.job.spec.points.clone();
     let whole = progress.done == progress.total;
     let rows = if whole { table.finish()? } else { table.rows().cloned().collect() };
-    Ok(Swept { rows, progress, warnings })
+    Ok(Swept { points, measures, rows, progress, warnings })
 }
 
 /// Data shared by the threads of a sweep.
